@@ -1,7 +1,7 @@
-# Finds the libraries of the default build (Debian 12 package names in ./run) and says what is on.
+# Finds the libraries of the default build (./run lists the Debian 12 packages) and determines the optional features.
 find_package(Threads REQUIRED)
 if(E2LF_FUZZ)
-  # One thread, so that an input always does the same; and clang's OpenMP is one package more.
+  # One thread, so that runs are repeatable and clang's OpenMP package is not needed.
   add_library(OpenMP::OpenMP_CXX INTERFACE IMPORTED)
 else()
   find_package(OpenMP REQUIRED COMPONENTS CXX)
@@ -15,9 +15,15 @@ find_package(JPEG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 # SSSE3 alone is what CPUs of 2006 have; every kernel compiled for it as well takes time and gains nothing on others.
-set_property(TARGET PkgConfig::HWY APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3)
+set(left_out HWY_SSSE3)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  # NEON alone: kernels keep vectors in arrays, which SVE's, whose size the CPU decides, cannot be in.
+  set(left_out "(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+  e2lf_feature(kernels ON "NEON; those with AVX-512 instructions and AMX tiles are for x86 alone")
+endif()
+set_property(TARGET PkgConfig::HWY APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=${left_out})
 
-# HDF5 1.10's CMake package brings global flags; the pkg-config file names just what is needed.
+# The CMake package of HDF5 1.10 sets global flags; the pkg-config file contains only what is needed.
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(ZSTD IMPORTED_TARGET libzstd)
@@ -40,7 +46,7 @@ else()
   endif()
 endif()
 
-# Debian's FFmpeg is under the GPL: see docs/packages.md.
+# Debian's FFmpeg is licensed under the GPL; see docs/packages.md.
 if(E2LF_WITH_FILMS STREQUAL "OFF")
   set(FFMPEG_FOUND FALSE)
   e2lf_feature(films OFF "E2LF_WITH_FILMS=OFF: e2lf animate writes quilts alone")
@@ -70,7 +76,7 @@ else()
 endif()
 
 if(E2LF_WITH_STAND_IN_CAMERA)
-  # Built here and now, into a prefix of its own: it is found as the vendor's HAL is.
+  # It is built during configuration, into its own prefix, and is then found like the vendor's HAL.
   set(stand_in ${PROJECT_BINARY_DIR}/stand_in_hal)
   file(GLOB stand_in_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/testing/hal/*)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${stand_in_sources})
@@ -97,7 +103,7 @@ else()
   endif()
 endif()
 if(MetavisionHAL_FOUND)
-  # Installed programs find the HAL where it was found, unless the system looks there anyway; pkg-config does not know it.
+  # Installed programs find the HAL where the build found it, unless that is a system folder. The HAL has no pkg-config file.
   foreach(library IN ITEMS HAL_discovery HAL base)
     foreach(config IN ITEMS _RELEASE _RELWITHDEBINFO _NONE _NOCONFIG "")
       set(location NOTFOUND)
@@ -131,8 +137,8 @@ else()
   e2lf_feature(torch OFF "E2LF_WITH_TORCH=OFF")
 endif()
 
-# The viewer: its page is made with npm's packages (exact versions in viewer/package.json), which are fetched here; its
-# server is cpp-httplib's.
+# The viewer. Its page is built with npm packages (exact versions in viewer/package.json), which are fetched here. Its server
+# uses cpp-httplib.
 set(E2LF_HAS_VIEWER FALSE)
 if(E2LF_WITH_VIEWER STREQUAL "OFF" OR E2LF_FUZZ)
   e2lf_feature(viewer OFF "E2LF_WITH_VIEWER=OFF")
@@ -163,7 +169,7 @@ else()
   endif()
 endif()
 
-# The Python package, for the system's python3 unless Python_EXECUTABLE names another.
+# The Python package, for the system's python3 unless Python_EXECUTABLE is set.
 set(E2LF_HAS_PYTHON FALSE)
 if(E2LF_WITH_PYTHON STREQUAL "OFF" OR E2LF_FUZZ)
   e2lf_feature(python OFF "E2LF_WITH_PYTHON=OFF")

@@ -1,17 +1,17 @@
-# `cmake --install`: programs, models and cameras; each module that others may link as a component of the package e2lf,
-# for CMake (find_package(e2lf COMPONENTS recon)) and pkg-config (e2lf-recon).
+# Installs programs, models and cameras, and each public module as a component of the package e2lf for CMake
+# (find_package(e2lf COMPONENTS recon)) and pkg-config (e2lf-recon).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(E2LF_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/e2lf)
 
-# What programs are linked with breaks with each minor version before 1.0, and with each major version from then on. The name
-# of shared libraries and the version that find_package() accepts follow.
+# The binary interface changes with each minor version before 1.0, and with each major version from 1.0 on. It determines the
+# name of shared libraries and the versions that find_package() accepts.
 if(PROJECT_VERSION_MAJOR EQUAL 0)
   set(E2LF_SOVERSION 0.${PROJECT_VERSION_MINOR})
   set(E2LF_COMPATIBILITY SameMinorVersion)
 else()
-  set(E2LF_SOVERSION ${E2LF_SOVERSION})
+  set(E2LF_SOVERSION ${PROJECT_VERSION_MAJOR})
   set(E2LF_COMPATIBILITY SameMajorVersion)
 endif()
 
@@ -20,10 +20,10 @@ if(BUILD_SHARED_LIBS)
   list(APPEND CMAKE_INSTALL_RPATH "\$ORIGIN" "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 endif()
 
-# Shared libraries are of the package of the programs, which need them.
+# Shared libraries belong to the package of the programs, which need them.
 set(E2LF_LIBRARY_COMPONENT program)
 
-# What a module links outside of the project: target, how CMake finds it, what pkg-config calls it.
+# The external libraries of modules: target, CMake package, and name in pkg-config.
 set(E2LF_EXTERNAL_TARGETS
   "PkgConfig::HWY" "PkgConfig::HDF5" "PkgConfig::LZ4" "PkgConfig::ZSTD" "PkgConfig::SQLITE" "ZLIB::ZLIB" "PNG::PNG" "JPEG::JPEG"
   "nlohmann_json::nlohmann_json" "OpenMP::OpenMP_CXX" "Threads::Threads" "Metavision::HAL_discovery")
@@ -37,7 +37,7 @@ function(e2lf_offer_module module)
   set_property(GLOBAL APPEND PROPERTY E2LF_COMPONENT_NAMES ${module})
 endfunction()
 
-# Installs one module, and notes what it needs. All that it links must be known by now.
+# Installs one module and records its dependencies. All targets that it links must exist.
 function(e2lf_install_module module)
   set(target e2lf_${module})
   get_target_property(headers ${target} E2LF_HEADERS)
@@ -93,7 +93,7 @@ function(e2lf_install_module module)
     COMPONENT development)
 endfunction()
 
-# e2lf_install_package(): the modules on offer, and what goes beside them. Call it last.
+# e2lf_install_package(): installs the public modules and the other files of the package. It must be called last.
 function(e2lf_install_package)
   get_property(E2LF_COMPONENT_NAMES GLOBAL PROPERTY E2LF_COMPONENT_NAMES)
   foreach(module IN LISTS E2LF_COMPONENT_NAMES)
@@ -115,7 +115,7 @@ function(e2lf_install_package)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/e2lf COMPONENT program)
   install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
     DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
-  # Where only a part was built they are not there.
+  # They do not exist if only a part was built.
   set(texts ${PROJECT_BINARY_DIR}/texts)
   install(FILES ${texts}/bash/e2lf DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program OPTIONAL)
   install(FILES ${texts}/zsh/_e2lf DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program OPTIONAL)

@@ -1,4 +1,4 @@
-# The dependencies of e2lf-train alone (E2LF_LEARN_ONLY): torch, and the one header of nlohmann/json.
+# The dependencies of a build of only e2lf-train (E2LF_LEARN_ONLY): torch, and the single header of nlohmann/json.
 set(E2LF_JSON_INCLUDE "" CACHE PATH "Folder that holds nlohmann/json.hpp, where the package is not installed")
 if(E2LF_JSON_INCLUDE)
   add_library(nlohmann_json::nlohmann_json INTERFACE IMPORTED)

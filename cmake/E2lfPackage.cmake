@@ -23,7 +23,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 
-# The parts of one build fit each other.
+# The packages of one build require each other in the same version.
 set(same_version "e2lf (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME e2lf)
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
@@ -49,7 +49,7 @@ set(CPACK_DEBIAN_TRAINING_DESCRIPTION
 "Learns aperture patterns and the network that reconstructs light fields from
 the events they make, on libtorch.")
 
-# What Debian asks of each package beside its files; see the script.
+# Adds the files that Debian requires in each package; see the script.
 set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/debian_files.cmake)
 set(CPACK_E2LF_SOURCE_DIR ${PROJECT_SOURCE_DIR})
 if(TARGET e2lf_python)

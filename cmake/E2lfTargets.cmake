@@ -1,10 +1,10 @@
-# The macros every module's CMakeLists.txt is written with. One folder = one target = one namespace.
+# The functions that the CMakeLists.txt of every module calls. Each folder is one target and one namespace.
 
-# Warnings, sanitizers and debug checks, for our own sources only.
+# Warnings, sanitizers and debug checks, only for the sources of e2lf.
 add_library(e2lf_flags INTERFACE)
 target_compile_options(e2lf_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # GCC 12 sees overlaps that are not there when text is joined (GCC bug 105651).
+  # GCC 12 wrongly reports overlaps when strings are concatenated (GCC bug 105651).
   target_compile_options(e2lf_flags INTERFACE -Wno-restrict)
 endif()
 if(E2LF_WARNINGS_AS_ERRORS)
@@ -18,9 +18,9 @@ if(E2LF_SANITIZE)
   target_link_options(e2lf_flags INTERFACE -fsanitize=${E2LF_SANITIZE})
 endif()
 
-# Precompiled headers of other libraries, for a build that compiles everything. Builds without them find missing includes.
-# e2lf_add_precompiled(<name> <LIBRARY|PROGRAM> <libraries> <header...>): shared by all targets that name it. GCC takes
-# one only where OpenMP (among the libraries) and the kind, by which code is placed, are the same.
+# Precompiled headers of external libraries, for full builds. Builds without them find missing includes.
+# e2lf_add_precompiled(<name> <LIBRARY|PROGRAM> <libraries> <header...>) declares one that targets share by its name. GCC
+# accepts it only for targets with the same setting of OpenMP (one of the libraries) and the same kind of code placement.
 function(e2lf_add_precompiled name kind libraries)
   if(NOT E2LF_PRECOMPILE)
     return()
@@ -35,15 +35,15 @@ function(e2lf_add_precompiled name kind libraries)
   endif()
 endfunction()
 
-# e2lf_use_precompiled(<target> <name>): where there are precompiled headers of that name.
+# e2lf_use_precompiled(<target> <name>): uses the precompiled headers of this name if they exist.
 function(e2lf_use_precompiled target name)
   if(TARGET "${name}")
     target_precompile_headers(${target} REUSE_FROM ${name})
   endif()
 endfunction()
 
-# e2lf_compile_together(<target>): several sources at once, which read their headers once. Kernels stay alone: Highway
-# compiles their source several times over. Names in unnamed namespaces of a module must therefore differ.
+# e2lf_compile_together(<target>): compiles several sources together, so that their headers are read once. Kernels are
+# excluded, because Highway compiles their sources several times. Names in unnamed namespaces of a module must differ.
 function(e2lf_compile_together target)
   if(NOT E2LF_UNITY)
     return()
@@ -57,9 +57,15 @@ function(e2lf_compile_together target)
       endif()
     endif()
   endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
   # GCC takes what is included for a header, where a class must not hold a type of an unnamed namespace.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
+# e2lf_compile_quickly(<target>): for what formats, parses and declares. Its templates take long to optimise, and it does
+# not run often.
+function(e2lf_compile_quickly target)
+  target_compile_options(${target} PRIVATE -O1)
 endfunction()
 
 # e2lf_add_library(<module> SRCS ... [HEADERS ...] [PUBLIC_LINK_LIBS ...] [PRIVATE_LINK_LIBS ...]
@@ -79,7 +85,7 @@ function(e2lf_add_library module)
   target_link_libraries(e2lf_${module} PUBLIC ${ARG_PUBLIC_LINK_LIBS} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_PRIVATE_LINK_LIBS})
   target_compile_definitions(e2lf_${module} PRIVATE ${ARG_PRIVATE_DEFINITIONS})
   if(kind STREQUAL "SHARED")
-    # Names of our namespace alone are visible.
+    # Only the names of e2lf's namespace are visible.
     set(names ${PROJECT_SOURCE_DIR}/cmake/visible_names.map)
     target_link_options(e2lf_${module} PRIVATE -Wl,--version-script=${names} -Wl,--no-undefined)
     set_target_properties(e2lf_${module} PROPERTIES LINK_DEPENDS ${names} DEFINE_SYMBOL "")
@@ -98,11 +104,11 @@ function(e2lf_add_executable name)
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS})
 endfunction()
 
-# What hangs ends here; the slowest test takes a tenth of it on two busy cores.
+# The time limit of a test. The slowest one takes a tenth of it on two busy cores.
 set(E2LF_TEST_LIMIT_S 3600)
 
 # e2lf_add_test(<module> [WITH_TORCH] SRCS ... [LINK_LIBS ...] [LABELS ...]): one GoogleTest binary for a module; CTest names are module/Suite.case.
-# Tests that read the data at hand find it through the environment variable E2LF_DATA (see CONTRIBUTING.md).
+# Tests that read data find it with the environment variable E2LF_DATA (see CONTRIBUTING.md).
 function(e2lf_add_test module)
   if(NOT E2LF_BUILD_TESTS)
     return()
@@ -115,8 +121,9 @@ function(e2lf_add_test module)
   add_executable(${name} ${ARG_SRCS})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})  # testing/
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:e2lf_flags> ${ARG_LINK_LIBS} GTest::gmock GTest::gtest_main)
-  # The tests' own sources are most of the build and little of the run.
-  target_compile_options(${name} PRIVATE -O1)
+  e2lf_compile_quickly(${name})
+  e2lf_compile_together(${name})
+  add_dependencies(e2lf_unit_tests ${name})
   if(NOT ARG_WITH_TORCH)  # torch's macros are not those that the headers were compiled with
     e2lf_use_precompiled(${name} e2lf_test_headers)
   endif()
@@ -125,7 +132,7 @@ function(e2lf_add_test module)
     PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${E2LF_TEST_LIMIT_S})
 endfunction()
 
-# e2lf_feature(<name> <ON|OFF> <reason>): a row of the table that configuring ends with.
+# e2lf_feature(<name> <ON|OFF> <reason>): adds a row to the table at the end of the configuration.
 function(e2lf_feature name state reason)
   set_property(GLOBAL APPEND PROPERTY E2LF_FEATURES "${name}: ${state} (${reason})")
 endfunction()

@@ -1,5 +1,5 @@
-# Run by CPack for each package, before it is packed: what Debian's policy asks for beside the program's own files. The
-# copyright, a changelog, compressed manual pages, and no file where another package of ours has it.
+# CPack runs this script for each package before it is packed. It adds the files that Debian's policy requires (copyright,
+# changelog, compressed manual pages) in place of LICENSE and CHANGELOG.md.
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   string(TOUPPER ${component} name)
   set(package ${CPACK_DEBIAN_${name}_PACKAGE_NAME})

@@ -1,7 +1,7 @@
-// A camera plugin: a shared library that e2lf loads at run time, without being built again.
+// A camera plugin: a shared library that e2lf loads at run time, without a new build.
 //   c++ -std=c++17 -shared -fPIC -I PREFIX/include examples/camera_plugin.cpp -o edge.so
 //   E2LF_CAMERA_PLUGINS=$PWD/edge.so e2lf camera list
-// The camera makes its events itself: a bright edge that moves to the right over 64x48 px, and a trigger every 10 ms.
+// The camera generates events of a bright edge that moves to the right over 64x48 px, and a trigger every 10 ms.
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -22,7 +22,7 @@ int fail(char* error, const std::string& text) {
   return -1;
 }
 
-/// The words of EVT3: a kind of 4 bits and 12 bits of data, the lower byte first.
+/// Appends a word of EVT3: a type of 4 bits and 12 bits of data, little-endian.
 void put(std::vector<uint8_t>& bytes, unsigned kind, int64_t data) {
   const unsigned word = kind << 12U | (static_cast<unsigned>(data) & 0xFFFU);
   bytes.push_back(static_cast<uint8_t>(word));
@@ -37,9 +37,9 @@ void put_time(std::vector<uint8_t>& bytes, int64_t t_us) {
 }  // namespace
 
 struct e2lf_camera {
-  bool is_loose = false;  ///< its cable comes off after half a second
+  bool is_loose = false;  ///< whether its cable comes off after half a second
   bool has_triggers = false, has_header = false;
-  int threshold = 0;  ///< its only bias, which does nothing
+  int threshold = 0;  ///< its only bias, which has no effect
   std::string bias_text;
   std::vector<uint8_t> bytes;
   int64_t t_us = 0;

@@ -1,6 +1,6 @@
 // custom_camera RECORDING.raw
-// A live camera of one's own. Here it sends the bytes of a RAW recording; a real one would ask its driver for them.
-// Cycles of patterns are cut from its events as they come.
+// Adds a live camera and divides its events into pattern cycles as they arrive. This camera sends the bytes of a RAW
+// recording; a real one would receive them from its driver.
 #include <atomic>
 #include <cstdio>
 #include <e2lf/cycles/cycle_reader.h>

@@ -1,6 +1,6 @@
 // custom_codec FILE.bin OUT.raw
-// Reads events of a format of one's own, and writes them as a RAW recording. Here the format is records of 12 bytes,
-// little-endian: t in us (8 bytes), x (2), y with the polarity in its upper bit (2).
+// Adds an event format and converts a file of this format to a RAW recording. The format consists of little-endian
+// records of 12 bytes: t in us (8 bytes), x (2), and y with the polarity in its upper bit (2).
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -15,7 +15,7 @@ using namespace e2lf::recordings;
 
 constexpr size_t kRecordBytes = 12, kBlockRecords = 4096;
 
-/// Blocks of records. make_block_reader() does the rest: batches, order of time, events outside the sensor.
+/// Reads blocks of records. make_block_reader() adds batches, the order of time and the check of the coordinates.
 class Records final : public EventBlocks {
  public:
   explicit Records(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}

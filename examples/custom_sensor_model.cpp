@@ -1,6 +1,7 @@
 // custom_sensor_model
-// Events of a sensor model of one's own, and the light field that they give. Here OFF events need twice the change that
-// ON events need. Prints the PSNR of the closed-form reconstruction, which expects equal thresholds, for both sensors.
+// Simulates events with a sensor model of its own, in which OFF events require twice the change of ON events, and
+// reconstructs a light field from them. Prints the PSNR of the closed-form reconstruction, which assumes equal
+// thresholds, for equal and for different thresholds.
 #include <cmath>
 #include <cstdio>
 #include <e2lf/eval/metrics.h>
@@ -13,7 +14,7 @@ namespace {
 
 using namespace e2lf;
 
-/// Counts the threshold crossings from each pattern to the next; each pixel remembers where its last event left it.
+/// Counts the threshold crossings from each pattern to the next. Each pixel keeps its reference after its last event.
 capture::EventImages count_events(const capture::CodedIntensities& intensities,
                                   const capture::SensorConstants& constants, float off_factor) {
   capture::EventImages events(intensities.count - 1, intensities.height, intensities.width);

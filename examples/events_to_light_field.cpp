@@ -1,5 +1,5 @@
 // events_to_light_field MODEL.safetensors EVENTS.npz FOLDER
-// The light field of the first cycle, as 64 pictures.
+// Reconstructs the light field of the first cycle and writes its 64 views into a folder.
 #include <cstdio>
 #include <e2lf/capture/measurement/event_image_io.h>
 #include <e2lf/lightfield/light_field_io.h>

@@ -1,6 +1,6 @@
 // thread_pool MODEL.safetensors EVENTS.npz CYCLES
-// Reconstructs light fields on threads of its own, which share one Reconstructor and its weights; each runs on one
-// thread. The number of threads of e2lf is a setting of the whole process; set it before the workers start.
+// Reconstructs light fields on two threads of the program, which share one Reconstructor and its weights. Each
+// reconstruction uses one thread. set_num_threads() applies to the whole process; call it before the workers start.
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>

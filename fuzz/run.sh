@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# fuzz/run.sh SECONDS JOBS [TARGET...]: runs the fuzz targets of build/fuzz for so long each, so many at a time; all by default.
-# With FUZZ_FIXED set, each tries its seeds and a fixed number of new inputs, nearly the same ones each time, SECONDS at most.
-# Seeds: what e2lf_fuzz_seeds writes, fuzz/corpus/<target>/ (inputs that broke something once), what earlier runs found
-# (build/fuzz/found/<target>/), and where E2LF_DATA is set the beginnings of its recordings, for this run only.
+# fuzz/run.sh SECONDS JOBS [TARGET...]: runs fuzz targets of build/fuzz (default: all) for SECONDS each, JOBS at a time.
+# With FUZZ_FIXED set, each target tries its seeds and a fixed number of new inputs, nearly the same each time, for at most
+# SECONDS. The seeds are those of e2lf_fuzz_seeds, fuzz/corpus/<target>/ (inputs that once broke a reader), the findings of
+# earlier runs (build/fuzz/found/<target>/) and, if E2LF_DATA is set, the beginnings of its recordings, for this run only.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 seconds=$1 jobs=$2
 shift 2
 build=build/fuzz
 
-# In memory where there is such a folder: many readers take a file.
+# Files are in memory if possible, because many readers require a file.
 [ ! -w /dev/shm ] || export TMPDIR=/dev/shm
 seeds=$(mktemp -d)
 trap 'rm -rf "$seeds"' EXIT
@@ -31,7 +31,7 @@ if [ -d "${E2LF_DATA:-}/events" ]; then
   done
 fi
 
-# How many inputs take about 10 s of a core; 1000 at least. Inside the HDF5 library no two runs are quite the same.
+# The number of inputs that take about 10 s of a core, at least 1000. Runs within the HDF5 library are not exactly repeatable.
 fixed_runs() {
   case $1 in
     hdf5 | dsec | light_field_hdf5) echo 1500 ;;
@@ -47,17 +47,17 @@ fixed_runs() {
   esac
 }
 
-# What one target is allowed: 256 MiB in one allocation, 1 GiB in all, 100 s for one input (they take 2 s at most; machines
-# may be busy). Where the HDF5 library reads a whole damaged file, it asks for what the file claims, some GiB, before our
-# driver refuses to read them: it is told that there is no such memory. It also leaks (leaks.txt).
+# The limits of a target: 256 MiB for one allocation, 1 GiB in total, 100 s for one input (inputs take at most 2 s, but machines
+# may be busy). For a damaged file, the HDF5 library allocates the size that the file states, some GiB, before our driver
+# refuses to read; such allocations fail. The library also leaks memory (leaks.txt).
 run_target() {
   local target=$1 folder found=$build/found/$1 folders=() inputs=() malloc_limit=256 sanitizer=allocator_may_return_null=0
   case $target in
     hdf5 | dsec | light_field_hdf5) malloc_limit=0 sanitizer=allocator_may_return_null=1:max_allocation_size_mb=256 ;;
   esac
   if [ -n "${FUZZ_FIXED:-}" ]; then
-    # What is compared with what holds addresses and process ids: no guide to the same inputs.
-    # Which code a run reaches still varies a little with threads, so a run may find what the one before did not.
+    # Traced comparisons contain addresses and process ids, which would prevent repeatable inputs.
+    # The code that a run reaches still varies slightly with the threads, so a run may have findings that the last one had not.
     inputs=(-seed=1 -use_cmp=0 "-runs=$(fixed_runs "$target")")
     found=$SEEDS/found_$target
   fi

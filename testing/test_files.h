@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <string>
 #include <unistd.h>
 
@@ -36,6 +38,17 @@ class TestFolder {
  private:
   std::filesystem::path path_;
 };
+
+inline size_t count_entries(const std::filesystem::path& folder) {
+  return static_cast<size_t>(
+      std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()));
+}
+
+/// Returns the content of a file, or "<unreadable>".
+inline std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return file ? std::string(std::istreambuf_iterator<char>(file), {}) : "<unreadable>";
+}
 
 /// Returns the path of a file or folder below E2LF_DATA, or an empty path if it does not exist.
 inline std::filesystem::path test_data(const std::string& name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <numeric>
 
 #include "e2lf/lightfield/light_field.h"
 
@@ -14,6 +15,13 @@ inline LightField numbered_light_field(const Shape& shape) {
     const size_t view = i / shape.view_size(), inside = i % shape.view_size();
     out.data()[i] = static_cast<float>((view * 37 + inside * 11 + inside / 7) % 256) / 255.0F;
   }
+  return out;
+}
+
+/// Returns a light field in which every value is its own index.
+inline LightField indexed_light_field(const Shape& shape) {
+  LightField out(shape);
+  std::iota(out.data().begin(), out.data().end(), 0.0F);
   return out;
 }
 

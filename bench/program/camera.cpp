@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// e2lf-bench camera: scenes before a camera with one imperfection more or less, reconstructed by each model
+// e2lf-bench camera: reconstructs scenes recorded by a camera with one imperfection added or removed, with each model
 #include "bench/program/camera.h"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "bench/program/moving_scene.h"
 #include "bench/program/report.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
@@ -15,10 +15,7 @@
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/flags/scene_input.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/eval/best_gain.h"
-#include "e2lf/eval/metrics.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/lightfield/crop.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/streams/camera_stream.h"
 #include "e2lf/streams/virtual_rig.h"
@@ -31,8 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 using lightfield::LightField;
 
-constexpr size_t kMostMotionPx = 8;                // of camera_settings()
-constexpr size_t kMargin = 2 * kMostMotionPx + 1;  // what comes into view in two cycles
 constexpr double kEvk4Pixels = 1280.0 * 720.0;
 
 struct CameraBench {
@@ -43,25 +38,17 @@ struct CameraBench {
   float scene_gain = 1.0F;
 };
 
-/// The scene as it is in view after it moved by so many pixels: the middle rows, columns from `motion_px` on.
-Result<LightField> in_view(const LightField& scene, size_t size, size_t motion_px) {
-  const size_t height = std::min(size, scene.shape().height);
-  const size_t width = std::min(size, scene.shape().width - kMargin);
-  const size_t x = (scene.shape().width - kMargin - width) / 2 + motion_px;
-  return lightfield::crop(scene, {(scene.shape().height - height) / 2, x, height, width});
-}
-
-/// The event images of the second cycle: by then a pixel's reference is what the cycle before left.
+/// Returns the event images of the second cycle, in which the references are those that the first cycle left.
 Result<capture::EventImages> play(const CameraSetting& setting, const capture::Codes& codes, const LightField& scene,
                                   const CameraBench& options, uint64_t seed) {
   E2LF_ASSIGN_OR_RETURN(const LightField first, in_view(scene, options.size, 0));
   streams::RigOptions rig_options;
-  rig_options.schedule = cycles::paper_schedule(codes.num_patterns);
+  rig_options.schedule = cycles::paper_schedule_of(codes);
   rig_options.gain = options.scene_gain;
   rig_options.rise_us = setting.rise_us;
   rig_options.trigger_channel.reset();
   streams::MovingScene moving;
-  moving.at = [&](uint64_t knot) { return in_view(scene, options.size, std::min<size_t>(knot, kMargin)); };
+  moving.at = [&](uint64_t knot) { return in_view(scene, options.size, std::min<size_t>(knot, kMostMotionPx)); };
   if (setting.motion_px > 0) {
     moving.knot_us = rig_options.schedule.cycle_us() / static_cast<int64_t>(setting.motion_px);
   }
@@ -77,27 +64,16 @@ Result<capture::EventImages> play(const CameraSetting& setting, const capture::C
   return rig.sum_windows(batch);
 }
 
-/// The brightness that fits best: a network that was made for another camera is not to lose by that alone.
-LightField fitted_to(const LightField& field, const LightField& truth) {
-  const float gain = eval::best_gain(truth, field);
-  LightField fitted = field;
-  for (float& value : fitted.data()) value *= gain;
-  return fitted;
-}
-
-/// PSNR against the scene at rest; of one that moves, against the best of the places that it had in the cycle.
-Result<double> best_psnr(const LightField& field, const LightField& scene, const CameraBench& options,
-                         size_t motion_px) {
-  double best = 0;
+/// Returns the scene at each place that it has in the second cycle.
+Result<std::vector<LightField>> places_of(const LightField& scene, const CameraBench& options, size_t motion_px) {
+  std::vector<LightField> places;
   for (size_t px = motion_px; px <= 2 * motion_px; ++px) {
-    E2LF_ASSIGN_OR_RETURN(const LightField truth, in_view(scene, options.size, px));
-    E2LF_ASSIGN_OR_RETURN(const auto metrics, eval::compare(truth, fitted_to(field, truth)));
-    best = std::max(best, metrics.mean.psnr_db);
+    E2LF_ASSIGN_OR_RETURN(places.emplace_back(), in_view(scene, options.size, px));
   }
-  return best;
+  return places;
 }
 
-/// A model as it is told the camera, where it wants to be told.
+/// Returns the network, conditioned on the camera if it accepts one.
 Result<recon::Reconstructor> reconstructor_for(model::Model model, const CameraSetting& setting,
                                                const CameraBench& options) {
   if (model::is_told_the_camera(model)) model.camera = setting.camera;
@@ -117,7 +93,7 @@ Result<std::vector<NamedModel>> read_models(const CameraBench& options, RunRecor
     const CodesSource source{model.codes && options.codes.empty() ? path : fs::path(), options.codes};
     E2LF_ASSIGN_OR_RETURN(pipeline::KnownCodes known, load_codes(source, record));
     if (!model.codes && options.codes.empty()) {
-      return Error{ErrorCode::kNotFound, "the model holds no patterns; give those of its camera with --codes",
+      return Error{ErrorCode::kNotFound, "the model contains no patterns; give those of its camera with --codes",
                    path.string()};
     }
     models.push_back({std::move(model), std::move(known.codes)});
@@ -128,17 +104,12 @@ Result<std::vector<NamedModel>> read_models(const CameraBench& options, RunRecor
 Result<std::vector<LightField>> read_scenes(const CameraBench& options) {
   std::vector<LightField> scenes;
   for (const fs::path& path : options.scenes) {
-    E2LF_ASSIGN_OR_RETURN(LightField scene, load_scene(path, SceneOptions{}, true));
-    if (scene.shape().width < kMargin + 16) {
-      return Error{ErrorCode::kShape, cat("the views are narrower than ", kMargin + 16, " px; name larger ones"),
-                   path.string()};
-    }
-    scenes.push_back(std::move(scene));
+    E2LF_ASSIGN_OR_RETURN(scenes.emplace_back(), load_scene(path, SceneOptions{}, true));
   }
   return scenes;
 }
 
-/// PSNR of every setting, model and scene.
+/// Measures the PSNR for every setting, model and scene.
 Result<Json> measure(const CameraBench& options, const capture::SensorProfile& camera,
                      const std::vector<NamedModel>& models, const std::vector<LightField>& scenes, bool is_quiet) {
   const std::vector<CameraSetting> settings = camera_settings(camera);
@@ -154,7 +125,8 @@ Result<Json> measure(const CameraBench& options, const capture::SensorProfile& c
       for (size_t i = 0; i < scenes.size(); ++i) {
         E2LF_ASSIGN_OR_RETURN(const auto images, play(setting, named.codes, scenes[i], options, i + 1));
         E2LF_ASSIGN_OR_RETURN(const LightField field, network.reconstruct(images));
-        E2LF_ASSIGN_OR_RETURN(const double db, best_psnr(field, scenes[i], options, setting.motion_px));
+        E2LF_ASSIGN_OR_RETURN(const auto places, places_of(scenes[i], options, setting.motion_px));
+        E2LF_ASSIGN_OR_RETURN(const double db, best_psnr_db(field, places));
         psnr_db.push_back(db);
         sum_db += db;
         bar.update(++done, settings.size() * models.size() * scenes.size());
@@ -205,7 +177,7 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
   RunRecord record("camera");
   E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {
-    return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; name another",
+    return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; choose another",
                  "--camera " + options.camera};
   }
   E2LF_ASSIGN_OR_RETURN(const auto models, read_models(options, record));
@@ -218,7 +190,7 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
 
 int run_camera(const std::vector<std::string>& arguments) {
   Verb verb("camera",
-            "What each imperfection of a camera costs in PSNR, for each model; at the brightness that fits best.",
+            "Measure the cost of each imperfection of a camera in PSNR for each model, after a fit of the brightness.",
             "e2lf-bench camera scene/ -m e2lf-n4");
   CameraBench options;
   std::vector<fs::path> report_names;
@@ -226,7 +198,7 @@ int run_camera(const std::vector<std::string>& arguments) {
   add_report_option(app, report_names);
   app.add_option("scenes,-i,--input", options.scenes, "light fields of any format e2lf reads")->required();
   add_model_option(app, "-m,--model", options.models, "model files or bundled models; default: e2lf-n4");
-  add_codes_option(app, options.codes, "patterns of models that hold none");
+  add_codes_option(app, options.codes, "patterns for models that contain none");
   app.add_option("--size", options.size, "height and width of the middle part that is used, px")
       ->check(whole_number(16))
       ->capture_default_str();
@@ -238,7 +210,7 @@ int run_camera(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     if (options.models.empty()) {
       const auto path = bundled_model();
-      if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; name one with -m", ""};
+      if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; give one with -m", ""};
       options.models.push_back(*path);
     }
     return bench(options, report_names, verb);

@@ -6,7 +6,7 @@
 
 namespace e2lf::bench {
 
-/// e2lf-bench camera: what each imperfection of a camera costs, in dB, for each model.
+/// Implements e2lf-bench camera, which measures the cost of each imperfection of a camera for each model, in dB.
 int run_camera(const std::vector<std::string>& arguments);
 
 }  // namespace e2lf::bench

@@ -6,7 +6,7 @@
 
 namespace e2lf::bench {
 
-/// e2lf-bench decode; returns the process's exit code.
+/// Implements e2lf-bench decode. Returns the exit code of the process.
 int run_decode(const std::vector<std::string>& arguments);
 
 }  // namespace e2lf::bench

@@ -11,6 +11,8 @@
 
 #include "bench/program/camera.h"
 #include "bench/program/decode.h"
+#include "bench/program/depth.h"
+#include "bench/program/motion.h"
 #include "bench/program/reconstruct.h"
 #include "bench/program/report.h"
 #include "bench/program/rig.h"
@@ -286,6 +288,8 @@ int run(const std::vector<std::string>& arguments) {
   return run_subverb("",
                      {{"camera", "what each imperfection of a camera costs, for each model", run_camera},
                       {"decode", "RAW recordings, against the scalar reference", run_decode},
+                      {"depth", "disparity maps, against true ones", run_depth},
+                      {"motion", "what the whole cycle gains or loses if the scene moves", run_motion},
                       {"reconstruct", "the network, against libtorch and the machine's peak", run_reconstruct},
                       {"rig", "one cycle from light field to light field, each stage", run_rig},
                       {"simulate", "the event simulation, against the scalar reference", run_simulate},

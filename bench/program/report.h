@@ -10,24 +10,24 @@
 #include "e2lf/report/chart.h"
 #include "e2lf/report/table.h"
 
-/// What benchmarks print, and write with --report.
+/// The output of benchmarks: printed text, JSON and the files of --report.
 namespace e2lf::bench {
 
 using cli::ReportOutput;
 using cli::Verb;
 
-/// What a benchmark found, to be read.
+/// The results of a benchmark as text, tables and charts.
 struct BenchReport {
-  std::string title, about;                ///< about: sizes, threads, and what the figures mean
-  std::vector<report::Table> tables = {};  ///< their captions are for the page alone
+  std::string title, about;                ///< about: sizes, threads, and the meaning of the figures
+  std::vector<report::Table> tables = {};  ///< captions are only shown on the page
   std::vector<report::BarChart> charts = {};
   std::string note = {};  ///< below the tables
 };
 
-/// A chart of one column over the names in the first column.
+/// Returns a bar chart of one column, with the names of the first column.
 [[nodiscard]] report::BarChart bars_of(const report::Table& table, size_t column, const std::string& label);
 
-/// Prints what was found, as JSON where that is asked for, and writes the files of --report.
+/// Prints the results, as JSON if the verb has --json, and writes the files of --report.
 [[nodiscard]] Result<void> finish(const Verb& verb, const Json& json, const BenchReport& found, ReportOutput& reports);
 
 /// Opens the files of --report before the work.

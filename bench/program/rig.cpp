@@ -34,7 +34,7 @@ struct RigBench {
   float scene_gain = 1.0F;
 };
 
-/// The demo scene at a quarter of the size, each pixel four times as wide and high: rendering is not what is measured.
+/// Returns the demo scene rendered at a quarter of the size and enlarged, because rendering is not measured.
 LightField enlarged_scene(size_t height, size_t width) {
   constexpr size_t kTimes = 4;
   const lightfield::Shape small_shape{8, 8, (height + kTimes - 1) / kTimes, (width + kTimes - 1) / kTimes, 1};
@@ -50,7 +50,7 @@ LightField enlarged_scene(size_t height, size_t width) {
   return field;
 }
 
-/// Seconds since the last call, under the name of what was done.
+/// Measures the time of each stage, under its name.
 class Stages {
  public:
   void end(const std::string& name) {
@@ -89,7 +89,7 @@ Result<capture::EventImages> accumulate(const std::vector<uint8_t>& bytes, size_
   cycles::CycleOptions options;
   options.source = cycles::CycleSource::kTriggers;
   options.schedule = cycles::paper_schedule(num_patterns);
-  // A few thousand pixels make too few events to tell by them with which half the cycle begins.
+  // A few thousand pixels have too few events to determine the half with which the cycle begins.
   options.tracker.first_pattern = 0;
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader cycles, cycles::CycleReader::open(std::move(reader), options));
   E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> cycle, cycles.next());
@@ -115,7 +115,7 @@ Result<Json> measure(const RigBench& options, const capture::SensorProfile& came
   E2LF_ASSIGN_OR_RETURN(recordings::EventBatch batch, rig.play_cycle());
   stages.end("simulate");
   const capture::EventImages summed = rig.sum_windows(batch);
-  // A cycle ends where the next one's first trigger says so.
+  // The first trigger of the next cycle marks the end of a cycle.
   E2LF_REQUIRE(!batch.triggers.empty(), "the rig gives a trigger for each pattern");
   const int64_t end_us = batch.triggers.front().t + rig_options.schedule.cycle_us();
   batch.triggers.push_back({end_us, batch.triggers.front().id, 1});
@@ -158,14 +158,15 @@ BenchReport rig_report(const Json& json) {
           about,
           {table},
           {bars_of(table, 1, "seconds")},
-          cat("the events come back: ", json["decoded_is_simulated"].dump(),
+          cat("decoded events equal the simulated ones: ", json["decoded_is_simulated"].dump(),
               "; so do their sums: ", json["accumulated_is_summed"].dump())};
 }
 
 }  // namespace
 
 int run_rig(const std::vector<std::string>& arguments) {
-  Verb verb("rig", "Simulate, encode, decode, accumulate and reconstruct one cycle; the time of each stage.",
+  Verb verb("rig",
+            "Simulate, encode, decode, accumulate and reconstruct one cycle, and measure the time of each stage.",
             "e2lf-bench rig -m e2lf-n4 --json");
   RigBench options;
   std::vector<std::filesystem::path> report_names;
@@ -184,10 +185,10 @@ int run_rig(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
     const auto path = options.model.empty() ? bundled_model() : options.model;
-    if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; name one with -m", ""};
+    if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; give one with -m", ""};
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
     if (!model.codes)
-      return Error{ErrorCode::kNotFound, "the model holds no patterns; use one that does", path->string()};
+      return Error{ErrorCode::kNotFound, "the model contains no patterns; use one that does", path->string()};
     RunRecord record("rig");
     E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
     E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, std::move(model)));

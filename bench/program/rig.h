@@ -6,7 +6,7 @@
 
 namespace e2lf::bench {
 
-/// e2lf-bench rig: one cycle from light field to light field, with the time of each stage.
+/// Implements e2lf-bench rig, which times each stage of one cycle from light field to light field.
 int run_rig(const std::vector<std::string>& arguments);
 
 }  // namespace e2lf::bench

@@ -37,7 +37,7 @@ std::vector<NamedNetwork> networks_of(const VideoBench& options) {
           {"ET-Net, random weights", wide, random_weights(wide)}};
 }
 
-/// The network for the peer; empty where it has a layer that the peer does not know.
+/// The network in the form of the peer; empty if the peer does not support one of its layers.
 class PeerNetwork {
  public:
   explicit PeerNetwork(const NamedNetwork& named) : weights_(named.weights) {
@@ -48,7 +48,7 @@ class PeerNetwork {
       const model::Layer& layer = named.network.layers[i];
       E2lfTorchVideoLayer peer{};
       if (!set_op(layer, peer)) {
-        absent_ = cat("the peer does not know layer ", layer.name);
+        absent_ = cat("the peer does not support layer ", layer.name);
         return;
       }
       std::vector<size_t>& inputs = inputs_.emplace_back();
@@ -123,7 +123,7 @@ class PeerNetwork {
   std::string absent_;
 };
 
-/// Multiply-adds of a frame, with those of attention.
+/// Returns the number of multiply-adds of a frame, including those of attention.
 double products(const model::Network& network, size_t height, size_t width) {
   double sum = model::macs_per_pixel(network) * static_cast<double>(height * width);
   const auto shapes = model::infer_shapes(network).value();
@@ -135,7 +135,7 @@ double products(const model::Network& network, size_t height, size_t width) {
   return sum;
 }
 
-/// One network on one image, by us and by the peer.
+/// Runs one network on one image with e2lf and with the peer.
 class Bench {
  public:
   Bench(const VideoBench& options, const NamedNetwork& named) : options_(options), named_(named) {

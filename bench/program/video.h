@@ -14,14 +14,14 @@ namespace e2lf::bench {
 
 struct VideoBench {
   size_t width = 640, height = 480;
-  size_t frames = 5;                       ///< that are timed, of each; one more warms up
+  size_t frames = 5;                       ///< timed frames of each network, after one that warms up
   std::optional<model::VideoModel> model;  ///< empty: FireNet, E2VID's U-Net and ET-Net with random weights
   std::filesystem::path peer_module;       ///< empty: beside the program
 };
 
-/// Frames of recurrent networks in float32 and, where the CPU has it, bfloat16, against libtorch in float32 on the same
-/// input; the ratio, and the largest difference of the last frame between both in float32. Sizes are made multiples of
-/// what the networks need.
+/// Measures the time per frame of recurrent networks in float32 and, if the CPU supports it, bfloat16, relative to
+/// libtorch in float32 on the same input, and the largest difference of the last frame between both in float32. Sizes
+/// are rounded up to multiples that the networks accept.
 [[nodiscard]] Result<Json> bench_video(const VideoBench& options, const ProgressFn& progress);
 
 }  // namespace e2lf::bench

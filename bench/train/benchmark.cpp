@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint64_t kWarmUpSteps = 2, kPatch = 64;
 
-/// Whether the CPU multiplies bfloat16 numbers itself. Where it does not, torch's emulation takes minutes for a step.
+/// Returns true if the CPU multiplies bfloat16 numbers. Otherwise, torch's emulation takes minutes per step.
 bool has_bfloat16() {
 #if defined(__x86_64__)
   return __builtin_cpu_supports("avx512bf16") != 0;
@@ -24,14 +24,14 @@ bool has_bfloat16() {
 #endif
 }
 
-/// From the seconds that each step took.
+/// Returns the speed, given the seconds of each step.
 double samples_per_s(uint64_t batch, std::vector<double> seconds) {
   seconds.erase(seconds.begin(), seconds.begin() + kWarmUpSteps);
   std::sort(seconds.begin(), seconds.end());
   return static_cast<double>(batch) / seconds[seconds.size() / 2];
 }
 
-/// Seconds of each step, those that warm up included.
+/// Returns the seconds of each step, including those that warm up.
 template <typename Step>
 Result<std::vector<double>> time_steps(uint64_t steps, const Step& step) {
   std::vector<double> seconds;
@@ -43,12 +43,12 @@ Result<std::vector<double>> time_steps(uint64_t steps, const Step& step) {
   return seconds;
 }
 
-/// Ratios to the first row from `first` on.
+/// Sets the ratios of the rows from `first` on, relative to row `first`.
 void compare(std::vector<BenchmarkRow>& rows, size_t first) {
   for (size_t i = first; i < rows.size(); ++i) rows[i].ratio = rows[i].samples_per_s / rows[first].samples_per_s;
 }
 
-/// The peer beside this program; nothing where it was not built.
+/// Runs the peer beside this program. Returns no rows if it was not built.
 Result<std::vector<BenchmarkRow>> run_peer(const BenchmarkOptions& options) {
   std::error_code status;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", status);
@@ -58,7 +58,7 @@ Result<std::vector<BenchmarkRow>> run_peer(const BenchmarkOptions& options) {
   const auto train = reinterpret_cast<decltype(&e2lf_torch_training)>(::dlsym(module, "e2lf_torch_training"));
   std::vector<double> seconds(options.steps + kWarmUpSteps);
   const E2lfTorchTraining job{options.batch, kPatch, seconds.size(), seconds.data()};
-  if (const char* problem = train == nullptr ? "it is of another version" : train(&job)) {
+  if (const char* problem = train == nullptr ? "it has another version" : train(&job)) {
     return Error{ErrorCode::kInternal, cat("the peer failed: ", problem, "; rebuild it"), path};
   }
   return std::vector<BenchmarkRow>{
@@ -71,7 +71,7 @@ Result<BenchmarkRow> run_trainer(const BenchmarkOptions& options, const std::str
   return BenchmarkRow{"training", name, config.precision, samples_per_s(options.batch, seconds)};
 }
 
-/// Four surfaces, one behind another, as synthesise() makes them without photographs.
+/// Returns four surfaces, one behind another, as synthesise() makes them without photographs.
 std::vector<Surface> random_surfaces(uint64_t seed, int64_t side) {
   Draws draws(seed, 0);
   torch::manual_seed(seed);

@@ -12,21 +12,21 @@
 namespace e2lf::learn {
 
 struct BenchmarkOptions {
-  uint64_t batch = 4;  ///< of 64x64x8x8
-  uint64_t steps = 5;  ///< measured, after two that warm up; the figure is their median
+  uint64_t batch = 4;  ///< number of samples of 64x64x8x8
+  uint64_t steps = 5;  ///< measured steps, after two that warm up; the figure is their median
 };
 
-/// One way to do a job, and how fast it goes.
+/// One implementation of a job and its speed.
 struct BenchmarkRow {
   std::string job, name, precision;
   double samples_per_s = 0;
   double ratio = 1;  ///< to the first row of the same job
 };
 
-/// Two jobs. Training: a plain libtorch loop of the paper's networks (the peer; left out where its module is not beside
-/// the program), this trainer with the same networks, and with the network of the default configuration; whole steps on
-/// samples of 64x64x8x8, here synthesised; bfloat16 where the CPU has it. Synthesis: the views (96x96x8x8) of
-/// procedural surfaces with torch's sampling (the peer), and as e2lf renders them. Fails as Trainer::create does.
+/// Measures two jobs. Training: whole steps on synthesised samples of 64x64x8x8 with a plain libtorch loop of the
+/// paper's networks (the peer, omitted if its module is not beside the program), and with this trainer for the same
+/// networks and for the default configuration, in float32 and, if the CPU supports it, bfloat16. Synthesis: the views
+/// (96x96x8x8) of procedural surfaces with torch's sampling (the peer) and with e2lf. Fails as Trainer::create() does.
 [[nodiscard]] Result<std::vector<BenchmarkRow>> benchmark_training(const BenchmarkOptions& options,
                                                                    const ProgressFn& progress = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf-bench-train BATCH STEPS: what `e2lf-bench train` starts, since it alone needs torch. Prints JSON.
+// e2lf-bench-train BATCH STEPS: the program that `e2lf-bench train` starts, so that only it needs torch. Prints JSON.
 #include <ATen/Parallel.h>
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-"""The network against the closed form: their errors, view by view, where brighter is worse.
+"""Compares the network with the closed form: draws the errors of each view; brighter is worse.
 
 python3 compare_methods.py PICTURE.png
 """

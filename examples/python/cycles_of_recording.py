@@ -1,6 +1,6 @@
-"""A recording with several pattern cycles -> a light field for each; the picture shows the middle view of each.
+"""Reconstructs a light field of each pattern cycle of a recording and draws the middle view of each.
 
-The scene is on a turntable, which is turned between cycles.
+The simulated scene is on a turntable, which is turned between cycles.
 
 python3 cycles_of_recording.py PICTURE.png [RECORDING]     without a recording: a simulated one
 """

@@ -1,4 +1,4 @@
-"""Light field -> event images -> light field, focused at the front, in the middle and at the back.
+"""Reconstructs a light field from event images and focuses it in front, in the middle and at the back.
 
 python3 events_to_light_field.py PICTURE.png [EVENTS.npz]     without event images: simulated ones of the demo scene
 """

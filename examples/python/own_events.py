@@ -1,4 +1,4 @@
-"""Writes a recording of your own events, reads it again, and draws the last moment of it.
+"""Writes a recording of your own events, reads it, and draws the events at its end.
 
 python3 own_events.py PICTURE.png
 """

@@ -1,4 +1,4 @@
-"""Draws the rate of events over time of a recording, ON above and OFF below, with lines at its triggers.
+"""Draws the event rate of a recording over time, ON above and OFF below, with lines at its triggers.
 
 python3 read_recording.py PICTURE.png [RECORDING]     without a recording: a simulated one
 """

@@ -17,13 +17,13 @@ Extents extents(Sizes... sizes) {
   return {static_cast<py::ssize_t>(sizes)...};
 }
 
-/// An array over memory of `owner`, which it keeps; `name` says what the owner is.
+/// Returns an array over memory of `owner`, which it keeps alive; `name` identifies the type of the owner.
 template <typename Owner, typename Value>
 py::array own(std::unique_ptr<Owner> owner, const char* name, const Extents& shape, Value* values) {
   const py::capsule capsule(owner.get(), name, [](PyObject* self) {
     delete static_cast<Owner*>(PyCapsule_GetPointer(self, PyCapsule_GetName(self)));
   });
-  static_cast<void>(owner.release());  // the capsule has it
+  static_cast<void>(owner.release());  // now owned by the capsule
   return py::array(py::dtype::of<Value>(), shape, {}, values, capsule);
 }
 
@@ -31,7 +31,8 @@ constexpr const char* kLightFieldName = "e2lf.light_field";
 constexpr const char* kEventImagesName = "e2lf.event_images";
 constexpr const char* kImageName = "e2lf.image";
 
-/// The owner of that name whose memory an array looks at; null when there is none. Views of views lead to it.
+/// Returns the owner with this name whose memory an array refers to, also through views of views; null if there is
+/// none.
 template <typename Owner>
 const Owner* find_owner(const py::array& array, const char* name) {
   py::handle base = array;
@@ -57,10 +58,10 @@ Error kind_error(const py::array& array, const char* name, const char* wanted) {
   return {ErrorCode::kInvalidValue, cat("the numbers are ", type, "; ", wanted), name};
 }
 
-/// Whole numbers as int16.
+/// Returns integers as int16.
 std::vector<int16_t> counts_of(const py::array& array, const char* name) {
   if (array.dtype().kind() != 'i' && array.dtype().kind() != 'u') {
-    throw ResultError(kind_error(array, name, "event images hold signed whole numbers, int16"));
+    throw ResultError(kind_error(array, name, "event images consist of signed integers, int16"));
   }
   const py::array_t<int64_t, py::array::c_style | py::array::forcecast> wide(array);
   using Limits = std::numeric_limits<int16_t>;

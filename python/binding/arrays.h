@@ -12,13 +12,13 @@
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"
 
-/// Arrays of numpy and the library's types. Arrays that come out own the library's memory: nothing is copied. One that
-/// goes in again whole is that memory; any other is copied once.
+/// Conversion between numpy arrays and the types of the library. Returned arrays own the memory of the library, so that
+/// nothing is copied. If such an array is passed back unchanged, its memory is used; any other array is copied once.
 namespace e2lf::python {
 
 namespace py = pybind11;
 
-/// Something of the library that an array lends, or a copy of an array's values. Keeps the array alive.
+/// An object of the library that an array owns, or a copy of the values of an array. Keeps the array alive.
 template <typename T>
 class Borrowed {
  public:
@@ -34,24 +34,24 @@ class Borrowed {
   const T* value_;
 };
 
-/// float32 [view_y, view_x, y, x], or with [channel] at the end where there is colour.
+/// Returns float32 [view_y, view_x, y, x], with a last axis [channel] for colour.
 [[nodiscard]] py::array to_array(lightfield::LightField light_field);
-/// int16 [transition, y, x].
+/// Returns int16 [transition, y, x].
 [[nodiscard]] py::array to_array(capture::EventImages images);
-/// float32 [y, x], or [y, x, channel] where there is colour.
+/// Returns float32 [y, x], or [y, x, channel] for colour.
 [[nodiscard]] py::array to_array(lightfield::Image image);
-/// float32 [N, view_y, view_x].
+/// Returns float32 [N, view_y, view_x].
 [[nodiscard]] py::array to_array(const capture::Codes& codes);
 
-/// The other way. They fail with kShape on another number of axes and with kInvalidValue on another kind of numbers, or
-/// counts beyond int16; `name` is the location in errors.
+/// Convert arrays to the types of the library. They fail with kShape (a wrong number of axes) and kInvalidValue (a
+/// wrong type, or counts beyond int16); `name` is the location in errors.
 [[nodiscard]] Borrowed<lightfield::LightField> light_field_of(const py::array& array, const char* name);
 [[nodiscard]] Borrowed<capture::EventImages> event_images_of(const py::array& array, const char* name);
 [[nodiscard]] lightfield::Image image_of(const py::array& array, const char* name);
 [[nodiscard]] capture::Codes codes_of(const py::array& array, const char* name);
 
-/// The values as they lie, where they are float32 and row-major, else a copy that is. Fails with kInvalidValue where
-/// they are no floating-point numbers.
+/// Returns the array itself if it is float32 and row-major, or else a copy that is. Fails with kInvalidValue if the
+/// values are not floating-point numbers.
 [[nodiscard]] py::array_t<float, py::array::c_style> floats_of(const py::array& array, const char* name);
 
 }  // namespace e2lf::python

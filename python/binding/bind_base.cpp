@@ -13,12 +13,12 @@
 namespace e2lf::python {
 namespace {
 
-/// Messages go to the logger "e2lf" of Python's logging.
+/// Forwards messages to the logger "e2lf" of Python's logging.
 void log_to_python(LogLevel level, const std::string& message) {
   const py::gil_scoped_acquire acquire;
   try {
     const char* const method = level == LogLevel::kWarning ? "warning" : level == LogLevel::kInfo ? "info" : "debug";
-    // As an argument: a message may hold "%".
+    // Passed as an argument, because a message may contain "%".
     py::module_::import("logging").attr("getLogger")("e2lf").attr(method)("%s", message);
   } catch (py::error_already_set& error) {
     error.discard_as_unraisable("e2lf's log");  // the library cannot pass it on
@@ -36,12 +36,12 @@ void bind_bundled_files(py::module_& module) {
       "data_file",
       [](const std::string& name) {
         return path_or_throw(bundled_file(name), name +
-                                                     " does not come with this installation of e2lf; give the path "
+                                                     " is not part of this installation of e2lf; give the path "
                                                      "of a file");
       },
       py::arg("name"),
-      "The path of a file that comes with e2lf.\n\n"
-      "name: with its folder, such as \"models/e2lf-n4.safetensors\" or \"cameras/evk4-lcos.json\".");
+      "Returns the path of a file that is distributed with e2lf.\n\n"
+      "name: the name with its folder, such as \"models/e2lf-n4.safetensors\" or \"cameras/evk4-lcos.json\".");
   module.def(
       "bundled_model",
       [](const std::string& name) {
@@ -50,8 +50,8 @@ void bind_bundled_files(py::module_& module) {
             cat("there is no bundled model ", name, "; give one of ", join(bundled_names(kBundledModels))));
       },
       py::arg("name") = "e2lf-n4",
-      "The path of a bundled model; docs/models.md says which is for what. read_model() takes the name, too.\n\n"
-      "name: such as \"e2lf-n4\", \"e2lf-n8\" or \"e2lf-n4-camera\".");
+      "Returns the path of a bundled model; docs/models.md describes them. read_model() also accepts the name.\n\n"
+      "name: the name of the model, such as \"e2lf-n4\", \"e2lf-n8\" or \"e2lf-n4-camera\".");
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ void bind_base(py::module_& module) {
   set_log_sink(log_to_python);
   py::module_::import("atexit").attr("register")(py::cpp_function([] { set_log_sink({}); }));
 
-  module.def("num_threads", &num_threads, "The number of threads that the library works with: all cores unless set.");
+  module.def("num_threads", &num_threads, "Returns the number of threads that the library uses: all cores unless set.");
   module.def(
       "set_num_threads",
       [](int threads) {
@@ -72,8 +72,8 @@ void bind_base(py::module_& module) {
       },
       py::arg("threads"), "Sets the number of threads of the whole process.\n\nthreads: 0 = all cores.");
   module.def("instruction_set", &current_isa,
-             "What kernels run as: \"scalar\", \"sse4\", \"avx2\", \"avx512\" or \"amx\". The environment's "
-             "E2LF_MAX_ISA caps it.");
+             "Returns the instruction set of the kernels: \"scalar\", \"sse4\", \"avx2\", \"avx512\" or \"amx\". The "
+             "environment variable E2LF_MAX_ISA limits it.");
 }
 
 }  // namespace e2lf::python

@@ -61,17 +61,18 @@ capture::SensorProfile read_camera(const fs::path& name) {
 
 void bind_camera(py::module_& module) {
   using capture::SensorProfile;
-  py::class_<SensorProfile>(module, "Camera", "What is known of a camera: how its pixels make events.")
-      .def(py::init(&read_camera), py::arg("name"), "As read_camera().")
-      .def_readonly("name", &SensorProfile::name, "As its file says.")
+  py::class_<SensorProfile>(module, "Camera",
+                            "The sensor profile of a camera: the model and the constants of its pixels.")
+      .def(py::init(&read_camera), py::arg("name"), "Reads a camera as read_camera() does.")
+      .def_readonly("name", &SensorProfile::name, "The name in the camera file.")
       .def_readonly("event_model", &SensorProfile::event_model, "\"reference-aware\", \"quantised\" or \"pixel\".")
       .def_readonly("constants", &SensorProfile::constants,
-                    "Of the paper's models; of \"pixel\" eps and the mean threshold.")
+                    "Constants of the paper's models; for \"pixel\", only eps and the mean threshold.")
       .def_property_readonly(
           "views", [](const SensorProfile& self) { return orientation_word(self.views); }, kViewsDoc)
       .def(
           "to_dict", [](const SensorProfile& self) { return to_python(capture::to_json(self)); },
-          "What a camera file holds: every constant with its uncertainty.")
+          "Returns the content of a camera file: every constant with its uncertainty.")
       .def("__repr__",
            [](const SensorProfile& self) { return "<e2lf.Camera " + self.name + ", " + self.event_model + ">"; })
       .def("__eq__", [](const SensorProfile& self,
@@ -92,8 +93,8 @@ void bind_codes(py::module_& module) {
         return to_array(take(pipeline::read_patterns(take(find_file_or_bundled(kBundledCodes, path.string())))));
       },
       py::arg("path"),
-      "Aperture patterns: float32 [N, view_y, view_x], 0 = closed, 1 = open.\n\n"
-      "path: a .json, .npy or .npz file of them, a model file, or the name of a bundled model.");
+      "Reads aperture patterns: float32 [N, view_y, view_x], 0 = closed, 1 = open.\n\n"
+      "path: a .json, .npy or .npz file of patterns, a model file, or the name of a bundled model.");
   module.def(
       "write_codes",
       [](const fs::path& path, const py::array& codes, bool overwrite) {
@@ -104,10 +105,10 @@ void bind_codes(py::module_& module) {
       "Writes patterns as .json, .npy or .npz.\n\ncodes: [N, view_y, view_x], 0 = closed, 1 = open.");
   module.def(
       "default_codes", [] { return to_array(capture::default_codes()); },
-      "Four binary patterns of 8x8 for demonstrations, black first: float32 [4, 8, 8].");
+      "Returns four binary patterns of 8x8 cells for demonstrations, black first: float32 [4, 8, 8].");
 }
 
-/// What the functions of event images call a file of them.
+/// Returns the content of a file of event images as an EventImageFile.
 py::object read_event_images(const fs::path& path) {
   auto file = without_gil([&] { return capture::read_event_images(path); });
   py::list cycles;
@@ -137,20 +138,18 @@ void write_event_images(const fs::path& path, const std::vector<py::array>& cycl
 }
 
 void bind_event_images(py::module_& module) {
-  module.def("read_event_images", &read_event_images, py::arg("path"),
-             "EventImageFile(cycles, codes, camera, views) of an .npz, an .npy or a folder of event_image_00000.npy "
-             "...: a list of "
-             "int16 [transition, y, x], one for each cycle, the patterns, the camera and how the views come out, each "
-             "None where the file lacks "
-             "it.");
+  module.def(
+      "read_event_images", &read_event_images, py::arg("path"),
+      "Reads event images from an .npz, an .npy or a folder of event_image_00000.npy ... Returns "
+      "EventImageFile(cycles, codes, camera, views): a list of int16 [transition, y, x], one for each cycle, and "
+      "the patterns, the camera and the orientation of the views, each None if the file does not contain it.");
   module.def("write_event_images", &write_event_images, py::arg("path"), py::arg("cycles"),
              py::arg("codes") = py::none(), py::kw_only(), py::arg("camera") = nullptr, py::arg("views") = py::none(),
              py::arg("overwrite") = false,
-             "Writes an .npz: `events` int16 [cycle, transition, y, x], `codes` [N, view_y, view_x], `camera` and "
-             "`views` where "
-             "given.\n\n"
+             "Writes an .npz with `events` int16 [cycle, transition, y, x] and, if they are given, `codes` "
+             "[N, view_y, view_x], `camera` and `views`.\n\n"
              "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].\n"
-             "views: how they come out: \"upright\", \"turned\", \"flipped-x\" or \"flipped-y\".");
+             "views: orientation of the views: \"upright\", \"turned\", \"flipped-x\" or \"flipped-y\".");
   module.def(
       "event_picture",
       [](const py::array& images) {
@@ -158,7 +157,8 @@ void bind_event_images(py::module_& module) {
         return to_array(cli::event_picture(*counts));
       },
       py::arg("images"),
-      "Event images [transition, y, x] side by side as float32 [y, x, 3]: towards red = ON, towards blue = OFF.");
+      "Draws event images [transition, y, x] side by side as float32 [y, x, 3], ON events in red and OFF events in "
+      "blue.");
 }
 
 }  // namespace

@@ -39,23 +39,25 @@ Schedule checked(Schedule schedule) {
 
 void bind_schedule(py::module_& module) {
   py::class_<ScheduledPattern>(module, "ScheduledPattern",
-                               "One pattern on the aperture.\n\nduration_us: how long it is shown.\n"
-                               "overhead_us: from its end to the start of the next.\n"
-                               "image: the event image that its events go to; None = they are not used.\n"
-                               "sign: of the events that the change to it makes: \"any\", \"on\" or \"off\".")
+                               "One pattern on the aperture.\n\nname: the name of the pattern.\n"
+                               "duration_us: duration of the pattern.\n"
+                               "overhead_us: time from its end to the start of the next pattern.\n"
+                               "image: number of the event image for its events; None = the events are not used.\n"
+                               "sign: sign of the events that the change to it causes: \"any\", \"on\" or \"off\".")
       .def(py::init([](std::string name, int64_t duration_us, int64_t overhead_us, std::optional<size_t> image,
                        const std::string& sign) {
              return ScheduledPattern{std::move(name), duration_us, overhead_us, image, sign_of(sign)};
            }),
            py::arg("name"), py::arg("duration_us") = 10000, py::arg("overhead_us") = 0, py::arg("image") = py::none(),
            py::arg("sign") = "any")
-      .def_readonly("name", &ScheduledPattern::name, "Of its picture.")
-      .def_readonly("duration_us", &ScheduledPattern::duration_us, "How long it is shown, us.")
-      .def_readonly("overhead_us", &ScheduledPattern::overhead_us, "From its end to the start of the next, us.")
-      .def_readonly("image", &ScheduledPattern::image, "The event image that its events go to, or None.")
+      .def_readonly("name", &ScheduledPattern::name, "The name of the pattern.")
+      .def_readonly("duration_us", &ScheduledPattern::duration_us, "Duration of the pattern, us.")
+      .def_readonly("overhead_us", &ScheduledPattern::overhead_us,
+                    "Time from its end to the start of the next pattern, us.")
+      .def_readonly("image", &ScheduledPattern::image, "Number of the event image for its events, or None.")
       .def_property_readonly(
           "sign", [](const ScheduledPattern& self) { return kSignNames[static_cast<size_t>(self.sign)]; },
-          "Of the events that the change to it makes: \"any\", \"on\" or \"off\".")
+          "Sign of the events that the change to it causes: \"any\", \"on\" or \"off\".")
       .def("__eq__", [](const ScheduledPattern& self, const ScheduledPattern& other) { return self == other; })
       .def("__repr__", [](const ScheduledPattern& self) { return "<e2lf.ScheduledPattern " + self.name + ">"; });
 
@@ -65,9 +67,9 @@ void bind_schedule(py::module_& module) {
       .def_readonly("patterns", &Schedule::patterns, "A list of ScheduledPattern.")
       .def_property_readonly(
           "views", [](const Schedule& self) { return orientation_word(self.views); }, kViewsDoc)
-      .def_property_readonly("num_images", &Schedule::num_images, "Event images in a cycle.")
+      .def_property_readonly("num_images", &Schedule::num_images, "Number of event images in a cycle.")
       .def_property_readonly("cycle_us", &Schedule::cycle_us, "Duration of a cycle, us.")
-      .def("to_json", &cycles::schedule_text, "The text of a schedule's file.")
+      .def("to_json", &cycles::schedule_text, "Returns the text of a schedule file.")
       .def("__eq__", [](const Schedule& self, const Schedule& other) { return self == other; })
       .def("__len__", &Schedule::size)
       .def("__repr__",
@@ -79,7 +81,7 @@ void bind_schedule(py::module_& module) {
 
   module.def(
       "read_schedule", [](const fs::path& path) { return take(cycles::read_schedule(path)); }, py::arg("path"),
-      "Reads a schedule's JSON file, as `e2lf codes render` writes it.");
+      "Reads the JSON file of a schedule, as `e2lf codes render` writes it.");
   module.def(
       "paper_schedule",
       [](size_t num_codes) {
@@ -87,13 +89,14 @@ void bind_schedule(py::module_& module) {
         return cycles::paper_schedule(num_codes);
       },
       py::arg("num_codes") = 4,
-      "The paper's: the inverses of all patterns, then the patterns; 94.7 ms for 4 codes.\n\n"
-      "num_codes: patterns, at least 2.");
+      "Returns the paper's schedule: the inverses of all patterns, then the patterns; 94.7 ms for 4 codes.\n\n"
+      "num_codes: number of patterns, at least 2.");
   module.def(
       "plain_schedule",
       [](size_t num_codes, int64_t duration_us) { return checked(cycles::plain_schedule(num_codes, duration_us)); },
       py::arg("num_codes"), py::arg("duration_us"),
-      "The patterns without inverses.\n\nnum_codes: patterns. duration_us: of each.");
+      "Returns a schedule of the patterns without inverses.\n\n"
+      "num_codes: number of patterns. duration_us: duration of each.");
 }
 
 using ScheduleArgument = std::variant<std::monostate, Schedule, fs::path>;
@@ -159,7 +162,7 @@ class CycleIterator {
   OneAtATime use_;
 };
 
-/// What tells when patterns change, and the schedule.
+/// The source of the times at which patterns change, and the schedule.
 struct CycleArguments {
   std::string source = "auto", edge = "rising";
   ScheduleArgument schedule;
@@ -196,15 +199,17 @@ std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArgu
 }
 
 void bind_cycle_reader(py::module_& module) {
-  py::class_<CycleIterator>(module, "Cycles", "An iterator over the cycles of a recording; made by accumulate().")
+  py::class_<CycleIterator>(module, "Cycles", "An iterator over the cycles of a recording, returned by accumulate().")
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__", &CycleIterator::next)
-      .def_property_readonly("source", &CycleIterator::source, "What tells: \"triggers\", \"bursts\" or \"schedule\".")
+      .def_property_readonly("source", &CycleIterator::source,
+                             "The source of the times: \"triggers\", \"bursts\" or \"schedule\".")
       .def_property_readonly("codes", &CycleIterator::codes,
-                             "The patterns between which the images lie, float32 [transitions + 1, view_y, view_x]; "
-                             "None where the recording does not tell.")
+                             "The patterns of the transitions, float32 [transitions + 1, view_y, view_x]; None if the "
+                             "recording does not state them.")
       .def_property_readonly("views", &CycleIterator::views, kViewsDoc)
-      .def("report", &CycleIterator::report, "Cycles found and dropped so far, why, and what was left out.");
+      .def("report", &CycleIterator::report,
+           "Returns the numbers of cycles found and dropped so far, with reasons, and the data that were left out.");
   module.def(
       "accumulate",
       [](const fs::path& path, const std::string& source, const ScheduleArgument& schedule, size_t num_codes,
@@ -222,30 +227,29 @@ void bind_cycle_reader(py::module_& module) {
       py::arg("first_pattern") = py::none(), py::arg("one_trigger_per_cycle") = false,
       py::arg("origin_us") = py::none(), py::arg("filter_pixels") = false, py::arg("transitions") = "lit",
       py::arg("invert_polarity") = false, E2LF_OPEN_ARGUMENTS,
-      "Cuts a recording into pattern cycles: an iterator over Cycle(images, number, begin_us, slices, events, "
-      "saturated, "
-      "confidence), images int16 [transition, y, x].\n\n"
-      "source: what tells when patterns change: \"triggers\", \"bursts\" (the events), \"schedule\" (needs origin_us) "
-      "or "
-      "\"auto\".\n"
-      "schedule: a Schedule or the path of its file; None = the paper's, of num_codes patterns.\n"
-      "edge, channel: of the triggers; channel None = all.\n"
-      "first_pattern: of the first trigger or burst, from 0; None = found.\n"
-      "one_trigger_per_cycle: triggers mark cycles, not patterns.\n"
-      "origin_us: when the first pattern of any cycle began.\n"
-      "filter_pixels: silence hot and flickering pixels.\n"
-      "transitions: images of the changes into the lit patterns a2 to aN (\"lit\"), or of all changes of the whole "
-      "cycle, from a1 to a2 on until the change to the next a1 (\"all\").\n"
-      "invert_polarity: take ON events for OFF and OFF for ON." E2LF_OPEN_DOC);
+      "Divides a recording into pattern cycles and accumulates their event images. Returns an iterator over "
+      "Cycle(images, number, begin_us, slices, events, saturated, confidence), where images is int16 "
+      "[transition, y, x].\n\n"
+      "source: source of the times at which patterns change: \"triggers\", \"bursts\" (the events), \"schedule\" "
+      "(requires origin_us) or \"auto\".\n"
+      "schedule: a Schedule or the path of its file; None = the paper's for num_codes patterns.\n"
+      "edge, channel: edge and input of the triggers; channel None = all inputs.\n"
+      "first_pattern: pattern of the first trigger or burst, from 0; None = determined from the recording.\n"
+      "one_trigger_per_cycle: whether triggers mark cycles instead of patterns.\n"
+      "origin_us: time at which the first pattern of any cycle began.\n"
+      "filter_pixels: whether to ignore hot and flickering pixels.\n"
+      "transitions: event images of the changes to the active patterns a2 to aN (\"lit\"), or of all changes of the "
+      "whole cycle, from a1 to a2 until the change to the next a1 (\"all\").\n"
+      "invert_polarity: whether to exchange ON and OFF events." E2LF_OPEN_DOC);
 }
 
-/// A recording as `e2lf simulate` writes it.
+/// Writes a recording in the same way as `e2lf simulate`.
 void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cycles,
                 const std::optional<py::array>& codes, const ScheduleArgument& schedule, bool triggers,
                 int64_t begin_us, uint64_t seed, const capture::SensorProfile* camera, bool overwrite) {
   std::vector<Borrowed<capture::EventImages>> images;
   for (const py::array& each : images_of_cycles) images.push_back(event_images_of(each, "cycles"));
-  if (images.empty()) throw py::value_error("there is no cycle");
+  if (images.empty()) throw py::value_error("at least one cycle is required");
   cycles::SynthesisOptions options;
   options.schedule = schedule_of(schedule, images.front()->transitions + 1);
   if (!triggers) options.trigger_channel.reset();
@@ -262,7 +266,8 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
     if (each->transitions == options.schedule.num_images() && each->width == info.width && each->height == info.height)
       continue;
     throw ResultError({ErrorCode::kShape,
-                       "the cycles are not all of one size, or have more or fewer images than the schedule", "cycles"});
+                       "the cycles differ in size, or their number of images differs from that of the schedule",
+                       "cycles"});
   }
   without_gil([&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place, recordings::place_of_recording(path, ""));
@@ -272,8 +277,7 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
     E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(output.path(), "", info));
     if (triggers && !writer->holds_triggers()) {
       return Error{ErrorCode::kUnsupported,
-                   "this format has no place for triggers; write .raw, .hdf5 or .dat, or leave them out",
-                   path.string()};
+                   "this format cannot hold triggers; write .raw, .hdf5 or .dat, or leave them out", path.string()};
     }
     E2LF_RETURN_IF_ERROR(
         cycles::synthesise_recording(*writer, images.size(), options,
@@ -291,14 +295,14 @@ void bind_cycles(py::module_& module) {
   module.def("synthesise_recording", &synthesise, py::arg("path"), py::arg("cycles"), py::arg("codes") = py::none(),
              py::kw_only(), py::arg("schedule") = py::none(), py::arg("triggers") = true, py::arg("begin_us") = 100000,
              py::arg("seed") = 1, py::arg("camera") = nullptr, py::arg("overwrite") = false,
-             "Writes the recording that a camera would give for event images: events spread over each pattern's time, "
-             "and triggers.\n\n"
+             "Writes a recording with these event images, as a camera would record it: the events are distributed over "
+             "the duration of each pattern, with triggers.\n\n"
              "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].\n"
-             "codes: the patterns [N, view_y, view_x], kept in the header, as is the camera.\n"
+             "codes, camera: the patterns [N, view_y, view_x] and the Camera, which are stored in the header.\n"
              "schedule: a Schedule or the path of its file; None = the paper's.\n"
              "begin_us: start of the first cycle.\n"
              "triggers: whether to write a rising edge at the start of each pattern.\n"
-             "seed: of the times within a pattern.");
+             "seed: seed of the times within a pattern.");
 }
 
 }  // namespace e2lf::python

@@ -30,12 +30,13 @@ void bind_depth(py::module_& module) {
   module.def(
       "depth", &estimate, py::arg("light_field"), py::kw_only(), py::arg("view") = py::none(),
       py::arg("range_px") = py::none(), E2LF_ORIENTATION_ARGUMENTS, py::arg("progress") = py::none(),
-      "How far each pixel moves from view to view, as `e2lf depth` finds it: a DisparityMap with disparity and "
-      "confidence, float32 [y, x].\n\n"
-      "light_field: [view_y, view_x, y, x]; one with [channel] is taken as grey.\n"
-      "view: (view_y, view_x), whose pixels get a disparity; None = half the views, (4, 4) of 8x8.\n"
-      "range_px: (least, most) to look for, in px per view step; None = found, within 6 px.\n" E2LF_ORIENTATION_DOC
-      "progress: called with (done, total); an exception ends the work.");
+      "Estimates the disparity of each pixel of a view, as `e2lf depth` does. Returns a DisparityMap with disparity "
+      "and confidence, float32 [y, x].\n\n"
+      "light_field: [view_y, view_x, y, x]; one with [channel] is converted to grey.\n"
+      "view: (view_y, view_x), the view for whose pixels disparities are estimated; None = the middle one, (4, 4) of "
+      "8x8.\n"
+      "range_px: (least, most), the range of disparities in px per view step; None = estimated, within 6 "
+      "px.\n" E2LF_ORIENTATION_DOC "progress: called with (done, total); an exception cancels the operation.");
 }
 
 }  // namespace e2lf::python

@@ -20,13 +20,13 @@ std::span<const float> span_of(const Floats& values) {
   return {values.data(), static_cast<size_t>(values.size())};
 }
 
-/// Two arrays of one shape.
+/// Returns two arrays of the same shape.
 std::pair<Floats, Floats> pair_of(const py::array& a, const py::array& b) {
   std::pair<Floats, Floats> both(floats_of(a, "a"), floats_of(b, "b"));
   const std::vector<py::ssize_t> shape_a(both.first.shape(), both.first.shape() + both.first.ndim());
   const std::vector<py::ssize_t> shape_b(both.second.shape(), both.second.shape() + both.second.ndim());
   if (shape_a != shape_b || both.first.size() == 0) {
-    throw ResultError({ErrorCode::kShape, "the two arrays are not of one shape, or are empty", "a, b"});
+    throw ResultError({ErrorCode::kShape, "the two arrays differ in shape or are empty", "a, b"});
   }
   return both;
 }
@@ -63,16 +63,17 @@ py::object compare(const py::array& truth, const py::array& reconstruction, bool
 }  // namespace
 
 void bind_eval(py::module_& module) {
-  module.def("psnr", &psnr, py::arg("a"), py::arg("b"),
-             "Peak signal-to-noise ratio in dB of two arrays of one shape with values in [0, 1]; inf where they are "
-             "equal.\n\na, b: floating-point numbers, of any axes.");
+  module.def(
+      "psnr", &psnr, py::arg("a"), py::arg("b"),
+      "Computes the peak signal-to-noise ratio in dB of two arrays of the same shape with values in [0, 1]; inf if "
+      "they are equal.\n\na, b: floating-point numbers, with any axes.");
   module.def("ssim", &ssim, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("window") = "uniform7",
-             "Mean SSIM of two pictures with values in [0, 1].\n\n"
+             "Computes the mean SSIM of two images with values in [0, 1].\n\n"
              "a, b: [y, x].\nwindow: \"uniform7\" or \"gaussian\" (11x11).");
   module.def("compare", &compare, py::arg("truth"), py::arg("reconstruction"), py::kw_only(), py::arg("clamp") = true,
              py::arg("progress") = py::none(),
-             "How well a light field was reconstructed: the dict that `e2lf eval --json` prints, with psnr_db, "
-             "ssim_uniform7, ssim_gaussian, epi_rms_error, epi_relative_error and views.\n\n"
+             "Compares a reconstructed light field with the true one. Returns the dict that `e2lf eval --json` prints, "
+             "with psnr_db, ssim_uniform7, ssim_gaussian, epi_rms_error, epi_relative_error and views.\n\n"
              "truth, reconstruction: [view_y, view_x, y, x], or both with [channel].\n"
              "clamp: clamp the reconstruction to [0, 1] first.\n"
              "progress: called with (views done, views).");
@@ -83,7 +84,7 @@ void bind_eval(py::module_& module) {
         return to_python(eval::to_json(eval::event_statistics(*counts)));
       },
       py::arg("images"),
-      "What event images [transition, y, x] cost: a dict with events_per_pixel, total_events_per_pixel, "
+      "Computes the cost of event images [transition, y, x]: a dict with events_per_pixel, total_events_per_pixel, "
       "min_measurement_ms, bits_per_sensor_pixel and more.");
 }
 

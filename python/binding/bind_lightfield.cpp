@@ -21,7 +21,7 @@ namespace {
 
 using lightfield::Shape;
 
-/// Runs what gives a picture, without a Result.
+/// Runs a function that returns an image instead of a Result.
 template <typename Work>
 py::array picture(const Work& work) {
   return to_array(without_gil([&work]() -> Result<lightfield::Image> { return work(); }));
@@ -63,7 +63,7 @@ void write(const fs::path& path, const py::array& light_field, const std::string
   without_gil([&] { return lightfield::write_light_field(path, *values, options, told); });
 }
 
-/// A disc, weights of the views, or all views alike.
+/// Returns a round aperture, the given weights, or equal weights for all views.
 lightfield::Aperture aperture_of(const Shape& shape, std::optional<float> radius, float centre_y, float centre_x,
                                  const std::optional<py::array>& weights) {
   if (radius && weights) throw py::value_error("give a radius or weights, not both");
@@ -97,11 +97,12 @@ void bind_pictures(py::module_& module) {
       },
       py::arg("light_field"), py::arg("disparity"), py::kw_only(), py::arg("radius") = py::none(),
       py::arg("centre_y") = 0.0F, py::arg("centre_x") = 0.0F, py::arg("weights") = py::none(),
-      "The picture of a camera that is focused at a disparity (px per view step): float32 [y, x], or [y, x, 3].\n\n"
+      "Computes the image of a camera that is focused at a disparity (px per view step): float32 [y, x], or "
+      "[y, x, 3].\n\n"
       "light_field: [view_y, view_x, y, x], or with [channel].\n"
-      "radius: of the aperture, in view steps; None = all views.\n"
-      "centre_y, centre_x: of the aperture, in view steps from the middle: another viewpoint.\n"
-      "weights: float32 [view_y, view_x] in place of a disc.");
+      "radius: radius of the aperture in view steps; None = all views.\n"
+      "centre_y, centre_x: offset of the aperture from the middle in view steps, which changes the viewpoint.\n"
+      "weights: float32 [view_y, view_x], the weights of the views instead of a round aperture.");
   module.def(
       "horizontal_epi",
       [](const py::array& light_field, size_t view_y, size_t y) {
@@ -111,8 +112,8 @@ void bind_pictures(py::module_& module) {
         return picture([&] { return lightfield::horizontal_epi(*field, view_y, y); });
       },
       py::arg("light_field"), py::arg("view_y"), py::arg("y"),
-      "The epipolar plane image of one row: float32 [view_x, x]; a point of disparity d moves by d px from row to "
-      "row.\n\n"
+      "Returns the epipolar plane image of one row, float32 [view_x, x], in which a point of disparity d moves by d px "
+      "from row to row.\n\n"
       "light_field: [view_y, view_x, y, x], or with [channel].\n"
       "view_y, y: the row of views and the row of pixels, from 0.");
   module.def(
@@ -124,7 +125,7 @@ void bind_pictures(py::module_& module) {
         return picture([&] { return lightfield::vertical_epi(*field, view_x, x); });
       },
       py::arg("light_field"), py::arg("view_x"), py::arg("x"),
-      "The epipolar plane image of one column: float32 [y, view_y].\n\n"
+      "Returns the epipolar plane image of one column: float32 [y, view_y].\n\n"
       "light_field: [view_y, view_x, y, x], or with [channel].\n"
       "view_x, x: the column of views and the column of pixels, from 0.");
   module.def(
@@ -139,7 +140,7 @@ void bind_pictures(py::module_& module) {
         return picture([&] { return lightfield::epi_picture(*field, options); });
       },
       py::arg("light_field"), py::kw_only(), py::arg("y") = py::none(), py::arg("x") = py::none(),
-      "A view with the EPIs of a row and a column beside it, as papers show them: float32 [y, x, 3].\n\n"
+      "Returns a view with the EPIs of a row and a column beside it: float32 [y, x, 3].\n\n"
       "light_field: [view_y, view_x, y, x], or with [channel].\n"
       "y, x: the row and the column of pixels; None = the middle.");
   module.def(
@@ -148,21 +149,21 @@ void bind_pictures(py::module_& module) {
         const auto field = light_field_of(light_field, "light_field");
         const lightfield::ContactSheetOptions options{.max_width = max_width};
         if (max_width < field->shape().views_x * (1 + options.separator_px)) {
-          throw py::value_error("max_width has no pixel for each view");
+          throw py::value_error("max_width is too small for one pixel per view");
         }
         return picture([&] { return lightfield::contact_sheet(*field, options); });
       },
       py::arg("light_field"), py::kw_only(), py::arg("max_width") = 1600,
-      "All views in one picture, float32 [y, x] or [y, x, 3].\n\n"
+      "Returns all views in one image, float32 [y, x] or [y, x, 3].\n\n"
       "light_field: [view_y, view_x, y, x], or with [channel].\n"
-      "max_width: px; views are reduced where all do not fit.");
+      "max_width: maximum width in px; views are reduced if they do not fit.");
 }
 
 void bind_images(py::module_& module) {
   module.def(
       "read_image",
       [](const fs::path& path) { return to_array(without_gil([&] { return lightfield::read_image(path); })); },
-      py::arg("path"), "A PNG or JPEG as float32 [y, x] or [y, x, 3] in [0, 1]; no gamma is applied.");
+      py::arg("path"), "Reads a PNG or JPEG as float32 [y, x] or [y, x, 3] in [0, 1]; no gamma is applied.");
   module.def(
       "write_png",
       [](const fs::path& path, const py::array& image, int bits, bool overwrite) {
@@ -173,9 +174,9 @@ void bind_images(py::module_& module) {
                      [&](const fs::path& place) { return lightfield::write_png(place, values, depth); });
       },
       py::arg("path"), py::arg("image"), py::kw_only(), py::arg("bits") = 8, py::arg("overwrite") = false,
-      "Writes a picture as PNG.\n\n"
-      "image: floating-point numbers [y, x] or [y, x, 3]: 0 is black, 1 is white, what is beyond is clamped.\n"
-      "bits: 8 or 16 for each number.");
+      "Writes an image as PNG.\n\n"
+      "image: floating-point numbers [y, x] or [y, x, 3], where 0 is black and 1 is white; others are clamped.\n"
+      "bits: bits per sample, 8 or 16.");
 }
 
 void bind_scenes(py::module_& module) {
@@ -193,8 +194,8 @@ void bind_scenes(py::module_& module) {
         return render(lightfield::demo_scene(seed), width, height, views);
       },
       py::arg("width") = 512, py::arg("height") = 384, py::kw_only(), py::arg("views") = 8, py::arg("seed") = 1,
-      "The scene of `e2lf demo`: float32 [view_y, view_x, y, x], disparities of about -2 to 1.5 px.\n\n"
-      "width, height: px. views: per axis. seed: another one is another scene.");
+      "Renders the scene of `e2lf demo`: float32 [view_y, view_x, y, x], with disparities of about -2 to 1.5 px.\n\n"
+      "width, height: size of a view in px. views: number of views per axis. seed: selects a variant of the scene.");
   module.def(
       "turntable_scene",
       [render](float turn, size_t width, size_t height, size_t views, uint64_t seed) {
@@ -202,34 +203,37 @@ void bind_scenes(py::module_& module) {
       },
       py::arg("turn"), py::arg("width") = 512, py::arg("height") = 384, py::kw_only(), py::arg("views") = 8,
       py::arg("seed") = 1,
-      "A still life on a table: float32 [view_y, view_x, y, x].\n\n"
-      "turn: of the table, radians. width, height: px. views: per axis. seed: another one is another still life.");
+      "Renders a still life on a turntable: float32 [view_y, view_x, y, x].\n\n"
+      "turn: rotation of the table in radians. width, height: size of a view in px. views: number of views per axis. "
+      "seed: selects a variant of the scene.");
 }
 
 }  // namespace
 
 void bind_lightfield(py::module_& module) {
-  module.def("read_light_field", &read, py::arg("path"), py::kw_only(), py::arg("views") = 8, py::arg("step") = 1,
-             py::arg("colour") = false, py::arg("reverse_rows") = false, py::arg("range") = "refuse",
-             py::arg("white") = 0.0F, py::arg("view_columns") = 0, py::arg("lenslet_views") = 0,
-             E2LF_ORIENTATION_ARGUMENTS, py::arg("progress") = py::none(),
-             "Reads a light field of any format: float32 [view_y, view_x, y, x] in [0, 1], with [channel] of 3 at the "
-             "end where colour is asked for and there. Views change places as the run.json in its folder says.\n\n"
-             "views: so many per axis, the central ones; 0 = all.\n"
-             "step: every so many, which makes the disparity so many times larger.\n"
-             "reverse_rows: view rows are stored bottom to top.\n"
-             "range: what becomes of values outside [0, 1]: \"refuse\", \"clamp\" or \"keep\" (of reconstructions).\n"
-             "white: the stored number that is 1; 0 = as the type says.\n"
-             "view_columns: in a row of views that are numbered one by one; 0 = found.\n"
-             "lenslet_views: per axis of a lenslet mosaic; 0 = as it says.\n" E2LF_ORIENTATION_DOC
-             "progress: called with (views done, views).");
+  module.def(
+      "read_light_field", &read, py::arg("path"), py::kw_only(), py::arg("views") = 8, py::arg("step") = 1,
+      py::arg("colour") = false, py::arg("reverse_rows") = false, py::arg("range") = "refuse", py::arg("white") = 0.0F,
+      py::arg("view_columns") = 0, py::arg("lenslet_views") = 0, E2LF_ORIENTATION_ARGUMENTS,
+      py::arg("progress") = py::none(),
+      "Reads a light field of any format: float32 [view_y, view_x, y, x] in [0, 1], with a last axis [channel] of 3 "
+      "if colour is requested and available. Views are reordered as the run.json in its folder states.\n\n"
+      "views: number of central views per axis; 0 = all.\n"
+      "step: reads every step-th view, which multiplies the disparity by step.\n"
+      "colour: whether to keep colour.\n"
+      "reverse_rows: whether view rows are stored bottom to top.\n"
+      "range: treatment of values outside [0, 1]: \"refuse\", \"clamp\" or \"keep\" (for reconstructions).\n"
+      "white: stored value that is white; 0 = the largest of the type.\n"
+      "view_columns: number of views in a row of the grid if views are numbered consecutively; 0 = detected.\n"
+      "lenslet_views: number of views per axis of a lenslet mosaic; 0 = as it states.\n" E2LF_ORIENTATION_DOC
+      "progress: called with (views done, views).");
   module.def(
       "write_light_field", &write, py::arg("path"), py::arg("light_field"), py::kw_only(), py::arg("format") = "",
       py::arg("overwrite") = false, py::arg("progress") = py::none(),
       "Writes a light field.\n\n"
       "light_field: [view_y, view_x, y, x], or with [channel].\n"
-      "format: \"png\", \"png16\", \"hci\", \"stanford\" (folders), \"npy\", \"lenslet\", \"mat\", \"h5\"; by the "
-      "extension where empty.\n"
+      "format: \"png\", \"png16\", \"hci\", \"stanford\" (folders), \"npy\", \"lenslet\", \"mat\", \"h5\"; if empty, "
+      "determined by the extension.\n"
       "progress: called with (views done, views).");
   bind_pictures(module);
   bind_images(module);

@@ -25,7 +25,7 @@ pipeline::Tone tone_of(const GainArgument& gain) {
   return {.gain = static_cast<float>(number)};
 }
 
-/// The light field of event images.
+/// Reconstructs the light field of event images.
 Result<lightfield::LightField> reconstruct_once(const pipeline::OpenedMethod& method, const pipeline::MethodUse& use,
                                                 const pipeline::Tone& tone, const capture::EventImages& images,
                                                 const capture::Orientation& orientation, const ProgressFn& progress) {
@@ -51,7 +51,8 @@ class Network {
     const pipeline::Tone tone = tone_of(gain);
     if (passes < 1 || cycles < 1) throw py::value_error("passes and cycles are at least 1");
     if (images.ndim() == 4 && images.shape(0) > 0) {
-      if (cycles != 1) throw py::value_error("images of several cycles say how many these are; leave cycles out");
+      if (cycles != 1)
+        throw py::value_error("the number of cycles follows from images of several cycles; leave cycles out");
       cycles = static_cast<size_t>(images.shape(0));
       images = images.attr("sum")(0);
     }
@@ -106,32 +107,34 @@ py::dict event_error(const py::array& light_field, const py::array& images, cons
 void bind_recon(py::module_& module) {
   py::class_<Network>(
       module, "Reconstructor",
-      "Turns event images into light fields with one model; made once, used for every cycle. One thread "
-      "at a time.\n\n"
+      "Reconstructs light fields from event images with one model. It is created once and used for every cycle, by one "
+      "thread at a time.\n\n"
+      "model: a Model.\n"
       "precision: \"auto\", \"float32\" or \"bfloat16\".\n"
-      "camera: the Camera that recorded, for networks that are told; None = the model's.")
+      "camera: the Camera that recorded the events, for networks conditioned on the sensor profile; None = that of the "
+      "model.")
       .def(py::init<const model::Model&, const std::string&, const capture::SensorProfile*>(), py::arg("model"),
            py::kw_only(), py::arg("precision") = "auto", py::arg("camera") = nullptr)
       .def("reconstruct", &Network::reconstruct, py::arg("images"), py::kw_only(), py::arg("gain") = "auto",
            py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("colour_filter") = "", E2LF_ORIENTATION_ARGUMENTS,
            py::arg("progress") = py::none(),
-           "Event images int16 [transition, y, x] -> light field float32 [view_y, view_x, y, x], not clamped.\n\n"
-           "images: of one cycle; or [cycle, transition, y, x], cycles of a scene that stands still, which make one "
-           "light "
-           "field together, for networks that are told the camera.\n"
-           "gain: \"auto\" (well exposed; of physical pixels the darkest parts become black) or a number; 1 = the "
-           "network's plain output.\n"
-           "passes: the mean over so many positions on the network's pixel grid.\n"
-           "cycles: images of one cycle are the sums over so many, for networks that are told the camera.\n"
-           "colour_filter: over each 2x2 pixels of the sensor, row by row, such as \"rggb\": the light field has "
+           "Reconstructs a light field float32 [view_y, view_x, y, x], not clamped, from event images int16 "
+           "[transition, y, x].\n\n"
+           "images: event images of one cycle, or [cycle, transition, y, x], from which networks conditioned on the "
+           "sensor profile reconstruct one light field of a static scene.\n"
+           "gain: \"auto\" (well exposed; with physical pixels, the darkest parts become black) or a number; 1 = the "
+           "output of the network.\n"
+           "passes: number of shifted positions on the pixel grid of the network over which the result is averaged.\n"
+           "cycles: number of cycles over which `images` were summed, for networks conditioned on the sensor profile.\n"
+           "colour_filter: colours of each 2x2 pixels of the sensor, row by row, such as \"rggb\": the light field has "
            "[channel] and half the width and height.\n" E2LF_ORIENTATION_DOC
-           "progress: called with (done, total); an exception ends the work.")
-      .def_property_readonly("precision", &Network::precision, "What \"auto\" became.")
+           "progress: called with (done, total); an exception cancels the operation.")
+      .def_property_readonly("precision", &Network::precision, "The precision that \"auto\" selected.")
       .def_property_readonly("kernels", &Network::kernels, "The kernel of each layer.")
       .def("__repr__", [](const Network& self) { return "<e2lf.Reconstructor in " + self.precision() + ">"; });
   module.def("invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
              py::arg("gain") = "auto", py::arg("colour_filter") = "", E2LF_ORIENTATION_ARGUMENTS,
-             "A light field without any training: float32 [view_y, view_x, y, x].\n\n"
+             "Reconstructs a light field without a trained network: float32 [view_y, view_x, y, x].\n\n"
              "images: int16 [transition, y, x]. codes: the patterns, [N, view_y, view_x].\n"
              "constants: SensorConstants of the camera; None = the paper's.\n"
              "gain: \"auto\" or a number.\n"
@@ -143,19 +146,20 @@ void bind_recon(py::module_& module) {
         return without_gil([&]() -> Result<float> { return recon::auto_gain(*field); });
       },
       py::arg("light_field"),
-      "The factor that brings a light field to a well-exposed picture.\n\n"
+      "Returns the factor that makes a light field well exposed.\n\n"
       "light_field: [view_y, view_x, y, x], or with [channel].");
   module.def(
       "event_error", &event_error, py::arg("light_field"), py::arg("images"), py::arg("codes"), py::kw_only(),
       py::arg("gain") = 1.0F, py::arg("constants") = py::none(), py::arg("event_model") = "reference-aware",
       py::arg("camera") = nullptr,
-      "How well a light field explains event images: means of |simulated - given| over pixels and transitions.\n\n"
+      "Computes how well a light field explains event images: means of |simulated - given| over pixels and "
+      "transitions.\n\n"
       "light_field: grey, [view_y, view_x, y, x]. images: int16 [transition, y, x]. codes: [N, view_y, view_x].\n"
-      "gain: what the light field has been multiplied with.\n"
+      "gain: factor by which the light field was multiplied.\n"
       "constants, event_model: as for simulate().\n"
-      "camera: a Camera with physical pixels, in place of constants and event_model.\n"
-      "Returns a dict: at_first (references at the first intensity), least (references `residue` thresholds above "
-      "it), residue.");
+      "camera: a Camera with physical pixels, which replaces constants and event_model.\n"
+      "Returns a dict: at_first (references start at the first level), least (references start `residue` thresholds "
+      "above it), residue.");
 }
 
 }  // namespace e2lf::python

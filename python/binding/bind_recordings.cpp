@@ -16,7 +16,7 @@ namespace {
 
 using RecordingPointer = std::shared_ptr<Recording>;
 
-/// An iterator over a recording, and one that gives its events alone.
+/// An iterator over the slices of a recording, and one that returns only their events.
 struct Slices {
   RecordingPointer recording;
   SliceSize size;
@@ -30,7 +30,7 @@ struct Slices {
 struct EventSlices : Slices {};
 
 RecordingPointer open(const fs::path& path, const OpenArguments& arguments) {
-  // Slices begin there only where that is a time of the clock that they are in.
+  // Slices begin at from_us only if it is a time on their clock.
   const bool is_absolute = !arguments.relative && !arguments.shift_time;
   return std::make_shared<Recording>(path.string(), open_reader(path.string(), arguments, true),
                                      is_absolute ? arguments.from_us : std::nullopt);
@@ -63,7 +63,7 @@ py::object camera_of_recording(const Recording& recording) {
   return camera ? py::cast(*camera) : py::none();
 }
 
-/// The whole recording in two arrays.
+/// Reads the whole recording into two arrays.
 py::tuple read_events(const fs::path& path, const OpenArguments& arguments) {
   const auto reader = open_reader(path.string(), arguments);
   EventRecords records;
@@ -83,7 +83,7 @@ py::tuple read_events(const fs::path& path, const OpenArguments& arguments) {
   return py::make_tuple(to_array(std::move(records)), to_array(triggers));
 }
 
-/// What `e2lf bench` would call decoding: the peer of iterating in bench/python/iterate.py.
+/// Decodes a recording without making arrays, for comparison in bench/python/iterate.py.
 uint64_t count_events(const fs::path& path, int threads) {
   OpenArguments arguments;
   arguments.threads = threads;
@@ -112,25 +112,26 @@ py::object info(const fs::path& path, const OpenArguments& arguments, const Prog
 }
 
 void bind_recording(py::module_& module) {
-  py::class_<Slices>(module, "Slices", "An iterator over slices of a Recording; made by slices().")
+  py::class_<Slices>(module, "Slices", "An iterator over slices of a Recording, returned by slices().")
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__", [](const Slices& self) { return slice_of(self.next()); });
-  py::class_<EventSlices>(module, "EventSlices", "An iterator over the events of a Recording; made by events().")
+  py::class_<EventSlices>(module, "EventSlices", "An iterator over the events of a Recording, returned by events().")
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__", [](const EventSlices& self) { return to_array(self.next().events); });
   py::class_<Recording, RecordingPointer> recording(
       module, "Recording",
-      "A recording that is read from front to back in bounded memory; made by open_recording().\n\n"
-      "Iterating gives slices as they come out of the file, the fastest way. One thread at a time.");
-  recording.def_property_readonly("name", &Recording::name, "What was opened.")
+      "A recording that is read from front to back in bounded memory, returned by open_recording().\n\n"
+      "Iterating over it returns slices as they are decoded, which is fastest. It may be used by one thread at a "
+      "time.");
+  recording.def_property_readonly("name", &Recording::name, "The name under which it was opened.")
       .def_property_readonly(
           "format", [](const Recording& self) { return self.reader().info().format; }, "\"evt3\", \"hdf5\", ...")
       .def_property_readonly(
           "width", [](const Recording& self) { return self.reader().info().width; },
-          "Of the sensor in px; 0 = the file does not say.")
+          "Width of the sensor in px; 0 if the file does not state it.")
       .def_property_readonly(
           "height", [](const Recording& self) { return self.reader().info().height; },
-          "Of the sensor in px; 0 = the file does not say.")
+          "Height of the sensor in px; 0 if the file does not state it.")
       .def_property_readonly(
           "header",
           [](const Recording& self) {
@@ -138,7 +139,7 @@ void bind_recording(py::module_& module) {
             for (const auto& [key, value] : self.reader().info().header) header[py::str(key)] = py::str(value);
             return header;
           },
-          "Keys and values of the file's header.")
+          "Keys and values of the header.")
       .def_property_readonly(
           "assumptions",
           [](const Recording& self) {
@@ -146,10 +147,12 @@ void bind_recording(py::module_& module) {
             for (const auto& assumption : self.reader().info().assumptions) texts.append(assumption.text);
             return texts;
           },
-          "What the file does not say and was taken for granted.")
-      .def_property_readonly("codes", &codes_of_recording,
-                             "The patterns it was made with, float32 [N, view_y, view_x]; None where nothing tells.")
-      .def_property_readonly("camera", &camera_of_recording, "The Camera that it was made with, or None.")
+          "Properties that the file does not state and that were assumed.")
+      .def_property_readonly(
+          "codes", &codes_of_recording,
+          "The patterns with which it was recorded, float32 [N, view_y, view_x]; None if they are unknown.")
+      .def_property_readonly("camera", &camera_of_recording,
+                             "The Camera with which it was recorded; None if it is unknown.")
       .def_property_readonly(
           "views",
           [](const Recording& self) {
@@ -158,7 +161,9 @@ void bind_recording(py::module_& module) {
           kViewsDoc)
       .def(
           "summary", [](Recording& self) { return to_python(cli::summary_json(self.summary())); },
-          "What has been read so far: counts of events and triggers, times in us, what was left out and why.")
+          "Returns a summary of the data read so far: counts of events and triggers, times in us, and the data that "
+          "were "
+          "left out, with reasons.")
       .def(
           "slices",
           [](RecordingPointer self, std::optional<int64_t> delta_t, std::optional<int64_t> n_events) {
@@ -166,29 +171,31 @@ void bind_recording(py::module_& module) {
           },
           py::arg("delta_t") = py::none(), py::arg("n_events") = py::none(),
           "Iterates over Slice(events, triggers, begin_us, end_us).\n\n"
-          "delta_t: us of each slice. They follow each other without a gap, empty ones among them. The first begins at "
-          "from_us or at the multiple of delta_t before the first event.\n"
-          "n_events: so many events in each, fewer in the last.\n"
-          "Both: whichever comes first. Neither: as they come out of the file.")
+          "delta_t: duration of each slice in us. Slices are contiguous and may be empty. The first begins at from_us, "
+          "or "
+          "else at the multiple of delta_t before the first event.\n"
+          "n_events: number of events in each slice; the last may have fewer.\n"
+          "If both are given, a slice ends at the earlier limit; if neither is given, slices are returned as decoded.")
       .def(
           "events",
           [](RecordingPointer self, std::optional<int64_t> delta_t, std::optional<int64_t> n_events) {
             return EventSlices{{std::move(self), slice_size(delta_t, n_events)}};
           },
           py::arg("delta_t") = py::none(), py::arg("n_events") = py::none(),
-          "The same with the events alone: structured arrays with fields x, y (uint16, px), p (int16, 1 = ON, 0 = "
-          "OFF), "
-          "t (int64, us).\n\ndelta_t, n_events: as for slices().")
+          "Iterates over the events of slices: structured arrays with fields x, y (uint16, px), p (int16, 1 = ON, 0 = "
+          "OFF) and t (int64, us).\n\ndelta_t, n_events: as for slices().")
       .def(
           "between",
           [](Recording& self, int64_t begin_us, int64_t end_us) { return slice_of(self.between(begin_us, end_us)); },
           py::arg("begin_us"), py::arg("end_us"),
-          "The Slice begin_us <= t < end_us, in any order; reading goes on behind it. Not of streams.")
-      .def("seek", &Recording::seek, py::arg("t_us"), "Goes to the first event or trigger with t >= t_us.")
+          "Returns the Slice begin_us <= t < end_us. Calls may be in any order, and reading continues after the slice. "
+          "Not "
+          "available for streams.")
+      .def("seek", &Recording::seek, py::arg("t_us"), "Seeks to the first event or trigger with t >= t_us.")
       .def("next_part", &Recording::next_part,
-           "With restart=\"split\", once iterating has ended: goes on to the part behind, whose times are its own. "
-           "Returns whether there is one.")
-      .def("close", &Recording::close, "Closes the file; so does leaving a with block.")
+           "Continues with the next part, which has its own times, after iterating has ended with restart=\"split\". "
+           "Returns False if there is none.")
+      .def("close", &Recording::close, "Closes the file, as leaving a with block does.")
       .def("__iter__",
            [](RecordingPointer self) {
              return Slices{std::move(self), {}};
@@ -205,7 +212,7 @@ void bind_camera_setup(py::module_& module) {
   using recordings::CameraSetup;
   py::class_<CameraSetup>(
       module, "CameraSetup",
-      "What a live camera is set to before it starts. What is not given stays as the camera has it.")
+      "The settings of a live camera that are applied before it starts. Others are left as the camera has them.")
       .def(py::init([](std::vector<std::string> trigger_channels, const fs::path& biases,
                        std::optional<uint32_t> max_events_per_s, const std::vector<RegionArgument>& regions,
                        const std::string& encoding) {
@@ -221,9 +228,9 @@ void bind_camera_setup(py::module_& module) {
            py::kw_only(), py::arg("trigger_channels") = std::vector<std::string>(), py::arg("biases") = "",
            py::arg("max_events_per_s") = py::none(), py::arg("regions") = std::vector<RegionArgument>(),
            py::arg("encoding") = "",
-           "trigger_channels: inputs to switch on: \"main\", \"aux\", their number, or [\"none\"]; [] = all.\n"
+           "trigger_channels: inputs to enable: \"main\", \"aux\", their number, or [\"none\"]; [] = all.\n"
            "biases: a file of biases (.bias).\n"
-           "max_events_per_s: beyond which the sensor drops events; 0 = no limit.\n"
+           "max_events_per_s: event rate above which the sensor drops events; 0 = no limit.\n"
            "regions: rectangles of the sensor that send events, (x, y, width, height) in px; [] = all.\n"
            "encoding: \"evt2\", \"evt2.1\" or \"evt3\".");
 }
@@ -241,7 +248,8 @@ void bind_recordings(py::module_& module) {
   module.def(
       "read_events", [](const fs::path& path, E2LF_OPEN_PARAMETERS) { return read_events(path, E2LF_OPEN_VALUES); },
       py::arg("path"), py::kw_only(), E2LF_OPEN_ARGUMENTS,
-      "All of a recording: (events, triggers), structured arrays of event_dtype and trigger_dtype." E2LF_OPEN_DOC);
+      "Reads a whole recording and returns (events, triggers), structured arrays of event_dtype and "
+      "trigger_dtype." E2LF_OPEN_DOC);
   module.def("_count_events", &count_events, py::arg("path"), py::arg("threads"));
   module.def(
       "info",
@@ -258,10 +266,11 @@ void bind_recordings(py::module_& module) {
       },
       py::arg("path"), py::kw_only(), py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0,
       py::arg("stream") = "", py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("progress") = py::none(),
-      "What a file or folder is: a dict with `kind` and what `e2lf info --json` says. Recordings are read to their "
-      "end.\n\n"
+      "Describes a file or folder. Returns a dict with `kind` and the content of `e2lf info --json`. Recordings are "
+      "read "
+      "to their end.\n\n"
       "format, width, height, stream, columns, time_unit: as for open_recording().\n"
-      "progress: called with (done, total); an exception ends the work.");
+      "progress: called with (done, total); an exception cancels the operation.");
 }
 
 }  // namespace e2lf::python

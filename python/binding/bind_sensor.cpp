@@ -14,7 +14,7 @@
 namespace e2lf::python {
 namespace {
 
-/// What falls on the pixels: the light field, or with the name of a filter each block's colours.
+/// Returns the light on the pixels: the light field itself, or behind the colour filter of this name.
 Borrowed<lightfield::LightField> light_on_sensor(const py::array& light_field, const std::string& colour_filter) {
   auto scene = light_field_of(light_field, "light_field");
   if (colour_filter.empty()) return scene;
@@ -26,19 +26,19 @@ Borrowed<lightfield::LightField> light_on_sensor(const py::array& light_field, c
       without_gil([&]() -> Result<lightfield::LightField> { return sensor::light_behind(filter, *scene); }));
 }
 
-/// Of the paper's model, or of a camera's physical pixels; refuses what does not apply.
+/// Simulates the paper's model, or the physical pixels of a camera; rejects arguments that do not apply.
 py::array simulate(const py::array& light_field, const py::array& codes, const capture::SensorProfile* camera,
                    const std::optional<capture::SensorConstants>& constants, const std::string& event_model,
                    float scene_gain, float residue, uint64_t seed, std::optional<uint64_t> map_seed,
                    const std::string& colour_filter) {
   auto scene = light_on_sensor(light_field, colour_filter);
-  // The camera sees the scene as its views come out.
+  // The camera sees the views in its own orientation.
   if (camera != nullptr && camera->views) scene = oriented(std::move(scene), *camera->views);
   const capture::Codes patterns = codes_of(codes, "codes");
   const bool is_pixel = camera != nullptr && camera->is_pixel();
   if (is_pixel && (constants || !event_model.empty() || residue != 0.0F)) {
     throw ResultError({ErrorCode::kInvalidValue,
-                       "constants, event_model and residue are of the paper's model; leave them out", "camera"});
+                       "constants, event_model and residue belong to the paper's model; leave them out", "camera"});
   }
   if (!is_pixel && map_seed) {
     throw ResultError(
@@ -66,16 +66,18 @@ void bind_sensor(py::module_& module) {
       "simulate", &simulate, py::arg("light_field"), py::arg("codes"), py::kw_only(), py::arg("camera") = nullptr,
       py::arg("constants") = py::none(), py::arg("event_model") = "", py::arg("scene_gain") = 1.0F,
       py::arg("residue") = 0.0F, py::arg("seed") = 1, py::arg("map_seed") = py::none(), py::arg("colour_filter") = "",
-      "The event images of one cycle: int16 [transition, y, x], N - 1 transitions for N patterns.\n\n"
+      "Simulates the event images of one cycle: int16 [transition, y, x], N - 1 transitions for N patterns.\n\n"
       "light_field: grey, [view_y, view_x, y, x]. codes: [N, view_y, view_x].\n"
-      "camera: a Camera; one with physical pixels takes no constants, event_model and residue.\n"
+      "camera: a Camera; constants, event_model and residue cannot be given for one with physical pixels.\n"
       "constants: SensorConstants; None = the camera's or the paper's.\n"
-      "event_model: \"reference-aware\" (Eq. 9, 10) or \"quantised\" (Eq. 8); empty = the camera's or the first.\n"
-      "scene_gain: multiplies every intensity.\n"
-      "residue: references start at random up to this many thresholds (0 to 1) too high.\n"
-      "seed: of the noise; give each cycle its own. map_seed: of what stays with physical pixels; None = seed.\n"
-      "colour_filter: of a sensor with filters over each 2x2 pixels, row by row, such as \"rggb\"; the light field has "
-      "[channel] then, and the images are twice as high and wide.");
+      "event_model: \"reference-aware\" (Eq. 9, 10) or \"quantised\" (Eq. 8); empty = the camera's, or the former.\n"
+      "scene_gain: factor for all intensities.\n"
+      "residue: references start at random up to this many thresholds (0 to 1) above the black level.\n"
+      "seed: seed of the noise, which should differ from cycle to cycle. map_seed: seed of the constant properties of "
+      "physical pixels; None = seed.\n"
+      "colour_filter: colours of each 2x2 pixels of the sensor, row by row, such as \"rggb\"; the light field must "
+      "have "
+      "[channel], and the images are twice as high and wide.");
   module.def(
       "coded_intensities",
       [](const py::array& light_field, const py::array& codes) {
@@ -85,7 +87,7 @@ void bind_sensor(py::module_& module) {
         return py::array_t<float>(std::vector<size_t>{seen.count, seen.height, seen.width}, seen.values.data());
       },
       py::arg("light_field"), py::arg("codes"),
-      "What the sensor sees under each pattern (Eq. 1): float32 [N, y, x], divided by the number of views.\n\n"
+      "Computes the intensities behind each pattern (Eq. 1): float32 [N, y, x], divided by the number of views.\n\n"
       "light_field: grey, [view_y, view_x, y, x]. codes: [N, view_y, view_x].");
 }
 

@@ -24,7 +24,7 @@ Result<cli::OutputFile> open_output(const fs::path& path, const std::string& for
       path, {.inputs = inputs, .overwrite = overwrite, .streams = place.streams, .side_file = place.side_file});
 }
 
-/// A recording that is written; it appears at finish().
+/// A recording that is being written. It appears at finish().
 class Writer {
  public:
   Writer(fs::path path, cli::OutputFile output, std::unique_ptr<recordings::RecordingWriter> writer)
@@ -40,7 +40,7 @@ class Writer {
     if (triggers) append_triggers(*triggers, batch.triggers);
     if (!batch.triggers.empty() && !writer.holds_triggers()) {
       throw ResultError({ErrorCode::kUnsupported,
-                         "this format has no place for triggers; write .raw, .hdf5 or .dat, or leave them out",
+                         "this format cannot hold triggers; write .raw, .hdf5 or .dat, or leave them out",
                          path_.string()});
     }
     without_gil([&] { return writer.write(batch); });
@@ -55,7 +55,7 @@ class Writer {
     discard();
   }
 
-  /// Ends without a file.
+  /// Ends without writing a file.
   void discard() {
     writer_.reset();
     output_.reset();
@@ -114,13 +114,13 @@ py::object convert(const fs::path& input, const fs::path& output_path, const std
 void bind_writers(py::module_& module) {
   py::class_<Writer>(
       module, "RecordingWriter",
-      "Writes a recording front to back; made by create_recording(). The file appears, whole, at finish() "
-      "or at the end of a with block that no exception left.")
-      .def_property_readonly("holds_triggers", &Writer::holds_triggers, "Whether the format has a place for triggers.")
+      "Writes a recording from front to back; returned by create_recording(). The file appears complete at finish(), "
+      "or at the end of a with block unless an exception leaves it.")
+      .def_property_readonly("holds_triggers", &Writer::holds_triggers, "Whether the format can hold triggers.")
       .def("write", &Writer::write, py::arg("events"), py::arg("triggers") = py::none(),
-           "Appends events (fields x, y, p, t) and triggers (p, t, id), each sorted by time and not earlier than what "
-           "was written before.")
-      .def("finish", &Writer::finish, "Ends the file and puts it in place.")
+           "Appends events (fields x, y, p, t) and triggers (p, t, id), each sorted by time and not earlier than those "
+           "written before.")
+      .def("finish", &Writer::finish, "Completes the file and moves it to its path.")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](Writer& self, const py::object& type, const py::object&, const py::object&) {
         if (type.is_none()) {
@@ -133,11 +133,11 @@ void bind_writers(py::module_& module) {
       "create_recording", &create, py::arg("path"), py::arg("width"), py::arg("height"), py::kw_only(),
       py::arg("format") = "", py::arg("header") = std::map<std::string, std::string>(), py::arg("codes") = py::none(),
       py::arg("overwrite") = false,
-      "Starts a recording of a sensor of width x height px.\n\n"
-      "format: by the extension where empty; \"evt3\", \"evt2\", \"evt2.1\", \"dat\", \"hdf5\", \"dsec\", \"csv\", "
-      "\"npy\", \"npz\".\n"
-      "header: keys and values for formats that hold some.\n"
-      "codes: the patterns [N, view_y, view_x] that were shown, kept in the header.");
+      "Creates a recording of a sensor with width x height px.\n\n"
+      "format: \"evt3\", \"evt2\", \"evt2.1\", \"dat\", \"hdf5\", \"dsec\", \"csv\", \"npy\" or \"npz\"; if empty, "
+      "determined by the extension.\n"
+      "header: keys and values for formats with a header.\n"
+      "codes: the patterns [N, view_y, view_x] that were shown, which are stored in the header.");
   module.def(
       "convert",
       [](const fs::path& input, const fs::path& output, const std::string& output_format, bool overwrite,
@@ -145,8 +145,10 @@ void bind_writers(py::module_& module) {
          E2LF_OPEN_PARAMETERS) { return convert(input, output, output_format, overwrite, progress, E2LF_OPEN_VALUES); },
       py::arg("path"), py::arg("output"), py::kw_only(), py::arg("output_format") = "", py::arg("overwrite") = false,
       py::arg("progress") = py::none(), E2LF_OPEN_ARGUMENTS,
-      "Copies a recording into another format, in bounded memory. Returns counts, warnings and what was left out.\n\n"
-      "output_format: by the extension where empty.\n"
+      "Converts a recording to another format in bounded memory. Returns a dict with counts, warnings and the data "
+      "that "
+      "were left out.\n\n"
+      "output_format: if empty, determined by the extension.\n"
       "progress: called with (events so far, 0)." E2LF_OPEN_DOC);
 }
 

@@ -14,7 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr auto kLeastPause = std::chrono::milliseconds(100);
 
-/// What Python had installed, and how many waits have replaced it.
+/// The signal handler that Python had installed, and the number of waits that have replaced it.
 struct sigaction g_before {};
 std::mutex g_mutex;
 int g_waits = 0;
@@ -49,7 +49,7 @@ StopOnInterrupt::StopOnInterrupt(bool is_live) : is_installed_(is_live) {
   if (g_waits++ > 0) return;
   struct sigaction action {};
   action.sa_sigaction = on_interrupt;
-  action.sa_flags = SA_SIGINFO;  // without SA_RESTART: a read that waits returns
+  action.sa_flags = SA_SIGINFO;  // without SA_RESTART, so that a blocking read returns
   ::sigaction(SIGINT, &action, &g_before);
 }
 

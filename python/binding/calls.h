@@ -23,19 +23,20 @@ auto without_gil(const Work& work) {
   return take(std::move(result));
 }
 
-/// A callable of Python for progress, progress(done, total), or None.
+/// A Python callable for the progress, progress(done, total), or None.
 using ProgressArgument = std::optional<std::function<void(size_t, size_t)>>;
 
-/// That as the library calls it, ten times a second at most, and at the end. It also looks for Ctrl-C. What is raised
-/// there ends the work: the library passes exceptions of its callbacks on.
+/// Returns a callback for the library that calls it at most ten times a second and at the end, and also checks for
+/// Ctrl-C. Exceptions raised there cancel the operation, because the library propagates exceptions of callbacks.
 [[nodiscard]] ProgressFn progress_of(const ProgressArgument& progress);
 
-/// An object that one thread may use at a time: two calls at once are a RuntimeError, not a race.
+/// An object that may be used by one thread at a time: concurrent calls raise RuntimeError instead of being a data
+/// race.
 class OneAtATime {
  public:
   class Use {
    public:
-    /// `what` goes into the message: "recording".
+    /// `what` names the object in the message, e.g. "recording".
     Use(OneAtATime& object, const char* what);
     ~Use() { object_.is_used_ = false; }
     Use(const Use&) = delete;
@@ -49,7 +50,7 @@ class OneAtATime {
   std::atomic<bool> is_used_ = false;
 };
 
-/// Lets Ctrl-C end the wait for a live recording while it exists: Python only notes signals until C++ returns.
+/// While it exists, Ctrl-C ends the wait for a live recording; otherwise, Python only notes signals until C++ returns.
 class StopOnInterrupt {
  public:
   explicit StopOnInterrupt(bool is_live);
@@ -61,7 +62,7 @@ class StopOnInterrupt {
   bool is_installed_;
 };
 
-/// Raises KeyboardInterrupt, or whatever the program's handler of a signal raises, where one came.
+/// Raises KeyboardInterrupt, or the exception of the program's signal handler, if a signal has arrived.
 void check_signals();
 
 }  // namespace e2lf::python

@@ -12,7 +12,7 @@
 namespace e2lf::python {
 namespace {
 
-/// The arguments by which a setting of the library is made.
+/// Returns the Python arguments that correspond to a setting of the library.
 const char* arguments_of(Setting setting) {
   switch (setting) {
     case Setting::kOverwrite:
@@ -48,15 +48,15 @@ const char* arguments_of(Setting setting) {
 }
 
 constexpr const char* kErrorDoc =
-    "Bad data, or a file that cannot be read or written. The text is \"location: what went wrong; what to do\", as on "
-    "the command line.\n\n"
-    "code: what kind of thing went wrong: \"not_found\", \"exists\", \"format\", \"truncated\", \"unsupported\", "
+    "Raised for bad data, and for files that cannot be read or written. The text has the form \"location: what went "
+    "wrong; what to do\", as on the command line.\n\n"
+    "code: the kind of error: \"not_found\", \"exists\", \"format\", \"truncated\", \"unsupported\", "
     "\"invalid_value\", \"shape\", \"io\", \"missing_dependency\", \"cancelled\" or \"internal\".\n"
     "message: what went wrong and what to do.\n"
-    "location: file and place in it; empty where there is none.\n"
-    "setting: the argument that mends it, e.g. \"overwrite\"; empty where there is none.";
+    "location: the file and the place in it; empty if there is none.\n"
+    "setting: the argument that fixes the error, e.g. \"overwrite\"; empty if there is none.";
 
-/// Never destroyed: Python may be gone by then.
+/// Never destroyed, because Python may have ended before.
 PyObject* g_error = nullptr;
 
 void raise_error(const Error& error) {

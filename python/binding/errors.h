@@ -13,7 +13,7 @@ namespace e2lf::python {
 
 namespace py = pybind11;
 
-/// An Error on its way to Python, where it is e2lf.Error.
+/// An exception that carries an Error to Python, where it becomes e2lf.Error.
 class ResultError : public std::runtime_error {
  public:
   explicit ResultError(Error error) : std::runtime_error(error.message), error_(std::move(error)) {}
@@ -23,7 +23,7 @@ class ResultError : public std::runtime_error {
   Error error_;
 };
 
-/// The value of a result; throws its error.
+/// Returns the value of a result, or throws its error.
 template <typename T>
 T take(Result<T> result) {
   if (!result) throw ResultError(result.error());
@@ -33,10 +33,10 @@ inline void take(const Result<void>& result) {
   if (!result) throw ResultError(result.error());
 }
 
-/// Fails with kInvalidValue where `word` is none of `words`; `argument` is the location.
+/// Fails with kInvalidValue if `word` is not one of `words`; `argument` is the location.
 void check_word(const std::string& word, const std::vector<std::string>& words, const char* argument);
 
-/// Adds e2lf.Error to the module, and makes ResultError that and ContractError a ValueError.
+/// Adds e2lf.Error to the module; ResultError is translated to it, and ContractError to ValueError.
 void bind_errors(py::module_& module);
 
 }  // namespace e2lf::python

@@ -18,11 +18,11 @@
 namespace e2lf::python {
 namespace {
 
-/// Memory that arrays have given back, for the arrays that come next. While recordings are read it holds what large
-/// slices need: fresh memory costs several times what the events in it do.
+/// Keeps the memory of freed arrays for later ones. While recordings are read, it keeps enough for large slices,
+/// because allocating new memory takes several times as long as filling it.
 class RecordBuffers {
  public:
-  /// The largest one: slices grow.
+  /// Returns the largest buffer, because slices grow.
   EventRecords take() {
     const std::lock_guard lock(mutex_);
     if (free_.empty()) return {};
@@ -56,11 +56,11 @@ class RecordBuffers {
   static constexpr size_t kMostEvents = size_t{1} << 25;      // 512 MB in all
   static constexpr size_t kMostIdleEvents = size_t{1} << 23;  // 128 MB
   std::mutex mutex_;
-  std::vector<EventRecords> free_;  ///< by their room, the largest last
+  std::vector<EventRecords> free_;  ///< by capacity, the largest last
   int readers_ = 0;
 };
 
-/// Never destroyed: arrays may outlive everything.
+/// Never destroyed, because arrays may outlive all other objects.
 RecordBuffers& buffers() {
   static auto* const all = new RecordBuffers;
   return *all;
@@ -87,9 +87,9 @@ void interleave_one_by_one(const Columns& from, size_t begin, size_t end, std::b
 }
 
 #ifdef __SSE2__
-/// Eight events at a time: half the time of one by one, and iterating spends a third of its time here. `kIsLarge`:
-/// writes past the caches, which saves reading the memory that is overwritten; `records` is a multiple of 16 bytes
-/// then.
+/// Processes eight events at a time, which halves the time; iterating spends a third of its time here. With `kIsLarge`,
+/// bypasses the caches, which avoids reading the memory that is overwritten; `records` must then be aligned to 16
+/// bytes.
 template <bool kIsLarge>
 void interleave_eights(const Columns& from, size_t count, std::byte* records) {
   const auto load = [](const auto* values) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(values)); };
@@ -134,17 +134,17 @@ void interleave(const Columns& from, size_t count, std::byte* records, bool /*is
 }
 #endif
 
-/// A field as whole numbers within [least, most].
+/// Returns a field as integers within [least, most].
 py::array_t<int64_t> field_of(const py::array& array, const char* name, int64_t least, int64_t most) {
   const std::string place = cat("field ", name);
   if (!array.dtype().has_fields() || !array.dtype().attr("fields").contains(name)) {
-    throw ResultError({ErrorCode::kFormat, "there is no such field; give a structured array with it", place});
+    throw ResultError({ErrorCode::kFormat, "the field is missing; give a structured array that contains it", place});
   }
   const py::array field = array[name];
   if (std::string("iub").find(field.dtype().kind()) == std::string::npos || array.ndim() != 1) {
-    throw ResultError({ErrorCode::kFormat, "this is no list of whole numbers; times are microseconds", place});
+    throw ResultError({ErrorCode::kFormat, "this is not a list of integers; times are in microseconds", place});
   }
-  // Beyond int64 they would come out negative.
+  // Values beyond int64 would become negative.
   if (field.dtype().kind() == 'u') least = std::max<int64_t>(least, 0);
   py::array_t<int64_t> values = py::array_t<int64_t, py::array::c_style | py::array::forcecast>(field);
   for (py::ssize_t i = 0; i < values.size(); ++i) {
@@ -171,7 +171,7 @@ const py::dtype& trigger_dtype() {
   return *dtype;
 }
 
-/// A slice with more is not in the caches when it is whole.
+/// A slice with more events does not fit in the caches.
 constexpr size_t kCachedEvents = size_t{1} << 16;
 
 void append_records(const recordings::EventColumns& events, size_t begin, size_t end, EventRecords& records) {

@@ -9,7 +9,7 @@
 
 #include "e2lf/recordings/event.h"
 
-/// Events and triggers as structured arrays, with the fields of the Metavision tools.
+/// Conversion of events and triggers to structured arrays with the fields of the Metavision tools.
 namespace e2lf::python {
 
 namespace py = pybind11;
@@ -23,7 +23,7 @@ struct EventRecord {
 };
 static_assert(sizeof(EventRecord) == 16);
 
-/// An edge of a trigger input, the same.
+/// An edge of a trigger input as OpenEB stores it.
 struct TriggerRecord {
   int16_t p;
   uint16_t padding[3];
@@ -39,22 +39,22 @@ using EventRecords = recordings::Column<EventRecord>;
 [[nodiscard]] const py::dtype& event_dtype();
 [[nodiscard]] const py::dtype& trigger_dtype();
 
-/// Appends the events [begin, end). Needs no GIL.
+/// Appends the events [begin, end). Does not require the GIL.
 void append_records(const recordings::EventColumns& events, size_t begin, size_t end, EventRecords& records);
 
-/// Empty records, in memory that an earlier array has given back where there is some: fresh memory costs as much as
-/// the events in it. Needs no GIL.
+/// Returns empty records in the memory of a freed array if possible, because allocating memory takes as long as filling
+/// it. Does not require the GIL.
 [[nodiscard]] EventRecords take_records();
 
-/// Says that a recording is read, or no longer: with how many there are, so does the memory that take_records() keeps.
+/// Changes the number of recordings that are being read, on which the memory kept for take_records() depends.
 void count_readers(int change);
 
-/// An array over the records; nothing is copied.
+/// Returns an array over the records without copying them.
 [[nodiscard]] py::array to_array(EventRecords records);
 [[nodiscard]] py::array to_array(std::span<const recordings::Trigger> triggers);
 
-/// The other way, from arrays with these fields of any type of whole numbers. Fails with kFormat where a field is
-/// missing and kInvalidValue where a value does not fit.
+/// Append events and triggers from arrays with these fields, of any integer types. Fail with kFormat if a field is
+/// missing, and with kInvalidValue if a value does not fit.
 void append_events(const py::array& array, recordings::EventColumns& events);
 void append_triggers(const py::array& array, std::vector<recordings::Trigger>& triggers);
 

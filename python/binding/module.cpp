@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The module e2lf._e2lf; python/e2lf/__init__.py shows what of it is public.
+// The module e2lf._e2lf; python/e2lf/__init__.py lists its public names.
 #include "python/binding/module.h"
 
 #include "e2lf/files/json_text.h"

@@ -9,7 +9,8 @@ namespace e2lf::python {
 
 namespace py = pybind11;
 
-/// Each adds what the module of its name offers; module.cpp calls them bottom to top.
+/// Each adds the bindings of the library module with its name; module.cpp calls them from the lowest layer to the
+/// highest.
 void bind_base(py::module_& module);
 void bind_capture(py::module_& module);
 void bind_recordings(py::module_& module);
@@ -22,10 +23,10 @@ void bind_recon(py::module_& module);
 void bind_eval(py::module_& module);
 void bind_depth(py::module_& module);
 
-/// As dict, list, str, numbers, bool and None.
+/// Converts JSON to dict, list, str, numbers, bool and None.
 [[nodiscard]] py::object to_python(const Json& json);
 
-/// A named tuple of e2lf._types, by its name and its values.
+/// Creates a named tuple of e2lf._types from its name and its values.
 template <typename... Values>
 [[nodiscard]] py::object make_tuple_of(const char* name, Values&&... values) {
   return py::module_::import("e2lf._types").attr(name)(std::forward<Values>(values)...);

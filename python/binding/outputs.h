@@ -10,8 +10,8 @@
 
 namespace e2lf::python {
 
-/// Writes a file that appears whole, by the rules of the verbs: what is there is replaced with `overwrite` alone.
-/// `write` gets the place to write to and returns a Result. Runs without the GIL.
+/// Writes a file that appears complete, by the rules of the verbs: an existing file is replaced only if `overwrite` is
+/// set. `write` receives the path to write to and returns a Result. Runs without the GIL.
 template <typename Write>
 void write_output(const std::filesystem::path& path, bool overwrite, const Write& write) {
   without_gil([&]() -> Result<void> {

@@ -13,11 +13,12 @@ namespace e2lf::python {
 namespace {
 
 constexpr const char* kWhat = "recording";
-/// For one thread: what is decoded is still in its cache when it is put into records. Several get larger parts.
+/// For one thread, decoded events should still be in its cache when they are converted; several threads get larger
+/// parts.
 constexpr size_t kCachedBatch = size_t{1} << 16;
 constexpr int64_t kEver = std::numeric_limits<int64_t>::max();
 
-/// The largest multiple of `step` at or below a time.
+/// Returns the largest multiple of `step` at or before a time.
 int64_t multiple_below(int64_t t_us, int64_t step) {
   const int64_t rest = t_us % step;
   return t_us - (rest < 0 ? rest + step : rest);
@@ -153,7 +154,7 @@ void Recording::close() {
   reader_.reset();
 }
 
-/// Reads the next batch where nothing waits; false at the end of the recording.
+/// Reads the next batch if the last one was returned completely. Returns false at the end of the recording.
 Result<bool> Recording::refill() {
   if (event_ < batch_.events.size() || trigger_ < batch_.triggers.size()) return true;
   if (has_ended_) return false;
@@ -164,7 +165,7 @@ Result<bool> Recording::refill() {
   return more;
 }
 
-/// The time of what waits first.
+/// Returns the time of the first event or trigger that was not returned yet.
 int64_t Recording::next_us() const {
   const int64_t event_us = event_ < batch_.events.size() ? batch_.events.t[event_] : kEver;
   const int64_t trigger_us = trigger_ < batch_.triggers.size() ? batch_.triggers[trigger_].t : kEver;
@@ -177,7 +178,7 @@ Result<std::optional<Slice>> Recording::read_slice(const SliceSize& size) {
   Slice slice;
   slice.begin_us = next_us();
   if (size.delta_us) {
-    // What is left of a full slice may be of its last microsecond.
+    // Events after a full slice may belong to its last microsecond.
     slice.begin_us =
         slice_begin_us_ ? std::min(*slice_begin_us_, slice.begin_us) : multiple_below(slice.begin_us, *size.delta_us);
   }
@@ -199,7 +200,7 @@ Result<std::optional<Slice>> Recording::read_slice(const SliceSize& size) {
   return std::optional<Slice>(std::move(slice));
 }
 
-/// Takes what is before end_us, at most so many events. Triggers go with the events before them.
+/// Takes the data before end_us, limited to a number of events. Triggers are returned with the events before them.
 Result<void> Recording::fill(Slice& slice, std::optional<size_t> most_events, int64_t end_us) {
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, refill());

@@ -12,7 +12,7 @@
 
 namespace e2lf::python {
 
-/// How the options of open_recording() are called in Python, and their defaults.
+/// The options of open_recording() with their Python names and defaults.
 struct OpenArguments {
   std::string format, stream, columns, time_unit = "auto", restart = "continue";
   size_t width = 0, height = 0;
@@ -22,22 +22,22 @@ struct OpenArguments {
   std::optional<recordings::CameraSetup> camera_setup;
 };
 
-/// Opens a recording by its name, as the verbs do. Says on the log what was assumed. `reads_parts`:
-/// as for cli::open_options().
+/// Opens a recording by its name, as the verbs do, and logs assumptions. `reads_parts` is as for cli::open_options().
 [[nodiscard]] std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name,
                                                                        const OpenArguments& arguments,
                                                                        bool reads_parts = false);
 
-/// Warns of what was left out of a recording that has been read.
+/// Warns about data that were left out of a recording.
 void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary);
 
-/// What a slice of a recording ends with: a time, a number of events, whichever comes first; nothing = as it comes.
+/// The limits of a slice of a recording: a duration and a number of events, of which the earlier applies; without
+/// either, slices are returned as decoded.
 struct SliceSize {
   std::optional<int64_t> delta_us;
   std::optional<size_t> events;
 };
 
-/// A stretch of a recording, ready for Python.
+/// A slice of a recording in the form in which Python receives it.
 struct Slice {
   EventRecords events;
   std::vector<recordings::Trigger> triggers;
@@ -55,13 +55,13 @@ class Recording {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const recordings::RecordingReader& reader() const;
 
-  /// The next slice; nothing at the end. Slices of time follow each other without a gap, empty ones among them.
+  /// Returns the next slice, or nothing at the end. Slices of a fixed duration are contiguous and may be empty.
   [[nodiscard]] std::optional<Slice> next(const SliceSize& size);
 
-  /// All of begin_us <= t < end_us, wherever the recording stands; it stands behind that then.
+  /// Returns all events and triggers with begin_us <= t < end_us, from any position; reading continues after them.
   [[nodiscard]] Slice between(int64_t begin_us, int64_t end_us);
 
-  /// Goes on to the part behind, where reading has ended because the clock starts again.
+  /// Continues with the next part after reading has ended because the clock starts again.
   [[nodiscard]] bool next_part();
 
   void seek(int64_t t_us);
@@ -81,9 +81,9 @@ class Recording {
   std::string name_;
   bool is_live_;
   std::unique_ptr<recordings::RecordingReader> reader_;
-  size_t most_events_;                     ///< of one batch
-  std::optional<int64_t> slice_begin_us_;  ///< of the next slice of time
-  recordings::EventBatch batch_;           ///< read, and handed out up to event_ and trigger_
+  size_t most_events_;                     ///< maximum number of events in a batch
+  std::optional<int64_t> slice_begin_us_;  ///< start of the next slice of fixed duration
+  recordings::EventBatch batch_;           ///< the data read last, returned up to event_ and trigger_
   size_t event_ = 0, trigger_ = 0;
   bool has_ended_ = false;
   OneAtATime use_;

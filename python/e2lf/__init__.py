@@ -1,8 +1,8 @@
 """Light fields from events alone: recordings, event images, light fields, models.
 
-Arrays are numpy's. Light fields are float32 [view_y, view_x, y, x] in [0, 1], event images int16 [transition, y, x],
+Arrays are numpy arrays. Light fields are float32 [view_y, view_x, y, x] in [0, 1], event images int16 [transition, y, x],
 patterns ("codes") float32 [N, view_y, view_x]. Events are structured arrays with fields x, y, p, t, as in the Metavision
-tools. Times are microseconds (us), lengths pixels (px). Bad data raises Error. Messages go to logging's "e2lf".
+tools. Times are in microseconds (us), lengths in pixels (px). Bad data raises Error. Messages go to the logger "e2lf".
 """
 from ._e2lf import (
     Camera,

@@ -1,4 +1,4 @@
-# What `import e2lf` offers, for editors and type checkers. A test compares it with the module.
+# The names of `import e2lf`, for editors and type checkers. A test compares this file with the module.
 from os import PathLike
 from types import TracebackType
 from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, Union
@@ -210,7 +210,7 @@ class Reconstructor:
     @property
     def kernels(self) -> List[str]: ...
 
-# Files that come with e2lf
+# Files that are distributed with e2lf
 def data_file(name: str) -> str: ...
 def bundled_model(name: str = "e2lf-n4") -> str: ...
 def read_camera(name: Path) -> Camera: ...

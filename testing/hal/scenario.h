@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a simulated camera does, as the environment variable E2LF_STAND_IN describes it; stand_in_hal.h lists the keys.
+// The behaviour of a simulated camera, as the environment variable E2LF_STAND_IN describes it; stand_in_hal.h lists the
+// keys.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +37,7 @@ inline uint64_t number(const Scenario& scenario, const std::string& key, uint64_
   return found == scenario.end() ? otherwise : std::stoull(found->second);
 }
 
-/// The words of a RAW recording, without its header.
+/// Returns the words of a RAW recording, without its header.
 inline std::vector<uint8_t> words_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::error_code error;
@@ -49,7 +50,7 @@ inline std::vector<uint8_t> words_of(const std::string& path) {
   return bytes;
 }
 
-/// The words of EVT3 without the triggers of inputs whose bit is not set.
+/// Returns the words of EVT3 without the triggers of inputs whose bit is not set.
 inline std::vector<uint8_t> with_triggers(std::vector<uint8_t> words, unsigned inputs) {
   size_t kept = 0;
   for (size_t i = 0; i + 1 < words.size(); i += 2) {

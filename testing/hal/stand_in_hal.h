@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What e2lf calls of the vendor's HAL, with one simulated camera behind it. See stand_in below.
+// The part of the vendor's HAL that e2lf calls, with one simulated camera. See stand_in below.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@
 #include <vector>
 
 /// The environment variable E2LF_STAND_IN describes the simulated camera, as "serial=A1;file=rec.raw;unplug_at=5000":
-///   serial     of the cameras that are listed, with commas; the first one is simulated. Without: there is none
+///   serial     of the listed cameras, separated by commas; the first one is simulated; empty: there is none
 ///   busy       another program has the camera
-///   lock       a file that is locked while the camera is open: whoever comes second finds it busy
-///   file       the RAW recording whose words it sends; silent after its end, or loop
-///   loop       sends the words again and again
-///   buffer     bytes in a buffer (4096), period_us: time between two (1000; 0 = at full speed)
-///   unplug_at  the connection is lost after so many bytes, end_at: the stream ends by itself
+///   lock       a file that is locked while the camera is open, so that a second program finds it busy
+///   file       the RAW recording whose words the camera sends; it sends nothing after the end, unless `loop` is set
+///   loop       sends the words repeatedly
+///   buffer     number of bytes in a buffer (4096); period_us: time between two buffers (1000; 0 = full speed)
+///   unplug_at  number of bytes after which the connection is lost; end_at: the same for the end of the stream
 ///   format     the name of the encoding (EVT3)
 namespace stand_in {
 
-uint64_t bytes_sent();         ///< by the camera that was opened last
-uint64_t bytes_taken();        ///< of these by get_latest_raw_data()
-uint64_t most_bytes_queued();  ///< at one time
+uint64_t bytes_sent();         ///< number of bytes that the last opened camera sent
+uint64_t bytes_taken();        ///< number of these that get_latest_raw_data() returned
+uint64_t most_bytes_queued();  ///< largest number of bytes in the queue
 
 }  // namespace stand_in
 

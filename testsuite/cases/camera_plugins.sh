@@ -89,8 +89,8 @@ export E2LF_CAMERA_PLUGINS=$PWD/odd.so
 fails 1 "failed without a message" "$E2LF" record camera://odd -o x.raw
 fails 1 "xxxx" "$E2LF" record camera://odd/long -o x.raw
 fails 1 "failed without a message" "$E2LF" record camera://odd/silent -o x.raw
-fails 1 "gave a buffer without memory" "$E2LF" record camera://odd/memory -o x.raw
-fails 1 "nothing came" "$E2LF" record camera://odd/never -o x.raw --seconds 0.5
+fails 1 "returned a buffer without memory" "$E2LF" record camera://odd/memory -o x.raw
+fails 1 "sent nothing" "$E2LF" record camera://odd/never -o x.raw --seconds 0.5
 absent x.raw
 # The record says where data are missing.
 "$E2LF" record camera://odd/gap -o gap.raw --seconds 1 --quiet 2>log.txt

@@ -67,7 +67,7 @@ kill -STOP $player
 sleep 1
 kill -CONT $player
 wait $player || fail "$(cat log.txt)"
-grep -q "since the display refreshes" log.txt && fail "200000 us are a multiple: $(cat log.txt)"
+grep -q "because the display refreshes" log.txt && fail "200000 us are a multiple: $(cat log.txt)"
 check "$(json late.json 'j["missed_refreshes"]') > 20"
 grep -q "refreshes were missed" log.txt || fail "not told: $(cat log.txt)"
 # Ctrl-C ends after a whole cycle, and what was shown is kept.
@@ -83,7 +83,7 @@ import -silent -window root -depth 8 after.gray
 py -c 'assert not any(open("after.gray", "rb").read())' || fail "the screen is not restored"
 # A period that is no multiple of the refresh is said. SDL cannot use the second of several screens of an X server.
 "$E2LF" codes play -o second --cell 20 --no-inverses --period-us 10000 --cycles 2 --quiet 2>log.txt || fail "$(cat log.txt)"
-grep -q "a pattern of 10000 us is shown for 16667 us, since the display refreshes every 16667 us" log.txt || fail "$(cat log.txt)"
+grep -q "a pattern of 10000 us is shown for 16667 us, because the display refreshes every 16667 us" log.txt || fail "$(cat log.txt)"
 check "$(json second/run.json 'j["notes"]["shown"]["refreshes"]') == [1, 1, 1, 1]"
 fails 1 "shows the window on another display" "$E2LF" codes play -o third --display 1 --cell 20 --cycles 1
 absent third

@@ -109,7 +109,7 @@ kill -INT "$process"
 code=0
 wait "$process" || code=$?
 [ "$code" -eq 130 ] || fail "exit code $code instead of 130"
-grep -q "are missing; give the same command again to go on" stderr.txt || fail "nothing said how to go on: $(cat stderr.txt)"
+grep -q "are missing; repeat the command to continue" stderr.txt || fail "nothing said how to go on: $(cat stderr.txt)"
 before=$(find killed/results -name '*.json' | wc -l)
 "$E2LF" compare c.json -o killed --quiet
 [ "$(new killed)" -eq "$((48 - before))" ] || fail "it did not go on"
@@ -136,13 +136,13 @@ bad 'nothing is left to compare'
 grep -q "the method a is left out" stderr.txt || fail "the method left out was not named"
 echo '{"methods": [' >bad.json
 bad 'not valid JSON'
-fails 1 "write e.g. 1/4" "$E2LF" compare c.json -o out --shard 3/2
+fails 1 "give e.g. 1/4" "$E2LF" compare c.json -o out --shard 3/2
 
 # What e2lf compare did not write stays.
 mkdir foreign && echo mine >foreign/table.csv
 fails 1 "this folder was not written by e2lf compare" "$E2LF" compare c.json -o foreign
 fails 1 "this folder was not written by e2lf compare" "$E2LF" compare c.json -o demo
-fails 1 "this is no folder of results of e2lf compare" "$E2LF" compare c.json -o out2 --merge foreign
+fails 1 "this is not a folder of results of e2lf compare" "$E2LF" compare c.json -o out2 --merge foreign
 [ "$(cat foreign/table.csv)" = mine ] || fail "a file of someone else was replaced"
 echo mine >one/notes.txt
 "$E2LF" compare more.json -o one --set seeds=[1,2] --quiet

@@ -12,5 +12,5 @@ check "$(json eval.json "abs(j['methods'][1]['psnr_db'] - j['methods'][0]['psnr_
 grep -q "twice" eval.html || fail "no caption"
 fails 1 "NAME=PATH" "$E2LF" eval demo/scene --name bright
 # What a verb does not take is sent to the verb that does.
-fails 1 "\`e2lf reconstruct\` makes a light field of them" "$E2LF" accumulate demo/events.npz -o x.npz
-fails 1 "\`e2lf simulate\` makes events of it" "$E2LF" accumulate demo/scene -o x.npz
+fails 1 "\`e2lf reconstruct\` computes a light field from them" "$E2LF" accumulate demo/events.npz -o x.npz
+fails 1 "\`e2lf simulate\` generates events from it" "$E2LF" accumulate demo/scene -o x.npz

@@ -129,7 +129,7 @@ at = data.index(b"(5000,)")
 data[at:at + 7] = b"(0000,)".replace(b"000", b"   ", 1)
 open("cut.npy", "wb").write(data)
 PY
-fails 1 "the header says 0 events, but the file holds 5000" "$E2LF" info cut.npy
+fails 1 "the header states 0 events, but the file contains 5000" "$E2LF" info cut.npy
 # Float16 and other numbers as light fields; counts ask for their white.
 py - <<'PY'
 import numpy as np

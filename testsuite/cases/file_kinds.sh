@@ -32,8 +32,8 @@ fails 1 "this is a model" "$E2LF" reconstruct "$model" -m "$model" -o out
 fails 1 "this is a folder of cycles" "$E2LF" reconstruct cycles -m "$model" -o out
 fails 1 "these are event images" "$E2LF" convert events.npz out
 fails 1 "this is a model" "$E2LF" convert "$model" out
-fails 1 "name one, as cycles/cycle_00000" "$E2LF" convert cycles out
-fails 1 "name one, as cycles/cycle_00000" "$E2LF" eval demo/scene cycles
+fails 1 "give one, e.g. cycles/cycle_00000" "$E2LF" convert cycles out
+fails 1 "give one, e.g. cycles/cycle_00000" "$E2LF" eval demo/scene cycles
 fails 1 "no such file" "$E2LF" convert none out
 mkdir empty
 fails 1 "the folder contains neither" "$E2LF" info empty
@@ -53,3 +53,24 @@ PY
 fails 1 "these are event images" "$E2LF" convert damaged.npz out
 fails 1 "checksum" "$E2LF" info damaged.npz
 absent out page.html
+# Files of settings say what they are and show what matters.
+"$E2LF" codes render -m e2lf-n4 -o rendered --quiet
+"$E2LF" codes show -m e2lf-n4 -o patterns.npy --quiet
+"$E2LF" codes show -m e2lf-n4 -o patterns.npz --quiet
+printf '0 %% bias_diff\n30 %% bias_fo\n' >sensor.bias
+says() {
+  "$E2LF" info "$1" >said.txt || fail "$1"
+  grep -q -- "$2" said.txt || fail "$1: $(cat said.txt)"
+  "$E2LF" info "$1" --json >said.json
+  [ "$(json said.json "j['kind']")" = "$3" ] || fail "$1: $(cat said.json)"
+}
+says "$TESTSUITE/../cameras/evk4-lcos.json" "threshold_on .* uncertain by" camera
+says "$TESTSUITE/../cameras/paper.json" "event model reference-aware" camera
+says rendered/schedule.json "8 patterns in 94.7" schedule
+says rendered/codes.json "4 of 8x8, black first" codes
+says patterns.npy "4 of 8x8" codes
+says patterns.npz "4 of 8x8" codes
+says rendered/run.json "record of .e2lf codes render" record
+says "$TESTSUITE/../configs/first-run.json" "for .e2lf train" "training settings"
+says sensor.bias "bias_fo" biases
+fails 1 "this is a file of settings; give" "$E2LF" convert sensor.bias out.raw

@@ -69,7 +69,7 @@ absent strict.npz strict.npz.run.json
 
 # No event is no result; a range is of the recording's clock, or with --relative since its first event.
 printf '%%geometry:64,48\n' >empty.csv
-fails 1 "no event and no trigger" "$E2LF" convert empty.csv empty.npz
+fails 1 "no events and no triggers" "$E2LF" convert empty.csv empty.npz
 fails 1 "is empty" "$E2LF" convert sorted.csv range.npz --from-us 2 --to-us 1
 fails 1 "in this time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
 absent empty.npz range.npz
@@ -81,7 +81,7 @@ check "$(json absolute.json "j['events']") == $(json relative.json "j['events']"
 
 # A text whose columns are not known is no recording without events.
 printf 'frame,time,row,column,sign\n1,2,3,4,5\n' >unknown.csv
-fails 1 "check which column holds them (--columns)" "$E2LF" info unknown.csv
+fails 1 "check which column contains them (--columns)" "$E2LF" info unknown.csv
 fails 1 "--columns" "$E2LF" convert unknown.csv unknown.npz
 absent unknown.npz
 # Event images of another size are not those of a light field.
@@ -101,7 +101,7 @@ absent strict
 
 # A simulated recording says where its format has no place for triggers.
 "$E2LF" simulate demo/scene -o simulated.csv --quiet 2>stderr.txt
-grep -q "holds no triggers" stderr.txt || fail "triggers vanished: $(cat stderr.txt)"
+grep -q "cannot hold triggers" stderr.txt || fail "triggers vanished: $(cat stderr.txt)"
 for flags in "-o simulated.raw" "-o again.csv --no-triggers"; do
   "$E2LF" simulate demo/scene $flags --quiet 2>stderr.txt
   [ ! -s stderr.txt ] || fail "$flags: $(cat stderr.txt)"

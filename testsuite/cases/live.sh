@@ -50,8 +50,8 @@ writer=$!
 "$E2LF" live pipe -m "$model" --no-page --json --seconds 4 >pipe.json
 kill "$writer" 2>/dev/null || true
 check "$(tail -n 1 pipe.json | py -c 'import json, sys; j = json.load(sys.stdin)["totals"]; print(j["cycles"] >= 5 and j["seconds"] < 30)')"
-fails 1 "write replay:FILE" "$E2LF" live six.raw --no-page
-fails 1 "name one with -o" "$E2LF" live replay:six.raw --no-page --record
+fails 1 "give replay:FILE" "$E2LF" live six.raw --no-page
+fails 1 "give one with -o" "$E2LF" live replay:six.raw --no-page --record
 fails 1 "use the model that belongs to the patterns" "$E2LF" live replay:six.raw --no-page -m "$TESTSUITE/../models/e2lf-n8.safetensors" --patterns 4
 fails 1 "no complete pattern cycle" "$E2LF" live replay:six.raw --no-page -m "$model" --source triggers --channel 7
 mkdir mine && touch mine/notes.txt

@@ -23,10 +23,10 @@ fails 1 "no camera is connected" "$E2LF" camera list
 fails 1 "no camera is connected" "$E2LF" record camera://metavision -o x.raw
 fails 1 "those connected are" camera "" record camera://metavision/C3 -o x.raw
 fails 1 "busy" camera "busy" record camera://metavision -o x.raw
-fails 1 "EVT4, which is not read" camera "format=EVT4" convert camera://metavision x.csv
+fails 1 "EVT4, which e2lf cannot read" camera "format=EVT4" convert camera://metavision x.csv
 fails 1 "leave the option out" camera "" record camera://metavision --trigger-channel 3 -o x.raw
-fails 1 "is no region" camera "" record camera://metavision --roi 1,2,3 -o x.raw
-fails 1 "settings of a camera" "$E2LF" info sent.raw --max-event-rate 5
+fails 1 "is not a region" camera "" record camera://metavision --roi 1,2,3 -o x.raw
+fails 1 "camera settings do not apply" "$E2LF" info sent.raw --max-event-rate 5
 absent x.raw x.csv x.bias
 
 # Byte for byte, with the settings as they were read back.
@@ -98,9 +98,9 @@ camera "loop;period_us=500" camera check --seconds 1 --json --quiet >check.json 
 [ "$(json check.json 'j["problems"], j["header"]["serial_number"]')" = "([], 'A1')" ] || fail "$(cat check.json)"
 check "$(json check.json 'j["trigger_channels"][0]["rising_per_s"]') > 1"
 check "0.2 < $(json check.json 'j["on_share"]') < 0.8"
-fails 1 "no trigger in 3" camera "period_us=1000" camera check camera://metavision --trigger-channel none --seconds 3
-grep -q "no trigger in 2 s: check the wire" stderr.txt || fail "not while it waits: $(cat stderr.txt)"
-fails 1 "no event came" camera "file=nowhere" camera check camera://metavision --seconds 1
+fails 1 "no trigger within 3" camera "period_us=1000" camera check camera://metavision --trigger-channel none --seconds 3
+grep -q "no trigger within 2 s; check the trigger cable" stderr.txt || fail "not while it waits: $(cat stderr.txt)"
+fails 1 "the camera sent no events" camera "file=nowhere" camera check camera://metavision --seconds 1
 # What the sensor says that it dropped: OTHERS words 0x14 and 0x16.
 py - <<'PY'
 import struct

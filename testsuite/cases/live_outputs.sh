@@ -18,8 +18,8 @@ cp "$TESTSUITE/../models/e2lf-n4.safetensors" fine.npy
 sha256sum three.raw taken.raw taken.npy fine.npy >before.txt
 
 record=("$E2LF" record replay:three.raw -o)
-fails 1 "this is no live input" "$E2LF" record three.raw -o x.raw
-fails 1 "this is no live input" "$E2LF" record nowhere -o x.raw
+fails 1 "this is not a live input" "$E2LF" record three.raw -o x.raw
+fails 1 "this is not a live input" "$E2LF" record nowhere -o x.raw
 fails 1 "nowhere.raw: cannot open" "$E2LF" record replay:nowhere.raw -o x.raw
 fails 1 "junk.raw: the file does not state how its events are encoded" "$E2LF" record replay:junk.raw -o x.raw
 fails 1 "(--overwrite)" "${record[@]}" taken.raw

@@ -29,7 +29,7 @@ PY
 fails 1 "give a network that was trained for it" "$E2LF" reconstruct coded.npz -o no
 fails 1 "give a network that was trained for it" "$E2LF" reconstruct hybrid.npz --method inversion -o no
 fails 1 "e2lf-n4 takes event-images" "$E2LF" reconstruct hybrid.npz -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o no
-fails 1 "is no stream of events" "$E2LF" simulate demo/scene --measurement hybrid -o rec.raw
+fails 1 "is not a stream of events" "$E2LF" simulate demo/scene --measurement hybrid -o rec.raw
 fails 1 "event images have no noise of intensity images" "$E2LF" simulate demo/scene --sigma-i 0.1 -o no.npz
 fails 1 "the measurement \"picture\" is not known" "$E2LF" simulate demo/scene --measurement picture -o no.npz
 fails 1 "a calibration uses event images" "$E2LF" calibrate coded.npz -o no.json

@@ -48,7 +48,7 @@ absent out
 make release weights
 "$E2LF" model import --release weights -o paper.safetensors --quiet
 "$E2LF" reconstruct events.npz -m paper.safetensors -o one_pass --passes 2 >out.txt 2>err.txt
-grep -q "tells apart 1 position" err.txt || fail "passes without effect: $(cat err.txt)"
+grep -q "distinguishes 1 position" err.txt || fail "passes without effect: $(cat err.txt)"
 fails 2 'did you mean "reconstruct"' "$E2LF" recon
 
 # The record holds what the model and "auto" stood for, and makes the run again, on other outputs too.
@@ -74,5 +74,5 @@ fails 2 "the record of a run of another verb" "$E2LF" reconstruct --config event
 "$E2LF" simulate demo/scene -m "$model" --seed 8 -o events.npz --overwrite --quiet
 "$E2LF" reconstruct --config out/run.json -o changed >out.txt 2>err.txt
 grep -q "events.npz has changed since the earlier run" err.txt || fail "$(cat err.txt)"
-fails 1 "a port is for --view alone" "$E2LF" reconstruct events.npz -m "$model" --port 5000 -o port
+fails 1 "a port is only used by --view" "$E2LF" reconstruct events.npz -m "$model" --port 5000 -o port
 absent port

@@ -71,7 +71,7 @@ cmp plain/lightfield.npy told/lightfield.npy
 [ "$(json told/run.json "j['notes']['views']['stored']")" = turned ] || fail "the record of a reconstruction"
 "$E2LF" convert told read.npy 2>read.txt
 py -c 'import numpy as np; assert np.array_equal(np.load("read.npy"), np.load("plain/lightfield.npy")[::-1, ::-1])'
-grep -q 'its views are turned, as run.json says' read.txt || fail "nothing said"
+grep -q 'its views are turned, as run.json states' read.txt || fail "nothing said"
 "$E2LF" convert told/lightfield.npy again.npy --quiet
 cmp again.npy read.npy
 "$E2LF" convert told same.npy --turn-views --quiet

@@ -1,13 +1,13 @@
 # Which patterns the camera showed is told by the recording, or said to be assumed; never taken for granted.
 model=$TESTSUITE/../models/e2lf-n4.safetensors
-assumed="nothing confirms it"
+assumed="are assumed without confirmation"
 "$E2LF" demo -o demo --width 96 --height 64 --quiet
 
 # Event images and recordings without patterns: the line, in the record too, and no figure that wrong patterns improve.
 make events bare.npz height=64 width=96
 "$E2LF" reconstruct bare.npz -m "$model" -o bare >out.txt 2>err.txt
-grep -q "nothing in bare.npz says which patterns the camera showed: those of e2lf-n4 are assumed, and $assumed" err.txt || fail "$(cat err.txt)"
-if grep -q "differs from the events" out.txt; then fail "a figure that tells nothing: $(cat out.txt)"; fi
+grep -q "bare.npz does not state which patterns the camera showed; those of e2lf-n4 $assumed" err.txt || fail "$(cat err.txt)"
+if grep -q "differ from the given ones" out.txt; then fail "a figure that tells nothing: $(cat out.txt)"; fi
 [ "$(json bare/run.json "(j['notes']['patterns'], 'event_error' in j['notes']['cycles'][0])")" = "({'told_by': 'nothing', 'are_the_models': False}, False)" ] || fail "the record"
 "$E2LF" reconstruct bare.npz -m "$model" --method inversion -o bare_inverted >out.txt 2>err.txt
 grep -q "$assumed" err.txt || fail "inversion: $(cat err.txt)"
@@ -18,7 +18,7 @@ for format in raw hdf5 dat csv txt; do
   "$E2LF" simulate demo/scene -m "$model" --cycles 2 -o "own.$format" --quiet
   "$E2LF" reconstruct "own.$format" -m "$model" -o "own_$format" --format npy >out.txt 2>err.txt
   if grep -q "patterns" err.txt; then fail "$format: $(cat err.txt)"; fi
-  grep -q "differs from the events" out.txt || fail "$format: $(cat out.txt)"
+  grep -q "differ from the given ones" out.txt || fail "$format: $(cat out.txt)"
   "$E2LF" simulate demo/scene --codes other.npy --cycles 2 -o "other.$format" --quiet
   "$E2LF" reconstruct "other.$format" -m "$model" -o "other_$format" >out.txt 2>err.txt
   grep -q "made with other patterns than e2lf-n4" err.txt || fail "$format: $(cat err.txt)"
@@ -39,7 +39,7 @@ for format in npz npy dsec; do
     "$E2LF" reconstruct "$file" -m "$model" --source bursts --sensor-width 96 --sensor-height 64 -o "$file.out" >out.txt 2>err.txt
     if [ $whose = own ]; then
       if grep -q "patterns" err.txt; then fail "$file: $(cat err.txt)"; fi
-      grep -q "differs from the events" out.txt || fail "$file: $(cat out.txt)"
+      grep -q "differ from the given ones" out.txt || fail "$file: $(cat out.txt)"
     else
       grep -q "made with other patterns than e2lf-n4" err.txt || fail "$file: $(cat err.txt)"
     fi
@@ -57,11 +57,11 @@ grep -q "$assumed" err.txt || fail "a record of another file: $(cat err.txt)"
 grep -q "differs from its events" err.txt || fail "$(cat err.txt)"
 if grep "patterns" err.txt | grep -v "differs from its events"; then fail "$(cat err.txt)"; fi
 "$E2LF" reconstruct other.raw -m "$model" --codes own.json -o contradicted >out.txt 2>err.txt
-grep -q "the patterns of own.json are not those that the file of the events holds" err.txt || fail "$(cat err.txt)"
+grep -q "the patterns of own.json differ from those in the file of the events" err.txt || fail "$(cat err.txt)"
 # Event images of another schedule do not get patterns that are not theirs.
 cat >two.json <<'JSON'
 {"patterns": [{"name": "rest", "duration_us": 74144}, {"name": "a3", "duration_us": 10592, "image": 0}, {"name": "a4", "duration_us": 10000, "image": 1}]}
 JSON
 "$E2LF" accumulate own.raw -o two.npz --source schedule --origin-us 100000 --schedule two.json >out.txt 2>err.txt
-grep -q "leaving them out" err.txt || fail "$(cat err.txt)"
+grep -q "they are left out" err.txt || fail "$(cat err.txt)"
 py -c 'import numpy as np; assert "codes" not in np.load("two.npz")'

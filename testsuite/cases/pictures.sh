@@ -37,7 +37,7 @@ fails 1 'give --row or --column' "$E2LF" epi "$lf" --view 2 -o x.png
 fails 1 'this aperture contains no view' "$E2LF" refocus "$lf" --disparity=0 --aperture 0 -o x.png
 fails 1 'give --aperture' "$E2LF" refocus "$lf" --disparity=0 --centre-row 1 -o x.png
 fails 2 'disparity' "$E2LF" refocus "$lf" -o x.png
-fails 1 'take .gif, .webm or .mp4' "$E2LF" animate "$lf" -o x.avi
+fails 1 'use .gif, .webm or .mp4' "$E2LF" animate "$lf" -o x.avi
 fails 1 'has no path' "$E2LF" animate "$lf" --path orbit -o x.png
 fails 1 'two ends' "$E2LF" animate "$lf" --path focus --from 1 -o x.gif
 fails 1 'leaves the picture of 64x48 px' "$E2LF" refocus "$lf" --disparity=0,1e30 -o x.png

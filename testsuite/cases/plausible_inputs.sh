@@ -48,9 +48,9 @@ np.save("flat.npy", np.full_like(field, 0.003))
 PY
 warns "from -1..1 as (x + 1) / 2" "$E2LF" convert signed.npy signed
 fails 1 "not finite (NaN or infinity)" "$E2LF" convert hole.npy out
-fails 1 "name the number that is white, as 1" "$E2LF" convert bits.npy out
-fails 1 "name the number that is white, as 255" "$E2LF" convert bytes16.npy out
-warns "65535 is taken as white" "$E2LF" convert twelve.npy twelve
+fails 1 "give the value that is white, e.g. 1" "$E2LF" convert bits.npy out
+fails 1 "give the value that is white, e.g. 255" "$E2LF" convert bytes16.npy out
+warns "65535 is assumed to be white" "$E2LF" convert twelve.npy twelve
 warns "hardly any contrast" "$E2LF" convert flat.npy flat
 "$E2LF" convert bits.npy white1 --white 1 --quiet
 "$E2LF" convert bool.npy bool --quiet

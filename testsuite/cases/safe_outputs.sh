@@ -35,7 +35,7 @@ refused "a folder has this name" "$E2LF" simulate demo/scene -o folder.npz --ove
 ln "$PWD/cap/rec.raw" same.raw
 refused "is an input" "$E2LF" convert cap/rec.raw same.raw --overwrite
 ln -s nowhere dangling.npz
-refused "a link to nothing" "$E2LF" simulate demo/scene -o dangling.npz --overwrite
+refused "a link whose target does not exist" "$E2LF" simulate demo/scene -o dangling.npz --overwrite
 
 # A name says what is there: a folder does not get that of a file, a file not that of another format.
 fails 1 "a name that ends in .mp4 is that of a file" "$E2LF" video cap/rec.raw -o frames.mp4

@@ -1,10 +1,10 @@
-// Films of what is shown: the viewpoint or the focus goes along a path while the pictures are taken.
+// Films of the current view: the viewpoint or the focus moves along a path while frames are recorded.
 import { context2d } from './dom';
 import { GifWriter } from './gif';
 
 export const framesPerSecond = 20;
 export const numFrames = 48;
-// The largest film whose pictures a page should hold.
+// The largest number of pixels of a film that a page should hold.
 const mostPixels = 2 ** 28;
 
 export interface Place {
@@ -19,7 +19,7 @@ export const paths: Record<string, string> = {
   focus: 'from near to far',
 };
 
-/** Where the film is at frame `i`; it ends as it begins. `range` is that of the focus. */
+/** Returns viewpoint and focus of frame `i` on a closed path. `range` is the range of the focus. */
 export function placeOnPath(path: string, i: number, [rows, columns]: [number, number], now: Place, range: [number, number]): Place {
   const angle = (2 * Math.PI * i) / numFrames;
   const [reachX, reachY] = [(columns - 1) / 2, (rows - 1) / 2];
@@ -36,12 +36,12 @@ type PaintFrame = (i: number) => void;
 export async function recordGif(picture: HTMLCanvasElement, paint: PaintFrame): Promise<Blob> {
   paint(0);
   const { width, height } = picture;
-  if (width * height * numFrames > mostPixels) throw new Error('The pictures are too large for a GIF; take a WebM.');
+  if (width * height * numFrames > mostPixels) throw new Error('The pictures are too large for a GIF; choose WebM.');
   const gif = new GifWriter(width, height, framesPerSecond);
   for (let i = 0; i < numFrames; ++i) {
     paint(i);
     gif.add(context2d(picture).getImageData(0, 0, width, height).data);
-    await new Promise((resolve) => setTimeout(resolve)); // the page stays alive
+    await new Promise((resolve) => setTimeout(resolve)); // keeps the page responsive
   }
   return gif.finish();
 }
@@ -51,13 +51,13 @@ const videoTypes: Record<string, string[]> = {
   mp4: ['video/mp4;codecs=avc1.640028', 'video/mp4;codecs=vp9', 'video/mp4'],
 };
 
-/** Which of this browser's formats makes a film whose name has this ending: webm or mp4. */
+/** Returns the first format of this browser for a file extension, webm or mp4. */
 const videoType = (ending: string): string | undefined => videoTypes[ending]?.find((name) => window.MediaRecorder?.isTypeSupported(name));
 
-/** The endings of the films that this browser can record. */
+/** Returns the file extensions of the films that this browser can record. */
 export const videoEndings = (): string[] => Object.keys(videoTypes).filter(videoType);
 
-/** By the browser's own recorder, which works at the speed of the film. */
+/** Records with the recorder of the browser, which takes as long as the film. */
 export async function recordVideo(ending: string, picture: HTMLCanvasElement, paint: PaintFrame): Promise<Blob> {
   const type = videoType(ending)!;
   paint(0);
@@ -68,11 +68,11 @@ export async function recordVideo(ending: string, picture: HTMLCanvasElement, pa
   recorder.addEventListener('dataavailable', (event) => pieces.push(event.data));
   const ended = new Promise((resolve, reject) => {
     recorder.addEventListener('stop', resolve);
-    recorder.addEventListener('error', () => reject(new Error('The browser stopped recording; take a GIF.')));
+    recorder.addEventListener('error', () => reject(new Error('The browser stopped recording; choose GIF.')));
   });
   const started = new Promise((resolve) => recorder.addEventListener('start', resolve, { once: true }));
   recorder.start();
-  // Frames before the start are lost. Some browsers tell of it with the first frame alone.
+  // Frames before the start are lost. Some browsers report the start only with the first frame.
   await Promise.race([started, new Promise((resolve) => setTimeout(resolve, 500))]);
   for (let i = 0; i <= numFrames; ++i) {
     paint(i % numFrames);

@@ -1,4 +1,4 @@
-// The synthetic aperture: which views take part, and how much. Positions are in view steps from the middle of the grid.
+// The synthetic aperture: the weights of the views. Positions are in view steps from the middle of the grid.
 
 export interface ApertureShape {
   x: number;
@@ -15,7 +15,7 @@ export const shapes: Record<string, string> = {
   column: 'column of views',
 };
 
-/** The shape's distance from its middle; a rim one view step wide lies around `size`. */
+/** Returns the distance of a view from the middle of the shape, whose rim at `size` is one view step wide. */
 function distance(shape: string, size: number, dx: number, dy: number): number {
   const far = 1e3;
   switch (shape) {
@@ -29,8 +29,8 @@ function distance(shape: string, size: number, dx: number, dy: number): number {
 
 const tent = (offset: number): number => Math.max(0, 1 - Math.abs(offset));
 
-/** The weight of each view, in view order; their sum is above 0. Of a round aperture of at least one view step they are
- *  those of lightfield::round_aperture; smaller ones go over into one view without a jump. */
+/** Returns the weight of each view, in view order; the sum is positive. A round aperture of at least one view step has
+ *  the weights of lightfield::round_aperture; smaller ones blend continuously into a single view. */
 export function apertureWeights([rows, columns]: [number, number], aperture: ApertureShape): Float32Array {
   const weights = new Float32Array(rows * columns);
   const share = Math.min(1, aperture.size);
@@ -47,13 +47,13 @@ export function apertureWeights([rows, columns]: [number, number], aperture: Ape
   return weights;
 }
 
-/** The number of the view nearest to a place. */
+/** Returns the number of the view nearest to a position. */
 export function nearestView([rows, columns]: [number, number], place: { x: number; y: number }): number {
   const near = (offset: number, count: number) => Math.min(Math.max(Math.round(offset + (count - 1) / 2), 0), count - 1);
   return near(place.y, rows) * columns + near(place.x, columns);
 }
 
-/** What the picture shader reads: of each view with weight its number, its offset from the middle (x, y), its weight. */
+/** Returns the table of the picture shader: number, offset from the middle (x, y) and weight of each view used. */
 export function apertureTaps([rows, columns]: [number, number], weights: Float32Array): Float32Array {
   const taps: number[] = [];
   weights.forEach((weight, number) => {

@@ -1,5 +1,5 @@
-// The views as cells of the plane of the aperture: how much each takes part, where the viewpoint is, and, where there is a
-// truth, how well each view was reconstructed. Pressing on a cell goes there.
+// A map of the views as cells of the aperture: their weights, the viewpoint and, if there is a ground truth, the quality
+// of each view. A click on a cell moves the viewpoint there.
 import { css, sequential } from './colour_map';
 import { canvas, clamp, context2d, placeOn } from './dom';
 import type { State } from './state';
@@ -69,7 +69,7 @@ export class ApertureMap {
     context.globalAlpha = 1;
   }
 
-  /** Some colours of PSNR are near that of the marks. */
+  /** Some colours of the PSNR are similar to that of the marks. */
   private outline(context: CanvasRenderingContext2D): void {
     if (!this.psnrDb) return;
     context.strokeStyle = 'black';

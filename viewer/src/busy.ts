@@ -1,4 +1,4 @@
-// Says on the stage (aria-busy) that what is shown is not yet what was asked for.
+// Marks the stage (aria-busy) while it does not yet show the requested content.
 
 let pending = 0;
 
@@ -6,7 +6,7 @@ function announce(): void {
   document.getElementById('stage')!.setAttribute('aria-busy', String(pending > 0));
 }
 
-/** To be called when work begins; what it returns is called when it ends, and may be called more than once. */
+/** Declares that work begins. Returns a function that declares its end, which may be called more than once. */
 export function busy(): () => void {
   let isOver = false;
   ++pending;

@@ -1,4 +1,4 @@
-// Colours of numbers, as red, green, blue in 0..255.
+// Colour maps from numbers to red, green, blue in 0..255.
 
 export type Colour = [number, number, number];
 
@@ -10,14 +10,14 @@ function between(stops: Colour[], share: number): Colour {
 
 const sequentialStops: Colour[] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
-/** From dark violet (0) over green to yellow (1). */
+/** Maps 0..1 to colours from dark violet over green to yellow. */
 export const sequential = (share: number): Colour => between(sequentialStops, share);
 
-/** Disparities from near to far, as e2lf depth colours them. */
+/** Maps disparities from near to far to the colours of e2lf depth. */
 export const disparityColour = (share: number): Colour => between(nearToFar, share);
 export const nearToFar: Colour[] = [[204, 38, 26], [250, 204, 51], [115, 217, 89], [38, 166, 217], [48, 54, 148]];
 
-/** Events: OFF blue, none the colour of paper or of night, ON red. `value` in -1..1. */
+/** Maps event counts `value` in -1..1 to blue (OFF), the background colour of the theme (none) and red (ON). */
 export function diverging(value: number, isDark: boolean): Colour {
   const none: Colour = isDark ? [18, 20, 24] : [250, 250, 250];
   const on: Colour[] = isDark ? [none, [230, 70, 50], [255, 220, 150]] : [none, [226, 88, 62], [110, 0, 20]];
@@ -25,7 +25,7 @@ export function diverging(value: number, isDark: boolean): Colour {
   return value >= 0 ? between(on, value) : between(off, -value);
 }
 
-/** Draws a bar of colours; `colourOf` takes a share of its width. */
+/** Draws a bar of colours; `colourOf` receives the position as a share of the width. */
 export function drawColours(bar: HTMLCanvasElement, colourOf: (share: number) => Colour): void {
   bar.width = 256;
   bar.height = 1;

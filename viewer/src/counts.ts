@@ -1,4 +1,4 @@
-// An image of signed event counts: its picture, and the histogram around a point.
+// Images of signed event counts: their pictures, and the histogram around a point.
 import { diverging, drawColours } from './colour_map';
 import { canvas, context2d, element } from './dom';
 
@@ -10,7 +10,7 @@ export interface CountImage {
 
 export const mostLimit = 16;
 
-/** How many events have the full colour where nothing is chosen: what 1 in 50 pixels has more of. */
+/** Returns the default number of events with full colour, which one pixel in 50 exceeds. */
 export function suitableLimit(counts: Int16Array): number {
   const pixels = new Array<number>(mostLimit + 1).fill(0);
   for (const count of counts) pixels[Math.min(Math.abs(count), mostLimit)]! += 1;
@@ -22,9 +22,9 @@ export function suitableLimit(counts: Int16Array): number {
   return 1;
 }
 
-export const limitText = (limit: number): string => (limit >= 1 ? `${limit} events` : 'as it suits');
+export const limitText = (limit: number): string => (limit >= 1 ? `${limit} events` : 'automatic');
 
-/** Draws an image; `chosen` events have the full colour, 0 = what suits it. Returns how many have it. */
+/** Draws an image in which `chosen` events have the full colour, 0 = automatic. Returns the number used. */
 export function drawCounts(target: HTMLCanvasElement, image: CountImage, chosen: number, isDark: boolean): number {
   const limit = chosen >= 1 ? Math.min(chosen, 1000) : suitableLimit(image.counts);
   const most = Math.max(1, Math.ceil(limit));
@@ -44,14 +44,14 @@ export function drawCounts(target: HTMLCanvasElement, image: CountImage, chosen:
   return limit;
 }
 
-/** The colours of counts, from OFF to ON. */
+/** The legend of the colours, from OFF to ON. */
 export class CountLegend {
   private readonly bar = canvas('Colours of the signed event counts, from OFF to ON', 'bar');
   private readonly off = element('span');
   private readonly on = element('span');
   readonly root = element('div', {}, this.bar, element('p', { class: 'figures ends' }, this.off, this.on));
 
-  /** `limit` events have the full colour. */
+  /** Shows the legend for `limit` events with the full colour. */
   show(limit: number, isDark: boolean): void {
     drawColours(this.bar, (share) => diverging(2 * share - 1, isDark));
     this.off.textContent = `${limit} OFF`;
@@ -68,10 +68,10 @@ export class Histogram {
   private readonly text = element('p', { class: 'figures' });
 
   constructor() {
-    this.root = element('div', {}, this.canvas, this.text, element('p', { class: 'figures' }, 'Across: signed events of a pixel. Up: how many pixels, logarithmic.'));
+    this.root = element('div', {}, this.canvas, this.text, element('p', { class: 'figures' }, 'Horizontal axis: signed events of a pixel. Vertical axis: number of pixels, logarithmic.'));
   }
 
-  /** Around a pixel, or of the whole image where there is none. */
+  /** Shows the histogram around a pixel, or that of the whole image if `at` is null. */
   show(image: CountImage, at: { x: number; y: number } | null): void {
     const x0 = at ? Math.max(at.x - reach, 0) : 0;
     const y0 = at ? Math.max(at.y - reach, 0) : 0;

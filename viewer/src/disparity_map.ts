@@ -1,9 +1,9 @@
-// The disparity map of a light field: as numbers, and as a texture that the picture shader colours.
+// The disparity map of a light field: its values, and a texture for the picture shader.
 import { inflateCounts, type LightFieldItem, type Source } from './document';
 import type { Painter, Uniform } from './painter';
 
 const unknown = -32768;
-const far = 1e4; // what the shader takes for unknown
+const far = 1e4; // the value that the shader treats as unknown
 
 export class DisparityMap {
   private milli = new Int16Array();
@@ -30,19 +30,19 @@ export class DisparityMap {
     this.cycle = number;
     const turn = ++this.loading;
     const milli = await inflateCounts(await this.source.part(parts[number]!));
-    if (turn !== this.loading) return; // another cycle was asked for meanwhile
+    if (turn !== this.loading) return; // another cycle was requested meanwhile
     this.milli = milli;
     const numbers = Float32Array.from(milli, (value) => (value === unknown ? far : value / 1000));
     this.painter.numbers(this.texture, this.item.width, this.item.height, numbers);
   }
 
-  /** px per view at a pixel of the view that the map is of; null where it is not known. */
+  /** Returns the disparity in px per view step at a pixel of the view of the map; null if it is unknown. */
   at(x: number, y: number): number | null {
     const value = this.milli[y * this.item.width + x];
     return value === undefined || value === unknown ? null : value / 1000;
   }
 
-  /** For the picture shader; `viewpoint` and the map's view are in view steps from the middle of the grid. */
+  /** Sets the uniforms of the picture shader. `viewpoint` is in view steps from the middle of the grid. */
   uniforms(opacity: number, viewpoint: { x: number; y: number }): Record<string, Uniform> {
     const { views: [rows, columns], disparity } = this.item;
     const [row, column] = disparity!.view;

@@ -1,5 +1,5 @@
-// What the page shows: a description in JSON, and parts (pictures, counts) that it names by number. Both are embedded in
-// an exported page; a served page fetches them from beside itself. src/e2lf/view/document.h writes them.
+// The content of the page: a description in JSON, and numbered parts (pictures, counts) that it refers to. Both are
+// embedded in an exported page; a served page fetches them from the server. src/e2lf/view/document.h writes them.
 
 export interface Codes {
   views: [number, number]; // rows, columns
@@ -8,7 +8,7 @@ export interface Codes {
 
 export interface LightFieldCycle {
   label: string;
-  note?: string; // what else there is to say of it
+  note?: string; // shown beside the label
   views: number[]; // the part of each view, in view order: an 8-bit PNG
 }
 
@@ -56,11 +56,11 @@ export interface RecordingItem {
 export interface ModelItem {
   kind: 'model';
   name: string;
-  text: string; // what `e2lf model info` says
+  text: string; // the output of `e2lf model info`
   codes?: Codes;
 }
 
-/** Of `e2lf live`: the light fields, and what else there is to see of a source while it comes. */
+/** The tabs of `e2lf live`: the light fields, and the figures of the source. */
 export interface LiveItem {
   kind: 'live_setup' | 'live_field';
   name: string;
@@ -82,13 +82,13 @@ export interface ViewDocument {
   version: 1;
   items: Item[];
   comparisons: Comparison[];
-  is_growing?: boolean | undefined; // more cycles will come, or of e2lf live other items: growth.ts
+  is_growing?: boolean | undefined; // cycles (or, for e2lf live, items) may be added: growth.ts
 }
 
-/** Whether this is the page of `e2lf live`. */
+/** Returns true for the page of `e2lf live`. */
 export const isLivePage = ({ items }: ViewDocument): boolean => items[0]?.kind === 'live_setup';
 
-/** Where the description and the parts come from. */
+/** The origin of the description and the parts. */
 export interface Source {
   document: ViewDocument;
   part(number: number): Promise<Blob>;
@@ -102,7 +102,7 @@ export async function openSource(): Promise<Source> {
 
 function checked(description: ViewDocument): ViewDocument {
   if (description.format !== 'e2lf-view' || description.version !== 1) {
-    throw new Error('The data are not of the version that this page reads; make the page again with e2lf view.');
+    throw new Error('The data have a version that this page cannot read; make the page again with e2lf view.');
   }
   return description;
 }
@@ -124,7 +124,7 @@ async function embeddedPart(number: number): Promise<Blob> {
   return (await fetch(`data:application/octet-stream;base64,${text}`)).blob();
 }
 
-/** The int16 numbers of a deflated part. */
+/** Returns the int16 numbers of a deflated part. */
 export async function inflateCounts(part: Blob): Promise<Int16Array> {
   const stream = part.stream().pipeThrough(new DecompressionStream('deflate'));
   return new Int16Array(await new Response(stream).arrayBuffer());

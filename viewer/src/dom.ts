@@ -1,4 +1,4 @@
-// Small helpers that make elements and controls. Each control follows the state and has a name that can be read aloud.
+// Helpers that create elements and controls. Each control follows the state and has an accessible name.
 import type { Key, State, Values } from './state';
 
 type NumberKey = { [K in Key]: Values[K] extends number ? K : never }[Key];
@@ -15,19 +15,19 @@ export function element<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-/** A picture: `label` says what is on it. */
+/** Creates a canvas; `label` describes its content. */
 export function canvas(label: string, className = ''): HTMLCanvasElement {
   return element('canvas', { role: 'img', 'aria-label': label, class: className });
 }
 
 export const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);
 
-/** The context of a canvas that is drawn by hand. */
+/** Returns the 2D context of a canvas. */
 export function context2d(target: HTMLCanvasElement): CanvasRenderingContext2D {
   return target.getContext('2d')!;
 }
 
-/** Where a pointer is on an element, in shares of its size. */
+/** Returns the position of a pointer on an element, in shares of its size. */
 export function placeOn(target: HTMLElement, event: MouseEvent): { x: number; y: number } {
   const box = target.getBoundingClientRect();
   return { x: (event.clientX - box.left) / box.width, y: (event.clientY - box.top) / box.height };
@@ -40,7 +40,7 @@ export interface SliderOptions {
   text?: (value: number) => string;
 }
 
-/** The controls of a screen, in groups. They are renewed when the state changes. */
+/** The controls of a screen, in groups. They are updated when the state changes. */
 export class Panel {
   private followers: (() => void)[] = [];
 

@@ -1,5 +1,5 @@
-// Paints when something has changed, once per frame of the screen. While something moves, pictures that take long are
-// painted with fewer pixels; the full one follows when it rests.
+// Paints after changes, at most once per frame of the screen. During motion, pictures that take long are painted with
+// fewer pixels; the full resolution follows when the motion ends.
 
 import { busy } from './busy';
 
@@ -9,14 +9,14 @@ const restMs = 160;
 export class FrameClock {
   private isAsked = false;
   private timer = 0;
-  private msPerUnit = 0; // of the last pictures; a unit is a pixel of one view
-  private isFull = false; // the frame that is asked for shall have all its pixels
+  private msPerUnit = 0; // mean of the last pictures; a unit is a pixel of one view
+  private isFull = false; // the requested frame must have the full resolution
   private end: (() => void) | null = null;
 
-  /** `paint` takes the share of pixels per axis to paint, 1 or less, and returns how many units that was. */
+  /** `paint` receives the share of the pixels per axis to paint, 1 or less, and returns the number of units. */
   constructor(private readonly paint: (scale: number) => number) {}
 
-  /** `isMoving`: more will follow soon. */
+  /** Requests a frame. `isMoving` states that more requests will follow soon. */
   ask(isMoving: boolean, units: number): void {
     clearTimeout(this.timer);
     this.end ??= busy();
@@ -31,12 +31,12 @@ export class FrameClock {
       const rate = (performance.now() - begin) / Math.max(painted, 1);
       this.msPerUnit = this.msPerUnit === 0 ? rate : 0.7 * this.msPerUnit + 0.3 * rate;
       if (scale === 1) this.rest();
-      // From now on, not from when it was asked for: a picture may take longer than that.
+      // The time starts now rather than at the request, because a picture may take longer than that.
       else this.timer = window.setTimeout(() => this.ask(false, units), restMs);
     });
   }
 
-  /** All pixels are there: nothing more is to come. */
+  /** Ends the work, because the frame has the full resolution. */
   private rest(): void {
     clearTimeout(this.timer);
     this.end?.();

@@ -1,5 +1,5 @@
-// Writes an animated GIF (GIF89a). Grey pictures keep their 256 levels; colour becomes 6 x 7 x 6 levels of red, green and
-// blue, with the rest spread as a pattern (ordered dither).
+// Writes animated GIFs (GIF89a). Grey pictures keep their 256 levels; colours are reduced to 6 x 7 x 6 levels of red,
+// green and blue with ordered dithering.
 
 const greenLevels = 7, otherLevels = 6;
 
@@ -21,7 +21,7 @@ function isGreyPicture(rgba: Uint8ClampedArray): boolean {
   return true;
 }
 
-/** The number of the palette's colour for each pixel. */
+/** Returns the index of the palette for each pixel. */
 function indices(rgba: Uint8ClampedArray, width: number, isGrey: boolean): Uint8Array {
   const result = new Uint8Array(rgba.length / 4);
   for (let i = 0; i < result.length; ++i) {
@@ -37,7 +37,7 @@ function indices(rgba: Uint8ClampedArray, width: number, isGrey: boolean): Uint8
   return result;
 }
 
-/** Codes of 9 to 12 bits, the first bit lowest, in blocks of up to 255 bytes. */
+/** Packs codes of 9 to 12 bits, lowest bit first, into blocks of up to 255 bytes. */
 class CodeWriter {
   readonly bytes: number[] = [];
   private block: number[] = [];
@@ -66,7 +66,7 @@ class CodeWriter {
   }
 }
 
-/** GIF's variant of LZW for 8 bits per pixel. */
+/** Compresses with GIF's variant of LZW for 8 bits per pixel. */
 function compress(pixels: Uint8Array): number[] {
   const clear = 256, end = 257, mostCodes = 4096;
   const writer = new CodeWriter();
@@ -111,7 +111,7 @@ export class GifWriter {
     private readonly framesPerSecond: number,
   ) {}
 
-  /** Adds a frame of RGBA bytes. The first one says whether all are grey. */
+  /** Adds a frame of RGBA bytes. The first frame determines whether all are grey. */
   add(rgba: Uint8ClampedArray): void {
     if (this.parts.length === 0) this.begin(isGreyPicture(rgba));
     const hundredths = Math.round(100 / this.framesPerSecond);
@@ -129,7 +129,7 @@ export class GifWriter {
     this.isGrey = isGrey;
     this.put([...new TextEncoder().encode('GIF89a'), ...word(this.width), ...word(this.height), 0xf7, 0, 0]);
     this.put(palette(isGrey));
-    // Begins again at its end.
+    // Repeats forever.
     this.put([0x21, 0xff, 11, ...new TextEncoder().encode('NETSCAPE2.0'), 3, 1, 0, 0, 0]);
   }
 

@@ -1,12 +1,12 @@
-// A served description that grows while a reconstruction goes on: the page asks for its version again and again, and for
-// the description when that has changed.
+// A served description that grows during a reconstruction. The page requests its version periodically, and the
+// description itself after a change.
 import { fetchFile, type Source, type ViewDocument } from './document';
 
 const periodMs = 300;
 
 const rest = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, periodMs));
 
-/** Takes over what is new. A reconstruction only ever adds items and cycles; a live page replaces what was frozen. */
+/** Merges a new description. A reconstruction only adds items and cycles; a live page replaces frozen light fields. */
 function merge(target: ViewDocument, fresh: ViewDocument): void {
   target.items.length = Math.min(target.items.length, fresh.items.length);
   fresh.items.forEach((item, i) => {
@@ -18,7 +18,7 @@ function merge(target: ViewDocument, fresh: ViewDocument): void {
   target.is_growing = fresh.is_growing;
 }
 
-/** Calls `onGrowth` after each change until nothing more will come. Fails where the server is gone. */
+/** Calls `onGrowth` after each change until the description is complete. Fails if the server has ended. */
 export async function followGrowth({ document }: Source, onGrowth: () => void): Promise<void> {
   let version = '';
   while (document.is_growing) {

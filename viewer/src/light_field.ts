@@ -1,16 +1,16 @@
-// The views of a light field on the graphics card, one cycle at a time, and the pictures made of them.
+// The views of one cycle of a light field on the graphics card, and the pictures rendered from them.
 import { apertureTaps, apertureWeights } from './aperture';
 import type { LightFieldItem, Source } from './document';
 import type { Painter, Pictures, Uniform } from './painter';
 import { matchShader } from './shaders';
 import type { State } from './state';
 
-/** The range of disparities that can be in focus, px per view step. */
+/** The range of the focus, in px per view step. */
 export const maxDisparity = 5;
 
-const atOnce = 4; // views that are fetched and decoded at a time
+const atOnce = 4; // number of views that are fetched and decoded at a time
 
-/** The numbers of the views, from the middle of the grid outwards: the first picture needs those in the middle. */
+/** Returns the numbers of the views from the middle of the grid outwards, because the first picture needs the middle. */
 function middleFirst([rows, columns]: [number, number]): number[] {
   const far = (view: number) => Math.hypot((view % columns) - (columns - 1) / 2, Math.floor(view / columns) - (rows - 1) / 2);
   return Array.from({ length: rows * columns }, (_, view) => view).sort((a, b) => far(a) - far(b));
@@ -36,13 +36,13 @@ export class LightFieldViews {
     return this.pictures.isGrey;
   }
 
-  /** Nothing more is loaded. */
+  /** Ends loading. */
   close(): void {
     ++this.loading;
     this.painter.gl.deleteTexture(this.texture);
   }
 
-  /** Loads a cycle, unless it is there; `onProgress` is called now and then, and at the end. */
+  /** Loads a cycle unless it is loaded. `onProgress` is called repeatedly and at the end. */
   async load(cycle: number, onProgress: (share: number) => void): Promise<void> {
     const number = Math.min(Math.max(Math.round(cycle), 0), this.item.cycles.length - 1);
     if (number === this.cycle) return;
@@ -57,7 +57,7 @@ export class LightFieldViews {
         const bitmap = await createImageBitmap(part, { colorSpaceConversion: 'none', premultiplyAlpha: 'none' });
         if (turn === this.loading) this.painter.put(this.pictures, view, bitmap);
         bitmap.close();
-        if (turn !== this.loading) return; // another cycle was asked for meanwhile
+        if (turn !== this.loading) return; // another cycle was requested meanwhile
         ++done;
         if (done % 8 === 4 || done === parts.length) onProgress(done / parts.length);
       }
@@ -65,8 +65,8 @@ export class LightFieldViews {
     await Promise.all(Array.from({ length: atOnce }, loadNext));
   }
 
-  /** The disparity at which the views agree best around a point (px), from a sweep in 241 steps; between two steps by a
-   *  parabola. */
+  /** Returns the disparity at which the views agree best around a point (px), from a sweep in 241 steps with parabolic
+   *  interpolation between them. */
   disparityAt(x: number, y: number): number {
     const steps = 241;
     const costs = this.painter.read(steps, 1, matchShader, {
@@ -88,7 +88,7 @@ export class LightFieldViews {
   }
 }
 
-/** What every shader of light fields takes. */
+/** The uniforms of all shaders of light fields. */
 export function lightFieldUniforms(first: LightFieldViews, second: LightFieldViews): Record<string, Uniform> {
   const { width, height, views } = first.item;
   return {
@@ -103,12 +103,12 @@ export function lightFieldUniforms(first: LightFieldViews, second: LightFieldVie
   };
 }
 
-/** Gain and gamma as the state says. */
+/** Sets gain and gamma from the state. */
 export function toneUniforms(state: State): Record<string, Uniform> {
   return { gain: state.get('gain'), power: 1 / Math.max(state.get('gamma'), 0.05) };
 }
 
-/** The viewpoint, focus and aperture of the state, for the picture shader. */
+/** Sets viewpoint, focus and aperture of the picture shader from the state. */
 export class Camera {
   weights = new Float32Array();
   numTaps = 0;

@@ -1,4 +1,4 @@
-// What the server of `e2lf live` answers; src/e2lf/live/live_requests.h says what there is.
+// The requests to the server of `e2lf live`, which src/e2lf/live/live_requests.h describes.
 import { fetchFile } from './document';
 import { context2d, element } from './dom';
 
@@ -37,13 +37,13 @@ export interface Statistics {
   refining_error: string;
 }
 
-/** A header in JSON and the grey pixels behind it. */
+/** A JSON header and the grey pixels after it. */
 export interface Framed<Header> {
   header: Header;
   pixels: Uint8Array;
 }
 
-/** Asks for pictures; null where there is none yet. */
+/** Requests pictures; returns null if there is none yet. */
 export async function askForPicture<Header>(path: string): Promise<Framed<Header> | null> {
   const answer = await fetchFile(path);
   if (answer.status === 204) return null;
@@ -94,7 +94,7 @@ export function drawGrey(canvas: HTMLCanvasElement, width: number, height: numbe
 
 export const rest = (ms: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** Names and values, renewed by show(). */
+/** A list of names and values, which show() replaces. */
 export class FigureList {
   readonly root = element('dl', { class: 'list' });
 
@@ -108,7 +108,7 @@ export function countText(value: number): string {
   return value >= 1e4 ? `${(value / 1e3).toFixed(1)} k` : value.toFixed(value < 10 && value % 1 !== 0 ? 2 : 0);
 }
 
-/** Calls `follow` with the statistics twice a second until `isOver`. */
+/** Calls `follow` with the statistics twice a second until `isOver` returns true. */
 export async function followStatistics(isOver: () => boolean, follow: (now: Statistics) => void): Promise<void> {
   while (!isOver()) {
     const now = await askForStatistics();

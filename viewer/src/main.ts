@@ -1,4 +1,4 @@
-// Starts the page: tabs for what there is to look at, one screen at a time, keys.
+// Starts the page: the tabs, the current screen and the keys.
 import { busy } from './busy';
 import { isLivePage, openSource, type Item, type Source } from './document';
 import { element, Panel } from './dom';
@@ -38,7 +38,7 @@ function openItem(context: Context, item: Item): Screen {
 
 const numLiveTabs = 2;
 
-/** Comparisons first: whoever gives two light fields wants to compare them. */
+/** Lists comparisons first, because they are the purpose of a page with two light fields. */
 function makeTabs(document: Source['document']): Tab[] {
   const { items, comparisons } = document;
   const compared = comparisons.map((figures): Tab | null => {
@@ -177,7 +177,7 @@ class Page {
 
   private press(event: KeyboardEvent): void {
     if (event.ctrlKey || event.altKey || event.metaKey || document.querySelector('dialog[open]')) return;
-    // Sliders and lists use arrows and letters themselves.
+    // Sliders and lists handle arrows and letters themselves.
     if (event.target instanceof HTMLSelectElement || (event.target instanceof HTMLInputElement && event.key.startsWith('Arrow'))) return;
     if (event.target instanceof HTMLButtonElement && event.key === ' ') return;
     if (this.screen?.press(event.key)) return event.preventDefault();

@@ -1,9 +1,9 @@
-// Draws with WebGL 2 off screen and copies the result to canvases of the page.
+// Draws with WebGL 2 off screen and copies the results to canvases of the page.
 import { vertexShader } from './shaders';
 
 export type Uniform = number | boolean | number[] | WebGLTexture;
 
-/** An array of pictures of one size on the graphics card: 8 bits, grey or colour. */
+/** An array of pictures of one size on the graphics card, with 8 bits per channel, grey or colour. */
 export interface Pictures {
   texture: WebGLTexture;
   isGrey: boolean;
@@ -21,19 +21,19 @@ export class Painter {
 
   constructor() {
     const gl = this.canvas.getContext('webgl2', { alpha: false, antialias: false, preserveDrawingBuffer: true });
-    if (!gl) throw new Error('This browser has no WebGL 2; try another one, or switch its graphics acceleration on.');
+    if (!gl) throw new Error('This browser has no WebGL 2; use another one, or enable its graphics acceleration.');
     this.gl = gl;
     gl.bindVertexArray(gl.createVertexArray());
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
   }
 
-  /** Makes room for `count` pictures; they are black until they are put(). */
+  /** Allocates `count` pictures, which are black until put() sets them. */
   pictures(width: number, height: number, count: number, isGrey: boolean): Pictures {
     const gl = this.gl;
     const side = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
     const layers = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS) as number;
     if (Math.max(width, height) > side || count > layers) {
-      throw new Error(`This browser takes ${layers} views of ${side} px at most; show fewer with --views or --step.`);
+      throw new Error(`This browser supports at most ${layers} views of ${side} px; show fewer with --views or --step.`);
     }
     const texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
@@ -54,7 +54,7 @@ export class Painter {
     gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, number, bitmap.width, bitmap.height, 1, format, gl.UNSIGNED_BYTE, bitmap);
   }
 
-  /** A table of float32 [row of 4] for texelFetch; replaces what was in `table`. */
+  /** Uploads a table of float32 in rows of 4 for texelFetch; replaces the content of `table`. */
   table(table: WebGLTexture | null, rows: Float32Array): WebGLTexture {
     const gl = this.gl;
     const made = table ?? gl.createTexture();
@@ -65,7 +65,7 @@ export class Painter {
     return made;
   }
 
-  /** A table of one float32 for each pixel, for texelFetch; replaces what was in `table`. */
+  /** Uploads one float32 per pixel for texelFetch; replaces the content of `table`. */
   numbers(table: WebGLTexture | null, width: number, height: number, values: Float32Array): WebGLTexture {
     const gl = this.gl;
     const made = table ?? gl.createTexture();
@@ -76,7 +76,7 @@ export class Painter {
     return made;
   }
 
-  /** Runs a program over width x height pixels and copies the picture to `target`, which takes that size. */
+  /** Runs a program on width x height pixels and copies the picture to `target`, which is resized. */
   paint(target: HTMLCanvasElement, width: number, height: number, shader: string, values: Record<string, Uniform>): void {
     this.run(width, height, shader, values);
     if (target.width !== width || target.height !== height) {
@@ -87,7 +87,7 @@ export class Painter {
     target.getContext('2d')!.drawImage(this.canvas, 0, top, width, height, 0, 0, width, height);
   }
 
-  /** The same, read back: RGBA bytes, the bottom row first. */
+  /** Runs a program and returns the RGBA bytes, bottom row first. */
   read(width: number, height: number, shader: string, values: Record<string, Uniform>): Uint8Array {
     this.run(width, height, shader, values);
     const bytes = new Uint8Array(4 * width * height);
@@ -95,7 +95,7 @@ export class Painter {
     return bytes;
   }
 
-  /** Waits until everything is drawn, to measure it. */
+  /** Waits until all drawing is complete, for measurements. */
   finish(): void {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
@@ -103,7 +103,7 @@ export class Painter {
   private run(width: number, height: number, shader: string, values: Record<string, Uniform>): void {
     const gl = this.gl;
     if (gl.isContextLost()) throw new Error('The graphics card was reset; reload the page.');
-    // Growing only: a new size costs more than a picture.
+    // The canvas never shrinks, because a new size costs more than a picture.
     if (this.canvas.width < width) this.canvas.width = width;
     if (this.canvas.height < height) this.canvas.height = height;
     const { program, types } = this.program(shader);
@@ -146,7 +146,7 @@ export class Painter {
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
       const logs = gl.getAttachedShaders(program)!.map((part) => gl.getShaderInfoLog(part));
-      throw new Error(`The graphics card refused a program: ${logs.join(' ')} ${gl.getProgramInfoLog(program)}`);
+      throw new Error(`The graphics card rejected a program: ${logs.join(' ')} ${gl.getProgramInfoLog(program)}`);
     }
     const types: Program['types'] = new Map();
     const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) as number;

@@ -1,6 +1,6 @@
-// One picture of a light field with its two EPIs: below it the row under the cursor over the views of one row of the grid,
-// to its right the column over the views of one column. Dragging moves the viewpoint, the wheel and two fingers the focus,
-// a click focuses on the point.
+// One picture of a light field with its two EPIs: the row under the cursor in one row of views (below the picture), and
+// the column in one column of views (to its right). Dragging moves the viewpoint, the wheel and two fingers change the
+// focus, and a click focuses on the point.
 import { canvas, clamp, element, placeOn } from './dom';
 import { maxDisparity } from './light_field';
 import { followPinch } from './pinch';
@@ -9,8 +9,8 @@ import type { State } from './state';
 
 const mostEpiPx = 72;
 const gapPx = 6;
-const clickPx = 4; // a pointer that moves less has clicked
-const pinchSpeed = 2; // px per view for fingers that go twice as far apart
+const clickPx = 4; // a smaller motion of the pointer is a click
+const pinchSpeed = 2; // change of focus in px per view when the distance of the fingers doubles
 
 export interface PaneSize {
   width: number;
@@ -53,7 +53,7 @@ export class Pane {
     setSize(this.columnEpi, epiPx, height);
   }
 
-  /** The row and the column of the EPIs, px. */
+  /** Returns the row and the column of the EPIs, px. */
   cut(): { row: number; column: number } {
     const place = (value: number, count: number) => (value < 0 ? Math.floor(count / 2) : Math.min(Math.round(value), count - 1));
     return { row: place(this.state.get('row'), this.size.height), column: place(this.state.get('column'), this.size.width) };
@@ -107,7 +107,7 @@ export class Pane {
     this.state.set('focus', clamp(this.state.get('focus') + by, -maxDisparity, maxDisparity));
   }
 
-  /** Half the picture's width is the whole grid; what is nearer than the focus follows the pointer. */
+  /** Half the width of the picture corresponds to the whole grid. Points nearer than the focus follow the pointer. */
   private turn(viewX: number, viewY: number, dx: number, dy: number): void {
     const [rows, columns] = this.size.views;
     const box = this.picture.getBoundingClientRect();

@@ -1,4 +1,4 @@
-// Pictures of aperture patterns.
+// Draws aperture patterns.
 import type { Codes } from './document';
 import { context2d, element } from './dom';
 

@@ -1,13 +1,13 @@
-// Two fingers on an element, which a browser reports as two pointers.
+// Gestures of two fingers on an element, which a browser reports as two pointers.
 
 interface Fingers {
   apart: number; // px
   middle: number; // share of the element's width
 }
 
-/** `onMove` gets by which factor the fingers went apart since the last call, the place of their middle, and how far it
- *  moved to the right, both in shares of the width. Returns a function that says whether two fingers are at work: from
- *  the second one's coming until both are gone. */
+/** Calls `onMove` with the factor by which the distance of the fingers grew since the last call, the position of their
+ *  middle, and its motion to the right, both in shares of the width. Returns a function that is true during a gesture:
+ *  from the touch of the second finger until both are lifted. */
 export function followPinch(target: HTMLElement, onMove: (factor: number, middle: number, moved: number) => void): () => boolean {
   const places = new Map<number, { x: number; y: number }>();
   let last: Fingers | null = null;

@@ -1,4 +1,4 @@
-// What a screen is made from, and what it must do.
+// The interface of a screen, and the context that it receives.
 import type { Panel } from './dom';
 import type { ViewDocument, Source } from './document';
 import type { Painter } from './painter';
@@ -20,17 +20,17 @@ export interface Context {
 }
 
 export interface Screen {
-  /** The state has changed; `key` says what, `tab` = anything. */
+  /** Called after a change of the state: of `key`, or of anything if it is `tab`. */
   follow(key: Key): void;
-  /** The stage has another size. */
+  /** Called after a change of the size of the stage. */
   layout(): void;
-  /** True where the key was for this screen. */
+  /** Handles a key. Returns true if the screen uses it. */
   press(key: string): boolean;
-  /** The pictures for a screenshot, with names for their files. */
+  /** Returns the pictures for a screenshot, with the names of their files. */
   pictures(): { name: string; canvas: HTMLCanvasElement }[];
-  /** The keys it knows, for the help. */
+  /** The keys that the screen handles, for the help. */
   keys: [keys: string, does: string][];
-  /** The description has grown. */
+  /** Called after the description has grown. */
   grow?(): void;
   /** Parts of the description are still being fetched. */
   isLoading?(): boolean;

@@ -1,6 +1,6 @@
-// Saves what is shown: pictures as PNG files, pixel for pixel, and films.
+// Saves the displayed pictures as PNG files, pixel for pixel, and films.
 
-/** Gives the browser a file to save. */
+/** Lets the browser save a file. */
 export function saveBlob(title: string, ending: string, blob: Blob): void {
   const link = document.createElement('a');
   link.href = URL.createObjectURL(blob);

@@ -1,4 +1,4 @@
-// The programs that run on every pixel. Pictures are addressed from the top left: `place` is in 0..1.
+// The fragment shaders. `place` is the position in the picture in 0..1, from the top left.
 import { nearToFar } from './colour_map';
 
 export const vertexShader = `#version 300 es
@@ -35,7 +35,7 @@ uniform vec3 focus;    // disparity in the middle, and its change over the width
 uniform int mode;      // 0 first, 1 second, 2 swipe, 3 difference
 uniform float split, boost;
 uniform highp sampler2D disparities;    // px per view of the pixels of one view
-uniform float overlay;                  // how much of their colours is shown; 0 = no map
+uniform float overlay;                  // opacity of their colours; 0 = no map
 uniform vec2 overlayRange, viewpoint, mapView;
 
 float disparityAt(vec2 p) {
@@ -48,7 +48,7 @@ vec3 colourOf(float disparity) {
   int low = min(int(share), 3);
   return mix(stops[low], stops[low + 1], share - float(low));
 }
-// The map lies on what it measures: a point of its view is elsewhere from another viewpoint, by its own disparity.
+// The map follows the scene: from another viewpoint, each point of its view is shifted by its own disparity.
 vec3 overlaid(vec3 picture) {
   vec2 p = place * size;
   vec2 shifted = p + (focus.x + dot(focus.yz, place - 0.5)) * viewpoint;
@@ -78,7 +78,7 @@ void main() {
   if (mode == 3) {
     vec3 difference = light(true) - light(false);
     float value = clamp(boost * dot(difference, vec3(0.299, 0.587, 0.114)), -1.0, 1.0);
-    // White where both agree, red where the second is brighter, blue where it is darker.
+    // White if both agree, red if the second is brighter, blue if it is darker.
     colour = value > 0.0 ? vec4(1.0, 1.0 - value, 1.0 - value, 1.0) : vec4(1.0 + value, 1.0 + value, 1.0, 1.0);
     return;
   }
@@ -86,7 +86,7 @@ void main() {
   if (overlay > 0.0) colour.rgb = overlaid(colour.rgb);
 }`.replace('NEAR_TO_FAR', nearToFar.map((stop) => `vec3(${stop.map((value) => (value / 255).toFixed(4))})`).join(', '));
 
-// A slice through the light field: views along y, pixels along x (or the other way round).
+// A slice of the light field: views along y and pixels along x, or vice versa.
 export const epiShader = `${head}
 uniform vec2 grid;     // columns, rows
 uniform float fixedView, fixedPixel;
@@ -99,7 +99,7 @@ void main() {
   colour = shown(sampled(isSecond, vec3(at, number)));
 }`;
 
-// All views side by side, with a dark line between them. A pixel of the sheet is the mean over what it covers of a view.
+// All views side by side, separated by dark lines. A pixel of the sheet is the mean over the area that it covers.
 export const gridShader = `${head}
 uniform vec2 grid, sheet;    // columns and rows; px
 uniform bool isSecond;
@@ -118,8 +118,8 @@ void main() {
   colour = shown(sum / float(count.x * count.y));
 }`;
 
-// How little the views agree around a point when they are shifted by a disparity: one pixel per disparity, from
-// `low` to `high`. The mean over a window of the variance over views, as a number of 24 bits.
+// The disagreement of the views around a point when they are shifted by a disparity, with one pixel per disparity from
+// `low` to `high`: the mean over a window of the variance over the views, as a number of 24 bits.
 export const matchShader = `${head}
 uniform vec2 grid, centre;    // the point, px
 uniform float low, high;

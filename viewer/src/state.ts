@@ -1,4 +1,4 @@
-// What is being looked at, and how: kept in the URL behind '#', so that a link shows the same.
+// The state of the page, which is stored in the URL after '#', so that a link shows the same.
 
 const defaults = {
   tab: 0,
@@ -7,16 +7,16 @@ const defaults = {
   x: 0, // viewpoint, in view steps from the middle of the grid, to the right
   y: 0, // and downwards
   focus: 0, // disparity of the plane in focus, px per view step, in the middle of the picture
-  tiltx: 0, // how much it changes from the left edge to the right one
-  tilty: 0, // and from the top to the bottom
+  tiltx: 0, // its change from the left edge to the right edge
+  tilty: 0, // its change from the top edge to the bottom edge
   size: 0, // radius of the synthetic aperture, in view steps; 0 = one view
   shape: 'round',
   show: 'picture',
   gain: 1,
   gamma: 1,
   cycle: 0,
-  newest: 'show', // of cycles that come while one looks: show each, or stay
-  row: -1, // where the EPIs are cut, px; -1 = in the middle
+  newest: 'show', // when cycles are added: show each new one, or stay
+  row: -1, // position of the EPIs, px; -1 = in the middle
   column: -1,
   compare: 'side',
   split: 0.5, // of swipe, share of the width
@@ -25,9 +25,9 @@ const defaults = {
   path: 'orbit', // of films
   // Events
   image: 0, // transition
-  limit: 0, // events that have the full colour; 0 = what suits the image
+  limit: 0, // number of events with the full colour; 0 = automatic
   frame: 0,
-  from: 0, // the stretch of time on the axis, in shares of the recording
+  from: 0, // the displayed interval of time, in shares of the recording
   to: 1,
 };
 
@@ -59,12 +59,12 @@ export class State {
     if (this.values[key] === value) return;
     this.values[key] = value;
     this.announce(key);
-    // Browsers refuse addresses that change too often.
+    // Browsers reject addresses that change too often.
     clearTimeout(this.hashTimer);
     this.hashTimer = window.setTimeout(() => history.replaceState(null, '', this.hash()), 200);
   }
 
-  /** Back to the defaults, but for what is looked at and the colours of the page. */
+  /** Resets everything to the defaults except for the tab and the theme. */
   reset(): void {
     const { tab, theme } = this.values;
     this.values = { ...defaults, tab, theme };
@@ -89,7 +89,7 @@ export class State {
     return `#${parts.join('&')}`;
   }
 
-  /** Takes what is known and of the right type; whoever uses a value keeps it in its range. */
+  /** Reads known keys with values of the right type. The code that uses a value limits it to its range. */
   private readHash(): void {
     for (const [key, text] of new URLSearchParams(location.hash.slice(1))) {
       if (!(key in defaults)) continue;

@@ -1,4 +1,4 @@
-// Dark or light, as the system says or as chosen.
+// The dark or light theme, which follows the system unless it is chosen.
 import type { State } from './state';
 
 export const themes = ['system', 'dark', 'light'];
@@ -8,7 +8,7 @@ export function applyTheme(state: State): void {
   document.documentElement.dataset['theme'] = themes.includes(theme) ? theme : 'system';
 }
 
-/** Whether the page is dark now. */
+/** Returns true if the page is dark. */
 export function isDark(): boolean {
   const theme = document.documentElement.dataset['theme'];
   return theme === 'dark' || (theme !== 'light' && matchMedia('(prefers-color-scheme: dark)').matches);

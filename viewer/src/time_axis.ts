@@ -1,15 +1,15 @@
-// The event rate of a recording over time: ON above the line, OFF below; triggers as ticks, found cycles shaded, the frame
-// that is shown as a bar. Dragging chooses the frame; the wheel and two fingers zoom, the wheel sideways moves along.
+// The event rate of a recording over time: ON above the line, OFF below it, triggers as ticks, cycles shaded, and the
+// displayed frame as a bar. Dragging selects the frame, the wheel and two fingers zoom, a horizontal wheel scrolls.
 import type { RecordingItem } from './document';
 import { canvas, clamp, context2d, placeOn } from './dom';
 import { followPinch } from './pinch';
 import type { State } from './state';
 
-const leastShare = 1e-3; // of the recording on the axis
+const leastShare = 1e-3; // the smallest share of the recording that the axis shows
 const footPx = 22;
-const tickPx = 64; // between two numbers at least
+const tickPx = 64; // least distance of two numbers
 
-/** Events per second with three digits: 3.85e8 is "385 M". */
+/** Formats events per second with three digits: 3.85e8 is "385 M". */
 export function rateText(perSecond: number): string {
   const power = Math.min(Math.max(Math.floor(Math.log10(Math.max(perSecond, 1)) / 3), 0), 3);
   const value = perSecond / 1000 ** power;
@@ -58,19 +58,19 @@ export class TimeAxis {
     this.state.set('to', begin + length);
   }
 
-  /** The same around a time of the recording. */
+  /** Zooms around a time of the recording. */
   zoomAround(factor: number, timeUs: number): void {
     const { from, to } = this.range();
     this.zoom(factor, clamp((this.shareOf(timeUs) - from) / (to - from), 0, 1));
   }
 
-  /** Goes along by a share of what is on the axis. */
+  /** Scrolls by a share of the displayed interval. */
   private move(by: number): void {
     const { from, to } = this.range();
     this.begin(from + by * (to - from));
   }
 
-  /** Brings a time onto the axis, in the middle, where it is outside. */
+  /** Scrolls a time that is outside of the axis to its middle. */
   reveal(timeUs: number): void {
     const { from, to } = this.range();
     const share = this.shareOf(timeUs);
@@ -130,7 +130,7 @@ export class TimeAxis {
     }
   }
 
-  /** The numbers of the cycles, where there is room, over the bars. */
+  /** Draws the numbers of the cycles above the bars if there is room. */
   private drawNumbers(context: CanvasRenderingContext2D, x: (timeUs: number) => number, style: (name: string) => string): void {
     for (const cycle of this.item.cycles) {
       const first = cycle.slices[0];
@@ -140,7 +140,7 @@ export class TimeAxis {
     }
   }
 
-  /** At the top, on a ground of its own. */
+  /** Draws a label at the top on its own background. */
   private drawText(context: CanvasRenderingContext2D, text: string, middle: number, style: (name: string) => string): void {
     context.font = '11px sans-serif';
     context.textAlign = 'center';

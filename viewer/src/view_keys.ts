@@ -1,4 +1,4 @@
-// The keys that move through a light field.
+// The keys that change the viewpoint and the focus of a light field.
 import { clamp } from './dom';
 import { maxDisparity } from './light_field';
 import type { State } from './state';
@@ -10,7 +10,7 @@ export const viewKeys: [keys: string, does: string][] = [
   ['0', 'everything as at the start'],
 ];
 
-/** True where the key was one of them. */
+/** Handles a key. Returns true if it is one of them. */
 export function pressViewKey(state: State, [rows, columns]: [number, number], key: string): boolean {
   const move = (name: 'x' | 'y', by: number, count: number) => state.set(name, clamp(state.get(name) + by, -(count - 1) / 2, (count - 1) / 2));
   switch (key) {

@@ -7,7 +7,7 @@
 
 namespace e2lf {
 
-/// Images of one size: T [image, y, x], row-major.
+/// Images of the same size: T [image, y, x], row-major.
 template <typename T>
 struct Planes {
   size_t count = 0, height = 0, width = 0;
@@ -17,7 +17,7 @@ struct Planes {
   Planes(size_t count_, size_t height_, size_t width_)
       : count(count_), height(height_), width(width_), values(count_ * height_ * width_) {}
 
-  /// Changes the sizes, using the memory again. The values are not set.
+  /// Changes the sizes and reuses the memory. The values are unspecified.
   void resize(size_t count_, size_t height_, size_t width_) {
     count = count_;
     height = height_;

@@ -66,7 +66,7 @@ const Meaning& meaning_of(const std::string& key) {
 }
 
 std::string constants_text(const Calibration& calibration) {
-  std::string text = format("%-23s %10s %-13s %-22s %s\n", "constant", "value", "unit", "95 % range", "what it is");
+  std::string text = format("%-23s %10s %-13s %-22s %s\n", "constant", "value", "unit", "95 % range", "meaning");
   for (const Estimate& each : calibration.estimates) {
     const Meaning& meaning = meaning_of(each.key);
     const std::string range = each.is_determined ? format("%.4g to %.4g", each.low, each.high) : "kept";
@@ -136,6 +136,10 @@ std::string report_text(const Calibration& calibration, bool with_places) {
   text += agreement_text(calibration.agreement.rows, false);
   text += format("mean total variation %.3f (first guess: %.3f)\n", mean_total_variation(calibration.agreement),
                  mean_total_variation(calibration.first_agreement));
+  text +=
+      "each row: places of one brightness (E1+E2, their mean count in the first two transitions), and of each "
+      "transition what was measured | what the constants imply; TV, the total variation, is near \"chance\" where they "
+      "agree\n";
   if (with_places) text += "\n" + agreement_text(calibration.agreement.places, true);
   return text;
 }

@@ -108,7 +108,7 @@ std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes) {
 
 Result<void> check_scenes(const std::vector<StillScene>& scenes) {
   if (scenes.empty() || scenes.front().cycles.empty()) {
-    return Error{ErrorCode::kShape, "there is no cycle for the calibration; give event images or a recording", ""};
+    return Error{ErrorCode::kShape, "the calibration needs at least one cycle; give event images or a recording", ""};
   }
   const capture::EventImages& first = scenes.front().cycles.front();
   if (first.transitions < 1 || first.transitions > kMostTransitions) {

@@ -251,7 +251,7 @@ Result<std::string> completion_script(const std::string& shell, const std::vecto
   if (shell == "bash") return bash_script(verbs);
   if (shell == "zsh") return zsh_script(verbs);
   if (shell == "fish") return fish_script(verbs);
-  return Error{ErrorCode::kInvalidValue, "completion is available for bash, zsh and fish; name one of them", shell};
+  return Error{ErrorCode::kInvalidValue, "completion is available for bash, zsh and fish; give one of them", shell};
 }
 
 }  // namespace e2lf::cli

@@ -113,7 +113,9 @@ std::string manual_page(const DeclaredVerb& verb, const std::vector<DeclaredVerb
   if (!verb.description.empty()) page += cat(".SH DESCRIPTION\n", roff(verb.description), "\n");
   page += verb.subverbs.empty() ? options_text(verb) : subverbs_text(verb, verbs);
   if (!verb.example.empty()) page += cat(".SH EXAMPLE\n.EX\n", roff(verb.example), "\n.EE\n");
-  page += ".SH \"EXIT STATUS\"\n0: done. 1: failed. 2: wrong use. 130, 143: ended by a signal.\n";
+  page +=
+      ".SH \"EXIT STATUS\"\n0: success. 1: failure. 2: usage error. 3: live input failed early. 130, 143: ended by a "
+      "signal.\n";
   return page + see_also(verb, verbs);
 }
 

@@ -329,7 +329,7 @@ int Verb::exit_code(const Result<void>& result) const {
     std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), printable(text).c_str());
   }
   if (!stop_requested() && result && !failed_input_.empty()) {
-    std::fprintf(stderr, "%s: %s: the input failed: %s; what came before that is written\n", program_name(),
+    std::fprintf(stderr, "%s: %s: the input failed: %s; the data before that were written\n", program_name(),
                  name_.c_str(), printable(failed_input_).c_str());
     return 3;
   }

@@ -124,7 +124,7 @@ Result<void> check_method(const MethodConfig& method, const std::string& locatio
   E2LF_RETURN_IF_ERROR(check_count(method.passes, location + ".passes"));
   const bool is_network = method.algorithm == "network", is_video = method.algorithm == "event-video";
   if ((is_network || is_video) && method.model.empty())
-    return invalid("a network needs a model; name its file", location + ".model");
+    return invalid("a network needs a model; give its file", location + ".model");
   if (is_video && !method.codes.empty()) {
     return invalid("a scan opens one cell after another; leave the patterns out", location + ".codes");
   }

@@ -85,10 +85,11 @@ class Planner {
     for (const GroupConfig& group : config_.scenes) E2LF_RETURN_IF_ERROR(add_group(group));
     for (const SensorConfig& sensor : config_.sensors) E2LF_RETURN_IF_ERROR(add_sensor(sensor));
     if (plan_.methods.empty() || plan_.scenes.empty()) {
-      return Error{ErrorCode::kNotFound,
-                   "nothing is left to compare: no method, or no scene, is there; name files that are, or the folder "
-                   "they are in with --data",
-                   ""};
+      return Error{
+          ErrorCode::kNotFound,
+          "nothing is left to compare, because no method or no scene exists; give existing files, or the folder "
+          "they are in with --data",
+          ""};
     }
     add_jobs();
     return std::move(plan_);
@@ -146,7 +147,7 @@ class Planner {
     if (!config.camera.empty()) {
       if (!is_told) {
         return Error{ErrorCode::kInvalidValue,
-                     cat("the network of ", config.name, " works for one camera alone; leave \"camera\" out"), ""};
+                     cat("the network of ", config.name, " works for one camera only; leave \"camera\" out"), ""};
       }
       E2LF_ASSIGN_OR_RETURN(method.told, read_camera(config.camera));
     }
@@ -191,7 +192,7 @@ class Planner {
       if (!file.starts_with('.') && ::fnmatch(last.c_str(), file.c_str(), 0) == 0) found.push_back(entry->path());
     }
     std::sort(found.begin(), found.end());
-    if (found.empty()) return Error{ErrorCode::kNotFound, "no scene fits this; name some that are there", name};
+    if (found.empty()) return Error{ErrorCode::kNotFound, "no scene matches this; give existing ones", name};
     for (const fs::path& each : found) {
       plan_.files.push_back(each);
       scenes.push_back({is_folder(each) ? each.filename().string() : each.stem().string(), each, {}, group, {}});
@@ -222,8 +223,8 @@ class Planner {
       E2LF_ASSIGN_OR_RETURN(scenes, find_all(group.stand_in, group, none_stands_in));
       if (scenes.empty() && !group.optional) return *missing;
       log_warning(scenes.empty() ? cat("the group ", group.name, " is left out: ", missing->text())
-                                 : cat("of the group ", group.name, " no scene is there: ", scenes.size(),
-                                       scenes.size() == 1 ? " other stands" : " others stand", " in for it"));
+                                 : cat("no scene of the group ", group.name, " was found; ", scenes.size(),
+                                       scenes.size() == 1 ? " substitute is" : " substitutes are", " used instead"));
     }
     if (!scenes.empty()) plan_.groups.push_back(group.name);
     for (Scene& scene : scenes) {

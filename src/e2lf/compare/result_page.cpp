@@ -150,9 +150,8 @@ void add_pictures(const Plan& plan, const Results& results, const ResultStore& s
                   report::Page& page) {
   page.heading("Pictures", 3)
       .paragraph(
-          "The upper left view, its middle enlarged; the EPI of the middle row below; its error beside it: black is "
-          "none, "
-          "white 0.2 and more.");
+          "The upper left view and its enlarged middle, with the EPI of the middle row below. Beside it is the error: "
+          "black is none, white is 0.2 and more.");
   for (size_t scene = 0; scene < plan.scenes.size(); ++scene) {
     const std::vector<uint8_t> truth = store.picture(truth_key(plan.scenes[scene]));
     if (truth.empty()) continue;
@@ -184,7 +183,7 @@ std::string result_page(const Plan& plan, const Results& results, const ResultSt
   page.paragraph(cat(counted(plan.methods.size(), "method"), ", ", counted(plan.scenes.size(), "scene"), " in ",
                      counted(plan.groups.size(), "group"), ", ", counted(plan.sensors.size(), "sensor"), "; ", there,
                      " of ", counted(results.size(), "result"),
-                     " are there. The mean is that of the groups. The best of a column is marked."));
+                     " exist. The mean is that of the groups. The best value of each column is marked."));
   page.code(command);
   for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
     page.heading(cat("Sensor ", plan.sensors[sensor].config.name));

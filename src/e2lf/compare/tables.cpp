@@ -124,7 +124,7 @@ Table quality_table(const Plan& plan, const Results& results, size_t sensor) {
   }
   for (const std::string& name : plan.left_out) {
     std::vector<Cell> row(table.columns.size());
-    row.front() = report::text_cell(name + " (weights not at hand)");
+    row.front() = report::text_cell(name + " (weights not available)");
     table.rows.push_back(std::move(row));
   }
   const bool is_least = !metrics.empty() && metrics.front().is_least_best;
@@ -135,7 +135,7 @@ Table quality_table(const Plan& plan, const Results& results, size_t sensor) {
 Table cost_table(const Plan& plan, const Results& results, size_t sensor) {
   const std::vector<Metric> metrics = metrics_of_kind(plan, /*is_quality=*/false);
   Table table;
-  table.caption = cat("What a light field costs. ", sensor_text(plan, sensor));
+  table.caption = cat("Cost of a light field. ", sensor_text(plan, sensor));
   table.columns = {{"method"}};
   for (const Metric& metric : metrics) table.columns.push_back({metric.heading, true});
   for (size_t method = 0; method < plan.methods.size(); ++method) {

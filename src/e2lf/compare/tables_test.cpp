@@ -94,7 +94,7 @@ TEST(Tables, SayWhichMethodsAreNotThere) {
   plan.left_out = {"CA + E2VID"};
   const report::Table table = quality_table(plan, results_of(plan), 0);
   ASSERT_EQ(table.rows.size(), 3U);
-  EXPECT_EQ(table.rows[2][0].text, "CA + E2VID (weights not at hand)");
+  EXPECT_EQ(table.rows[2][0].text, "CA + E2VID (weights not available)");
   EXPECT_EQ(table.rows[2][4].text, "");
 }
 
@@ -118,7 +118,7 @@ TEST(ResultPage, HoldsTablesChartsViewsAndPatternsAndNoLink) {
   EXPECT_THAT(html, HasSubstr("24.00/0.5000"));
   EXPECT_THAT(html, HasSubstr("<title>a1, one: 11.50</title>"));
   EXPECT_THAT(html, HasSubstr("a2: 4.000"));
-  EXPECT_THAT(html, HasSubstr("12 of 12 results are there"));
+  EXPECT_THAT(html, HasSubstr("12 of 12 results exist"));
   EXPECT_THAT(html, Not(HasSubstr("href")));
 }
 

@@ -20,7 +20,7 @@ class CycleAssembler {
   /// future.
   void add_start(const PatternStart& start);
 
-  /// Takes the next events and leaves other, unspecified ones in their place.
+  /// Takes the next events; the content of `events` is unspecified afterwards.
   void add_events(recordings::EventColumns& events);
 
   /// Processes everything before until_us; all starts up to then must be known. The tracker provides the expected
@@ -30,11 +30,11 @@ class CycleAssembler {
   /// Ends the recording. last_us is its last time.
   void finish(int64_t last_us);
 
-  /// Makes one of so many cycles whole; see CycleReader::read_whole_every().
+  /// Reads every `cycles`-th cycle completely; see CycleReader::read_whole_every().
   void make_whole_every(uint64_t cycles) { whole_every_ = cycles; }
 
-  /// Returns the time of the present pattern and the next ones whose events no image needs and, if the cycle is not
-  /// whole, no check either; nothing if there is none.
+  /// Returns the time span, from the current pattern on, whose events are needed by no image and, unless the cycle is
+  /// read completely, by no check; nothing if there is none.
   [[nodiscard]] std::optional<TimeSlice> unused_time(const PatternTracker& tracker) const;
 
   /// Returns the oldest complete cycle.
@@ -49,7 +49,7 @@ class CycleAssembler {
     std::vector<PatternStart> starts;   ///< of the patterns of the cycle
     std::vector<PatternEvents> events;  ///< one for each pattern of the schedule
     bool has_late_edge = false;
-    bool is_whole = true;  ///< events of all its patterns are read
+    bool is_whole = true;  ///< whether the events of all its patterns are read
   };
 
   void begin_cycle(int64_t t_us);

@@ -136,11 +136,10 @@ class CycleReader {
   CycleReader& operator=(CycleReader&&) noexcept;
   ~CycleReader();
 
-  /// Reads only one of so many cycles as a whole, and of the others only the events of their images as far as the
-  /// recording can leave out the rest (recordings::RecordingReader::skip_events). The images stay the same. Confidence
-  /// and polarity of the others are those of the last whole cycle, and `onset_us` and the hot pixels are no longer
-  /// updated by them. With 1, all events are read from now on. It needs a trigger for each pattern; with other sources,
-  /// all cycles are read as a whole. The default is 1.
+  /// Reads only every `cycles`-th cycle completely. Of the others, the events that no image needs are skipped if the
+  /// format permits it (recordings::RecordingReader::skip_events). The images do not change. Skipped cycles have the
+  /// confidence and polarity of the last complete one, and do not update `onset_us` and the hot pixels. With 1, the
+  /// default, all events are read. Has an effect only if there is a trigger for each pattern.
   void read_whole_every(uint64_t cycles);
 
   /// Returns the next complete cycle, or nothing at the end. Incomplete cycles are dropped and reported. Fails as the

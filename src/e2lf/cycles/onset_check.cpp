@@ -10,9 +10,9 @@ constexpr int64_t kBinUs = 100;
 constexpr int64_t kSmoothedBins = 5;  // on either side of a rise
 constexpr int64_t kMostReachUs = 5'000;
 constexpr double kChanceShare = 0.02;   // of the largest rate
-constexpr uint64_t kLeastEvents = 200;  // behind the rise
-constexpr uint64_t kClearFactor = 2;    // of the events behind the rise to those in front of it
-constexpr size_t kMostCounted = 8192;   // events of a call
+constexpr uint64_t kLeastEvents = 200;  // after the rise
+constexpr uint64_t kClearFactor = 2;    // ratio of the events after the rise to those before it
+constexpr size_t kMostCounted = 8192;   // events per call
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void OnsetCheck::add_events(std::span<const int64_t> times_us) {
     counts_.resize(kWatchedUs / kBinUs);
   }
   if (times_us.front() >= *first_us_ + kWatchedUs) return;
-  // Of many events, some stand for all.
+  // A subset is sufficient if there are many events.
   const size_t stride = std::max<size_t>(times_us.size() / kMostCounted, 1);
   for (size_t i = 0; i < times_us.size(); i += stride) {
     const auto bin = static_cast<uint64_t>(times_us[i] - *first_us_) / static_cast<uint64_t>(kBinUs);
@@ -59,10 +59,10 @@ std::optional<int64_t> OnsetCheck::onset_us() const {
     for (size_t bin = first; bin < first + kSmoothedBins; ++bin) all += events[bin];
     return all;
   };
-  // Slow pixels raise the rate by and by, most of all in proportion to what is left of the pattern before.
+  // With slow pixels, the rate rises gradually; the onset is where it rises most relative to the previous rate.
   uint64_t most = 0;
   for (size_t bin = 0; bin + kSmoothedBins <= events.size(); ++bin) most = std::max(most, sum(bin));
-  const double least = kChanceShare * static_cast<double>(most) + 1.0;  // below that, counts are chance
+  const double least = kChanceShare * static_cast<double>(most) + 1.0;  // smaller counts are chance
   size_t best = 0;
   double best_rise = 0;
   for (size_t bin = kSmoothedBins; bin + kSmoothedBins <= events.size(); ++bin) {

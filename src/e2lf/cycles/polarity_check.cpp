@@ -8,8 +8,8 @@
 namespace e2lf::cycles {
 namespace {
 
-constexpr double kLeastEvents = 500;      // for the patterns with stated signs
-constexpr double kLeastAgreement = 0.15;  // of their signs, which ranges from -1 to 1
+constexpr double kLeastSignedEvents = 500;  // for the patterns with stated signs
+constexpr double kLeastAgreement = 0.15;    // of their signs, which ranges from -1 to 1
 // The ratio between the events after black and after white. Recordings synthesised from event images have artificial
 // events in one half of the cycle, at most three times those in the other.
 constexpr double kClearRatio = 4;
@@ -24,7 +24,7 @@ std::optional<double> sign_agreement(const Schedule& schedule, std::span<const P
     agreeing += (sign == BurstSign::kOn ? 1.0 : -1.0) * events[i].net();
     all += static_cast<double>(events[i].on + events[i].off);
   }
-  if (all < kLeastEvents) return std::nullopt;
+  if (all < kLeastSignedEvents) return std::nullopt;
   return agreeing / all;
 }
 

@@ -24,7 +24,7 @@ Result<ShownPattern> shown_pattern(std::string name, size_t num_codes) {
     return shown;
   }
   return Error{ErrorCode::kInvalidValue,
-               cat("the schedule's pattern \"", name, "\" is none of the codes; name it a1 ... a", num_codes,
+               cat("the schedule's pattern \"", name, "\" is not one of the codes; call it a1 ... a", num_codes,
                    ", or inverse a1 ... inverse a", num_codes),
                ""};
 }

@@ -93,7 +93,7 @@ std::string advice_of_times(const std::vector<int64_t>& times_us, const Schedule
   const std::vector<double> calm = without_bounces(times_us, 0.3 * shortest_us);
   if (calm.size() + 1 < times_us.size() && fit(calm, expected, 1.0) >= kMost) {
     return cat("triggers come twice within ", ms(0.3 * shortest_us),
-               ", as from a contact that bounces; smooth the signal, or name the one edge that is clean with --edge");
+               ", as from a contact that bounces; smooth the signal, or select the clean edge with --edge");
   }
   for (const double scale : {scale_of(intervals, schedule), scale_of(calm, schedule)}) {
     if (scale > 0.05 && std::abs(scale - 1) > 0.02 && fit(intervals, expected, scale) >= kMost) {
@@ -156,7 +156,8 @@ std::string trigger_advice(const TriggerSurvey& survey, const Schedule& schedule
                            int64_t last_us) {
   const auto& inputs = survey.inputs();
   if (inputs.empty()) {
-    return "the recording holds no triggers: enable the camera's trigger input and check the wire, or let the events "
+    return "the recording contains no triggers: enable the trigger input of the camera and check its cable, or use the "
+           "events "
            "tell with --source bursts, which needs pixels that are faster than the patterns";
   }
   if (options.has_channel && !inputs.contains(options.channel)) {
@@ -170,7 +171,7 @@ std::string trigger_advice(const TriggerSurvey& survey, const Schedule& schedule
       if (share > best_fit) best = &entry;
       best_fit = std::max(best_fit, share);
     }
-    return cat(inputs.size(), " channels have triggers; name that of the patterns, likely --channel ", best->first);
+    return cat(inputs.size(), " channels have triggers; give that of the patterns, probably --channel ", best->first);
   }
   const TriggerInput& input = options.has_channel ? inputs.at(options.channel) : inputs.begin()->second;
   if (options.takes_rising && !options.takes_falling && input.rising == 0) {
@@ -196,7 +197,7 @@ std::string trigger_advice(const TriggerSurvey& survey, const Schedule& schedule
   if (!advice.empty()) return advice;
   if (last_us - times_us.back() > 2 * schedule.cycle_us() && times_us.size() < TriggerSurvey::kMostTimes) {
     return cat("the triggers end ", ms(static_cast<double>(last_us - times_us.back())),
-               " before the recording does; check the wire");
+               " before the recording does; check the cable");
   }
   return "";
 }

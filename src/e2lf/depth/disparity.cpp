@@ -175,7 +175,7 @@ Result<DisparityRange> find_range(const LightField& light_field, const ViewIndex
 
 Result<void> check(const Shape& shape, const ViewIndex& view, const DisparityOptions& options) {
   if (shape.num_views() < 2 || shape.height == 0 || shape.width == 0) {
-    return Error{ErrorCode::kShape, "a single view shows no disparity; give a light field of several views", ""};
+    return Error{ErrorCode::kShape, "a single view contains no disparity; give a light field of several views", ""};
   }
   if (view.y >= shape.views_y || view.x >= shape.views_x) {
     return Error{ErrorCode::kNotFound,

@@ -15,7 +15,7 @@ namespace {
 
 using lightfield::Image;
 
-static_assert(std::endian::native == std::endian::little, "files are written from memory as it is");
+static_assert(std::endian::native == std::endian::little, "files are written in the byte order of memory");
 
 template <typename T>
 void append(std::vector<uint8_t>& bytes, const T& value) {

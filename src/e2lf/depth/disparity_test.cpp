@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/depth/disparity.h"
 
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <gtest/gtest.h>
 #include <limits>
 
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/demo_scene.h"
-#include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/scene.h"
+#include "testing/noise_material.h"
 
 namespace e2lf::depth {
 namespace {
@@ -38,13 +34,6 @@ double bad_pixels(const Image& disparity, const Image& truth, float most_px, siz
     }
   }
   return bad / count;
-}
-
-lightfield::Material noise_material(uint32_t seed) {
-  lightfield::Material material{lightfield::TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
-  material.grain = 0;
-  material.seed = seed;
-  return material;
 }
 
 /// A wall that turns away to the right, and a square that stands before it.
@@ -122,29 +111,6 @@ TEST(Disparity, OfTheDemoSceneIsGoodAndItsConfidenceTellsWhere) {
   }
   EXPECT_GT(count[1], 0.3 * static_cast<double>(truth.pixels.size()));
   EXPECT_LT(bad[1] / count[1], 0.3 * bad[0] / count[0]);
-}
-
-/// Prints the figures of docs/depth.md: of the scene of `e2lf demo --seed 1` as it is rendered and, where E2LF_DEMO
-/// names the folder that this command wrote, of its reconstruction.
-TEST(Disparity, DISABLED_FiguresOfTheDemoScene) {
-  const Shape shape{8, 8, 384, 512, 1};
-  const Scene scene = lightfield::demo_scene(1);
-  const Image truth = truth_of(scene, shape);
-  const auto print = [&](const char* name, const LightField& light_field) {
-    const auto begin = std::chrono::steady_clock::now();
-    const auto map = estimate_disparity(light_field);
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
-    ASSERT_TRUE(map.ok());
-    std::printf("%s: bad pixels 0.2: %.2f %%, 0.07: %.2f %%, 0.03: %.2f %%; %.2f s\n", name,
-                100 * bad_pixels(map->disparity, truth, 0.2F, 8), 100 * bad_pixels(map->disparity, truth, 0.07F, 8),
-                100 * bad_pixels(map->disparity, truth, 0.03F, 8), seconds.count());
-  };
-  print("rendered", lightfield::render_light_field(scene, shape));
-  if (const char* folder = std::getenv("E2LF_DEMO")) {
-    const auto recon = lightfield::read_light_field(std::filesystem::path(folder) / "recon");
-    ASSERT_TRUE(recon.ok());
-    print("reconstructed", *recon);
-  }
 }
 
 TEST(Disparity, FindsItsRangeWhereItIsSure) {

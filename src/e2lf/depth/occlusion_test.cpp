@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/depth/occlusion.h"
 
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <gtest/gtest.h>
 
 #include "e2lf/lightfield/demo_scene.h"
-#include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/scene.h"
+#include "testing/noise_material.h"
 
 namespace e2lf::depth {
 namespace {
@@ -21,13 +17,6 @@ using Verdict = OcclusionSign::Verdict;
 
 OcclusionSign sign_of(const LightField& light_field) {
   return occlusion_sign(light_field, estimate_disparity(light_field).value());
-}
-
-lightfield::Material noise_material(uint32_t seed) {
-  lightfield::Material material{lightfield::TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
-  material.grain = 0;
-  material.seed = seed;
-  return material;
 }
 
 /// A square of disparity -1.6 before a wall of 0.8: both have texture.
@@ -61,32 +50,6 @@ TEST(OcclusionSign, LeavesOpenWhereNothingHidesAnything) {
   EXPECT_EQ(sign_of(lightfield::render_light_field(plane, {8, 8, 64, 80, 1})).verdict, Verdict::kUndecided);
   EXPECT_EQ(sign_of(LightField({8, 8, 20, 20, 1})).verdict, Verdict::kUndecided);
   EXPECT_EQ(sign_of(LightField({1, 2, 20, 20, 1})).places, 0U);
-}
-
-/// Prints the table of docs/depth.md: what is found of every light field in E2LF_FIELDS, as it is and turned.
-TEST(OcclusionSign, DISABLED_FiguresOfLightFields) {
-  const char* folder = std::getenv("E2LF_FIELDS");
-  ASSERT_NE(folder, nullptr);
-  std::vector<std::filesystem::path> scenes;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) scenes.push_back(entry.path());
-  std::sort(scenes.begin(), scenes.end());
-  constexpr const char* kVerdicts[] = {"undecided", "upright", "turned"};
-  for (const auto& scene : scenes) {
-    lightfield::ReadOptions options;
-    options.range = lightfield::RangePolicy::kKeep;
-    auto read = lightfield::read_light_field(scene, options);
-    if (!read) continue;
-    for (const char* name : {"as it is", "turned"}) {
-      const auto map = estimate_disparity(*read);
-      ASSERT_TRUE(map.ok());
-      const OcclusionSign sign = occlusion_sign(*read, *map);
-      std::printf("%s, %s: %s, %zu places, %.0f %%, %.1f deviations, range %.2f..%.2f\n", scene.filename().c_str(),
-                  name, kVerdicts[static_cast<int>(sign.verdict)], sign.places, 100.0 * double{sign.smaller_in_front},
-                  double{sign.deviations}, double{map->range.least}, double{map->range.most});
-      std::fflush(stdout);
-      lightfield::orient(*read, capture::kTurned);
-    }
-  }
 }
 
 }  // namespace

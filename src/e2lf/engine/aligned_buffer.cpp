@@ -13,7 +13,6 @@
 namespace e2lf::engine {
 namespace {
 
-constexpr size_t kCacheLine = 64;
 constexpr size_t kHugePage = size_t{2} << 20;
 
 }  // namespace

@@ -6,6 +6,8 @@
 
 namespace e2lf::engine {
 
+constexpr size_t kCacheLine = 64;
+
 /// Zero-initialised memory that is aligned to a cache line, or to a huge page if it is large, which causes fewer TLB
 /// misses.
 class AlignedBuffer {

@@ -220,7 +220,7 @@ HWY_EXPORT(TileMultiplyAdd);
 
 std::string amx_refusal(const ConvSpec& spec) {
   constexpr size_t kMinChannels = 8;
-  if (spec.compute != ElementType::kBfloat16) return "AMX multiplies bfloat16 alone";
+  if (spec.compute != ElementType::kBfloat16) return "AMX only multiplies bfloat16";
   if (current_isa() != "amx") return "the CPU has no AMX, or E2LF_MAX_ISA leaves it out";
   return spec.in_channels < kMinChannels ? "too few input channels: most of the products would be with padding" : "";
 }

@@ -14,9 +14,6 @@ namespace {
 // The number of columns of a strip that one block computes; with 8 rows, these are two blocks of Winograd tiles.
 constexpr size_t kBlockColumns = 48;
 
-// The number of pixels that a direct kernel may read beyond those that it needs.
-constexpr size_t kReadAhead = 8;
-
 /// Half-open ranges of pixels.
 struct Region {
   size_t y_begin = 0, y_end = 0, x_begin = 0, x_end = 0;

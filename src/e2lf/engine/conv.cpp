@@ -62,7 +62,7 @@ WinogradParts winograd_parts(const ConvSpec& spec) {
   return {parts, padded_channels(parts * spec.in_channels)};
 }
 
-PackedMatrices pack_winograd_weights(const ConvSpec& spec) {
+PackedMatrices pack_winograd_weights(const ConvSpec& spec, size_t panel_width) {
   const WinogradParts parts = winograd_parts(spec);
   std::vector<std::array<float, kWinogradMatrices>> transformed(parts.depth() * spec.out_channels);
   for (size_t part = 0; part < parts.parts * parts.parts; ++part) {
@@ -76,8 +76,12 @@ PackedMatrices pack_winograd_weights(const ConvSpec& spec) {
     }
   }
   return {
-      spec.compute, kWinogradMatrices, parts.depth(), spec.out_channels,
-      [&](size_t matrix, size_t row, size_t column) { return transformed[row * spec.out_channels + column][matrix]; }};
+      spec.compute,
+      kWinogradMatrices,
+      parts.depth(),
+      spec.out_channels,
+      [&](size_t matrix, size_t row, size_t column) { return transformed[row * spec.out_channels + column][matrix]; },
+      panel_width};
 }
 
 std::string winograd_refusal(const ConvSpec& spec) {

@@ -30,7 +30,8 @@ class DirectKernel final : public Kernel {
       : grid_(spec),
         weights_(
             Products::kType, spec.kernel * spec.kernel, spec.in_channels, spec.out_channels,
-            [&](size_t tap, size_t in, size_t out) { return spec.tap(out, in, tap / spec.kernel, tap % spec.kernel); }),
+            [&](size_t tap, size_t in, size_t out) { return spec.tap(out, in, tap / spec.kernel, tap % spec.kernel); },
+            kPanelColumns),
         epilogue_(spec) {}
 
   std::string describe() const override {

@@ -19,6 +19,8 @@ constexpr size_t kPanelColumns = 2048;
 struct Engine::Impl {
   Plan plan;
   Precision precision = Precision::kFloat32;
+  std::vector<size_t> planes = {};  ///< see with_outputs()
+  size_t num_planes = 0;            ///< of the output
 };
 
 Result<Precision> precision_from_name(const std::string& name) {
@@ -67,7 +69,18 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
     return Error{ErrorCode::kShape, cat("the output is at 1/", scale, " of the resolution; end at that of the input"),
                  cat("layer \"", network.layers.back().name, "\"")};
   }
+  impl->num_planes = impl->plan.tensors.back().channels;
   return Engine(std::move(impl));
+}
+
+std::optional<Engine> Engine::with_outputs(std::vector<size_t> channels) const {
+  if (!impl_->plan.head || !impl_->plan.states.empty() || !impl_->planes.empty()) return std::nullopt;
+  auto some = std::make_unique<Impl>();
+  some->plan = engine::with_outputs(impl_->plan, channels);
+  some->precision = impl_->precision;
+  some->planes = std::move(channels);
+  some->num_planes = impl_->num_planes;
+  return Engine(std::move(some));
 }
 
 Result<void> Engine::run(std::span<const float> input, size_t height, size_t width, std::span<float> output,
@@ -83,14 +96,14 @@ Result<void> Engine::run_frame(std::span<const float> input, size_t height, size
   E2LF_REQUIRE(height > 0 && width > 0 && height % multiple == 0 && width % multiple == 0,
                cat("height and width must be multiples of ", multiple));
   E2LF_REQUIRE(input.size() == plan.tensors.front().channels * height * width, "the input has another size");
-  E2LF_REQUIRE(output.size() == plan.tensors.back().channels * height * width, "the output has another size");
+  E2LF_REQUIRE(output.size() == impl_->num_planes * height * width, "the output has another size");
   // States that are carried from frame to frame are as wide as the image.
   const bool is_cut = plan.states.empty() && !plan.needs_whole_rows;
   const size_t panels = is_cut ? (width + kPanelColumns - 1) / kPanelColumns : 1;
   const size_t columns = round_up((width + panels - 1) / panels, plan.alignment);
   for (size_t begin = 0; begin < width; begin += columns) {
     const size_t end = std::min(width, begin + columns);
-    Stream stream(plan, {input, output, height, width}, begin, end, state.memory_.get());
+    Stream stream(plan, {input, output, height, width, impl_->planes}, begin, end, state.memory_.get());
     bool more = true;
     while (more) {
       more = stream.advance();

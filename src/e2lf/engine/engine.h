@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,7 +27,8 @@ struct EngineOptions {
 };
 
 /// The memory of a recurrent network of the previous frames. It is initially empty, which means at rest. It belongs to
-/// one engine and one image size; using it with another breaks the contract.
+/// one engine and one image size; using it with another breaks the contract. For networks without memory, it contains
+/// working memory that consecutive runs of any engine reuse.
 class FrameState {
  public:
   FrameState();
@@ -65,6 +67,10 @@ class Engine {
   /// Runs the network on one frame with a state that is carried from frame to frame; run() begins at rest each time.
   [[nodiscard]] Result<void> run_frame(std::span<const float> input, size_t height, size_t width, FrameState& state,
                                        std::span<float> output, const ProgressFn& progress = {}) const;
+
+  /// Returns an engine with the same kernels that computes only these channels of the output, bit-identically, and does
+  /// not change the other planes of the output. Returns nothing if the network does not end in a single convolution.
+  [[nodiscard]] std::optional<Engine> with_outputs(std::vector<size_t> channels) const;
 
   /// Returns the precision in use, to which kAuto was resolved.
   [[nodiscard]] Precision precision() const;

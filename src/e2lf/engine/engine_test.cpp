@@ -203,6 +203,36 @@ TEST_F(EngineTest, ReportsProgressToTheEnd) {
   EXPECT_GT(all, 0U);
 }
 
+TEST_F(EngineTest, ComputesSomeOutputsAloneAsItComputesAll) {
+  for (const TestNetwork& test : test_networks()) {
+    const model::Weights weights = random_weights(test.network, 5);
+    const size_t height = 12 * test.multiple, width = 9 * test.multiple, plane = height * width;
+    const std::vector<float> input = random_values(test.network.input_channels * plane, 3);
+    for (const std::string& isa : available_isas()) {
+      set_max_isa(isa).value();
+      const Engine engine = Engine::create(test.network, weights, {Precision::kFloat32}).value();
+      const size_t channels = model::infer_shapes(test.network).value().back().channels;
+      const std::vector<size_t> wanted = {channels - 1, channels / 2};
+      const auto some = engine.with_outputs(wanted);
+      const model::Layer& last = test.network.layers.back();
+      EXPECT_EQ(some.has_value(), engine.describe().back().starts_with(last.name + ": ") && last.residual.empty() &&
+                                      (last.op == model::Op::kConv || last.op == model::Op::kConvTransposed))
+          << test.name;
+      if (!some) continue;
+      std::vector<float> all(channels * plane), output(all.size(), 7.0F);
+      engine.run(input, height, width, all).value();
+      FrameState room;  // is used again
+      for (int run = 0; run < 2; ++run) some->run_frame(input, height, width, room, output).value();
+      for (size_t channel = 0; channel < channels; ++channel) {
+        const bool is_wanted = std::ranges::find(wanted, channel) != wanted.end();
+        for (size_t i = channel * plane; i < (channel + 1) * plane; ++i) {
+          ASSERT_EQ(output[i], is_wanted ? all[i] : 7.0F) << test.name << " " << isa << " channel " << channel;
+        }
+      }
+    }
+  }
+}
+
 TEST_F(EngineTest, DescribesEveryStage) {
   const TestNetwork test = test_networks()[2];
   const auto engine = Engine::create(test.network, random_weights(test.network, 1), {Precision::kFloat32}).value();

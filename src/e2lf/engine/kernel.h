@@ -14,6 +14,9 @@ namespace e2lf::engine {
 using kernels::element_size, kernels::ElementType, kernels::kChannelMultiple, kernels::kTileSize;
 using kernels::padded_channels, kernels::round_up;
 
+/// Kernels read up to this many pixels beyond the last one of a row for sums that they discard.
+constexpr size_t kReadAhead = 8;
+
 /// The rows of a tensor: pixel x = 0 of row y is at rows[y - first]. Pixels are [x][padded channel]. Rows above and
 /// below the image exist and hold zeros, as do the pixels to the left and right of it, as far as Reach requires.
 struct Rows {

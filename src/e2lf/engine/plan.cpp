@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"
@@ -181,6 +182,8 @@ class PlanMaker {
     }
     if (!worth_composing(chain)) {
       add_stage(layer.name, layer, make_conv(chain.front()));
+      const bool is_head = &layer == &network_.layers.back() && layer.residual.empty();
+      if (is_head) plan_.head = std::move(chain.front());
       return {};
     }
     std::string name = layer.name;
@@ -383,6 +386,25 @@ Result<Plan> make_plan(const model::Network& network, const model::Weights& weig
   if (const auto shapes = model::infer_shapes(network); !shapes) return shapes.error();
   const model::Network read = without_unread_layers(network);
   return PlanMaker(read, weights, compute).make();
+}
+
+Plan with_outputs(const Plan& plan, std::span<const size_t> channels) {
+  E2LF_REQUIRE(plan.head && plan.states.empty(), "only a last convolution gives some channels alone");
+  Plan some = plan;
+  ConvSpec& head = *some.head;
+  const size_t length = head.weight.size() / head.out_channels;
+  head.out_channels = channels.size();
+  head.weight.clear();
+  head.bias.clear();
+  for (const size_t channel : channels) {
+    E2LF_REQUIRE(channel < plan.head->out_channels, "the network has no such output");
+    const float* const weight = plan.head->weight.data() + channel * length;
+    head.weight.insert(head.weight.end(), weight, weight + length);
+    head.bias.push_back(plan.head->bias[channel]);
+  }
+  some.stages.back().kernel = make_conv(head);
+  some.tensors.back().channels = channels.size();
+  return some;
 }
 
 }  // namespace e2lf::engine

@@ -3,11 +3,12 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/engine/kernel.h"
+#include "e2lf/engine/conv.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::engine {
@@ -22,7 +23,7 @@ struct TensorSpec {
 /// One step of evaluation: a kernel and the tensors that it reads. Stage i makes tensor i + 1; tensor 0 is the input.
 struct Stage {
   std::string name;  ///< of the layer, or of the fused layers; "<layer>.<part>" for a part of a layer
-  std::unique_ptr<Kernel> kernel;
+  std::shared_ptr<const Kernel> kernel;  ///< shared by plans
   std::vector<size_t> inputs;
   std::optional<size_t> residual;
 
@@ -43,11 +44,15 @@ struct Plan {
   bool needs_whole_rows = false;  ///< images must not be cut into panels
   size_t alignment = 1;  ///< cuts of an image must be multiples of this many pixels so that the same tiles are computed
   size_t halo = 0;       ///< pixels beside a cut on which results depend, a multiple of `alignment`
+  std::optional<ConvSpec> head;  ///< the last stage, if it is a single convolution without a residual
 };
 
 /// Chooses kernels and packs weights. Layers on which the output does not depend are omitted. Fails as infer_shapes
 /// does, and with kNotFound or kShape for missing or wrong weights. `compute` = kBfloat16 requires
 /// bfloat16_supported().
 [[nodiscard]] Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute);
+
+/// Returns a plan with the same kernels that computes only some channels of the output. It must have a head.
+[[nodiscard]] Plan with_outputs(const Plan& plan, std::span<const size_t> channels);
 
 }  // namespace e2lf::engine

@@ -35,12 +35,13 @@ void read_rows(const float* from, size_t plane, size_t channels, size_t width, T
 }
 
 template <typename T>
-void write_rows(const T* row, size_t channels, size_t width, float* to, size_t plane) {
+void write_rows(const T* row, size_t channels, size_t width, float* to, size_t plane, std::span<const size_t> planes) {
   const size_t step = padded_channels(channels);
   for (size_t begin = 0; begin < width; begin += kBlock) {
     const size_t end = std::min(width, begin + kBlock);
     for (size_t c = 0; c < channels; ++c) {
-      for (size_t x = begin; x < end; ++x) to[c * plane + x] = load(row[x * step + c]);
+      float* const line = to + (planes.empty() ? c : planes[c]) * plane;
+      for (size_t x = begin; x < end; ++x) line[x] = load(row[x * step + c]);
     }
   }
 }
@@ -55,11 +56,12 @@ void read_planes(const float* from, size_t plane, size_t channels, size_t width,
   }
 }
 
-void write_planes(const std::byte* row, size_t channels, size_t width, ElementType type, float* to, size_t plane) {
+void write_planes(const std::byte* row, size_t channels, size_t width, ElementType type, float* to, size_t plane,
+                  std::span<const size_t> planes) {
   if (type == ElementType::kFloat32) {
-    write_rows(reinterpret_cast<const float*>(row), channels, width, to, plane);
+    write_rows(reinterpret_cast<const float*>(row), channels, width, to, plane, planes);
   } else {
-    write_rows(reinterpret_cast<const Bfloat16*>(row), channels, width, to, plane);
+    write_rows(reinterpret_cast<const Bfloat16*>(row), channels, width, to, plane, planes);
   }
 }
 

@@ -17,7 +17,6 @@ namespace {
 using model::Layer;
 using model::Op;
 using Planes = ReferencePlanes;
-using Kernel = ReferenceKernel;
 
 /// Adds weight * input, shifted by (dy, dx), to one row of sums. Values outside of the image count as zero.
 void add_tap(const Planes& input, size_t channel, ptrdiff_t y, ptrdiff_t dx, float weight, std::vector<double>& sums) {
@@ -35,7 +34,8 @@ float at_or_zero(const Planes& input, size_t channel, ptrdiff_t y, ptrdiff_t x) 
   return is_inside ? input.at(channel, static_cast<size_t>(y), static_cast<size_t>(x)) : 0.0F;
 }
 
-void conv_row(const Planes& input, const Layer& layer, const Kernel& kernel, size_t out, size_t y, Planes& output) {
+void conv_row(const Planes& input, const Layer& layer, const ReferenceKernel& kernel, size_t out, size_t y,
+              Planes& output) {
   const auto radius = static_cast<ptrdiff_t>(layer.kernel / 2);
   const size_t k = layer.kernel;
   std::vector<double> sums(output.width, kernel.bias[out]);
@@ -59,7 +59,7 @@ void conv_row(const Planes& input, const Layer& layer, const Kernel& kernel, siz
   for (size_t x = 0; x < output.width; ++x) output.at(out, y, x) = static_cast<float>(sums[x]);
 }
 
-void transposed_row(const Planes& input, const Layer& layer, const Kernel& kernel, size_t out, size_t y,
+void transposed_row(const Planes& input, const Layer& layer, const ReferenceKernel& kernel, size_t out, size_t y,
                     Planes& output) {
   const size_t s = layer.stride;
   for (size_t x = 0; x < output.width; ++x) {
@@ -136,8 +136,8 @@ float element(const std::vector<const Planes*>& inputs, const Layer& layer, size
   }
 }
 
-Result<Kernel> find_kernel(const model::Weights& weights, const std::string& name, size_t in, size_t kernel,
-                           size_t out) {
+Result<ReferenceKernel> find_kernel(const model::Weights& weights, const std::string& name, size_t in, size_t kernel,
+                                    size_t out) {
   const auto weight = weights.find(name + ".weight");
   const auto bias = weights.find(name + ".bias");
   if (weight == weights.end() || bias == weights.end()) {
@@ -145,11 +145,11 @@ Result<Kernel> find_kernel(const model::Weights& weights, const std::string& nam
   }
   E2LF_REQUIRE(weight->second.size() == in * kernel * kernel * out, name + ".weight has another size");
   E2LF_REQUIRE(bias->second.size() == out, name + ".bias has another size");
-  return Kernel{weight->second, bias->second};
+  return ReferenceKernel{weight->second, bias->second};
 }
 
 Planes run_layer(const Layer& layer, const std::vector<const Planes*>& inputs, const Planes* residual,
-                 const std::optional<Kernel>& kernel, Planes output) {
+                 const std::optional<ReferenceKernel>& kernel, Planes output) {
   parallel_for(output.channels * output.height, 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const size_t c = i / output.height;
@@ -174,17 +174,18 @@ Planes run_layer(const Layer& layer, const std::vector<const Planes*>& inputs, c
 Result<Planes> run_cell(const Layer& layer, const Planes& input, const model::Weights& weights, ReferenceState& state) {
   const bool is_gru = layer.op == Op::kConvGru;
   const size_t out = layer.out_channels, joined = input.channels + out;
-  E2LF_ASSIGN_OR_RETURN(const Kernel gates,
+  E2LF_ASSIGN_OR_RETURN(const ReferenceKernel gates,
                         find_kernel(weights, layer.name + ".gates", joined, layer.kernel, (is_gru ? 2 : 4) * out));
   if (!is_gru) return reference_lstm(layer, input, gates, state);
-  E2LF_ASSIGN_OR_RETURN(const Kernel candidate,
+  E2LF_ASSIGN_OR_RETURN(const ReferenceKernel candidate,
                         find_kernel(weights, layer.name + ".candidate", joined, layer.kernel, out));
   return reference_gru(layer, input, gates, candidate, state);
 }
 
 }  // namespace
 
-ReferencePlanes reference_conv(const Planes& input, size_t out_channels, size_t kernel, const Kernel& weights) {
+ReferencePlanes reference_conv(const Planes& input, size_t out_channels, size_t kernel,
+                               const ReferenceKernel& weights) {
   Layer layer;
   layer.out_channels = out_channels;
   layer.kernel = kernel;
@@ -228,13 +229,13 @@ Result<std::vector<float>> run_reference(const model::Network& network, const mo
       continue;
     }
     if (layer.op == Op::kLayerNorm) {
-      E2LF_ASSIGN_OR_RETURN(const Kernel found, find_kernel(weights, layer.name, 1, 1, inputs[0]->channels));
+      E2LF_ASSIGN_OR_RETURN(const ReferenceKernel found, find_kernel(weights, layer.name, 1, 1, inputs[0]->channels));
       tensors.emplace(layer.name, reference_layer_norm(*inputs[0], found));
       continue;
     }
-    std::optional<Kernel> kernel;
+    std::optional<ReferenceKernel> kernel;
     if (layer.op == Op::kConv || layer.op == Op::kConvTransposed) {
-      E2LF_ASSIGN_OR_RETURN(const Kernel found,
+      E2LF_ASSIGN_OR_RETURN(const ReferenceKernel found,
                             find_kernel(weights, layer.name, inputs[0]->channels, layer.kernel, layer.out_channels));
       kernel.emplace(found);
     }

@@ -11,16 +11,17 @@ namespace {
 
 constexpr size_t kSlabBytes = size_t{2} << 20;
 
-// Rows whose distance is a multiple of a page would compete for the same cache sets.
-constexpr size_t kPage = 4096;
-constexpr size_t kCacheLine = 64;
-
 }  // namespace
+
+size_t spread_stride(size_t row_bytes) {
+  constexpr size_t kPage = 4096;
+  return round_up(row_bytes, kPage) + kCacheLine;
+}
 
 std::byte* RowPool::take(size_t bytes) {
   std::vector<std::byte*>& rows = free_[bytes];
   if (rows.empty()) {
-    const size_t stride = round_up(bytes, kPage) + kCacheLine;
+    const size_t stride = spread_stride(bytes);
     const size_t count = std::max<size_t>(1, kSlabBytes / stride);
     slabs_.emplace_back(std::max(count * stride, kSlabBytes));  // whole huge pages
     for (size_t i = count; i-- > 0;) rows.push_back(slabs_.back().data() + i * stride);

@@ -9,6 +9,10 @@
 
 namespace e2lf::engine {
 
+/// Returns the distance between rows of this size at which they do not compete for the same cache sets, as they would
+/// at a multiple of a page.
+[[nodiscard]] size_t spread_stride(size_t row_bytes);
+
 /// A pool of rows by size. Rows are reused last in, first out, because such a row is most likely still in the cache.
 class RowPool {
  public:

@@ -23,9 +23,6 @@ constexpr size_t kMostRowsPerRound = 64;
 // Threads take at most the remaining work divided by this and by the number of threads at a time.
 constexpr size_t kRunsPerThread = 4;
 
-// Kernels read up to this many pixels beyond the last one of a row for sums that they discard.
-constexpr size_t kReadAhead = 8;
-
 /// Returns the first input row that output rows from `y` on need.
 size_t first_needed(const Reach& reach, size_t y) {
   const size_t row = y * reach.down / reach.up;
@@ -41,7 +38,8 @@ Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, F
       end_(end),
       wide_begin_(begin > plan.halo ? begin - plan.halo : 0),
       wide_end_(std::min(image.width, end + plan.halo)),
-      pool_(memory != nullptr ? &memory->rows : &own_pool_) {
+      pool_(memory != nullptr ? &memory->rows : &own_pool_),
+      scratch_(memory != nullptr ? &memory->scratch : &own_scratch_) {
   for (const TensorSpec& spec : plan.tensors) {
     Tensor tensor;
     tensor.channels = spec.channels;
@@ -62,7 +60,10 @@ Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, F
   find_readers();
   size_t scratch_bytes = 0;
   for (const Stage& stage : plan.stages) scratch_bytes = std::max(scratch_bytes, stage.kernel->scratch_bytes());
-  for (int i = 0; i < num_threads(); ++i) scratch_.emplace_back(scratch_bytes);
+  scratch_->resize(static_cast<size_t>(num_threads()));
+  for (AlignedBuffer& scratch : *scratch_) {
+    if (scratch.size() < scratch_bytes) scratch = AlignedBuffer(scratch_bytes);
+  }
 }
 
 void Stream::add_margins() {
@@ -80,8 +81,6 @@ void Stream::add_margins() {
 
 /// Uses the memory of the previous frame, or creates it with zeros for the first frame.
 void Stream::open_memory(FrameMemory& memory) {
-  // Rows whose distance is a multiple of a page would compete for the same cache sets.
-  constexpr size_t kPage = 4096, kCacheLine = 64;
   const size_t states = plan_.states.size();
   const bool is_new = memory.before.empty();
   if (is_new) {
@@ -97,7 +96,7 @@ void Stream::open_memory(FrameMemory& memory) {
     recalled.left = kept.left = std::max(recalled.left, kept.left);
     recalled.right = kept.right = std::max(recalled.right, kept.right);
     recalled.slack = kept.slack = std::max(recalled.slack, kept.slack);
-    const size_t stride = round_up(kept.row_bytes(), kPage) + kCacheLine;
+    const size_t stride = spread_stride(kept.row_bytes());
     for (auto& tensors : {&memory.before, &memory.now}) {
       if (is_new) (*tensors)[i] = {AlignedBuffer(kept.height * stride), stride};
     }
@@ -279,7 +278,8 @@ void Stream::plan_output(std::vector<Job>& jobs) {
                     const size_t y = begin + block;
                     write_planes(output.table[output.left + y] + (begin_ - wide_begin_) * output.pixel_bytes,
                                  output.channels, end_ - begin_, output.type,
-                                 image_.output.data() + y * image_.width + begin_, image_.height * image_.width);
+                                 image_.output.data() + y * image_.width + begin_, image_.height * image_.width,
+                                 image_.planes);
                   }});
 }
 
@@ -303,7 +303,7 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
   }
   // Threads take runs of blocks, so that each loads the weights of few layers. The runs get shorter towards the end of
   // the round, so that no thread waits long for another.
-  const size_t threads = scratch_.size();
+  const size_t threads = scratch_->size();
   std::atomic<size_t> next = 0;
   const auto run_blocks = [&](std::byte* scratch) {
     size_t begin = next;
@@ -315,7 +315,7 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
     }
   };
   // parallel_for() is not used, because each thread keeps its own scratch memory from round to round, in its cache.
-  run_team(threads, [&](size_t member) { run_blocks(scratch_[member].data()); });
+  run_team(threads, [&](size_t member) { run_blocks((*scratch_)[member].data()); });
 }
 
 }  // namespace e2lf::engine

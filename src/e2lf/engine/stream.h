@@ -19,6 +19,7 @@ struct Image {
   std::span<float> output;
   size_t height = 0;
   size_t width = 0;
+  std::span<const size_t> planes = {};  ///< the plane of `output` of each channel; empty = in order
 };
 
 /// Streams columns [begin, end) of an image through a plan, from top to bottom. Each round produces a few more rows of
@@ -102,7 +103,8 @@ class Stream {
   RowPool own_pool_;
   RowPool* pool_;  ///< its own pool, or that of the frame memory
   AlignedBuffer zero_row_;
-  std::vector<AlignedBuffer> scratch_;  ///< one per thread
+  std::vector<AlignedBuffer> own_scratch_;
+  std::vector<AlignedBuffer>* scratch_;  ///< one per thread, its own or that of the frame memory
 };
 
 }  // namespace e2lf::engine

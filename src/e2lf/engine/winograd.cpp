@@ -24,6 +24,9 @@ namespace {
 // Up to this many channels are copied at once.
 constexpr size_t kFewChannels = 4;
 
+constexpr size_t kBlockGroups = kWinogradBlockTiles / kGemmRows;
+static_assert(kWinogradBlockTiles % kGemmRows == 0);
+
 template <class Products>
 class WinogradKernel final : public Kernel {
   using Element = typename Products::Element;
@@ -36,7 +39,7 @@ class WinogradKernel final : public Kernel {
         depth_(winograd_parts(spec).depth()),
         in_channels_(spec.in_channels),
         in_stride_(padded_channels(spec.in_channels)),
-        weights_(pack_winograd_weights(spec)),
+        weights_(pack_winograd_weights(spec, kPanelColumns)),
         epilogue_(spec) {}
 
   std::string describe() const override {
@@ -48,15 +51,13 @@ class WinogradKernel final : public Kernel {
 
   size_t scratch_bytes() const override { return transformed_bytes() + sums_bytes() + patch_bytes(); }
 
-  size_t num_blocks(const Strip& strip) const override {
-    return (num_tiles(strip) + kWinogradBlockTiles - 1) / kWinogradBlockTiles;
-  }
+  size_t num_blocks(const Strip& strip) const override { return (num_groups(strip) + kBlockGroups - 1) / kBlockGroups; }
 
   void run_block(const Strip& strip, size_t block, std::byte* scratch) const override {
-    // Blocks have nearly equal sizes, so that the last one is not a small remainder.
-    const size_t blocks = num_blocks(strip);
-    const size_t first = num_tiles(strip) * block / blocks;
-    const size_t count = num_tiles(strip) * (block + 1) / blocks - first;
+    // Blocks consist of whole groups and have nearly equal sizes, so that the last one is not a small remainder.
+    const size_t groups = num_groups(strip), blocks = num_blocks(strip);
+    const size_t first = groups * block / blocks * kGemmRows;
+    const size_t count = std::min(num_tiles(strip), groups * (block + 1) / blocks * kGemmRows) - first;
     auto* transformed = reinterpret_cast<Element*>(scratch);
     auto* sums = reinterpret_cast<float*>(scratch + transformed_bytes());
     auto* patch = reinterpret_cast<Element*>(scratch + transformed_bytes() + sums_bytes());
@@ -122,6 +123,8 @@ class WinogradKernel final : public Kernel {
   static size_t num_tiles(const Strip& strip) {
     return tiles_per_row(strip) * ((strip.end - strip.begin + kTileSize - 1) / kTileSize);
   }
+  /// Returns the number of groups of tiles whose sums are computed together.
+  static size_t num_groups(const Strip& strip) { return (num_tiles(strip) + kGemmRows - 1) / kGemmRows; }
   size_t transformed_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * depth_ * sizeof(Element); }
   size_t sums_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * weights_.columns() * sizeof(float); }
 

@@ -25,6 +25,6 @@ struct WinogradParts {
 
 /// Packs the 36 matrices [depth, output channel] of the transformed weights of a stride-1 convolution. Part (py, px) of
 /// input channel c is row py * group + px * in_channels + c.
-[[nodiscard]] PackedMatrices pack_winograd_weights(const ConvSpec& spec);
+[[nodiscard]] PackedMatrices pack_winograd_weights(const ConvSpec& spec, size_t panel_width);
 
 }  // namespace e2lf::engine

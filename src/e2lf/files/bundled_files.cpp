@@ -10,7 +10,7 @@ namespace e2lf {
 namespace fs = std::filesystem;
 namespace {
 
-/// The running program, or the shared object, as Python's, that holds this code.
+/// Returns the path of the running program, or of the shared object that contains this code, such as the Python module.
 fs::path find_own_file() {
   static const char here = 0;
   Dl_info about{};
@@ -20,7 +20,8 @@ fs::path find_own_file() {
                                                                      : fs::read_symlink("/proc/self/exe", error);
 }
 
-/// Where bundled files may lie, the nearest first. A program that lies in its source tree takes the files of that tree.
+/// Returns the folders that may contain bundled files, nearest first. A program in the source tree uses those of the
+/// tree.
 std::vector<fs::path> find_folders() {
   const fs::path tree = E2LF_SOURCE_TREE;
   std::error_code error;

@@ -15,7 +15,7 @@
 namespace e2lf {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays are read and written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "arrays are read and written in the byte order of memory");
 
 struct Bool {
   uint8_t byte;

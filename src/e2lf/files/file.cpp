@@ -116,8 +116,8 @@ Result<int> open_stream(const fs::path& path) {
     const bool has_no_reader = errno == ENXIO && waiting != 0;
     if (errno != EINTR && !has_no_reader) return system_error(path, "write", errno);
     if (stop_requested()) {
-      return Error{ErrorCode::kCancelled, "nobody read from here before the run was ended; start the reader first",
-                   path.string()};
+      return Error{ErrorCode::kCancelled,
+                   "no program read from here before the run was stopped; start the reader first", path.string()};
     }
     if (has_no_reader) std::this_thread::sleep_for(kReaderPoll);
   }
@@ -145,10 +145,10 @@ Result<void> write_file(const fs::path& path, const std::string& text) {
 Result<void> check_output(const fs::path& path, bool overwrite) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
-    return Error{ErrorCode::kExists, "the output is a file, and a folder has this name; name another", path.string()};
+    return Error{ErrorCode::kExists, "the output is a file, and a folder has this name; choose another", path.string()};
   }
   if (!overwrite && !is_stream(path) && fs::exists(fs::symlink_status(path, error))) {
-    return Error{ErrorCode::kExists, "the output exists already; replace it or name another", path.string(),
+    return Error{ErrorCode::kExists, "the output exists already; replace it or choose another", path.string(),
                  Setting::kOverwrite};
   }
   return {};
@@ -156,8 +156,7 @@ Result<void> check_output(const fs::path& path, bool overwrite) {
 
 Result<AtomicFile> AtomicFile::create(const fs::path& target) {
   if (is_stream(target)) {
-    return Error{ErrorCode::kUnsupported,
-                 "this is a device or a pipe, and what is written needs a file to go back in; name a file",
+    return Error{ErrorCode::kUnsupported, "this is a device or a pipe, but the format requires seeking; give a file",
                  target.string()};
   }
   E2LF_RETURN_IF_ERROR(make_parent(target));

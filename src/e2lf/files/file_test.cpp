@@ -20,15 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-size_t count_entries(const fs::path& folder) {
-  return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
-}
-
-std::string text_of(const fs::path& path) {
-  const auto bytes = read_file(path);
-  return bytes.ok() ? std::string(bytes->begin(), bytes->end()) : "<" + bytes.error().text() + ">";
-}
-
 TEST(Workspace, IsLeftOutOfTextForPeople) {
   const std::string own = "." + std::to_string(::getpid()) + ".3.part";
   EXPECT_EQ(without_workspaces("/a/b c.csv" + own + "/b c.csv: cannot write"), "/a/b c.csv: cannot write");

@@ -106,7 +106,11 @@ Result<ElementCode> parse_code(const std::string& text, const std::string& locat
     code.padding = std::from_chars(code.type.data() + 1, end, code.size).ptr == end;
   }
   if (code.size == 0 || code.type == "bf16") {
-    return Error{ErrorCode::kUnsupported, cat("elements of type \"", text, "\" are not supported; store plain numbers"),
+    const bool is_object = code.type == "O";
+    return Error{ErrorCode::kUnsupported,
+                 is_object ? "the elements are Python objects, which are not read; save each array of numbers by its "
+                             "name with numpy.savez"
+                           : cat("elements of type \"", text, "\" are not supported; store plain numbers"),
                  location};
   }
   return code;

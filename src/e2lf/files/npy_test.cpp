@@ -31,7 +31,7 @@ std::string header(const std::string& descr, const std::string& shape, const std
   return "{'descr': " + descr + ", 'fortran_order': " + fortran + ", 'shape': " + shape + ", }\n";
 }
 
-ErrorCode decode_error(const std::vector<uint8_t>& bytes) {
+ErrorCode npy_error(const std::vector<uint8_t>& bytes) {
   const auto array = decode_npy(bytes, "test.npy");
   EXPECT_FALSE(array.ok());
   return array.ok() ? ErrorCode::kInternal : array.error().code;
@@ -150,11 +150,11 @@ TEST(Npy, ReadsVersionsTwoAndThreeAndRefusesOthers) {
     ASSERT_TRUE(array.ok());
     EXPECT_THAT(*array->to_float("x"), ElementsAre(1.0F));
   }
-  EXPECT_EQ(decode_error(npy_file(text, {0, 0, 0x80, 0x3F}, 4)), ErrorCode::kUnsupported);
+  EXPECT_EQ(npy_error(npy_file(text, {0, 0, 0x80, 0x3F}, 4)), ErrorCode::kUnsupported);
 }
 
 TEST(Npy, ReportsEveryTruncation) {
-  EXPECT_EQ(decode_error({}), ErrorCode::kTruncated);
+  EXPECT_EQ(npy_error({}), ErrorCode::kTruncated);
   const auto whole = encode_npy(make_npy<int16_t>({4}, std::vector<int16_t>{1, 2, 3, 4}));
   for (size_t size = 0; size < whole.size(); ++size) {
     const auto array = decode_npy(std::span(whole).first(size), "cut.npy");
@@ -165,14 +165,14 @@ TEST(Npy, ReportsEveryTruncation) {
 }
 
 TEST(Npy, RefusesAHeaderLargerThanTheFileWithoutAllocating) {
-  EXPECT_EQ(decode_error(npy_file(header("'<f4'", "(1000000000000,)"), {0, 0, 0, 0})), ErrorCode::kTruncated);
-  EXPECT_EQ(decode_error(npy_file(header("'<f4'", "(4294967296, 4294967296)"), {0})), ErrorCode::kFormat);
-  EXPECT_EQ(decode_error(npy_file(header("'<f4'", "(0, 4294967296, 4294967296)"), {})), ErrorCode::kFormat);
-  EXPECT_EQ(decode_error({0x93, 'N', 'U', 'M', 'P', 'Y', 2, 0, 0xFF, 0xFF, 0xFF, 0xFF, '{'}), ErrorCode::kTruncated);
+  EXPECT_EQ(npy_error(npy_file(header("'<f4'", "(1000000000000,)"), {0, 0, 0, 0})), ErrorCode::kTruncated);
+  EXPECT_EQ(npy_error(npy_file(header("'<f4'", "(4294967296, 4294967296)"), {0})), ErrorCode::kFormat);
+  EXPECT_EQ(npy_error(npy_file(header("'<f4'", "(0, 4294967296, 4294967296)"), {})), ErrorCode::kFormat);
+  EXPECT_EQ(npy_error({0x93, 'N', 'U', 'M', 'P', 'Y', 2, 0, 0xFF, 0xFF, 0xFF, 0xFF, '{'}), ErrorCode::kTruncated);
 }
 
 TEST(Npy, RefusesBytesAfterTheArray) {
-  EXPECT_EQ(decode_error(npy_file(header("'|u1'", "(2,)"), {1, 2, 3})), ErrorCode::kFormat);
+  EXPECT_EQ(npy_error(npy_file(header("'|u1'", "(2,)"), {1, 2, 3})), ErrorCode::kFormat);
 }
 
 TEST(Npy, RefusesDamagedHeaders) {
@@ -192,15 +192,14 @@ TEST(Npy, RefusesDamagedHeaders) {
                                             "{'descr': '|u1', 'fortran_order': False, 'shape': (1,), 'colour': 1}",
                                             header("[('x', '<u2'), 3]", "(1,)"),
                                             header("[('a', '|V18446744073709551615'), ('b', '<u2')]", "(1,)")};
-  for (const std::string& text : damaged) EXPECT_EQ(decode_error(npy_file(text, {0})), ErrorCode::kFormat) << text;
-  EXPECT_EQ(decode_error({'P', 'K', 3, 4, 0, 0, 0, 0, 0, 0, 0, 0}), ErrorCode::kFormat);
+  for (const std::string& text : damaged) EXPECT_EQ(npy_error(npy_file(text, {0})), ErrorCode::kFormat) << text;
+  EXPECT_EQ(npy_error({'P', 'K', 3, 4, 0, 0, 0, 0, 0, 0, 0, 0}), ErrorCode::kFormat);
 }
 
 TEST(Npy, RefusesElementsThatAreNotNumbers) {
   for (const char* descr : {"'<c8'", "'|S3'", "'<U4'", "'|O'", "'|V4'", "'<f16'", "'<i3'", "[('x', '<u2', (3,))]",
                             "[('x', [('y', '<u2')])]", "[('x', '|S2')]"}) {
-    EXPECT_EQ(decode_error(npy_file(header(descr, "(1,)"), std::vector<uint8_t>(16))), ErrorCode::kUnsupported)
-        << descr;
+    EXPECT_EQ(npy_error(npy_file(header(descr, "(1,)"), std::vector<uint8_t>(16))), ErrorCode::kUnsupported) << descr;
   }
 }
 

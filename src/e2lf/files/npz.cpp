@@ -21,7 +21,7 @@ Result<void> check_head(std::span<const uint8_t> head, uint64_t claimed, const s
   const uint64_t needed = header->data_size + header->data_offset;
   if (needed == claimed) return {};
   return Error{needed > claimed ? ErrorCode::kTruncated : ErrorCode::kFormat,
-               cat("the numpy header needs ", needed, " bytes, the archive says ", claimed, "; write the file again"),
+               cat("the numpy header needs ", needed, " bytes, the archive states ", claimed, "; write the file again"),
                location};
 }
 

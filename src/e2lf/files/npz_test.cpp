@@ -34,7 +34,7 @@ void expect_equal(const NpzArrays& a, const NpzArrays& b) {
   }
 }
 
-Error decode_error(const Bytes& bytes) {
+Error npz_error(const Bytes& bytes) {
   const auto arrays = decode_npz(bytes, "test.npz");
   EXPECT_FALSE(arrays.ok());
   return arrays.ok() ? Error{} : arrays.error();
@@ -137,7 +137,7 @@ TEST(Npz, EqualArraysGiveEqualBytes) {
 TEST(Npz, RefusesAnUnknownCompression) {
   Bytes archive = one_member(true);
   archive[find_signature(archive, kDirectoryEntry) + 10] = 12;  // bzip2
-  const Error error = decode_error(archive);
+  const Error error = npz_error(archive);
   EXPECT_EQ(error.code, ErrorCode::kUnsupported);
   EXPECT_EQ(error.location, "test.npz: a.npy");
   EXPECT_THAT(error.message, HasSubstr("method 12"));
@@ -146,16 +146,16 @@ TEST(Npz, RefusesAnUnknownCompression) {
 TEST(Npz, RefusesEncryption) {
   Bytes archive = one_member(true);
   archive[find_signature(archive, kDirectoryEntry) + 8] |= 1;
-  EXPECT_EQ(decode_error(archive).code, ErrorCode::kUnsupported);
+  EXPECT_EQ(npz_error(archive).code, ErrorCode::kUnsupported);
 }
 
 TEST(Npz, NoticesABadChecksum) {
   Bytes stored = one_member(false);
   stored[stored.size() / 2] ^= 1;  // within the data
-  EXPECT_EQ(decode_error(stored).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(npz_error(stored).code, ErrorCode::kInvalidValue);
   Bytes deflated = one_member(true);
   deflated[find_signature(deflated, kDirectoryEntry) + 16] ^= 1;
-  EXPECT_EQ(decode_error(deflated).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(npz_error(deflated).code, ErrorCode::kInvalidValue);
 }
 
 TEST(Npz, RefusesAMemberThatIsThereTwice) {
@@ -163,7 +163,7 @@ TEST(Npz, RefusesAMemberThatIsThereTwice) {
   const Bytes member = encode_npy(make_npy<uint8_t>({1}, Bytes{3}));
   writer.add("a.npy", member, false);
   writer.add("a.npy", member, false);
-  const Error error = decode_error(writer.finish());
+  const Error error = npz_error(writer.finish());
   EXPECT_EQ(error.code, ErrorCode::kFormat);
   EXPECT_THAT(error.message, HasSubstr("a.npy"));
 }
@@ -198,15 +198,15 @@ TEST(Npz, DoesNotTrustTheDirectorysSizes) {
   Bytes larger = one_member(true);
   const size_t entry = find_signature(larger, kDirectoryEntry);
   larger[entry + 27] = 0xF0;
-  EXPECT_EQ(decode_error(larger).code, ErrorCode::kFormat);
+  EXPECT_EQ(npz_error(larger).code, ErrorCode::kFormat);
   // One that claims fewer bytes than there are.
   Bytes smaller = one_member(true);
   smaller[entry + 24] -= 1;
-  EXPECT_EQ(decode_error(smaller).code, ErrorCode::kFormat);
+  EXPECT_EQ(npz_error(smaller).code, ErrorCode::kFormat);
   // A compressed size beyond the end.
   Bytes beyond = one_member(true);
   beyond[entry + 23] = 0x70;
-  EXPECT_EQ(decode_error(beyond).code, ErrorCode::kTruncated);
+  EXPECT_EQ(npz_error(beyond).code, ErrorCode::kTruncated);
 }
 
 TEST(Npz, StopsUnpackingWhenTheArraysHeaderDoesNotAccountForTheSize) {
@@ -215,7 +215,7 @@ TEST(Npz, StopsUnpackingWhenTheArraysHeaderDoesNotAccountForTheSize) {
   member.resize(100'000'000);
   ZipWriter writer;
   writer.add("bomb.npy", member, true);
-  const Error error = decode_error(writer.finish());
+  const Error error = npz_error(writer.finish());
   EXPECT_EQ(error.code, ErrorCode::kFormat);
   EXPECT_THAT(error.message, HasSubstr("100000000"));
 }
@@ -233,20 +233,20 @@ TEST(Npz, RefusesEntriesThatShareTheirBytes) {
               archive.begin() + static_cast<ptrdiff_t>(second + 16));
   std::copy_n(archive.begin() + static_cast<ptrdiff_t>(first + 42), 4,
               archive.begin() + static_cast<ptrdiff_t>(second + 42));
-  const Error error = decode_error(archive);
+  const Error error = npz_error(archive);
   EXPECT_EQ(error.code, ErrorCode::kFormat);
   EXPECT_THAT(error.message, HasSubstr("overlap"));
 }
 
 TEST(Npz, RefusesFilesThatAreNoArchives) {
-  EXPECT_EQ(decode_error({}).code, ErrorCode::kFormat);
-  EXPECT_EQ(decode_error(Bytes(500, 0)).code, ErrorCode::kFormat);
+  EXPECT_EQ(npz_error({}).code, ErrorCode::kFormat);
+  EXPECT_EQ(npz_error(Bytes(500, 0)).code, ErrorCode::kFormat);
 }
 
 TEST(Npz, NamesTheMemberInErrors) {
   ZipWriter writer;
   writer.add("text.npy", Bytes{'h', 'e', 'l', 'l', 'o', ' ', 't', 'h', 'e', 'r', 'e'}, true);
-  EXPECT_EQ(decode_error(writer.finish()).location, "test.npz: text.npy");
+  EXPECT_EQ(npz_error(writer.finish()).location, "test.npz: text.npy");
 }
 
 TEST(Npz, FilesRoundTrip) {

@@ -124,7 +124,7 @@ Result<void> carry_over(const fs::path& from, const fs::path& to, const fs::path
     }
     if (is_same(old_name, new_name)) continue;
     return exists(target, cat("the folder holds ", inner.string(),
-                              ", which e2lf did not write and would have to replace; move it away or name another "
+                              ", which e2lf did not write and would have to replace; move it away or choose another "
                               "folder"));
   }
   return {};
@@ -135,17 +135,17 @@ Result<void> check_replaceable(const fs::path& target, bool overwrite) {
   const fs::file_status status = fs::symlink_status(target, error);
   if (!fs::exists(status)) return {};
   if (!fs::is_directory(status)) {
-    return exists(target, "the output is a folder, and a file or link has this name; name another");
+    return exists(target, "the output is a folder, and a file or link has this name; choose another");
   }
   if (!overwrite) {
-    return Error{ErrorCode::kExists, "the output exists already; replace it or name another", target.string(),
+    return Error{ErrorCode::kExists, "the output exists already; replace it or choose another", target.string(),
                  Setting::kOverwrite};
   }
   if (fs::is_empty(target, error)) return {};
   if (error) return io_error(target, "look into the folder", error.value());
   if (record_of(target / kRecord).is_null()) {
     return exists(target,
-                  "e2lf did not write this folder (it holds no run.json of ours), so it is never replaced; name "
+                  "e2lf did not write this folder (it contains no run.json of e2lf), so it is never replaced; choose "
                   "another folder");
   }
   E2LF_ASSIGN_OR_RETURN(const auto foreign, foreign_entries(target));
@@ -167,7 +167,7 @@ Result<void> rename_to_free(const fs::path& from, const fs::path& to) {
     error_number = errno;
   }
   if (error_number == EEXIST || error_number == EINVAL) {
-    return exists(to, "the output came to be while it was made; name another");
+    return exists(to, "the output was created by another program in the meantime; choose another");
   }
   return io_error(to, "put the folder in place", error_number);
 }

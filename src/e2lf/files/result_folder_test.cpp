@@ -14,15 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-size_t count_entries(const fs::path& folder) {
-  return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
-}
-
-std::string text_of(const fs::path& path) {
-  const auto bytes = read_file(path);
-  return bytes.ok() ? std::string(bytes->begin(), bytes->end()) : "<" + bytes.error().text() + ">";
-}
-
 /// A folder of ours with the named files, each with its own name as text.
 void make_ours(const fs::path& target, const std::vector<std::string>& names) {
   auto output = ResultFolder::create(target, /*overwrite=*/true);

@@ -32,7 +32,7 @@ std::string entry(const std::string& name, const std::string& shape, const std::
   return "\"" + name + "\":{\"dtype\":\"" + type + "\",\"shape\":" + shape + ",\"data_offsets\":" + offsets + "}";
 }
 
-Error decode_error(const Bytes& bytes) {
+Error safetensors_error(const Bytes& bytes) {
   const auto file = decode_safetensors(bytes, "m.safetensors");
   EXPECT_FALSE(file.ok());
   return file.ok() ? Error{} : file.error();
@@ -89,7 +89,7 @@ TEST(Safetensors, ReportsEveryTruncation) {
 
 TEST(Safetensors, RefusesAHeaderLargerThanTheFile) {
   for (const uint64_t length : {uint64_t{3}, uint64_t{1} << 40, ~uint64_t{0}}) {
-    const Error error = decode_error(file_of("{}", 0, length));
+    const Error error = safetensors_error(file_of("{}", 0, length));
     EXPECT_EQ(error.code, ErrorCode::kTruncated);
     EXPECT_THAT(error.message, HasSubstr("larger than the file"));
     EXPECT_EQ(error.location, "m.safetensors");
@@ -97,21 +97,21 @@ TEST(Safetensors, RefusesAHeaderLargerThanTheFile) {
 }
 
 TEST(Safetensors, NamesTheTensorThatIsCutOff) {
-  const Error error = decode_error(file_of("{" + entry("a", "[2]", "[0,8]") + "}", 4));
+  const Error error = safetensors_error(file_of("{" + entry("a", "[2]", "[0,8]") + "}", 4));
   EXPECT_EQ(error.code, ErrorCode::kTruncated);
   EXPECT_EQ(error.location, "m.safetensors: a");
 }
 
 TEST(Safetensors, RefusesOverlapsHolesAndTails) {
   const std::string a = entry("a", "[2]", "[0,8]");
-  const Error overlap = decode_error(file_of("{" + a + "," + entry("b", "[2]", "[4,12]") + "}", 12));
+  const Error overlap = safetensors_error(file_of("{" + a + "," + entry("b", "[2]", "[4,12]") + "}", 12));
   EXPECT_EQ(overlap.code, ErrorCode::kFormat);
   EXPECT_THAT(overlap.message, HasSubstr("overlap"));
   EXPECT_EQ(overlap.location, "m.safetensors: b");
-  const Error hole = decode_error(file_of("{" + a + "," + entry("b", "[2]", "[12,20]") + "}", 20));
+  const Error hole = safetensors_error(file_of("{" + a + "," + entry("b", "[2]", "[12,20]") + "}", 20));
   EXPECT_EQ(hole.code, ErrorCode::kFormat);
   EXPECT_THAT(hole.message, HasSubstr("hole"));
-  const Error tail = decode_error(file_of("{" + a + "}", 12));
+  const Error tail = safetensors_error(file_of("{" + a + "}", 12));
   EXPECT_EQ(tail.code, ErrorCode::kFormat);
   EXPECT_THAT(tail.message, HasSubstr("4 bytes"));
 }
@@ -119,14 +119,14 @@ TEST(Safetensors, RefusesOverlapsHolesAndTails) {
 TEST(Safetensors, RefusesSizesThatDoNotMatchTheShape) {
   for (const auto& [shape, offsets] : std::vector<std::pair<std::string, std::string>>{
            {"[3]", "[0,8]"}, {"[2]", "[8,0]"}, {"[4294967296,4294967296,4]", "[0,8]"}, {"[0]", "[0,8]"}}) {
-    const Error error = decode_error(file_of("{" + entry("a", shape, offsets) + "}", 8));
+    const Error error = safetensors_error(file_of("{" + entry("a", shape, offsets) + "}", 8));
     EXPECT_EQ(error.code, ErrorCode::kFormat) << shape;
     EXPECT_THAT(error.location, HasSubstr("m.safetensors: a")) << shape;
   }
 }
 
 TEST(Safetensors, RefusesAnUnknownType) {
-  const Error error = decode_error(file_of("{" + entry("a", "[8]", "[0,8]", "F8_E4M3") + "}", 8));
+  const Error error = safetensors_error(file_of("{" + entry("a", "[8]", "[0,8]", "F8_E4M3") + "}", 8));
   EXPECT_EQ(error.code, ErrorCode::kUnsupported);
   EXPECT_EQ(error.location, "m.safetensors: a");
   EXPECT_THAT(error.message, HasSubstr("F8_E4M3"));
@@ -140,7 +140,7 @@ TEST(Safetensors, RefusesDamagedHeaders) {
            "{" + entry("a", "2", "[0,8]") + "}", "{" + entry("a", "[2]", "[0]") + "}",
            "{" + entry("a", "[2]", "[0,8.5]") + "}", "{\"a\":{\"dtype\":4,\"shape\":[2],\"data_offsets\":[0,8]}}",
            "{\"__metadata__\":{\"x\":1}," + a + "}", "{\"__metadata__\":[]," + a + "}"}) {
-    EXPECT_EQ(decode_error(file_of(header, 8)).code, ErrorCode::kFormat) << header;
+    EXPECT_EQ(safetensors_error(file_of(header, 8)).code, ErrorCode::kFormat) << header;
   }
 }
 

@@ -86,12 +86,12 @@ Result<void> clear_dead(const fs::path& target, const Workspace::OnDead& on_dead
     if (!lock.locks(LOCK_EX | LOCK_NB)) {
       return Error{ErrorCode::kExists,
                    cat("another run is writing this output (in ", workspace.filename().string(),
-                       "); wait for it or name another output"),
+                       "); wait for it or choose another output"),
                    target.string()};
     }
     if (on_dead) on_dead(workspace);
     fs::remove_all(workspace, error);
-    log_warning(cat(workspace.string(), ": removed, an interrupted run had left it"));
+    log_warning(cat(workspace.string(), ": removed; it was left by an interrupted run"));
   }
   return {};
 }
@@ -112,7 +112,7 @@ void remove_dead_parts(const fs::path& folder) {
     const Descriptor lock(::open(part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
     if (!lock.is_open() || !lock.locks(LOCK_EX | LOCK_NB)) continue;
     fs::remove(part, error);
-    log_warning(cat(part.string(), ": removed, an interrupted run had left it"));
+    log_warning(cat(part.string(), ": removed; it was left by an interrupted run"));
   }
 }
 

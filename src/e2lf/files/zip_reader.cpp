@@ -137,7 +137,7 @@ Result<ZipEntry> read_entry(const Archive& archive, uint64_t& position, uint64_t
   entry.size = sizes.size;
 
   if (!archive.is(sizes.offset, zip::kLocalHeaderSize, zip::kLocalHeader)) {
-    return archive.damaged(sizes.offset, "an entry has no header of its own");
+    return archive.damaged(sizes.offset, "an entry has no header");
   }
   const uint64_t data = sizes.offset + zip::kLocalHeaderSize + archive.get<uint16_t>(sizes.offset + 26) +
                         archive.get<uint16_t>(sizes.offset + 28);
@@ -191,7 +191,7 @@ Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::str
       return bad_entry(location, "the stream has no end");
     }
     if (status != Z_OK && status != Z_STREAM_END) return bad_entry(location, "not a deflate stream");
-    if (output.size() > entry.size) return bad_entry(location, "more bytes than the directory says");
+    if (output.size() > entry.size) return bad_entry(location, "more bytes than the directory states");
     if (!peeked && (output.size() >= kPeekSize || status == Z_STREAM_END)) {
       peeked = true;
       E2LF_RETURN_IF_ERROR(peek(output));
@@ -247,7 +247,7 @@ Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::
   } else {
     return unknown_method(entry, location);
   }
-  if (bytes.size() != entry.size) return bad_entry(location, "another size than the directory says");
+  if (bytes.size() != entry.size) return bad_entry(location, "another size than the directory states");
   if (crc32_z(0, bytes.data(), bytes.size()) != entry.crc) {
     return Error{ErrorCode::kInvalidValue, "the checksum does not match; copy the file again", location};
   }

@@ -19,7 +19,7 @@ struct Free {
 };
 
 Error unreadable() {
-  return {ErrorCode::kFormat, "the drawing cannot be made a picture; write it as .svg", ""};
+  return {ErrorCode::kFormat, "the drawing cannot be rendered to an image; write it as .svg", ""};
 }
 
 lightfield::Image image_of(const AVFrame& frame) {

@@ -81,7 +81,7 @@ struct FilmFile::Impl {
     if (code >= 0) return {};
     std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
     av_strerror(code, text.data(), text.size());
-    return Error{kind, cat("FFmpeg cannot ", what, " (", text.data(), "); free some disk space or take another format"),
+    return Error{kind, cat("FFmpeg cannot ", what, " (", text.data(), "); free some disk space or use another format"),
                  name};
   }
 

@@ -8,7 +8,7 @@ Result<FilmFormat> film_format_of(const std::filesystem::path& path) {
   if (extension == ".gif") return FilmFormat::kGif;
   if (extension == ".webm") return FilmFormat::kWebm;
   if (extension == ".mp4") return FilmFormat::kMp4;
-  return Error{ErrorCode::kUnsupported, "no film has this extension; take .gif, .webm or .mp4", path.string()};
+  return Error{ErrorCode::kUnsupported, "no film format has this extension; use .gif, .webm or .mp4", path.string()};
 }
 
 }  // namespace e2lf::film

@@ -83,7 +83,7 @@ Result<Image> quilt_picture(const LightField& light_field, const Quilt& quilt, f
   if (shape.width * shape.height > kMostPixels / (quilt.columns * quilt.rows)) {
     return Error{ErrorCode::kUnsupported,
                  cat("a quilt of ", quilt.columns, "x", quilt.rows, " pictures of ", shape.width, "x", shape.height,
-                     " px has more than 2^28 px; take fewer"),
+                     " px has more than 2^28 px; use fewer"),
                  ""};
   }
   Image all(quilt.columns * shape.width, quilt.rows * shape.height, shape.channels);

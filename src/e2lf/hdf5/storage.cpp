@@ -89,7 +89,7 @@ Result<void> read_layout(hid_t properties, Storage& storage, const std::string& 
   storage.chunk.resize(storage.extents.size());
   const int rank = static_cast<int>(storage.chunk.size());
   if (rank < 1 || H5Pget_chunk(properties, rank, storage.chunk.data()) != rank) {
-    return Error{ErrorCode::kFormat, "the data set's chunks cannot be told; the file is damaged", location};
+    return Error{ErrorCode::kFormat, "the chunks of the data set cannot be determined; the file is damaged", location};
   }
   const uint64_t elements = product(storage.chunk);
   if (elements == 0 || __builtin_mul_overflow(elements, uint64_t{storage.bytes_each}, &storage.chunk_bytes) ||

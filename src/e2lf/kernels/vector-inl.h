@@ -39,6 +39,9 @@ inline constexpr size_t kLanes = hn::MaxLanes(FloatTag());
 inline constexpr size_t kGemmRows = 6;
 inline constexpr size_t kGemmVectors = kLanes == 16 ? 4 : 2;
 
+/// The width of the panels of packed weights, which for_column_groups() visits.
+inline constexpr size_t kPanelColumns = kGemmVectors * kLanes;
+
 /// Loads kLanes elements as float32, and stores them.
 HWY_INLINE FloatVec load_floats(const float* from) {
   return hn::LoadU(FloatTag(), from);
@@ -135,8 +138,8 @@ HWY_INLINE void clear(FloatVec (&sums)[kRows][kVectors]) {
 /// vectors that together cover a packed matrix.
 template <class Visitor>
 HWY_INLINE void for_column_groups(size_t columns, const Visitor& visitor) {
-  for (size_t begin = 0; begin < columns; begin += kPanelWidth) {
-    const size_t width = HWY_MIN(kPanelWidth, columns - begin);
+  for (size_t begin = 0; begin < columns; begin += kPanelColumns) {
+    const size_t width = HWY_MIN(kPanelColumns, columns - begin);
     size_t offset = 0;
     for (; offset + kGemmVectors * kLanes <= width; offset += kGemmVectors * kLanes) {
       visitor.template visit<kGemmVectors>(begin, offset, width);

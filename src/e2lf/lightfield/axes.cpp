@@ -24,7 +24,7 @@ Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const ch
     return Error{ErrorCode::kShape,
                  cat("holds ", stored, " view ", axis, "s, not enough for ", std::max<size_t>(wanted.count, 1),
                      wanted.first ? cat(" from number ", *wanted.first) : "", " with step ", wanted.step,
-                     "; name a light field with more views"),
+                     "; give a light field with more views"),
                  location};
   }
   if (wanted.count > 0 && !wanted.first) chosen.first = (stored - ((wanted.count - 1) * wanted.step + 1)) / 2;
@@ -216,7 +216,7 @@ Result<void> check_memory(const Shape& shape, size_t bytes_each, const ReadOptio
   if (bytes <= static_cast<double>(options.max_bytes)) return {};
   return Error{ErrorCode::kUnsupported,
                cat("takes ", bytes / 1e9, " GB, more than the limit of ", static_cast<double>(options.max_bytes) / 1e9,
-                   " GB; raise the limit or take fewer views"),
+                   " GB; raise the limit or read fewer views"),
                location};
 }
 

@@ -3,20 +3,14 @@
 
 #include <cstdint>
 #include <gtest/gtest.h>
-#include <numeric>
+
+#include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {
 namespace {
 
-/// Every value is its own index.
-LightField numbered(const Shape& shape) {
-  LightField light_field(shape);
-  std::iota(light_field.data().begin(), light_field.data().end(), 0.0F);
-  return light_field;
-}
-
 TEST(Crop, TakesTheSameRectangleOfEveryView) {
-  const LightField whole = numbered({2, 3, 5, 7, 3});
+  const LightField whole = indexed_light_field({2, 3, 5, 7, 3});
   const LightField part = crop(whole, {1, 2, 3, 4}).value();
   EXPECT_EQ(part.shape(), (Shape{2, 3, 3, 4, 3}));
   for (size_t view = 0; view < 6; ++view) {
@@ -29,7 +23,7 @@ TEST(Crop, TakesTheSameRectangleOfEveryView) {
 }
 
 TEST(Crop, RefusesWhatLeavesTheViews) {
-  const LightField whole = numbered({1, 1, 5, 7, 1});
+  const LightField whole = indexed_light_field({1, 1, 5, 7, 1});
   EXPECT_TRUE(crop(whole, {0, 0, 5, 7}));
   for (const CropRegion& region :
        {CropRegion{0, 0, 6, 7}, {0, 1, 5, 7}, {5, 0, 1, 1}, {0, 0, 0, 3}, {1, 1, SIZE_MAX, 1}}) {
@@ -39,7 +33,7 @@ TEST(Crop, RefusesWhatLeavesTheViews) {
 }
 
 TEST(SelectViews, TakesEverySecondView) {
-  const LightField whole = numbered({5, 6, 2, 2, 1});
+  const LightField whole = indexed_light_field({5, 6, 2, 2, 1});
   const LightField part = select_views(whole, {1, 0, 2, 3, 2}).value();
   EXPECT_EQ(part.shape(), (Shape{2, 3, 2, 2, 1}));
   EXPECT_EQ(part.at(0, 0, 1, 1), whole.at(1, 0, 1, 1));
@@ -47,7 +41,7 @@ TEST(SelectViews, TakesEverySecondView) {
 }
 
 TEST(SelectViews, RefusesViewsThatAreNotThere) {
-  const LightField whole = numbered({5, 6, 2, 2, 1});
+  const LightField whole = indexed_light_field({5, 6, 2, 2, 1});
   EXPECT_TRUE(select_views(whole, {0, 1, 3, 3, 2}));
   for (const ViewGrid& grid : {ViewGrid{1, 0, 3, 3, 2}, {0, 0, 5, 7, 1}, {0, 0, 0, 1, 1}, {0, 0, 1, 1, 0}}) {
     ASSERT_FALSE(select_views(whole, grid));
@@ -56,7 +50,7 @@ TEST(SelectViews, RefusesViewsThatAreNotThere) {
 }
 
 TEST(ViewImage, IsTheView) {
-  const LightField whole = numbered({2, 2, 3, 4, 3});
+  const LightField whole = indexed_light_field({2, 2, 3, 4, 3});
   const Image image = view_image(whole, 1, 0);
   EXPECT_EQ(image.width, 4U);
   EXPECT_EQ(image.height, 3U);

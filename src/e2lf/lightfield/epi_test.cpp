@@ -3,16 +3,11 @@
 
 #include <array>
 #include <gtest/gtest.h>
-#include <numeric>
+
+#include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {
 namespace {
-
-LightField numbered(const Shape& shape) {
-  LightField light_field(shape);
-  std::iota(light_field.data().begin(), light_field.data().end(), 0.0F);
-  return light_field;
-}
 
 std::array<float, 3> pixel(const Image& image, size_t y, size_t x) {
   const float* value = image.pixels.data() + (y * image.width + x) * 3;
@@ -24,7 +19,7 @@ bool is_grey(const std::array<float, 3>& colour) {
 }
 
 TEST(HorizontalEpi, HasARowForEachViewOfTheRow) {
-  const LightField light_field = numbered({2, 3, 4, 5, 3});
+  const LightField light_field = indexed_light_field({2, 3, 4, 5, 3});
   const Image epi = horizontal_epi(light_field, 1, 2);
   ASSERT_EQ(epi.height, 3U);
   ASSERT_EQ(epi.width, 5U);
@@ -33,7 +28,7 @@ TEST(HorizontalEpi, HasARowForEachViewOfTheRow) {
 }
 
 TEST(VerticalEpi, HasAColumnForEachViewOfTheColumn) {
-  const LightField light_field = numbered({2, 3, 4, 5, 3});
+  const LightField light_field = indexed_light_field({2, 3, 4, 5, 3});
   const Image epi = vertical_epi(light_field, 2, 1);
   ASSERT_EQ(epi.height, 4U);
   ASSERT_EQ(epi.width, 2U);

@@ -53,11 +53,11 @@ Result<LightFieldKind> storage_kind(const fs::path& path) {
     if (!views.files.empty()) return views.kind;
     if (const auto cycles = cycle_folders(path); !cycles.empty()) {
       return Error{ErrorCode::kUnsupported,
-                   cat("the folder holds a light field for each cycle; name one, as ",
+                   cat("the folder contains a light field for each cycle; give one, e.g. ",
                        (path / cycles.front().filename()).string()),
                    path.string()};
     }
-    return Error{ErrorCode::kUnsupported, "the folder holds no views; give one with 00_00.png ...", path.string()};
+    return Error{ErrorCode::kUnsupported, "the folder contains no views; give one with 00_00.png ...", path.string()};
   }
   std::array<char, kMatlabHeaderBytes + kHdf5Signature.size()> head{};
   std::ifstream file(path, std::ios::binary);
@@ -161,8 +161,8 @@ Result<LightFieldKind> detect_kind(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const LightFieldKind kind, storage_kind(path));
   E2LF_ASSIGN_OR_RETURN(const bool holds, holds_light_field(kind, path));
   if (holds) return kind;
-  return Error{ErrorCode::kUnsupported, cat("an ", kind_name(kind), " that holds no light field; check what it is"),
-               path.string()};
+  return Error{ErrorCode::kUnsupported,
+               cat("an ", kind_name(kind), " that does not contain a light field; check what it is"), path.string()};
 }
 
 Result<LightField> read_light_field(const fs::path& path, const ReadOptions& options, const ProgressFn& progress) {
@@ -170,7 +170,7 @@ Result<LightField> read_light_field(const fs::path& path, const ReadOptions& opt
   E2LF_ASSIGN_OR_RETURN(LightField light_field, read_stored(path, options, progress));
   if (!stored.is_upright()) {
     log_info(cat(path.string(), ": its views are ", capture::orientation_name(stored),
-                 ", as run.json says; they change places"));
+                 ", as run.json states; they are reordered"));
   }
   orient(light_field, stored + options.orientation);
   return light_field;

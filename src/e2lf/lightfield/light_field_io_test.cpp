@@ -214,7 +214,7 @@ TEST(Npy, A13ValuesBelowBlackAndTransposedAxesAreSaid) {
   keep.range = RangePolicy::kKeep;
   const TestLog log;
   EXPECT_TRUE(read_light_field(folder / "a.npy", keep));
-  EXPECT_THAT(log.text(), testing::HasSubstr("the values lie in -1..1"));
+  EXPECT_THAT(log.text(), testing::HasSubstr("the values are in -1..1"));
   ASSERT_TRUE(write_npy(folder / "t.npy", make_npy<uint8_t>({48, 64, 9, 9}, std::vector<uint8_t>(48 * 64 * 81, 9))));
   EXPECT_EQ(read_light_field(folder / "t.npy", keep).error().code, ErrorCode::kShape);
 }

@@ -38,7 +38,8 @@ Result<Orientation> stored_orientation(const fs::path& path) {
   if (!record.contains(place)) return Orientation{};
   const std::string location = cat(record_path.string(), ": $.notes.views.stored");
   if (!record.at(place).is_string()) {
-    return Error{ErrorCode::kInvalidValue, "the orientation of views is a text; make the light field again", location};
+    return Error{ErrorCode::kInvalidValue,
+                 "the orientation of the views is not a text; reconstruct the light field again", location};
   }
   return capture::orientation_from_name(record.at(place).get<std::string>(), location);
 }

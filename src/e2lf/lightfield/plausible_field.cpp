@@ -24,15 +24,15 @@ float likely_white(float high) {
 /// views.
 void warn_of_range(float low, float high, double share_below, double share_above, const std::string& location) {
   constexpr double kMany = 1.0 / 16;
-  const std::string found = cat(location, ": the values lie in ", low, "..", high);
+  const std::string found = cat(location, ": the values are in ", low, "..", high);
   if (low < -0.5F || share_below > kMany) {
     log_warning(
         cat(found, ", and ", std::round(100 * share_below),
-            " % of them are below 0, which is black; if another number is black, bring them to 0..1 first",
+            " % of them are below 0, which is black; if another value is black, scale them to 0..1 first",
             low >= -1.0F - kRangeTolerance && high <= 1.0F + kRangeTolerance ? ", from -1..1 as (x + 1) / 2" : ""));
   } else if (share_above > kMany) {
     log_warning(cat(found, ", and ", std::round(100 * share_above),
-                    " % of them are above 1, which is white; if another number is white, name it"));
+                    " % of them are above 1, which is white; if another value is white, give it"));
   }
 }
 
@@ -50,19 +50,19 @@ void BadSamples::add(float stored) {
 Error BadSamples::error(const std::string& location) const {
   if (not_finite > 0) {
     return {ErrorCode::kInvalidValue,
-            cat("holds ", not_finite, " value", not_finite == 1 ? " that is" : "s that are",
+            cat("contains ", not_finite, " value", not_finite == 1 ? " that is" : "s that are",
                 " not finite (NaN or infinity), the first bad one is ", first,
-                "; replace them, a light field holds numbers in [0, 1]"),
+                "; replace them, a light field has values in [0, 1]"),
             location};
   }
   const std::string what =
-      cat("a light field holds values in [0, 1], but these lie in ", low, "..", high, ", the first beyond is ", first);
+      cat("a light field has values in [0, 1], but these are in ", low, "..", high, ", the first outside is ", first);
   if (low < -kRangeTolerance) {
     return {ErrorCode::kInvalidValue,
-            cat(what, "; bring them to 0..1", low >= -1.0F && high <= 1.0F ? ", from -1..1 as (x + 1) / 2" : ""),
+            cat(what, "; scale them to 0..1", low >= -1.0F && high <= 1.0F ? ", from -1..1 as (x + 1) / 2" : ""),
             location};
   }
-  return {ErrorCode::kInvalidValue, cat(what, "; name the number that is white, as ", likely_white(high)), location,
+  return {ErrorCode::kInvalidValue, cat(what, "; give the value that is white, e.g. ", likely_white(high)), location,
           Setting::kWhite};
 }
 
@@ -80,8 +80,8 @@ Result<void> check_values(const LightField& light_field, float assumed_white, co
   const bool are_bytes = assumed_white == 65535.0F && most > 0.0F && most <= 255.0F;
   if (are_bits || are_bytes) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("the numbers lie in ", std::round(low * assumed_white), "..", most,
-                     ", though the largest of their type is ", assumed_white, "; name the number that is white, as ",
+                 cat("the values are in ", std::round(low * assumed_white), "..", most,
+                     ", although the largest of their type is ", assumed_white, "; give the value that is white, e.g. ",
                      are_bits ? 1 : 255),
                  location, Setting::kWhite};
   }
@@ -89,13 +89,13 @@ Result<void> check_values(const LightField& light_field, float assumed_white, co
   constexpr float kLeastContrast = 0.02F;
   if (assumed_white == 65535.0F && most > 0.0F && most <= 16383.0F) {
     log_warning(
-        cat(location, ": the numbers lie in ", std::round(low * assumed_white), "..", most,
-            ", and 65535 is taken as white; if they have fewer than 16 bits, name the number that is white, as ",
+        cat(location, ": the values are in ", std::round(low * assumed_white), "..", most,
+            ", and 65535 is assumed to be white; if they have fewer than 16 bits, give the value that is white, e.g. ",
             likely_white(most)));
   } else if (high - low < kLeastContrast) {
     log_warning(
-        cat(location, ": the values ", high == low ? cat("are all ", low) : cat("lie in ", low, "..", high),
-            ", where 0 is black and 1 is white: there is hardly any contrast; if another number is white, name it"));
+        cat(location, ": the values are ", high == low ? cat("all ", low) : cat("in ", low, "..", high),
+            ", where 0 is black and 1 is white: there is hardly any contrast; if another value is white, give it"));
   }
   warn_of_range(low, high, static_cast<double>(below) / count, static_cast<double>(above) / count, location);
   return {};

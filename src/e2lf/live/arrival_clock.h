@@ -10,13 +10,14 @@ namespace e2lf::live {
 
 using Clock = std::chrono::steady_clock;
 
-/// Tells when an event arrived at this host from its time on the sensor's clock. Bytes arrive in pieces and wait to be
-/// decoded, so that only the least delay of the last kWindow tells how both clocks relate; it follows their drift.
+/// Converts times of the sensor's clock to arrival times at this host. Most bytes arrive late, because they are sent in
+/// pieces and wait to be decoded. The offset between the clocks is therefore that of the least delayed bytes within the
+/// last kWindow, which also follows the drift of the clocks.
 class ArrivalClock {
  public:
   static constexpr std::chrono::seconds kWindow{5};
 
-  /// Adds bytes that came at `arrival`; the newest event in them is of t_us.
+  /// Adds bytes that arrived at `arrival` and whose newest event has the time t_us.
   void add(Clock::time_point arrival, int64_t t_us) {
     const int64_t offset_us =
         std::chrono::duration_cast<std::chrono::microseconds>(arrival.time_since_epoch()).count() - t_us;
@@ -28,7 +29,7 @@ class ArrivalClock {
     least_us_ = std::min(least_us_, offset_us);
   }
 
-  /// Returns when an event of t_us arrived. add() must have been called.
+  /// Returns when an event with the time t_us arrived. add() must have been called before.
   [[nodiscard]] Clock::time_point arrival_of(int64_t t_us) const {
     return Clock::time_point(std::chrono::microseconds(std::min(least_us_, before_us_) + t_us));
   }

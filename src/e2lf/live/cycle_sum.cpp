@@ -8,7 +8,7 @@
 namespace e2lf::live {
 
 size_t CycleSum::add(capture::EventImages& images, size_t wanted) {
-  E2LF_REQUIRE(wanted >= 1 && wanted <= kMostCycles, "the number of cycles that are summed is bounded");
+  E2LF_REQUIRE(wanted >= 1 && wanted <= kMostCycles, "the number of summed cycles must be from 1 to kMostCycles");
   if (wanted == 1 || sum_.size() != images.counts.size()) {
     last_.clear();
     sum_.clear();

@@ -10,15 +10,15 @@
 
 namespace e2lf::live {
 
-/// The most cycles of a still scene that are summed.
+/// Maximum number of cycles of a static scene that are summed.
 inline constexpr size_t kMostCycles = 16;
 
-/// Sums the event images of the last cycles of a still scene. Its memory is bounded by kMostCycles of them.
+/// Sums the event images of the last cycles of a static scene. Memory is bounded by kMostCycles cycles.
 class CycleSum {
  public:
-  /// Adds the images of a cycle and replaces them by the sum over the last `wanted` (1 to kMostCycles) cycles, or over
-  /// as many as there have been. Returns their number. Sums are limited to the range of int16. Images of another shape
-  /// than the previous ones begin anew.
+  /// Adds the images of a cycle and replaces them by the sum over the last `wanted` cycles (1 to kMostCycles), or over
+  /// all cycles if fewer were added. Returns the number of cycles in the sum. Sums saturate at the range of int16.
+  /// Images whose shape differs from that of the previous ones start a new sum.
   size_t add(capture::EventImages& images, size_t wanted);
 
  private:

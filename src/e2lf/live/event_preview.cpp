@@ -6,7 +6,7 @@
 namespace e2lf::live {
 namespace {
 
-/// Returns the count that becomes white: that of the busiest pixels but for one in two hundred, at least 1.
+/// Returns the count that is displayed as white: the 99.5th percentile of the nonzero counts, at least 1.
 int white_count(const std::vector<uint16_t>& all) {
   constexpr size_t kMostCount = 255;
   std::vector<size_t> pixels(kMostCount + 1);
@@ -85,7 +85,7 @@ bool EventPreview::is_asked(Clock::time_point now) const {
 
 std::optional<EventPicture> EventPreview::take(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  // A picture that nobody took for long is of another time.
+  // A picture that was not taken for a long time is out of date.
   if (now - asked_ >= kPatience) finished_.reset();
   is_asked_ = true;
   asked_ = now;

@@ -12,36 +12,36 @@
 
 namespace e2lf::live {
 
-/// The events of a short time as a picture.
+/// A picture of the events of a short time window.
 struct EventPicture {
   lightfield::ByteImage image;  ///< 128 = no events, brighter = ON, darker = OFF
   uint64_t events = 0;
   double sharpness = 0;  ///< see sharpness_of()
 };
 
-/// Returns how steep the edges of a picture of ON minus OFF events [y, x] are, relative to the mean number of events of
-/// a pixel: the mean product of the differences between neighbours in adjacent rows (and columns), over the square of
-/// that number, at least 0. Edges go on from row to row, whereas the noise of pixels is independent and cancels. Blur
-/// of the lens flattens edges, so that the figure is largest in focus; it does not depend on the event rate. 0 without
-/// events, and for fewer than 2x2 pixels.
+/// Computes how sharp the edges are in a picture [y, x] of the number of ON minus OFF events per pixel: the mean
+/// product of the differences between neighbours in adjacent rows (and columns), divided by the square of the mean
+/// number of events per pixel, and at least 0. Edges extend over several rows, whereas the noise of the pixels is
+/// independent and cancels. Defocus flattens edges, so that the value is largest in focus; it does not depend on the
+/// event rate. Returns 0 if there are no events or fewer than 2x2 pixels.
 [[nodiscard]] double sharpness_of(const std::vector<int16_t>& signed_counts, size_t width, uint64_t events);
 
-/// Makes pictures of the stream of events for framing and focus, only while someone asks for them: events of kWindowUs
-/// are counted, and the next ones only after that picture was taken.
+/// Makes pictures of the event stream for framing and focusing, but only while pictures are requested. Each picture
+/// accumulates the events of kWindowUs; the next picture starts after the previous one was taken.
 class EventPreview {
  public:
   static constexpr int64_t kWindowUs = 30'000;
 
   EventPreview(size_t width, size_t height);
 
-  /// Adds what was read; called by the thread that reads.
+  /// Adds a batch of events. Called by the reading thread.
   void add(const recordings::EventBatch& batch);
 
-  /// Asks for pictures and returns the newest one, or nothing if none is finished yet. The request holds for
+  /// Requests pictures and returns the newest one, or nothing if none is complete yet. A request is valid for
   /// kPatience.
   [[nodiscard]] std::optional<EventPicture> take(Clock::time_point now = Clock::now());
 
-  /// Returns true while a request holds.
+  /// Returns true while a request is valid.
   [[nodiscard]] bool is_asked(Clock::time_point now = Clock::now()) const;
 
  private:

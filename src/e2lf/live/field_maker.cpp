@@ -14,7 +14,7 @@ Result<void> FieldMaker::make(const capture::Measurement& measurement, size_t sa
   if (events.transitions + 1 != model.num_patterns || measurement.kind != model.measurement()) {
     return Error{ErrorCode::kShape,
                  cat("a cycle has ", events.transitions, " event images, but ", model.name, " takes ",
-                     model.num_patterns - 1, " of them; use the model that belongs to the patterns"),
+                     model.num_patterns - 1, "; use the model that belongs to the patterns"),
                  ""};
   }
   recon::InputConditions conditions{model.camera->constants, {}, samples};

@@ -9,15 +9,15 @@
 
 namespace e2lf::live {
 
-/// Makes one light field after the other with one network, in memory that is allocated for the first one.
+/// Reconstructs a sequence of light fields with one network and reuses the memory that the first one allocated.
 class FieldMaker {
  public:
-  /// The network must take event images.
+  /// The input of the network must be event images.
   explicit FieldMaker(recon::Reconstructor reconstructor) : reconstructor_(std::move(reconstructor)) {}
 
-  /// Computes the same values as recon::Reconstructor::reconstruct() in one pass, into `field`. The counts of
-  /// `measurement` are sums over `samples` of one pixel: cycles of a still scene, and pixels of a block. Networks that
-  /// are not told the camera take their mean. Fails as that function does.
+  /// Computes the same values as one pass of recon::Reconstructor::reconstruct() and stores them in `field`. Each count
+  /// of `measurement` is a sum over `samples` values: cycles of a static scene times pixels of a block. Networks that
+  /// are not conditioned on the sensor profile receive the mean. Fails as recon::Reconstructor::reconstruct() does.
   [[nodiscard]] Result<void> make(const capture::Measurement& measurement, size_t samples,
                                   lightfield::LightField& field);
 
@@ -26,7 +26,7 @@ class FieldMaker {
  private:
   recon::Reconstructor reconstructor_;
   recon::InputPlanes input_;
-  std::vector<float> uncropped_;  ///< for images whose size is no multiple of the network's
+  std::vector<float> uncropped_;  ///< for image sizes that are not a multiple of the network's block size
 };
 
 }  // namespace e2lf::live

@@ -9,7 +9,7 @@ namespace e2lf::live {
 
 void sum_blocks(const capture::EventImages& images, capture::EventImages& half) {
   const size_t height = images.height / 2, width = images.width / 2;
-  E2LF_REQUIRE(height > 0 && width > 0, "an image of half the size needs a pixel");
+  E2LF_REQUIRE(height > 0 && width > 0, "images of half the resolution need at least 2x2 pixels");
   if (half.transitions != images.transitions || half.height != height || half.width != width) {
     half = capture::EventImages(images.transitions, height, width);
   }

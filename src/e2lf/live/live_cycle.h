@@ -12,25 +12,25 @@
 
 namespace e2lf::live {
 
-/// A pattern cycle as it came from the camera.
+/// A pattern cycle as the camera delivered it.
 struct LiveCycle {
-  capture::Measurement counts;  ///< its event images, or their sums over the last `cycles` cycles
+  capture::Measurement counts;  ///< event images, summed over the last `cycles` cycles
   size_t cycles = 1;
-  uint64_t number = 0;  ///< in the recording
+  uint64_t number = 0;  ///< number of the cycle in the recording
   int64_t begin_us = 0, end_us = 0;
   uint64_t events = 0;
   float confidence = 1;
   cycles::CyclePolarity polarity = cycles::CyclePolarity::kUnknown;
-  double cycle_s = 0;              ///< time from the previous cycle to this one; 0 = not known
-  Clock::time_point last_event{};  ///< when its last event arrived at this host
+  double cycle_s = 0;              ///< time from the previous cycle to this one; 0 = unknown
+  Clock::time_point last_event{};  ///< arrival of its last event at this host
 };
 
 /// The light field of a cycle.
 struct LiveField {
-  lightfield::LightField light_field;  ///< the network's values, upright; see `black` and `gain`
-  LiveCycle cycle;                     ///< in full size
+  lightfield::LightField light_field;  ///< upright, as computed by the network; see `black` and `gain`
+  LiveCycle cycle;                     ///< always in full resolution
   PictureSize size = PictureSize::kFull;
-  float black = 0, gain = 1;  ///< what is seen is gain * (value - black)
+  float black = 0, gain = 1;  ///< displayed values are gain * (value - black)
   double reconstruct_s = 0;
   uint64_t serial = 0;  ///< counts the light fields from 1
 };

@@ -25,7 +25,7 @@ void LiveReader::see(const recordings::EventBatch& batch) {
   const Clock::time_point now = Clock::now();
   statistics_.add_batch(batch, now);
   if (!has_all_events_) {
-    // A recording begins with the next cycle.
+    // Recordings start at the beginning of a cycle.
   } else if (options_.is_inverted && recorder_->is_recording()) {
     sent_ = batch;
     for (uint8_t& p : sent_.events.p) p = p != 0 ? 0 : 1;
@@ -34,7 +34,7 @@ void LiveReader::see(const recordings::EventBatch& batch) {
     recorder_->write(batch);
   }
   preview_->add(batch);
-  // A file has no arrival: it is there when it is read.
+  // The events of a file have no arrival time; they count as arrived when they are read.
   if (!batch.events.empty()) {
     arrivals_.add(cycles_->recording().arrival().value_or(now), batch.events.t.back());
   }
@@ -43,7 +43,7 @@ void LiveReader::see(const recordings::EventBatch& batch) {
   statistics_.set_report(cycles_->report(), cycles_->summary());
 }
 
-/// Recordings and the picture for focusing need all events.
+/// Requests all events while a recording or the picture for focusing needs them.
 void LiveReader::choose_events() {
   constexpr uint64_t kWholeEvery = 20;
   has_all_events_ = recorder_->is_recording() || preview_->is_asked();
@@ -64,7 +64,7 @@ Result<bool> LiveReader::next(LiveCycle& cycle) {
   cycle.events = next->events;
   cycle.confidence = next->confidence;
   cycle.polarity = next->polarity;
-  // Until bytes have come without delay, the clock is late; what has been read has arrived.
+  // Until bytes have arrived without delay, the clock estimates arrivals too late; events that were read have arrived.
   cycle.last_event = std::min(arrivals_.arrival_of(cycle.end_us), Clock::now());
   cycle.cycle_s = 0;
   if (previous_ && previous_->first < next->number) {

@@ -16,29 +16,30 @@
 
 namespace e2lf::live {
 
-/// Opens a live source cut into cycles, with a function that sees each batch.
+/// Opens a live source that is divided into cycles. `on_batch` is called for each batch that is read.
 using OpenCycles =
     std::function<Result<cycles::CycleReader>(const std::function<void(const recordings::EventBatch&)>& on_batch)>;
 
 struct ReadingOptions {
   std::filesystem::path recordings = {};  ///< the folder of Recorder
-  bool is_inverted = false;               ///< batches come with ON and OFF exchanged; recordings keep what was sent
+  bool is_inverted = false;               ///< batches have ON and OFF exchanged; recordings store them as sent
   uint64_t max_cycles = 0;                ///< 0 = all
 };
 
-/// Reads a live source as fast as it comes: finds cycles, counts, records, and makes the picture for focusing. next()
-/// is called by one thread; all else by any. While nobody records and nobody looks at the picture for focusing, most
-/// cycles are read without the events that no event image needs; see cycles::CycleReader::read_whole_every().
+/// Reads a live source as fast as it delivers: finds cycles, accumulates event images, updates the statistics, records,
+/// and makes pictures for focusing. next() must be called by one thread only; all other functions may be called from
+/// any thread. While there is neither a recording nor a request for pictures, most cycles are read without the events
+/// that are not part of an event image; see cycles::CycleReader::read_whole_every().
 class LiveReader {
  public:
-  /// Fails as `open` does.
+  /// Opens the source. Fails as `open` does.
   [[nodiscard]] static Result<std::unique_ptr<LiveReader>> open(const OpenCycles& open, const ReadingOptions& options);
 
-  /// Waits for the next complete cycle and exchanges it for `cycle`. False at the end, after max_cycles, and soon after
-  /// a stop was requested. Fails as CycleReader::next() does.
+  /// Waits for the next complete cycle and swaps it into `cycle`. Returns false at the end of the source, after
+  /// max_cycles, and soon after a stop was requested. Fails as CycleReader::next() does.
   [[nodiscard]] Result<bool> next(LiveCycle& cycle);
 
-  /// Sums the event images of the last `cycles` (1 to kMostCycles) cycles from the next one on.
+  /// Sets the number of cycles (1 to kMostCycles) over which event images are summed, from the next cycle on.
   void set_average(size_t cycles) { average_ = cycles; }
   [[nodiscard]] size_t average() const { return average_; }
 
@@ -60,10 +61,10 @@ class LiveReader {
   CycleSum sum_;
   uint64_t taken_ = 0;
   bool has_all_events_ = false;
-  recordings::EventBatch sent_;  ///< a batch as it was sent
+  recordings::EventBatch sent_;  ///< a batch with the polarity that was sent
   ArrivalClock arrivals_;
   Clock::time_point reported_{};
-  std::optional<std::pair<uint64_t, int64_t>> previous_;  ///< number and begin of the cycle before
+  std::optional<std::pair<uint64_t, int64_t>> previous_;  ///< number and begin of the previous cycle
 };
 
 }  // namespace e2lf::live

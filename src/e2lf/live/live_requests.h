@@ -9,23 +9,24 @@
 
 namespace e2lf::live {
 
-/// What a page is answered.
+/// The answer to a request of the page.
 struct Answer {
-  int status = 200;  ///< as of HTTP
+  int status = 200;  ///< HTTP status code
   std::string type = "application/json", body = "{}";
 };
 
-/// The parameters of a request, which may come from anyone: numbers that are none count as absent.
+/// The parameters of a request. They are not trusted: a value that is not a valid number is treated as absent.
 using Parameters = std::map<std::string, std::string>;
 
-/// Answers the requests of the page about a session. A picture is four bytes (little-endian) with the length of a JSON
-/// header, the header, and grey pixels of 8 bits: {"width", "height", ...} of the picture and, behind it, of the two
-/// EPIs of `x` by `views` and `views` by `y` pixels.
-///   picture?after=N&x=&y=&focus=&radius=&row=&column=   the newest picture, or 204 if none comes soon
+/// Answers the requests of the page about a session. A picture is sent as the length of a JSON header (four bytes,
+/// little-endian), the header {"width", "height", ...}, and 8-bit grey pixels: those of the picture, followed by those
+/// of the two EPIs, which have `x` by `views` and `views` by `y` pixels.
+///   picture?after=N&x=&y=&focus=&radius=&row=&column=   the newest picture, or 204 if there is none soon
 ///   events                                              the newest events, or 204
+///   statistics                                          Session::json() and "recording": Recorder::json()
 ///   disparity?x=&y=                                     {"disparity"}: Session::disparity_at(), or 204
-/// and, as commands (POST): record?on=1|0, average?cycles=K, size?to=auto|full|half, brightness.
-/// Returns nothing for another request.
+/// The commands (POST) are record?on=1|0, average?cycles=K, size?to=auto|full|half, and brightness. Returns nothing for
+/// any other request.
 [[nodiscard]] std::optional<Answer> answer(Session& session, bool is_command, const std::string& name,
                                            const Parameters& parameters);
 

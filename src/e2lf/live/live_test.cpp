@@ -292,7 +292,7 @@ TEST(EventPreview, MakesPicturesOnlyWhereTheyAreAskedFor) {
 TEST(EventPreview, SharpnessFallsWithBlurAndNotWithTheRateOrNoise) {
   constexpr size_t kWidth = 200, kHeight = 100;
   std::mt19937 random(7);
-  // Stripes of 10 px; each pixel has noise of its own, here less than that of Poisson numbers.
+  // Stripes of 10 px; each pixel has independent noise, here less than Poisson noise.
   const auto stripes = [&](int blur, int rate) {
     std::normal_distribution<double> noise(0, 0.3 * std::sqrt(rate));
     std::vector<int16_t> counts;
@@ -308,7 +308,7 @@ TEST(EventPreview, SharpnessFallsWithBlurAndNotWithTheRateOrNoise) {
   EXPECT_NEAR(stripes(1, 50) / stripes(1, 800), 1, 0.1);
   std::vector<int16_t> noise(kWidth * kHeight);
   for (int16_t& count : noise) count = static_cast<int16_t>(random() % 21) - 10;
-  // Squares of the differences would give 3; what is left of their products is chance, less for larger pictures.
+  // Squares of the differences would give 3; their products are random and average out in larger pictures.
   EXPECT_LT(sharpness_of(noise, kWidth, 5 * noise.size()), 0.06);
   EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 7), 10, 700), 0);
   EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 0), 10, 0), 0);
@@ -336,7 +336,7 @@ TEST(Recorder, WritesWhatCameBetweenOnAndOffAndNeverReplacesAFile) {
   Recorder again(folder / ".", info);
   ASSERT_TRUE(again.begin().ok());
   EXPECT_NE(again.json()["file"], recorder.json()["file"]);
-  EXPECT_FALSE(Recorder({}, info).begin().ok()) << "there is no folder";
+  EXPECT_FALSE(Recorder({}, info).begin().ok()) << "no folder";
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ float tent(float offset) {
   return std::max(0.0F, 1.0F - std::abs(offset));
 }
 
-/// Limits a number that came from a browser; NaN becomes 0.
+/// Limits the range of a number from the browser; NaN becomes 0.
 float limited(float value, float most) {
   return std::isnan(value) ? 0.0F : std::clamp(value, -most, most);
 }
@@ -27,7 +27,7 @@ float scale_of(const LiveField& field) {
   return field.size == PictureSize::kHalf ? 0.5F : 1.0F;
 }
 
-/// The value between four pixels; outside of the view that of its border.
+/// Returns the value at a position between four pixels; outside of the view, that of its border.
 float sample(std::span<const float> view, const lightfield::Shape& shape, float x, float y) {
   x = std::clamp(x, 0.0F, static_cast<float>(shape.width - 1));
   y = std::clamp(y, 0.0F, static_cast<float>(shape.height - 1));
@@ -39,7 +39,7 @@ float sample(std::span<const float> view, const lightfield::Shape& shape, float 
                    std::lerp(value(bottom, left), value(bottom, right), share_x), share_y);
 }
 
-/// The variance of the views, summed over a window around a point of the middle of the grid.
+/// Returns the variance of the views, summed over a window around a point of the central view.
 double disagreement(const lightfield::LightField& light_field, float x, float y, float disparity) {
   constexpr int kReach = 4;
   const lightfield::Shape& shape = light_field.shape();
@@ -110,7 +110,7 @@ Picture render(const LiveField& field, const Look& look) {
 }
 
 float disparity_at(const LiveField& field, float x, float y) {
-  constexpr int kSteps = 100;  // to either side
+  constexpr int kSteps = 100;  // in each direction
   constexpr float kMostDisparity = 5, kStep = kMostDisparity / kSteps;
   const lightfield::Shape& shape = field.light_field.shape();
   const float scale = scale_of(field);
@@ -122,7 +122,7 @@ float disparity_at(const LiveField& field, float x, float y) {
   }
   const auto best = std::min_element(costs.begin(), costs.end());
   double place = static_cast<double>(best - costs.begin());
-  // The minimum of a parabola lies between two steps.
+  // The minimum between two steps is that of a parabola.
   if (best != costs.begin() && best + 1 != costs.end()) {
     const double bend = *(best - 1) - 2 * *best + *(best + 1);
     if (bend > 0) place += 0.5 * (*(best - 1) - *(best + 1)) / bend;

@@ -10,26 +10,28 @@
 
 namespace e2lf::live {
 
-/// How a light field is looked at. Viewpoints are in view steps from the middle of the grid, as those of the viewer.
+/// The parameters for rendering a light field. Viewpoints are in view steps from the centre of the grid, as in the
+/// viewer.
 struct Look {
-  float x = 0.5F, y = 0.5F;  ///< viewpoint, to the right and downwards; a view of the 8x8 grid
-  float focus = 0;           ///< disparity of the plane in focus, px per view step of the full size
-  float radius = 0;          ///< of the round aperture, in view steps; 0 = the viewpoint alone
-  std::optional<uint32_t> row = {}, column = {};  ///< px of the full size where EPIs are cut; none without
+  float x = 0.5F, y = 0.5F;  ///< viewpoint, to the right and downwards; by default one of the four central views
+  float focus = 0;           ///< disparity of the plane in focus, in px of the full resolution per view step
+  float radius = 0;          ///< radius of the round aperture, in view steps; 0 = only the viewpoint
+  std::optional<uint32_t> row = {}, column = {};  ///< EPIs to cut, in px of the full resolution; empty = none
   bool operator==(const Look&) const = default;
 };
 
-/// What is sent to the browser of a light field.
+/// The images of a light field that are sent to the browser.
 struct Picture {
   lightfield::ByteImage image;
-  lightfield::ByteImage row_epi, column_epi;  ///< [view_x, x] and [y, view_y]; empty where the look has no cut
+  lightfield::ByteImage row_epi, column_epi;  ///< [view_x, x] and [y, view_y]; empty if not requested
 };
 
-/// Returns the weight of each view. Those of a radius of at least one view step are those of
-/// lightfield::round_aperture(); smaller ones go over to the viewpoint, interpolated between its neighbours.
+/// Returns the weight of each view. For a radius of at least one view step, the weights are those of
+/// lightfield::round_aperture(); for smaller radii, they blend into the interpolation of the viewpoint from its
+/// neighbouring views.
 [[nodiscard]] lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& look);
 
-/// Renders the light field as `look` says, in 8 bits: round(255 * clamp(gain * (value - black))).
+/// Renders the light field with the parameters `look` to 8 bits: round(255 * clamp(gain * (value - black))).
 [[nodiscard]] Picture render(const LiveField& field, const Look& look);
 
 /// Returns the disparity from -5 to 5, in px per view step of the full size, at which the views agree best around a

@@ -7,12 +7,12 @@
 
 namespace e2lf::live {
 
-/// Passes values from one thread to another without a queue: it holds the newest one alone. Values are exchanged, so
-/// that their memory is used again and again.
+/// Passes values from one thread to another without a queue: the slot holds only the newest value. Values are swapped
+/// rather than copied, so that their memory is reused.
 template <typename T>
 class NewestSlot {
  public:
-  /// Puts `value` into the slot and leaves in its place what lay there before. Returns true if that was never taken.
+  /// Swaps `value` with the content of the slot. Returns true if the previous content had not been taken.
   bool put(T& value) {
     bool was_full = false;
     {
@@ -24,7 +24,7 @@ class NewestSlot {
     return was_full;
   }
 
-  /// Waits for a value and exchanges it for `value`. Returns false once the slot is closed and empty.
+  /// Waits for a value and swaps it into `value`. Returns false once the slot is closed and empty.
   [[nodiscard]] bool take(T& value) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return is_full_ || is_closed_; });
@@ -34,7 +34,7 @@ class NewestSlot {
     return true;
   }
 
-  /// Declares that nothing more will come. What lies in the slot can still be taken.
+  /// Declares that no further values will follow. A value in the slot can still be taken.
   void close() {
     {
       const std::lock_guard lock(mutex_);

@@ -14,7 +14,7 @@ namespace e2lf::live {
 namespace fs = std::filesystem;
 namespace {
 
-/// Counts the bytes that go to another sink.
+/// A sink that counts the bytes it forwards to another sink.
 class CountingSink final : public recordings::ByteSink {
  public:
   CountingSink(std::unique_ptr<recordings::ByteSink> sink, std::shared_ptr<std::atomic<uint64_t>> bytes)
@@ -43,7 +43,7 @@ Result<void> Recorder::begin() {
   const std::lock_guard lock(mutex_);
   if (writer_) return {};
   if (folder_.empty()) {
-    return Error{ErrorCode::kInvalidValue, "there is no folder for recordings; start e2lf live with -o FOLDER", ""};
+    return Error{ErrorCode::kInvalidValue, "no folder for recordings was given; start e2lf live with -o FOLDER", ""};
   }
   int descriptor = -1;
   do {
@@ -87,7 +87,7 @@ void Recorder::write(const recordings::EventBatch& batch) {
   if (!writer_) return;
   const Result<void> written = writer_->write(batch);
   if (written) return;
-  // What was written before stays; of two errors the first one says why.
+  // The file keeps what was written before; of two errors, the first one states the cause.
   if (finish()) {
   }
   error_ = written.error().text();

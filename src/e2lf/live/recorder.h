@@ -13,25 +13,25 @@
 
 namespace e2lf::live {
 
-/// Records what is read, on and off. Each recording is a new file recording_000.raw ... (EVT3, with the header of the
-/// source) that grows as events come, so that whatever ends the program leaves what had been read until then. All
-/// functions may be called from any thread.
+/// Records the event stream on request. Each recording is a new file recording_000.raw, recording_001.raw, ... in EVT3
+/// with the header of the source. The file grows as events arrive, so that it contains everything read so far however
+/// the program ends. All functions may be called from any thread.
 class Recorder {
  public:
-  /// Recordings go to `folder`, which must exist; without one nothing can be recorded.
+  /// Recordings are written to `folder`, which must exist. If it is empty, begin() fails.
   Recorder(std::filesystem::path folder, recordings::RecordingInfo info);
 
-  /// Begins a recording, or does nothing during one. Fails with kInvalidValue without a folder, and with kIo.
+  /// Starts a recording unless one is in progress. Fails with kInvalidValue (no folder) and kIo.
   [[nodiscard]] Result<void> begin();
-  /// Ends the recording, if there is one. Fails with kIo.
+  /// Ends the recording if one is in progress. Fails with kIo.
   [[nodiscard]] Result<void> end();
 
   [[nodiscard]] bool is_recording() const;
 
-  /// Appends a batch during a recording. What cannot be written ends the recording; json() tells of it.
+  /// Appends a batch if a recording is in progress. A write error ends the recording and is reported by json().
   void write(const recordings::EventBatch& batch);
 
-  /// {"can_record", "is_recording", "file", "bytes", "error"}: of the current recording, or of the last one.
+  /// Returns {"can_record", "is_recording", "file", "bytes", "error"} of the current or else of the last recording.
   [[nodiscard]] Json json() const;
 
  private:

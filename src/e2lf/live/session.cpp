@@ -71,7 +71,7 @@ void Session::reconstruct() {
   LiveField field;
   while (slot_.take(cycle)) {
     const Result<void> made = make(cycle, field);
-    // Without its network the pace goes on: the recording is not ended by what cannot be reconstructed.
+    // An error of the reconstruction must not stop the reading, which also writes the recording.
     if (!made) {
       fail(made.error());
       reader_->statistics().add_skipped();
@@ -119,7 +119,7 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   return {};
 }
 
-/// Finds the brightness as pipeline::FieldSequence does, which takes a copy of the light field.
+/// Determines the brightness as pipeline::FieldSequence does, which requires a copy of the light field.
 void Session::find_tone(LiveField& field) {
   if (!black_) black_ = recon::auto_black(field.light_field);
   if (gain_) return;
@@ -137,7 +137,7 @@ void Session::show() {
     {
       std::unique_lock lock(field_mutex_);
       field_changed_.wait(lock, [this] { return is_new_ || is_last_ || (look_changed_ && shown_.serial > 0); });
-      // After the last light field pictures are made where they are asked for.
+      // After the last light field, picture() renders the pictures itself.
       if (is_last_ && !is_new_) break;
       is_new = std::exchange(is_new_, false);
       look_changed_ = false;
@@ -177,7 +177,7 @@ std::shared_ptr<const ShownPicture> Session::picture(const Look& look, uint64_t 
   if (!has_ended_) picture_changed_.wait_for(lock, patience, is_wanted);
   if (is_wanted()) return picture_;
   if (!has_ended_ || !picture_ || picture_->look == look) return nullptr;
-  // The threads have ended: this one makes the picture.
+  // The threads have ended, so the picture is rendered here.
   const std::lock_guard field_lock(field_mutex_);
   auto next = std::make_shared<ShownPicture>(*picture_);
   ++next->serial;

@@ -18,28 +18,28 @@
 
 namespace e2lf::live {
 
-/// A light field whose picture is finished.
+/// The figures of a light field whose picture is complete.
 struct FieldReport {
   uint64_t serial = 0;  ///< counts the light fields from 1
-  uint64_t cycle = 0;   ///< the number of its cycle in the recording
+  uint64_t cycle = 0;   ///< number of its cycle in the recording
   int64_t begin_us = 0;
-  size_t cycles = 1;  ///< that were summed
+  size_t cycles = 1;  ///< number of cycles that were summed
   uint64_t events = 0;
   float confidence = 1;
   PictureSize size = PictureSize::kFull;
   double reconstruct_s = 0;
-  double latency_s = 0;  ///< from the arrival of the last event of the cycle until the picture was finished
+  double latency_s = 0;  ///< from the arrival of the last event of the cycle to the completion of the picture
 };
 
 struct SessionOptions {
   SizeChoice size = SizeChoice();
-  std::optional<float> gain = {}, black = {};  ///< nothing = found at the first light field of a cycle with events
-  capture::Orientation views = {};             ///< how the views come out
+  std::optional<float> gain = {}, black = {};  ///< empty = determined from the first cycle that has events
+  capture::Orientation views = {};             ///< orientation in which the views are reconstructed
   std::function<void(const FieldReport&)> on_field = {};
-  std::function<void(PictureSize)> on_size = {};  ///< the size has changed by itself
+  std::function<void(PictureSize)> on_size = {};  ///< called after the resolution was changed automatically
 };
 
-/// A picture of the newest light field, as the browser asked for it.
+/// A picture of the newest light field, as requested by the browser.
 struct ShownPicture {
   uint64_t serial = 0;  ///< counts pictures from 1
   FieldReport field;
@@ -47,9 +47,10 @@ struct ShownPicture {
   Picture picture;
 };
 
-/// Reconstructs light fields at the pace of the hardware. One thread reads and accumulates, one reconstructs and one
-/// makes pictures. Between the first two lies a slot that holds the newest cycle alone, so that nothing ever queues:
-/// cycles that come while a light field is being made are skipped, except for the newest one, and counted.
+/// Reconstructs light fields from a live source as fast as the hardware permits. One thread reads and accumulates
+/// events, one reconstructs, and one renders pictures. A slot between the first two holds only the newest cycle, so
+/// that cycles never queue: of the cycles that arrive during a reconstruction, all but the newest are skipped and
+/// counted.
 class Session {
  public:
   Session(std::unique_ptr<LiveReader> reader, FieldMaker maker, SessionOptions options);
@@ -59,7 +60,7 @@ class Session {
 
   /// Starts the threads.
   void start();
-  /// Waits until the source has ended, after a request to stop too, and the last light field is shown. Fails as the
+  /// Waits until the source has ended or a stop was requested, and until the last light field is shown. Fails as the
   /// source and the network do.
   [[nodiscard]] Result<void> wait();
   [[nodiscard]] bool has_ended() const;
@@ -67,21 +68,21 @@ class Session {
   [[nodiscard]] LiveReader& reader() { return *reader_; }
   [[nodiscard]] const model::Model& model() const { return maker_.reconstructor().model(); }
   void set_size(const SizeChoice& size);
-  /// Finds gain and black level again at the next light field.
+  /// Determines gain and black level again from the next light field.
   void measure_tone();
-  /// All figures: see Statistics::json(), with "size", "average", "has_ended" and the schedule.
+  /// Returns Statistics::json() and, among others, "size", "average", "has_ended" and the schedule.
   [[nodiscard]] Json json();
 
-  /// Looks at the light fields as `look` says, and waits up to `patience` for a picture that is newer than `after` and
-  /// looks so. Nothing if none is finished until then. Whoever asks does not delay the reconstruction.
+  /// Sets the rendering parameters to `look`, and waits up to `patience` for a picture that was rendered with them and
+  /// is newer than `after`. Returns null if there is none by then. Does not delay the reconstruction.
   [[nodiscard]] std::shared_ptr<const ShownPicture> picture(const Look& look, uint64_t after,
                                                             std::chrono::milliseconds patience);
 
   /// Returns disparity_at() of the newest light field, or nothing if there is none yet.
   [[nodiscard]] std::optional<float> disparity_at(float x, float y);
 
-  /// Returns a copy of the newest light field, with its brightness as it is shown, or nothing if there is none yet. The
-  /// values are those of pipeline::FieldSequence for this gain and black level.
+  /// Returns a copy of the newest light field with the brightness in which it is shown, or nothing if there is none
+  /// yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
   [[nodiscard]] std::optional<LiveField> freeze();
 
  private:
@@ -96,7 +97,7 @@ class Session {
   FieldMaker maker_;
   SessionOptions options_;
   NewestSlot<LiveCycle> slot_;
-  capture::Measurement half_;  ///< of the thread that reconstructs
+  capture::Measurement half_;  ///< used only by the reconstruction thread
   uint64_t made_ = 0;
 
   mutable std::mutex settings_mutex_;
@@ -104,7 +105,7 @@ class Session {
   std::optional<float> gain_, black_;
   std::optional<Error> error_;
 
-  // The newest light field. The thread that reconstructs exchanges it, so it waits for at most one picture.
+  // The newest light field. The reconstruction thread swaps it, so that it waits for at most one picture.
   std::mutex field_mutex_;
   std::condition_variable field_changed_;
   LiveField shown_;

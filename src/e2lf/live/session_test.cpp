@@ -178,7 +178,7 @@ TEST(LiveRequests, GiveThePictureThatIsAskedForAndHeedCommands) {
   EXPECT_EQ(session.reader().average(), kMostCycles);
   EXPECT_EQ(answer(session, true, "size", {{"to", "half"}})->status, 200);
   EXPECT_EQ(answer(session, true, "size", {{"to", "../x"}})->status, 409);
-  EXPECT_EQ(answer(session, true, "record", {{"on", "1"}})->status, 409) << "there is no folder";
+  EXPECT_EQ(answer(session, true, "record", {{"on", "1"}})->status, 409) << "no folder";
   EXPECT_FALSE(answer(session, false, "record", {{"on", "1"}}).has_value()) << "a command is no request";
   const Json figures = statistics(session);
   EXPECT_EQ(figures["size"], "half");

@@ -16,13 +16,13 @@ Result<std::optional<PictureSize>> size_from_name(const std::string& name) {
   for (const PictureSize size : {PictureSize::kFull, PictureSize::kHalf}) {
     if (name == size_name(size)) return std::optional(size);
   }
-  return Error{ErrorCode::kInvalidValue, cat("\"", name, "\" is no size; give auto, full or half"), "size"};
+  return Error{ErrorCode::kInvalidValue, cat("\"", name, "\" is not a size; give auto, full or half"), "size"};
 }
 
 bool SizeChoice::add(double field_s, double cycle_s) {
-  // The first field of a size also prepares its memory.
+  // The first light field of a size also allocates its memory.
   constexpr size_t kFewest = 2, kBeforeGrowth = 20;
-  // Four times the pixels, and a reserve, so that the size does not change to and fro.
+  // Full resolution has four times the pixels; a margin keeps the size from alternating.
   constexpr double kGrowth = 4 / 0.8;
   constexpr int kMostFalls = 3;
   if (named_ || cycle_s <= 0) return false;

@@ -53,7 +53,7 @@ void Statistics::add_batch(const recordings::EventBatch& batch, Clock::time_poin
   window_events_ += batch.events.size();
   window_on_ += on;
   for (const recordings::Trigger& trigger : batch.triggers) {
-    if (trigger.p == 0) continue;  // a pulse has two edges
+    if (trigger.p == 0) continue;  // a pulse has two edges, of which one is counted
     if (triggers_.size() == kMostChannels && !triggers_.contains(trigger.id)) continue;
     ++triggers_[trigger.id];
     ++window_triggers_[trigger.id];
@@ -121,7 +121,7 @@ Statistics::Rates Statistics::rates_of_window(Clock::time_point now) const {
 
 Json Statistics::json(Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
-  // Where nothing comes, no batch ends the window.
+  // If nothing arrives, no batch ends the window.
   const bool is_old = !has_rates_ || now - window_begin_ >= 2 * kWindow;
   const Rates rates = is_old ? rates_of_window(now) : rates_;
   Json json = {{"seconds", seconds_between(begin_, now)},

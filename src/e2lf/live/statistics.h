@@ -17,12 +17,13 @@
 
 namespace e2lf::live {
 
-/// Quantiles of the last kKept values.
+/// Computes quantiles of the last kKept values.
 class RecentQuantiles {
  public:
   static constexpr size_t kKept = 4096;
   void add(double value);
-  /// Returns the smallest value that at least the share q (0 to 1) of the values does not exceed; 0 without values.
+  /// Returns the smallest value that at least the fraction q (0 to 1) of the values does not exceed, or 0 if there are
+  /// no values.
   [[nodiscard]] double at(double q) const;
 
  private:
@@ -30,23 +31,23 @@ class RecentQuantiles {
   size_t next_ = 0;
 };
 
-/// Counts what comes and what is made of it. All functions may be called from any thread.
+/// Collects figures about the input and the reconstruction. All functions may be called from any thread.
 class Statistics {
  public:
   explicit Statistics(Clock::time_point begin = Clock::now()) : begin_(begin), window_begin_(begin) {}
 
-  /// Adds a batch of the recording, which was read at `now`.
+  /// Adds a batch that was read at `now`.
   void add_batch(const recordings::EventBatch& batch, Clock::time_point now = Clock::now());
-  /// Adds a complete cycle, of which `confidence` says how well its events confirm its times.
+  /// Adds a complete cycle; `confidence` states how well its events confirm its times.
   void add_cycle(float confidence);
-  /// Adds a cycle that no light field is made of, since a newer one was there.
+  /// Adds a cycle that was not reconstructed because a newer one had arrived.
   void add_skipped();
-  /// Adds a light field whose picture is finished.
+  /// Adds a light field whose picture is complete.
   void add_field(double latency_s, double reconstruct_s);
-  /// Replaces what the reader says of cycles and of what was left out.
+  /// Replaces the reader's report about cycles and its summary of the data that was left out.
   void set_report(const cycles::CycleReport& report, const recordings::DecodeSummary& summary);
 
-  /// Returns all figures: totals, latencies, rates of the last second, and what the reader found.
+  /// Returns all figures: totals, latencies, the rates of the last second, and the report of the reader.
   [[nodiscard]] Json json(Clock::time_point now = Clock::now()) const;
 
   [[nodiscard]] uint64_t fields() const;
@@ -59,7 +60,7 @@ class Statistics {
   [[nodiscard]] Rates rates_of_window(Clock::time_point now) const;
 
   static constexpr std::chrono::seconds kWindow{1};
-  static constexpr size_t kMostChannels = 64;  ///< of triggers; damaged data could name many
+  static constexpr size_t kMostChannels = 64;  ///< limit on trigger channels, because damaged data may contain many
 
   mutable std::mutex mutex_;
   Clock::time_point begin_, window_begin_;

@@ -67,7 +67,7 @@ Result<void> check_measurement(const Model& model, const std::string& said, cons
   if (said == capture::measurement_name(*needed)) return {};
   return Error{
       ErrorCode::kInvalidValue,
-      cat("it says ", said, ", but the input is made of ", capture::measurement_name(*needed), "; make them agree"),
+      cat("it says ", said, ", but the input consists of ", capture::measurement_name(*needed), "; make them agree"),
       reader.child_location(kMeasurement)};
 }
 
@@ -97,8 +97,8 @@ Result<void> check_kind(const Json& header, const std::string& expected, const s
   }
   if (is_video == is_expected_video) return {};
   return Error{ErrorCode::kUnsupported,
-               is_video ? "this model makes frames of voxel grids, no light fields; use it with `e2lf video`"
-                        : "this model makes light fields, no frames; use it with `e2lf reconstruct`",
+               is_video ? "this model makes frames from voxel grids, not light fields; use it with `e2lf video`"
+                        : "this model makes light fields, not frames; use it with `e2lf reconstruct`",
                location + "." + kMeasurement};
 }
 
@@ -145,8 +145,8 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
   if (has_lenses && !has_events && !has_sum && !has_images) return MeasurementKind::kLensArray;
   return Error{
       ErrorCode::kInvalidValue,
-      "no camera measures all of these; take images alone, lens-array alone, or what is made of events with or "
-      "without image-sum",
+      "no camera measures all of these; use only images, only lens-array, or only inputs from events with or without "
+      "image-sum",
       "input"};
 }
 

@@ -416,7 +416,7 @@ TEST(Measurement, MustFitInputAndPatterns) {
                 header["measurement"] = "hybrid";
                 file.metadata["e2lf"] = header.dump();
               }).message,
-              HasSubstr("the input is made of event-images"));
+              HasSubstr("the input consists of event-images"));
   EXPECT_THAT(validate(image_model({{InputKind::kImages, 1.0F}, {InputKind::kCounts, 1.0F}}, 4), "m").error().message,
               HasSubstr("no camera measures all of these"));
   EXPECT_THAT(validate(image_model({{InputKind::kLensArray, 1.0F}}, 2), "m").error().message, HasSubstr("one pattern"));

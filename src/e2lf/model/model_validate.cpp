@@ -45,7 +45,7 @@ class ModelCheck {
       return refuse("num_patterns", cat(model_.num_patterns, " patterns; use ", least, " to ", kMaxPatterns));
     }
     if (*measurement == capture::MeasurementKind::kLensArray && model_.num_patterns != 1) {
-      return refuse("num_patterns", "behind a lens array the aperture is open; say one pattern");
+      return refuse("num_patterns", "behind a lens array, the aperture is open; state one pattern");
     }
     for (const auto& [field, views] : {std::pair("views_y", model_.views_y), std::pair("views_x", model_.views_x)}) {
       if (views < 1 || views > kMaxViews) return refuse(field, cat(views, " views; use 1 to ", kMaxViews));

@@ -39,7 +39,7 @@ class LayerCheck {
   [[nodiscard]] std::string location() const { return cat("layer \"", layer_.name, "\""); }
 
   [[nodiscard]] Result<void> check_name() const {
-    if (layer_.name.empty()) return invalid("a layer without a name; name it");
+    if (layer_.name.empty()) return invalid("a layer without a name; give it one");
     if (known_.contains(layer_.name)) return invalid("the name is taken by an earlier layer; choose another one");
     return {};
   }

@@ -83,7 +83,7 @@ Json summary_json(const VideoModel& model) {
 std::string summary_text(const VideoModel& model) {
   std::string text;
   append_field(text, "name", model.name);
-  append_field(text, "makes", "frames of a recording, each from a voxel grid and the frames before");
+  append_field(text, "makes", "frames of a recording, each from a voxel grid and the previous frames");
   append_field(text, "input", cat(model.bins, " time bins", model.normalises_voxels ? ", normalised" : ""));
   append_field(text, "tone", tone_name(model.tone));
   append_field(text, "padded to", cat("multiples of ", model.pad_multiple, " px"));

@@ -16,8 +16,8 @@ namespace e2lf::model {
 /// Summarises a model as text, with a picture of the patterns.
 [[nodiscard]] std::string summary_text(const Model& model);
 
-/// Summarise a model that makes frames: name, measurement, bins, treatment of voxels and frames, figures of the network
-/// and provenance.
+/// Summarises a model that makes frames: name, measurement, bins, treatment of voxels and frames, figures of the
+/// network and provenance.
 [[nodiscard]] Json summary_json(const VideoModel& model);
 [[nodiscard]] std::string summary_text(const VideoModel& model);
 

@@ -17,8 +17,8 @@ void invert(capture::EventImages& images) {
 Result<void> check(const CycleInputOptions& options) {
   if (options.max_cycles == 0 || options.max_cycles >= options.cycles_per_field) return {};
   return Error{ErrorCode::kInvalidValue,
-               cat("a light field takes ", options.cycles_per_field, " cycles, and only ", options.max_cycles,
-                   " are asked for; ask for as many"),
+               cat("a light field takes ", options.cycles_per_field, " cycles, but at most ", options.max_cycles,
+                   " are to be read; raise the limit"),
                "max_cycles"};
 }
 
@@ -28,8 +28,9 @@ Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions
     return Error{ErrorCode::kInvalidValue, std::move(why) + "; leave it out", option};
   };
   if (options.cycles_per_field > 1 && measured != capture::MeasurementKind::kEventImages) {
-    return useless(cat("sums are of event images; this is the measurement ", capture::measurement_name(measured)),
-                   "cycles");
+    return useless(
+        cat("only event images can be summed; this is the measurement ", capture::measurement_name(measured)),
+        "cycles");
   }
   if (file.cycles.size() < options.cycles_per_field) {
     return Error{ErrorCode::kInvalidValue,

@@ -6,7 +6,7 @@
 namespace e2lf::pipeline {
 namespace {
 
-/// Cycles of one pixel with these counts.
+/// Returns a file with one cycle of one pixel for each count.
 capture::MeasurementFile file_of(const std::vector<int16_t>& counts) {
   capture::MeasurementFile file;
   for (const int16_t count : counts) {

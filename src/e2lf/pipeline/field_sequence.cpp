@@ -7,6 +7,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/plausible_events.h"
 #include "e2lf/recon/gain.h"
+#include "e2lf/recon/scene_motion.h"
 
 namespace e2lf::pipeline {
 
@@ -14,7 +15,8 @@ recon::Method colour_method(recon::Method grey, const capture::ColourFilter& fil
   return [grey = std::move(grey), filter](const capture::Measurement& measurement,
                                           const ProgressFn& progress) -> Result<lightfield::LightField> {
     if (measurement.kind != capture::MeasurementKind::kEventImages) {
-      return Error{ErrorCode::kInvalidValue, "colours are told by event images alone; leave the filter out", ""};
+      return Error{ErrorCode::kInvalidValue,
+                   "colours can only be reconstructed from event images; leave the filter out", ""};
     }
     const capture::EventImages& images = measurement.events;
     if (images.height % 2 != 0 || images.width % 2 != 0) {
@@ -43,25 +45,39 @@ recon::Method colour_method(recon::Method grey, const capture::ColourFilter& fil
   };
 }
 
+/// Compares a light field with its events, and judges the difference if it is the first.
+Result<void> FieldSequence::compare(const recon::EventCheck& check, const recon::Method& method,
+                                    const capture::Measurement& measurement, Field& field) {
+  E2LF_ASSIGN_OR_RETURN(field.error, recon::event_error(check, field.light_field, 1.0F, measurement.events));
+  if (is_first_ && judging_ != Judging::kNone) {
+    // Intensity images have no signs.
+    const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
+    const bool has_changes = judging_ == Judging::kChanges && is_of_events;
+    E2LF_ASSIGN_OR_RETURN(field.judgement, recon::judge(check, field.light_field, measurement.events, rival_,
+                                                        has_changes ? method : recon::Method()));
+  }
+  is_first_ = false;
+  return {};
+}
+
 Result<Field> FieldSequence::next(const capture::Measurement& measurement, const ProgressFn& progress) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
   Field field;
-  E2LF_ASSIGN_OR_RETURN(field.light_field, method_(measurement, progress));
-  field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
-  if (check_ && capture::has_events(measurement.kind)) {
-    E2LF_ASSIGN_OR_RETURN(field.error, recon::event_error(*check_, field.light_field, 1.0F, measurement.events));
-    if (is_first_ && judging_ != Judging::kNone) {
-      // The images of intensities have no signs.
-      const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
-      const bool has_changes = judging_ == Judging::kChanges && is_of_events;
-      E2LF_ASSIGN_OR_RETURN(field.judgement, recon::judge(*check_, field.light_field, measurement.events, rival_,
-                                                          has_changes ? method_ : recon::Method()));
-    }
-    is_first_ = false;
+  std::optional<capture::Measurement> lit;
+  if (lit_) {
+    field.motion = recon::scene_motion(measurement.events);
+    if (*field.motion > recon::kMuchMotion) lit = recon::lit_transitions(measurement.events);
   }
-  // Without events nothing tells how bright the scene is: a later cycle does.
-  const bool has_scene = !capture::has_events(measurement.kind) || !capture::is_without_events(measurement.events);
+  field.is_of_lit = lit.has_value();
+  const capture::Measurement& used = lit ? *lit : measurement;
+  const recon::Method& method = lit ? lit_->method : method_;
+  const std::optional<recon::EventCheck>& check = lit ? lit_->check : check_;
+  E2LF_ASSIGN_OR_RETURN(field.light_field, method(used, progress));
+  field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  if (check && capture::has_events(used.kind)) E2LF_RETURN_IF_ERROR(compare(*check, method, used, field));
+  // Without events, the brightness of the scene is unknown; a later cycle determines it.
+  const bool has_scene = !capture::has_events(used.kind) || !capture::is_without_events(used.events);
   if (!tone_.black && has_scene) tone_.black = recon::auto_black(field.light_field);
   field.black = tone_.black.value_or(0.0F);
   if (!tone_.gain && has_scene) tone_.gain = recon::auto_gain(field.light_field, field.black);

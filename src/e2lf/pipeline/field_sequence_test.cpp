@@ -5,11 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/recon/gain.h"
+#include "e2lf/recon/scene_motion.h"
 
 namespace e2lf::pipeline {
 namespace {
 
-/// A method whose light field has the value of the first count everywhere, in hundredths.
+/// Returns a method whose light field is constant: the first count divided by 100.
 Result<lightfield::LightField> constant_field(const capture::Measurement& measurement, const ProgressFn&) {
   const capture::EventImages& images = measurement.events;
   if (images.counts[0] < 0) return Error{ErrorCode::kInvalidValue, "no light", ""};
@@ -58,9 +59,30 @@ TEST(FieldSequence, ComparesWithTheEventsWhereTheCameraIsKnown) {
   EXPECT_GT(field.error->at_first, 0);
 }
 
+TEST(FieldSequence, TakesTheLitTransitionsOfCyclesInWhichTheSceneMoves) {
+  const recon::Method lit = [](const capture::Measurement& measured,
+                               const ProgressFn&) -> Result<lightfield::LightField> {
+    EXPECT_EQ(measured.events.transitions, 3U);
+    return lightfield::LightField({8, 8, measured.events.height, measured.events.width});
+  };
+  FieldSequence sequence(constant_field, {.gain = 1.0F}, {}, {}, Judging::kNone, LitMethod{lit});
+  // The second of the two last patterns is brighter on the left, its inverse is not darker there.
+  capture::EventImages moving(8, 32, 32), still(8, 32, 32);
+  for (size_t i = 0; i < moving.image_size(); ++i) moving.image(2)[i] = i % 8 < 4 ? 5 : 0;
+  moving.counts[0] = still.counts[0] = 30;
+  const Field of_whole = sequence.next(still).value();
+  EXPECT_FALSE(of_whole.is_of_lit);
+  EXPECT_LT(*of_whole.motion, recon::kMuchMotion);
+  EXPECT_FLOAT_EQ(of_whole.light_field.data()[0], 0.3F);
+  const Field of_lit = sequence.next(moving).value();
+  EXPECT_TRUE(of_lit.is_of_lit);
+  EXPECT_GT(*of_lit.motion, recon::kMuchMotion);
+  EXPECT_FLOAT_EQ(of_lit.light_field.data()[0], 0);
+}
+
 TEST(ColourMethod, EachColourComesFromThePixelsBehindItsFilter) {
   capture::EventImages images(3, 4, 6);
-  const std::array<int16_t, 4> counts = {10, 20, 40, 70};  // of the places of each block
+  const std::array<int16_t, 4> counts = {10, 20, 40, 70};  // for the four pixels of each block
   for (size_t place = 0; place < 4; ++place) images.counts[place / 2 * 6 + place % 2] = counts[place];
   const recon::Method colour = colour_method(constant_field, capture::colour_filter_from_name("rggb").value());
   const auto field = colour(images, {});

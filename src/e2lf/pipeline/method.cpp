@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/recon/linear_estimate.h"
 #include "e2lf/recon/regularised.h"
@@ -12,7 +13,7 @@ namespace e2lf::pipeline {
 namespace fs = std::filesystem;
 namespace {
 
-/// Sets the network that was trained for the patterns, if none is named.
+/// Selects the bundled network that was trained for the patterns, if none is given.
 Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, std::optional<fs::path>& path) {
   if (choice.model) return {};
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
@@ -31,13 +32,27 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   return {};
 }
 
+/// Opens the bundled network of the lit transitions, if the network takes those of the whole cycle and there is one.
+Result<void> open_lit(engine::Precision precision, OpenedMethod& opened) {
+  const auto& codes = opened.network->model().codes;
+  const auto shown = codes ? capture::codes_of_whole_cycle(*codes) : std::nullopt;
+  if (!shown) return {};
+  E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network, bundled_network(*shown, opened.camera));
+  if (!network) return {};
+  if (model::is_told_the_camera(network->model) && opened.camera) network->model.camera = opened.camera;
+  E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit,
+                        recon::Reconstructor::create(std::move(network->model), {.precision = precision}));
+  opened.lit = std::make_shared<const recon::Reconstructor>(std::move(lit));
+  return {};
+}
+
 Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(choose_network(choice, opened, opened.bundled));
   model::Model& model = *choice.model;
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
   const bool is_told = model::is_told_the_camera(model);
   if (!is_told && choice.camera) {
-    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera alone; leave it out"), "camera"};
+    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera only; leave it out"), "camera"};
   }
   const bool has_pixels = is_told && model.camera && model.camera->is_pixel();
   if (has_pixels && choice.camera && capture::to_json(*model.camera) != capture::to_json(*choice.camera)) {
@@ -53,13 +68,14 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor network,
                         recon::Reconstructor::create(std::move(model), {.precision = precision}));
   opened.network = std::make_shared<const recon::Reconstructor>(std::move(network));
+  if (choice.lit_where_moving) E2LF_RETURN_IF_ERROR(open_lit(precision, opened));
   return {};
 }
 
 Result<void> open_classical(const MethodChoice& choice, OpenedMethod& opened) {
   opened.codes = known_codes(choice.codes, choice.events.codes, choice.model ? &*choice.model : nullptr);
   if (!opened.codes && choice.model) {
-    return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; name those of the camera",
+    return Error{ErrorCode::kNotFound, "the model contains no aperture patterns; give those of the camera",
                  choice.model->name, Setting::kCodes};
   }
   if (!opened.codes) {
@@ -131,7 +147,7 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   if (use.cycles > 1 && !takes_sums()) {
     return Error{ErrorCode::kInvalidValue,
                  network ? cat(network->model().name, " takes one cycle for each light field; leave it out, or use a ",
-                               "model that is told the camera")
+                               "model that is conditioned on the sensor profile")
                          : cat("the method ", algorithm, " takes one cycle for each light field; leave it out"),
                  "cycles"};
   }
@@ -154,7 +170,24 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
 
 namespace {
 
-/// The same network with its own sensor profile.
+/// Returns the method for cycles with motion, if there is a network for it. Behind colour
+/// filters, the correlation of neighbouring pixels does not measure motion.
+std::optional<LitMethod> lit_of(const OpenedMethod& opened, const MethodUse& use,
+                                const std::optional<recon::EventCheck>& check) {
+  if (!opened.lit || !use.colour_filter.empty() || (use.cycles > 1 && !model::is_told_the_camera(opened.lit->model())))
+    return std::nullopt;
+  LitMethod lit;
+  lit.method = [network = opened.lit, use](const capture::Measurement& measured, const ProgressFn& progress) {
+    return network->reconstruct(measured, progress, use.passes, use.cycles);
+  };
+  if (check) {
+    lit.check = check;
+    lit.check->codes = *opened.lit->model().codes;
+  }
+  return lit;
+}
+
+/// Returns the same network with its own sensor profile.
 std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
   if (!opened.rival) return std::nullopt;
   auto method = [network = opened.network->with_camera(*opened.rival)](const capture::Measurement& measured,
@@ -164,8 +197,8 @@ std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
   return recon::Rival{std::move(method), {opened.codes->codes, opened.codes->constants, {}, opened.rival}};
 }
 
-/// Returns how the check is judged. A method that does not know the camera leaves an error that says nothing about the
-/// polarity or the order of the events. If the camera of the events is unknown, a network is judged by its own.
+/// Returns how the check is judged. The error of a method that does not use the sensor profile does not depend on the
+/// polarity or the order of the events. If the camera of the events is unknown, a network is judged by its own profile.
 Judging judging_of(const OpenedMethod& opened) {
   if (!opened.camera) return opened.network ? Judging::kNoise : Judging::kNone;
   if (opened.camera->is_pixel() && !opened.takes_sums()) return Judging::kNone;
@@ -179,15 +212,17 @@ Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse&
   const bool is_pixel = method.camera && method.camera->is_pixel();
   std::optional<recon::EventCheck> check;
   std::optional<recon::Rival> rival;
-  // Patterns that are only assumed say nothing of how well the result explains its events: wrong ones explain them too.
-  // Nor do those of one cycle of the counts of several. Of colours the check knows nothing.
+  // The check is meaningless with assumed patterns, because wrong ones explain the events too, and it does not support
+  // sums over several cycles or colours.
   if (is_checked && are_patterns_told(method.codes) && use.cycles == 1 && use.colour_filter.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(method.codes->event_model));
     check = recon::EventCheck{method.codes->codes, method.codes->constants, model};
     if (is_pixel) check->pixels = method.camera;
     rival = rival_of(method);
   }
-  return FieldSequence(std::move(ready), method.complete(tone), std::move(check), std::move(rival), judging_of(method));
+  std::optional<LitMethod> lit = lit_of(method, use, check);
+  return FieldSequence(std::move(ready), method.complete(tone), std::move(check), std::move(rival), judging_of(method),
+                       std::move(lit));
 }
 
 }  // namespace e2lf::pipeline

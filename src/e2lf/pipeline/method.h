@@ -12,79 +12,81 @@
 
 namespace e2lf::pipeline {
 
-/// Says how light fields are to be made of measurements.
+/// The choice of a method that reconstructs light fields from measurements.
 struct MethodChoice {
-  std::string algorithm = "network";                  ///< or "inversion", "regularised", which need patterns alone
-  std::optional<model::Model> model = {};             ///< of the network; nothing = the bundled one for the patterns
-  std::optional<capture::Codes> codes = {};           ///< patterns that the caller names
-  std::optional<capture::SensorProfile> camera = {};  ///< sensor profile that the caller names
-  std::optional<capture::SensorConstants> constants = {};  ///< nothing = those of the model, or the paper's
-  capture::RecordedSetup events = {};                      ///< what the file of the events tells
+  std::string algorithm = "network";                  ///< or "inversion" or "regularised", which only need patterns
+  std::optional<model::Model> model = {};             ///< the network; empty = the bundled one for the patterns
+  std::optional<capture::Codes> codes = {};           ///< patterns that the caller specifies
+  std::optional<capture::SensorProfile> camera = {};  ///< sensor profile that the caller specifies
+  std::optional<capture::SensorConstants> constants = {};  ///< empty = those of the model, or else the paper's
+  capture::RecordedSetup events = {};                      ///< the setup that the file of the events states
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
-  std::string precision = "auto";  ///< of the network
-  bool prefers_fast = false;       ///< takes a bundled network that keeps the pace of a live source, if there is one
+  std::string precision = "auto";  ///< arithmetic of the network
+  bool prefers_fast = false;       ///< whether to prefer a bundled network that keeps pace with a live source
+  bool lit_where_moving = false;   ///< whether to open a second network, OpenedMethod::lit
 };
 
-/// Says how a method is used on each measurement.
+/// How a method is applied to each measurement.
 struct MethodUse {
-  size_t passes = 1;               ///< of the network over its pixel grid; see Reconstructor::reconstruct()
+  size_t passes = 1;               ///< number of passes of the network; see Reconstructor::reconstruct()
   size_t cycles = 1;               ///< number of cycles of a static scene over which counts are summed
-  std::string colour_filter = {};  ///< of capture::colour_filter_from_name(); empty = grey
+  std::string colour_filter = {};  ///< a name for capture::colour_filter_from_name(); empty = grey
 };
 
-/// A method that is ready for any number of measurements, and what was decided on the way to it. Callers log and record
-/// these decisions.
+/// A method that is ready for any number of measurements, and the decisions that led to it, which callers log and
+/// record.
 struct OpenedMethod {
   std::string algorithm;
   std::shared_ptr<const recon::Reconstructor> network;  ///< null for the other algorithms
-  std::optional<std::filesystem::path> bundled;         ///< file of the network that was taken because none was named
-  std::optional<KnownCodes> codes;                      ///< nothing if nobody tells the patterns, not even the model
-  std::optional<capture::SensorProfile> camera;         ///< whose pixels made the events, or nothing
+  std::shared_ptr<const recon::Reconstructor> lit;  ///< bundled network of the lit transitions, for cycles with motion
+  std::optional<std::filesystem::path> bundled;     ///< file of the bundled network that was chosen by default
+  std::optional<KnownCodes> codes;                  ///< empty if no source, not even the model, states the patterns
+  std::optional<capture::SensorProfile> camera;     ///< profile of the sensor of the events; empty = unknown
   ToldBy camera_told_by = ToldBy::kNobody;
-  std::optional<capture::Orientation> views;    ///< how they come out, as the caller's profile or the events tell
-  std::optional<capture::SensorProfile> rival;  ///< that of the network, if the caller names another one
+  std::optional<capture::Orientation> views;    ///< orientation of the views, as the profile or the events state it
+  std::optional<capture::SensorProfile> rival;  ///< profile of the network, if the caller specifies another one
 
-  /// Returns true if light fields may be made of sums over several cycles.
+  /// Returns true if the method accepts sums over several cycles.
   [[nodiscard]] bool takes_sums() const { return network && model::is_told_the_camera(network->model()); }
-  /// Returns true if the network was trained for the patterns of the events, as far as anybody tells them.
+  /// Returns true if the network was trained for the patterns of the events, as far as these are known.
   [[nodiscard]] bool are_patterns_the_models() const;
 
-  /// Returns the patterns from which the signs of the events follow, or nothing. Slow pixels still follow the change to
-  /// black when the first pattern is lit: in dim light most of their first events are OFF, so that only the signs of
-  /// the paper's event model are known.
+  /// Returns the patterns that determine the signs of the events, or nothing. In dim light, slow pixels still respond
+  /// to the change to black when the first active pattern is shown, so that most of their first events are OFF. Signs
+  /// are therefore only known for the paper's event model.
   [[nodiscard]] std::optional<capture::Codes> codes_of_signs() const;
 
-  /// Completes a tone: a black level that it leaves open is 0 unless physical pixels leave it open, too, and brightness
-  /// is not to be measured.
+  /// Completes a tone. An empty black level is replaced by 0, unless the camera has physical pixels and the gain is
+  /// empty, too.
   [[nodiscard]] Tone complete(Tone tone) const;
 
-  /// Returns the method for such a use. Fails with kInvalidValue if it makes one pass or takes one cycle; the location
-  /// is "passes" or "cycles".
+  /// Returns the method for this use. Fails with kInvalidValue if several passes or cycles are requested from a method
+  /// that supports only one; the location is "passes" or "cycles".
   [[nodiscard]] Result<recon::Method> ready(const MethodUse& use = {}) const;
 };
 
-/// Prepares a method. The sensor profile is the first of these that there is: that of the caller, that of the events,
-/// that of the network. Fails with kInvalidValue if the measurement needs a network that is not named, if nothing tells
-/// the patterns, or if the network works for one camera alone and the caller names one (location "camera"); with
-/// kNotFound if no bundled network was trained for the patterns, or if a model holds none; and as
+/// Prepares a method. The sensor profile is that of the caller, or else that of the events, or else that of the
+/// network. Fails with kInvalidValue if the measurement requires a network and none is given, if the patterns are
+/// unknown, or if the caller specifies a camera for a network that works for one camera only (location "camera"); with
+/// kNotFound if no bundled network was trained for the patterns, or if a model contains none; and as
 /// Reconstructor::create() does.
 [[nodiscard]] Result<OpenedMethod> open_method(MethodChoice choice);
 
-/// Begins a sequence of light fields. Each is compared with its events if `is_checked` and somebody tells the patterns,
-/// unless it is made of several cycles or in colour; the first is judged if the method knows its camera. The tone is
+/// Starts a sequence of light fields. Each light field of one cycle in grey is compared with its events if `is_checked`
+/// is set and the patterns are known; the first comparison is judged if the method uses a sensor profile. The tone is
 /// completed by OpenedMethod::complete(). Fails as OpenedMethod::ready() does.
 [[nodiscard]] Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone,
                                                   bool is_checked);
 
-/// A model, and the file that it was read from.
+/// A model and the file from which it was read.
 struct BundledNetwork {
   std::filesystem::path path;
   model::Model model;
 };
 
-/// Returns the bundled network for events of such patterns: e2lf-n4-camera or e2lf-n4-cycle-camera if the camera has
-/// physical pixels, otherwise e2lf-n4, e2lf-n8 or e2lf-n4-cycle; before them e2lf-n4-live if `prefers_fast`. Returns
-/// nothing if none was trained for the patterns. Fails as read_model() does.
+/// Returns the bundled network for these patterns: e2lf-n4-live first if `prefers_fast` is set, then e2lf-n4-camera or
+/// e2lf-n4-cycle-camera if the camera has physical pixels, otherwise e2lf-n4, e2lf-n8 or e2lf-n4-cycle. Returns nothing
+/// if none was trained for the patterns. Fails as read_model() does.
 [[nodiscard]] Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
                                                                     const std::optional<capture::SensorProfile>& camera,
                                                                     bool prefers_fast = false);

@@ -21,7 +21,7 @@ capture::SensorProfile pixel_camera() {
   return bundled("e2lf-n4-camera").camera.value();
 }
 
-/// The events of a step of light on a few pixels.
+/// Returns the events of a step of the light on a few pixels.
 capture::EventImages some_events() {
   capture::EventImages images(3, 16, 24);
   for (size_t i = 0; i < images.counts.size(); i += 3) images.counts[i] = static_cast<int16_t>(i % 7) - 2;
@@ -64,6 +64,16 @@ TEST(OpenMethod, TellsTheNetworkTheFirstCameraThatThereIs) {
   EXPECT_EQ(of_model->camera->name, pixel_camera().name);
   EXPECT_FALSE(of_model->rival);
   EXPECT_EQ(open_method({.model = bundled("e2lf-n4"), .camera = mine}).error().location, "camera");
+}
+
+TEST(OpenMethod, OpensTheNetworkOfTheLitTransitionsBesideThatOfTheWholeCycle) {
+  const auto opened = open_method({.model = bundled("e2lf-n4-cycle-camera"), .lit_where_moving = true});
+  ASSERT_TRUE(opened) << opened.error().text();
+  ASSERT_TRUE(opened->lit);
+  EXPECT_EQ(opened->lit->model().name, "e2lf-n4-camera");
+  EXPECT_EQ(opened->lit->model().camera->name, opened->camera->name);
+  EXPECT_FALSE(open_method({.model = bundled("e2lf-n4-cycle-camera")})->lit);
+  EXPECT_FALSE(open_method({.model = bundled("e2lf-n4-camera"), .lit_where_moving = true})->lit);
 }
 
 TEST(OpenMethod, RefusesMeasurementsThatNeedANetworkOfTheirOwn) {

@@ -10,38 +10,38 @@
 
 namespace e2lf::pipeline {
 
-/// Who tells the patterns or the sensor profile behind some events.
+/// The source that states the patterns or the sensor profile of some events.
 enum class ToldBy {
   kCaller,
   kEvents,  ///< the file of the events
-  kModel,   ///< the network, which was trained for them
-  kNobody,
+  kModel,   ///< the network that was trained for them
+  kNobody,  ///< no source; they are unknown or assumed
 };
 
-/// The patterns, and what is known of the sensor for which they were made.
+/// Aperture patterns, and the properties of the sensor for which they were made.
 struct KnownCodes {
   capture::Codes codes;
   ToldBy told_by = ToldBy::kNobody;
   capture::SensorConstants constants;
   std::string event_model = "reference-aware";
-  capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;  ///< the input of the model
+  capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;  ///< input of the model
 };
 
-/// Returns true if anything but the model itself tells which patterns the camera showed.
+/// Returns true if a source other than the model itself states which patterns the camera showed.
 [[nodiscard]] bool are_patterns_told(const std::optional<KnownCodes>& known);
 
-/// Returns the first of these patterns that there are: those of the caller, those of the file of the events, and those
-/// of the model, which also tells the constants. Returns nothing if there are none.
+/// Returns the patterns of the caller, or else those of the file of the events, or else those of the model, which also
+/// provides the constants. Returns nothing if no source has any.
 [[nodiscard]] std::optional<KnownCodes> known_codes(const std::optional<capture::Codes>& of_caller,
                                                     const std::optional<capture::Codes>& of_events,
                                                     const model::Model* model);
 
-/// Returns the patterns for a caller who names none: those of bundled_model(), or the built-in ones if it is missing.
+/// Returns the default patterns: those of bundled_model(), or the built-in ones if it is missing.
 /// Fails as read_patterns() does.
 [[nodiscard]] Result<capture::Codes> usual_patterns();
 
-/// Reads the patterns of a file of them or of a model file. Fails as read_codes() and read_model() do, and with
-/// kNotFound if the model holds none.
+/// Reads the patterns from a file of patterns or from a model file. Fails as read_codes() and read_model() do, and with
+/// kNotFound if the model contains none.
 [[nodiscard]] Result<capture::Codes> read_patterns(const std::filesystem::path& path);
 
 }  // namespace e2lf::pipeline

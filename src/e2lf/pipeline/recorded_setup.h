@@ -19,13 +19,14 @@ namespace e2lf::pipeline {
 /// header has no place for it.
 [[nodiscard]] Json setup_notes(const capture::RecordedSetup& setup, const std::filesystem::path& recording);
 
-/// Reads the setup of a recording from its header, or else from the run record beside it, if that describes a recording
-/// of this size. Fails as capture::codes_from_header() and camera_from_header() do.
+/// Reads the setup of a recording from its header, or else from the run record beside it if the record describes a
+/// recording of this size. Fails as capture::codes_from_header() and camera_from_header() do.
 [[nodiscard]] Result<capture::RecordedSetup> recorded_setup(const std::filesystem::path& recording,
                                                             const recordings::RecordingInfo& info);
 
-/// Returns the setup of a recording that is divided into cycles. Its patterns are those between which the event images
-/// of the reader lie if they are those of the schedule, which may also state the orientation of the views.
+/// Returns the setup of a recording that is divided into cycles. If its patterns are those of the schedule, they are
+/// reduced to the patterns between which the reader forms event images. The orientation of the views is that of the
+/// schedule if it states one.
 [[nodiscard]] Result<capture::RecordedSetup> setup_of_cycles(const std::filesystem::path& recording,
                                                              const cycles::CycleReader& reader);
 

@@ -11,23 +11,23 @@
 
 namespace e2lf::pipeline {
 
-/// A simulated camera whose events are counted pattern by pattern.
+/// A simulated camera whose events are accumulated per transition.
 struct SimulatedCamera {
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
   capture::Codes codes;
   capture::SensorProfile profile = {};  ///< physical pixels, or an event model of the paper with its constants
-  float gain = 1.0F, residue = 0.0F;    ///< see sensor::EventModelOptions; physical pixels have no use for the residue
+  float gain = 1.0F, residue = 0.0F;    ///< see sensor::EventModelOptions; physical pixels ignore the residue
   uint64_t seed = 0;
 };
 
-/// Returns the seed of the noise of one cycle of a static scene. The thresholds of physical pixels, which stay from
-/// cycle to cycle, have the seed of the camera.
+/// Returns the seed for the noise of one cycle of a static scene. The thresholds of physical pixels do not change from
+/// cycle to cycle and are generated from the seed of the camera.
 [[nodiscard]] inline uint64_t cycle_seed(uint64_t seed, uint64_t cycle) {
   return seed + cycle;
 }
 
-/// Simulates what is measured in one cycle of a static scene: its events, if the measurement has any, and its intensity
-/// images. Fails as sensor::simulate_events(), sensor::simulate_pixel_events() and sensor::measure_images() do.
+/// Simulates the measurement of one cycle of a static scene: event images, intensity images or both. Fails as
+/// sensor::simulate_events(), sensor::simulate_pixel_events() and sensor::measure_images() do.
 [[nodiscard]] Result<capture::Measurement> simulate_cycle(const SimulatedCamera& camera,
                                                           const lightfield::LightField& scene, uint64_t cycle);
 

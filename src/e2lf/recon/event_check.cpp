@@ -13,11 +13,11 @@
 namespace e2lf::recon {
 namespace {
 
-constexpr size_t kResidueParts = 5;  // of a threshold, from none to all of it
+constexpr size_t kResidueParts = 5;  // number of residues from 0 to 1 thresholds
 using Differences = std::array<uint64_t, kResidueParts>;
 
-/// How far the counts of one pixel are from the given ones, for each place where its reference may start. The levels
-/// are the same for all of them, so logarithms are taken once.
+/// Computes the difference between simulated and given counts of a pixel for each residue. The levels are the same for
+/// all residues, so that logarithms are computed once.
 class PixelCheck {
  public:
   PixelCheck(const EventCheck& check, const capture::CodedIntensities& intensities, float gain,
@@ -49,10 +49,10 @@ class PixelCheck {
   const capture::EventImages& given_;
   float inverse_gain_, eps_, tau_;
   bool is_reference_aware_;
-  std::vector<float> levels_;  ///< of the pixel at hand
+  std::vector<float> levels_;  ///< log intensities of the current pixel
 };
 
-/// The camera with nothing that differs from pixel to pixel: what its counts are in the middle.
+/// Returns the camera without noise and mismatch, and with the mean reference after black.
 capture::SensorProfile average_pixels(capture::SensorProfile camera) {
   using enum capture::PixelConstant;
   camera = capture::without_noise(std::move(camera));
@@ -82,7 +82,7 @@ Result<EventError> event_error(const EventCheck& check, const lightfield::LightF
   if (check.codes.num_patterns != given.transitions + 1) {
     return Error{ErrorCode::kShape,
                  cat("the codes have ", check.codes.num_patterns, " patterns, the events ", given.transitions,
-                     " transitions; give the codes that the events were made with"),
+                     " transitions; give the codes with which the events were recorded"),
                  ""};
   }
   if (light_field.shape().height != given.height || light_field.shape().width != given.width) {

@@ -13,27 +13,27 @@
 
 namespace e2lf::recon {
 
-/// What the camera did, as far as the check of a light field against its events asks.
+/// The camera with which the events were recorded, for the check of a light field against its events.
 struct EventCheck {
   capture::Codes codes;
   capture::SensorConstants constants;
   sensor::EventModel model = sensor::EventModel::kReferenceAware;
-  std::optional<capture::SensorProfile> pixels = {};  ///< physical ones, in place of constants and model
+  std::optional<capture::SensorProfile> pixels = {};  ///< physical pixels, which replace `constants` and `model`
 };
 
 /// Means of |simulated - given| over pixels and transitions.
 struct EventError {
-  double at_first = 0;   ///< every pixel's reference at the first log intensity, as in the paper's model
-  double least = 0;      ///< references a part of a threshold above that, the same for all pixels: the best of quarters
-  double residue = 0.0;  ///< that part, 0..1
+  double at_first = 0;   ///< if references start at the first log intensity, as in the paper's model
+  double least = 0;      ///< if they start at the best residue of 0, 1/4, ..., 1 thresholds above it
+  double residue = 0.0;  ///< that residue, in thresholds
 };
 
-/// How well a reconstruction explains the events it was made from: its coded intensities are counted without noise by
-/// Eq. 8 or Eq. 9, 10 and compared. Physical pixels count as sensor::simulate_pixel_events() does, without noise and
-/// mismatch and with references in the middle of where black leaves them; at_first and least are the same then. Needs
-/// no true light field, so it also judges real captures, whose references may start above black. `gain` is what the
-/// light field has been multiplied with. Fails with kShape when the codes do not have one pattern more than there are
-/// transitions, and as sensor::coded_intensities() does.
+/// Computes how well a reconstruction explains its events: the events of its coded intensities are simulated without
+/// noise by Eq. 8, or Eq. 9 and 10, and compared with the given ones. Physical pixels are simulated as by
+/// sensor::simulate_pixel_events(), without noise and mismatch, and with the mean reference after black; at_first and
+/// least are equal in this case. No ground truth is needed, so that real captures, whose references may have a residue,
+/// can be checked. `gain` is the factor by which the light field was multiplied. Fails with kShape unless there is one
+/// pattern more than transitions, and as sensor::coded_intensities() does.
 [[nodiscard]] Result<EventError> event_error(const EventCheck& check, const lightfield::LightField& light_field,
                                              float gain, const capture::EventImages& given);
 

@@ -11,14 +11,14 @@
 namespace e2lf::recon {
 namespace {
 
-// docs/troubleshooting.md says how often these levels are wrong.
+// docs/troubleshooting.md states how often these thresholds are wrong.
 constexpr double kGoodRatio = 1.15;
 constexpr double kWrongRatio = 1.5;
-constexpr double kRivalRatio = 1.2;        // of the error to the rival's
-constexpr double kLeastNoiseError = 0.05;  // counts: a camera without noise still rounds
-constexpr double kChangedRatio = 0.97;     // of the error of changed events to that of the given ones
-constexpr double kClearRatio = 0.8;        // the same, where the given events are explained as well
-constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // ratios of events that are right
+constexpr double kRivalRatio = 1.2;        // ratio of the error to that of the rival
+constexpr double kLeastNoiseError = 0.05;  // in counts, because a camera without noise still rounds
+constexpr double kChangedRatio = 0.97;     // ratio of the error of changed events to that of the given ones
+constexpr double kClearRatio = 0.8;        // the same if the given events are explained as well as noise permits
+constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `ratio` for correct events
 constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
 constexpr uint64_t kSeed = 1;
 
@@ -38,7 +38,7 @@ capture::EventImages crop(const capture::EventImages& events, const lightfield::
   return part;
 }
 
-/// The same camera as a window of the picture sees it.
+/// Returns the same camera for a window in the middle of the image.
 EventCheck in_window(EventCheck check, double share_of_width) {
   if (!check.pixels) return check;
   for (auto* slopes : {&check.pixels->transmission_slope_x, &check.pixels->transmission_slope_y}) {
@@ -57,7 +57,7 @@ Result<double> noise_error(const EventCheck& check, const lightfield::LightField
   return error.least;
 }
 
-/// What may be wrong with events: their signs, or which transition each image belongs to.
+/// A possible mistake in the events: inverted signs, or another order of the transitions.
 struct Change {
   std::string name;
   bool inverts = false;
@@ -104,7 +104,7 @@ Result<double> error_of(const EventCheck& check, const Method& method, const cap
   return error.least;
 }
 
-/// Finds out whether changed events are explained better than the given ones.
+/// Determines whether changed events are explained better than the given ones.
 Result<void> compare_with_changed(const EventCheck& check, const Method& method, const capture::EventImages& events,
                                   EventJudgement& judgement) {
   const lightfield::CropRegion region = middle_of(events, kMostSideOfChanged);
@@ -122,8 +122,8 @@ Result<void> compare_with_changed(const EventCheck& check, const Method& method,
 
 Verdict verdict_of(const EventJudgement& judgement) {
   if (judgement.rival_error && judgement.error > kRivalRatio * *judgement.rival_error) return Verdict::kRivalBetter;
-  // One right scene in twenty is explained a little better in another order, so that events that are explained as well
-  // as their noise allows need a clear difference.
+  // One correct scene in twenty is explained slightly better in another order, so that a clear difference is required
+  // if the events are explained as well as their noise allows.
   const bool is_explained = judgement.ratio >= kLeastExplained && judgement.ratio <= kMostExplained;
   const double needed = is_explained ? kClearRatio : kChangedRatio;
   if (!judgement.change.empty() && judgement.changed_error < needed * judgement.unchanged_error) {

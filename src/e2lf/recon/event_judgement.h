@@ -11,11 +11,11 @@
 
 namespace e2lf::recon {
 
-/// One way from what was measured to a light field: a network or the inversion.
+/// A method that reconstructs a light field from a measurement: a network or the inversion.
 using Method =
     std::function<Result<lightfield::LightField>(const capture::Measurement& measurement, const ProgressFn& progress)>;
 
-/// Another camera that may have made the events, with the method that is told it.
+/// Another camera that may have recorded the events, and the method with its sensor profile.
 struct Rival {
   Method method;
   EventCheck check;
@@ -23,36 +23,36 @@ struct Rival {
 
 enum class Verdict {
   kGood,           ///< the events are explained about as well as their noise allows
-  kUsual,          ///< the errors of an ordinary reconstruction come on top of the noise
+  kUsual,          ///< the error exceeds that of the noise, as usual for a reconstruction
   kRivalBetter,    ///< the rival camera explains the events much better
   kChangedBetter,  ///< the events are explained much better with other signs or in another order
-  kWrong,          ///< the patterns or the polarity of the events are likely wrong
+  kWrong,          ///< the patterns or the polarity of the events are probably wrong
 };
 
-/// How the error of a light field against its events compares with what the camera's noise alone would make of it.
-/// That ratio has one scale for dark and bright scenes and for all cameras.
+/// The error of a light field against its events, relative to the error that the noise of the camera alone would cause.
+/// This ratio has the same scale for dark and bright scenes and for all cameras.
 struct EventJudgement {
-  double error = 0;                        ///< EventError::least in the middle of the picture
-  double noise_error = 0;                  ///< the same for the light field simulated again with the camera's noise
-  double ratio = 0;                        ///< of the two
+  double error = 0;                        ///< EventError::least in the middle of the image
+  double noise_error = 0;                  ///< the same for events simulated from the light field with noise
+  double ratio = 0;                        ///< error / noise_error
   std::optional<double> rival_error = {};  ///< EventError::least of the rival's light field
-  /// EventError::least of the best light field that is made of changed events, in a smaller window, and of the given
-  /// ones in that window; how they were changed: "with inverted polarity", "in the order 2, 0, 1". Without a method: 0.
+  /// EventError::least in a smaller window for the best change of the events and for the given events, 0 without a
+  /// method; and the change: "with inverted polarity", "in the order 2, 0, 1".
   double changed_error = 0, unchanged_error = 0;
   std::string change = {};
   Verdict verdict = Verdict::kGood;
 };
 
-/// Judges a light field by its events in a window of at most 512 px a side in the middle of the picture. The rival's
-/// light field is made there too. Where there is a `method`, it also makes light fields of the events with inverted
-/// signs, in reversed order and rotated, in a window of at most 192 px: wrong signs or a wrong order that `events` may
-/// have. The method must know the camera of `check`, otherwise the ratio and the comparison say nothing about the
-/// events. Fails as event_error() and the methods do.
+/// Judges a light field by its events in a window of at most 512x512 px in the middle of the image, in which the
+/// rival's light field is also reconstructed. If a `method` is given, it also reconstructs the events with inverted
+/// signs and in other orders, in a window of at most 192x192 px, to detect a wrong polarity or order. The method must
+/// use the sensor profile of `check`; otherwise, ratio and comparison are meaningless. Fails as event_error() and the
+/// methods do.
 [[nodiscard]] Result<EventJudgement> judge(const EventCheck& check, const lightfield::LightField& light_field,
                                            const capture::EventImages& events, const std::optional<Rival>& rival,
                                            const Method& method = {});
 
-/// The words of a run record: "good", "usual", "rival-better", "changed-better", "wrong".
+/// Returns the name for the run record: "good", "usual", "rival-better", "changed-better" or "wrong".
 [[nodiscard]] const char* verdict_name(Verdict verdict);
 
 }  // namespace e2lf::recon

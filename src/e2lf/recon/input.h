@@ -33,7 +33,7 @@ struct InputConditions {
                                                 std::span<const model::InputGroup> groups,
                                                 const InputConditions& conditions, size_t size_multiple = 1);
 
-/// The same into `planes`, whose memory is used again.
+/// Computes the same input in `planes`, whose memory is reused.
 [[nodiscard]] Result<void> network_input(const capture::Measurement& measurement,
                                          std::span<const model::InputGroup> groups, const InputConditions& conditions,
                                          size_t size_multiple, InputPlanes& planes);

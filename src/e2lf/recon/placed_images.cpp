@@ -48,7 +48,7 @@ Result<size_t> black_pattern(const capture::EventImages& images, const capture::
   while (black < codes.num_patterns && !is_black(black)) ++black;
   if (black == codes.num_patterns) {
     return Error{ErrorCode::kInvalidValue,
-                 "no pattern is black, so events do not tell intensities; use a trained model", ""};
+                 "no pattern is black, so events do not determine intensities; use a trained model", ""};
   }
   if (images.transitions + 1 != codes.num_patterns) {
     return Error{ErrorCode::kShape,

@@ -93,7 +93,7 @@ Result<void> Reconstructor::check(const capture::Measurement& measurement) const
   if (wanted != capture::MeasurementKind::kLensArray || has_lenses) return {};
   return Error{ErrorCode::kShape,
                cat("an image of ", images.width, "x", images.height,
-                   " is not made of whole lenses; cut it to multiples of ", capture::kLensPixels, " pixels"),
+                   " does not consist of complete lenses; crop it to multiples of ", capture::kLensPixels, " pixels"),
                ""};
 }
 

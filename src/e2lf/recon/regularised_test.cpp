@@ -23,7 +23,7 @@ capture::EventImages events_of(const LightField& scene, const capture::SensorCon
   return sensor::simulate_events(capture::default_codes(), scene, options).value();
 }
 
-LightField plane(float disparity) {
+LightField textured_plane(float disparity) {
   return lightfield::render_light_field(lightfield::textured_plane_scene(disparity), {8, 8, 64, 80, 1});
 }
 
@@ -47,7 +47,7 @@ TEST(Regularised, AnEvenSceneStaysEvenAndWithinHalfAThreshold) {
 }
 
 TEST(Regularised, IsBetterThanTheInversionOnANoisyPlane) {
-  const LightField scene = plane(1.0F);
+  const LightField scene = textured_plane(1.0F);
   const capture::SensorConstants paper;
   const auto images = events_of(scene, paper);
   const LightField regularised = reconstruct_regularised(images, capture::default_codes(), paper).value();
@@ -56,7 +56,7 @@ TEST(Regularised, IsBetterThanTheInversionOnANoisyPlane) {
 }
 
 TEST(Regularised, SmoothnessReducesTheTotalVariation) {
-  const auto images = events_of(plane(0.5F), {});
+  const auto images = events_of(textured_plane(0.5F), {});
   const auto variation = [&](float smoothness) {
     RegularisedOptions options;
     options.smoothness = smoothness;
@@ -72,7 +72,7 @@ TEST(Regularised, SmoothnessReducesTheTotalVariation) {
 }
 
 TEST(Regularised, TheNumberOfThreadsChangesNothing) {
-  const auto images = events_of(plane(0.5F), {});
+  const auto images = events_of(textured_plane(0.5F), {});
   RegularisedOptions options;
   options.iterations = 5;
   set_num_threads(1);
@@ -84,7 +84,7 @@ TEST(Regularised, TheNumberOfThreadsChangesNothing) {
 }
 
 TEST(Regularised, TellsItsProgressToTheEnd) {
-  const auto images = events_of(plane(0.5F), {});
+  const auto images = events_of(textured_plane(0.5F), {});
   RegularisedOptions options;
   options.iterations = 4;
   size_t calls = 0, last = 0;

@@ -11,8 +11,8 @@ namespace e2lf::recon {
 /// The prior for the views of a light field at one (disparity-corrected) point.
 struct ViewPrior {
   double correlation_length = 8.0;  ///< in view steps: correlation exp(-distance^2 / (2 length^2))
-  double noise = 0.3;  ///< variance of a normalised coded image relative to that of a view; | must be positive if two
-                       ///< patterns are alike
+  double noise = 0.3;  ///< variance of the noise of a normalised coded image relative to the variance of a view; must
+                       ///< be positive if two patterns are alike
 };
 
 /// Computes the best linear unbiased estimate of each view from the coded images J_n = I_n / (share of open cells), as

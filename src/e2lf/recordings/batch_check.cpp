@@ -107,7 +107,8 @@ Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, 
     if (given == 0) return {};
     if (stated != 0 && stated != given) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("the file says its ", what, " is ", stated, ", not ", given, "; leave the option out"), name};
+                   cat("the file states that its ", what, " is ", stated, ", not ", given, "; leave the option out"),
+                   name};
     }
     stated = given;
     return {};

@@ -52,7 +52,7 @@ class BlockReader final : public RecordingReader {
 
   Result<void> seek_before(int64_t t_us) override {
     E2LF_RETURN_IF_ERROR(blocks_->seek_before(t_us));
-    // Triggers behind the last event of a part put the times of the next ones off.
+    // Triggers after the last event of a part delay the times of the later parts, so that seeking starts at the front.
     if (!blocks_->restarts().empty()) E2LF_RETURN_IF_ERROR(blocks_->seek_before(INT64_MIN));
     events_.clear();
     next_ = part_ = 0;
@@ -84,23 +84,23 @@ class BlockReader final : public RecordingReader {
     return {};
   }
 
-  /// What the times of the part at hand were moved by.
+  /// Returns the shift of the times of the current part.
   [[nodiscard]] int64_t shift_us() const { return part_ == 0 ? 0 : blocks_->restarts()[part_ - 1].shift_us; }
 
-  /// When the part behind the one at hand begins; times of blocks.
+  /// Returns the first time of the next part on the clock of the blocks, or INT64_MAX if none is known.
   [[nodiscard]] int64_t part_end_us() const {
     const std::span<const Restart> restarts = blocks_->restarts();
     return part_ == restarts.size() ? INT64_MAX : restarts[part_].after_us + restarts[part_].shift_us;
   }
 
-  /// Where the part at hand ends in events_.
+  /// Returns the end of the current part in events_.
   [[nodiscard]] size_t part_end() const {
     if (events_.empty() || events_.t.back() < part_end_us()) return events_.size();
     const auto from = events_.t.begin() + static_cast<ptrdiff_t>(next_);
     return static_cast<size_t>(std::lower_bound(from, events_.t.end(), part_end_us()) - events_.t.begin());
   }
 
-  /// Whether all events of the part at hand have been handed out and there is a later one.
+  /// Returns true if all events of the current part were returned and a later part follows.
   [[nodiscard]] bool is_part_over() const {
     if (part_end_us() == INT64_MAX) return false;
     return next_ == events_.size() ? has_ended_ : part_end() == next_;
@@ -110,12 +110,12 @@ class BlockReader final : public RecordingReader {
     const Restart restart = blocks_->restarts()[part_];
     ++part_;
     triggers_apart_.begin_part();
-    // Where nothing of a part was believable, the next one follows the part in front of it.
+    // If no event of a part was plausible, the next part follows the previous one directly.
     if (last_us_ > -kTimeLimitUs) begin_part(restart.byte, last_us_);
     last_trigger_us_ = last_us_ = -kTimeLimitUs;
   }
 
-  /// Hands out the triggers of this part up to a time of the blocks; whether there are more.
+  /// Appends the triggers of this part up to a time on the clock of the blocks. Returns true if more remain.
   Result<bool> take_triggers(EventBatch& batch, int64_t until_us, size_t max_triggers) {
     const size_t begin = batch.triggers.size();
     bool more = take_block_triggers(batch, std::min(until_us, part_end_us() - 1), max_triggers);
@@ -148,13 +148,13 @@ class BlockReader final : public RecordingReader {
   TriggerFeed triggers_apart_;
   EventGate gate_;
   EventBatch block_;
-  EventColumns events_;  ///< believable and not yet handed out, from next_ on; times of the blocks, which go on
+  EventColumns events_;  ///< plausible events, not yet returned from next_ on, with the continuous times of the blocks
   size_t next_ = 0;
   std::deque<Trigger> triggers_;
-  size_t part_ = 0;                          ///< how many restarts of the blocks are in front of next_
-  int64_t last_trigger_us_ = -kTimeLimitUs;  ///< of those handed out in this part
-  int64_t last_us_ = -kTimeLimitUs;          ///< of all that was handed out in this part
-  bool has_ended_ = false;                   ///< there are no more blocks
+  size_t part_ = 0;                          ///< number of restarts of the blocks before next_
+  int64_t last_trigger_us_ = -kTimeLimitUs;  ///< time of the last trigger that was returned in this part
+  int64_t last_us_ = -kTimeLimitUs;          ///< latest time that was returned in this part
+  bool has_ended_ = false;                   ///< whether all blocks were read
 };
 
 }  // namespace

@@ -15,13 +15,13 @@ struct SensorRegion {
   bool operator==(const SensorRegion&) const = default;
 };
 
-/// What a live camera is set to before it starts. What is not given stays as the camera has it.
+/// The settings that are applied to a live camera before it starts. Empty settings are left as the camera has them.
 struct CameraSetup {
-  /// Trigger inputs to switch on: "main", "aux", or the number that their triggers have; "none" = off. Empty = every
-  /// input that the camera has.
+  /// Trigger inputs to enable: "main", "aux", or the number of their triggers; "none" disables all. Empty = all inputs
+  /// of the camera.
   std::vector<std::string> trigger_channels = {};
-  std::filesystem::path biases = {};              ///< a file of biases, as the vendor's programs write it (.bias)
-  std::optional<uint32_t> max_events_per_s = {};  ///< of the event rate controller, which drops more; 0 = off
+  std::filesystem::path biases = {};              ///< a file of biases, as written by the vendor's programs (.bias)
+  std::optional<uint32_t> max_events_per_s = {};  ///< limit of the event rate controller, which drops events; 0 = off
   std::vector<SensorRegion> regions = {};         ///< the pixels that send events; empty = all
   std::string encoding = {};                      ///< "evt2", "evt2.1", "evt3"
   bool operator==(const CameraSetup&) const = default;

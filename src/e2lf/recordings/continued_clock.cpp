@@ -44,7 +44,7 @@ class ContinuedClock final : public EventBlocks {
   uint64_t block_byte() const override { return block_byte_; }
   size_t event_bytes() const override { return blocks_->event_bytes(); }
 
-  /// The blocks know the clock of the first part only.
+  /// The blocks can only seek by the clock of the first part.
   Result<void> seek_before(int64_t t_us) override {
     has_restarted_ |= !restarts_.empty();
     restarts_.clear();
@@ -60,7 +60,7 @@ class ContinuedClock final : public EventBlocks {
  private:
   [[nodiscard]] int64_t shift_us() const { return restarts_.empty() ? 0 : restarts_.back().shift_us; }
 
-  /// Drops times that could not be moved without overflow.
+  /// Drops events and triggers whose times could not be shifted without overflow.
   void drop_impossible_times(EventBatch& block, DecodeSummary& summary) const {
     EventColumns& events = block.events;
     bool are_possible = true;
@@ -83,7 +83,7 @@ class ContinuedClock final : public EventBlocks {
     has_on_ = has_off_ = false;
   }
 
-  /// Moves the times of later parts; an event that may begin one and has too few events behind it waits.
+  /// Shifts the times of later parts. Withholds an event that may begin a part until enough events follow it.
   void continue_events(EventColumns& events) {
     size_t begin = 0, end = events.size();
     for (size_t i = find_fall(events.t, 0); i < end; i = find_fall(events.t, i + 1)) {
@@ -104,7 +104,7 @@ class ContinuedClock final : public EventBlocks {
     events.resize(end);
   }
 
-  /// Takes events as those of the part at hand.
+  /// Adds events to the current part.
   void accept(EventColumns& events, size_t begin, size_t end) {
     if (begin == end) return;
     if (order_ == EventOrder::kAny && !(has_on_ && has_off_)) {
@@ -121,10 +121,10 @@ class ContinuedClock final : public EventBlocks {
     }
   }
 
-  /// Whether the clock starts again with event i, which falls behind those of history_.
+  /// Returns true if the clock starts again at event i, whose time is before those in history_.
   [[nodiscard]] bool starts_again(const EventColumns& events, size_t i) const {
     if (restarts_.size() == DecodeSummary::kMaxGaps || history_.size() < kMinRestartWitnesses) return false;
-    // A few damaged times on either side are not enough, nor is a stretch of one time, as of zeroed bytes.
+    // A few damaged times on either side are not sufficient, nor is a run of equal times, for example of zeroed bytes.
     if (history_.front() == history_.back()) return false;
     size_t rising = 1, later = 0;
     for (size_t k = 1; k < history_.size(); ++k) rising += history_[k] >= history_[k - 1];
@@ -138,8 +138,7 @@ class ContinuedClock final : public EventBlocks {
            (order_ == EventOrder::kByTime || !is_sorted_otherwise(events, i));
   }
 
-  /// Whether the events behind a fall are in the order of their rows or columns, or those of one polarity that follow
-  /// those of the other.
+  /// Returns true if the events after a decrease are sorted by row, column or polarity rather than by time.
   [[nodiscard]] bool is_sorted_otherwise(const EventColumns& events, size_t i) const {
     const size_t count = std::min(events.size() - i, kRestartWitnesses);
     const auto on = std::count(&events.p[i], &events.p[i] + count, 1);
@@ -149,12 +148,13 @@ class ContinuedClock final : public EventBlocks {
            is_monotonic(std::span<const uint16_t>(&events.y[i], count));
   }
 
-  /// Moves the triggers of later parts; those that fall before the events do wait for at most kMostBlocks blocks.
+  /// Shifts the triggers of later parts. Triggers whose time decreases earlier than that of the events are withheld for
+  /// at most kMostBlocks blocks.
   void continue_triggers(EventBatch& block, size_t known_parts) {
     if (waiting_triggers_.empty() && block.triggers.empty()) return;
     waiting_triggers_.insert(waiting_triggers_.end(), block.triggers.begin(), block.triggers.end());
     block.triggers.clear();
-    // Of a block behind the one with the later part's first event.
+    // The triggers of a block after the one with the first event of a part belong to that part.
     trigger_part_ = std::max(trigger_part_, known_parts);
     size_t taken = 0;
     for (const Trigger& trigger : waiting_triggers_) {
@@ -172,7 +172,7 @@ class ContinuedClock final : public EventBlocks {
     blocks_waited_ = taken > 0 || waiting_triggers_.empty() ? 0 : blocks_waited_ + 1;
   }
 
-  /// The first event at or behind `from` whose time falls by kMinRestartUs.
+  /// Returns the first event at or after `from` whose time decreases by kMinRestartUs or more.
   [[nodiscard]] size_t find_fall(const Column<int64_t>& t, size_t from) const {
     constexpr size_t kStep = 512;
     if (from == 0 && !t.empty()) {
@@ -196,13 +196,13 @@ class ContinuedClock final : public EventBlocks {
   std::unique_ptr<EventBlocks> blocks_;
   EventOrder order_;
   std::vector<Restart> restarts_;
-  std::vector<int64_t> history_;           ///< the last times of the part at hand, as they were read
-  bool has_on_ = false, has_off_ = false;  ///< events of this part
+  std::vector<int64_t> history_;           ///< the last times of the current part, before the shift
+  bool has_on_ = false, has_off_ = false;  ///< whether this part has such events
   EventColumns waiting_;
   std::vector<Trigger> waiting_triggers_;
-  int blocks_waited_ = 0;                ///< by triggers
-  int64_t last_trigger_us_ = INT64_MIN;  ///< as it was read
-  size_t trigger_part_ = 0;              ///< how many restarts are in front of the triggers at hand
+  int blocks_waited_ = 0;                ///< number of blocks for which triggers were withheld
+  int64_t last_trigger_us_ = INT64_MIN;  ///< before the shift
+  size_t trigger_part_ = 0;              ///< number of restarts before the next triggers
   uint64_t block_byte_ = 0;
   bool has_restarted_ = false, has_ended_ = false;
 };

@@ -7,15 +7,15 @@
 
 namespace e2lf::recordings {
 
-/// Whether a format promises events in the order of time. Where it does not, events that are sorted by something else
-/// (row, column, polarity) look as if the clock started again and again.
+/// Whether the events of a format are in order of time. If they may be in any order, events that are sorted by another
+/// key (row, column, polarity) are not mistaken for restarts of the clock.
 enum class EventOrder { kByTime, kAny };
 
-/// Returns `blocks` with the times of each part behind a restart of the clock (restart.h) moved behind those of the
-/// part in front of it, so that all times go on; EventBlocks::restarts() says where and by how much. A fall is a
-/// restart if the times in front of it rise and are later, and those behind it go on from it. Events wait for at most
-/// kRestartWitnesses later ones, and each call of next() reads a block or ends. Triggers of a later part are known by
-/// their own fall, or by standing in a block behind it.
+/// Makes times continuous across restarts of the clock (restart.h): the times of each later part are shifted so that
+/// they follow those of the previous part. EventBlocks::restarts() returns the positions and the shifts. A decrease is
+/// a restart if the times before it increase and are later, and the times after it continue from it. Events are delayed
+/// until at most kRestartWitnesses later ones are known, and each call of next() reads one block or returns false.
+/// Triggers belong to the later part if they follow a decrease of their own times, or a block with a restart.
 [[nodiscard]] std::unique_ptr<EventBlocks> make_continued(std::unique_ptr<EventBlocks> blocks, EventOrder order);
 
 }  // namespace e2lf::recordings

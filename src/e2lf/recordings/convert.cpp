@@ -19,7 +19,7 @@ void warn(ConvertReport& report, const std::string& message) {
 Error nothing_to_convert(const RecordingReader& reader) {
   const OpenOptions& options = reader.options();
   const std::vector<Loss> left_out = losses(reader.summary());
-  std::string message = "there is no event and no trigger";
+  std::string message = "there are no events and no triggers";
   if (options.from_us != INT64_MIN || options.to_us != INT64_MAX) {
     message += options.range == TimeOrigin::kZero ? " in this time after the first one" : " in this time on its clock";
   }

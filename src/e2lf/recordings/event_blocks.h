@@ -10,32 +10,33 @@
 
 namespace e2lf::recordings {
 
-/// A source of events in blocks of a size it chooses: what a container format implements.
+/// A source that delivers events in blocks of its own choice; the interface that container formats implement.
 class EventBlocks {
  public:
   virtual ~EventBlocks() = default;
 
-  /// Replaces `block` by the next one, maybe empty; false at the end. Events need not be believable yet, and triggers
-  /// may come before or after the events of their time; one earlier than the trigger before it is dropped.
+  /// Replaces `block` by the next one, which may be empty. Returns false at the end. Events may be implausible, and
+  /// triggers may be delivered before or after the events of their time; a trigger before its predecessor is dropped.
   [[nodiscard]] virtual Result<bool> next(EventBatch& block, DecodeSummary& summary) = 0;
 
-  /// Where in the file the block of the last next() begins; 0 = not known.
+  /// Returns the position in the file of the block of the last next(); 0 = unknown.
   [[nodiscard]] virtual uint64_t block_byte() const { return 0; }
 
-  /// How many bytes an event takes there; 0 = they differ.
+  /// Returns the size of an event in the file, in bytes; 0 = not constant.
   [[nodiscard]] virtual size_t event_bytes() const { return 0; }
 
-  /// The restarts of the clock among what next() has read since the start or the last seek, whose times go on
+  /// Returns the restarts of the clock in the blocks since the start or the last seek, whose times were made continuous
   /// (continued_clock.h): the first event of the later part is at after_us + shift_us.
   [[nodiscard]] virtual std::span<const Restart> restarts() const { return {}; }
 
-  /// Goes to a block that begins before t_us, as near as is cheap, or to the first. Fails with kUnsupported and kIo.
+  /// Seeks to a block that begins before t_us, as close as is possible at low cost, or to the first block. Fails with
+  /// kUnsupported and kIo.
   [[nodiscard]] virtual Result<void> seek_before(int64_t t_us) = 0;
 };
 
-/// A reader over blocks: cuts them to the batches asked for, drops unbelievable events (EventGate), begins a part at
-/// each of restarts(), and hands triggers out beside the events of their time; they come from the blocks or, where they
-/// lie apart, from `triggers`.
+/// Creates a reader of blocks. It divides them into the requested batches, drops implausible events (EventGate), begins
+/// a part at each of restarts(), and delivers triggers with the events of their time; these come from the blocks or, if
+/// they are stored separately, from `triggers`.
 [[nodiscard]] std::unique_ptr<RecordingReader> make_block_reader(std::unique_ptr<EventBlocks> blocks,
                                                                  RecordingInfo info, const std::string& name,
                                                                  const OpenOptions& options, TriggerFeed triggers = {});

@@ -27,7 +27,7 @@ bool EventGate::all_believable(const EventColumns& events, size_t begin) const {
   return (outside | backwards) == 0 && in_time;
 }
 
-/// Returns behind which event of those from `begin` on nothing is left.
+/// Moves the plausible events of [begin, end) to the front and returns their end.
 size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t end, uint64_t byte,
                                       DecodeSummary& summary) {
   const auto time_at = [&](size_t i) { return events.t[i]; };

@@ -11,8 +11,8 @@ namespace e2lf::recordings {
 
 inline constexpr size_t kTimeLookAhead = 16;
 
-/// Whether time i of `count` is later than most of its kTimeLookAhead successors, those before `last_us` not counted:
-/// then it, and not they, is damaged.
+/// Returns true if time i of `count` is later than most of its next kTimeLookAhead successors, not counting those
+/// before `last_us`. In this case, it is damaged, and not its successors.
 template <typename TimeAt>
 [[nodiscard]] bool is_ahead_of_successors(size_t i, size_t count, int64_t last_us, const TimeAt& time_at) {
   const int64_t t = time_at(i);
@@ -26,25 +26,25 @@ template <typename TimeAt>
   return 2 * earlier > counted;
 }
 
-/// Sorts out what damage has left unbelievable among events that carry their own full time (DAT, AEDAT4, CSV, npy):
-/// an event outside the sensor (kOutOfRange), an event before its predecessor (kTimeBackwards), and an event later than
-/// most of its kTimeLookAhead successors or beyond kTimeLimitUs (kTimeJump), so that one flipped bit costs one event
-/// and not all that follow. The last kTimeLookAhead events wait for their successors until the next call.
+/// Removes implausible events from formats whose events contain their full time (DAT, AEDAT4, CSV, npy): events outside
+/// the sensor (kOutOfRange), events before their predecessor (kTimeBackwards), and events later than most of their next
+/// kTimeLookAhead successors or beyond kTimeLimitUs (kTimeJump). A flipped bit therefore removes one event and not all
+/// that follow. The last kTimeLookAhead events are withheld until the next call provides their successors.
 class EventGate {
  public:
-  /// The sensor's size in pixels; 0 = unlimited. `record_bytes` turns event numbers into bytes for the summary; 0 =
-  /// report the byte where the batch begins.
+  /// `width` and `height` are the size of the sensor in px; 0 = unlimited. `record_bytes` is the size of an event in
+  /// the file, from which the summary computes positions; 0 = report the position of the batch.
   EventGate(size_t width, size_t height, size_t record_bytes)
       : width_(width), height_(height), record_bytes_(record_bytes) {}
 
-  /// Appends the events that wait to `events`; newly decoded ones are then appended behind them.
+  /// Appends the withheld events to `events`; the caller appends newly decoded ones after them.
   void release(EventColumns& events);
 
-  /// Removes unbelievable events from [begin, end) of `events` and counts them; `is_end` when no event follows.
-  /// `byte` is where the first of those that did not wait is in the file.
+  /// Removes implausible events from `begin` to the end of `events` and counts them. `is_end` states that no event
+  /// follows. `byte` is the position in the file of the first event that was not withheld.
   void filter(EventColumns& events, size_t begin, bool is_end, uint64_t byte, DecodeSummary& summary);
 
-  /// Forgets time and waiting events: the reader went elsewhere.
+  /// Discards the last time and the withheld events, after the reader has moved to another position.
   void reset();
 
  private:
@@ -54,7 +54,7 @@ class EventGate {
   size_t width_, height_, record_bytes_;
   int64_t last_us_ = -kTimeLimitUs;
   EventColumns waiting_;
-  size_t num_released_ = 0;  ///< of the events that filter() is about to see waited before
+  size_t num_released_ = 0;  ///< number of withheld events among those of the next filter()
 };
 
 }  // namespace e2lf::recordings

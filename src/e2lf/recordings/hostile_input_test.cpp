@@ -16,7 +16,7 @@ namespace e2lf::recordings {
 namespace {
 
 template <typename T>
-NpyArray column(std::vector<T> values) {
+NpyArray npy_column(std::vector<T> values) {
   return make_npy<T>({values.size()}, values);
 }
 
@@ -32,8 +32,8 @@ TEST(HostileNpz, ColumnsOfDifferentLengthsAreRefusedWhicheverIsShort) {
   for (const char* shortened : {"x", "y", "p", "t", "trigger_t", "trigger_p", "trigger_id"}) {
     NpzArrays arrays;
     for (const char* key : {"x", "y", "p", "t", "trigger_t", "trigger_p", "trigger_id"}) {
-      arrays.emplace(key, column<int64_t>(key == std::string(shortened) ? std::vector<int64_t>{}
-                                                                        : std::vector<int64_t>{1, 1, 1, 1, 1}));
+      arrays.emplace(key, npy_column<int64_t>(key == std::string(shortened) ? std::vector<int64_t>{}
+                                                                            : std::vector<int64_t>{1, 1, 1, 1, 1}));
     }
     const auto batch = read_bytes(encode_npz(arrays), "npz");
     ASSERT_FALSE(batch.ok()) << shortened;
@@ -43,8 +43,8 @@ TEST(HostileNpz, ColumnsOfDifferentLengthsAreRefusedWhicheverIsShort) {
 
 TEST(HostileNpz, TimesBeyondAnyClockAreDropped) {
   NpzArrays arrays;
-  arrays.emplace("t", column<int64_t>({INT64_MIN, 5, 6, INT64_MAX}));
-  for (const char* key : {"x", "y", "p"}) arrays.emplace(key, column<int32_t>({1, 1, 1, 1}));
+  arrays.emplace("t", npy_column<int64_t>({INT64_MIN, 5, 6, INT64_MAX}));
+  for (const char* key : {"x", "y", "p"}) arrays.emplace(key, npy_column<int32_t>({1, 1, 1, 1}));
   OpenOptions options;
   options.policy = DecodePolicy::kSkip;
   options.time = TimeOrigin::kZero;
@@ -154,7 +154,7 @@ TEST(HostileText, NamesThatBreakOffAreNoOrderOfColumns) {
   const auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options);
   ASSERT_FALSE(reader.ok());
   EXPECT_EQ(reader.error().code, ErrorCode::kFormat);
-  EXPECT_NE(reader.error().message.find("are not known"), std::string::npos);
+  EXPECT_NE(reader.error().message.find("are unknown"), std::string::npos);
 }
 
 TEST(RawWriter, RefusesTriggersThatTheEncodingWouldRename) {

@@ -69,8 +69,8 @@ Result<void> RecordingReader::join_part(int64_t first_us) {
     case RestartPolicy::kRefuse:
       return Error{ErrorCode::kFormat,
                    cat("the clock starts again here, from ", restart.before_us, " back to ", first_us,
-                       " us: the camera was restarted, or files were joined; `continue` moves the later part behind "
-                       "the earlier one, `split` keeps them apart"),
+                       " us: the camera was restarted, or files were joined; `continue` shifts the later part behind "
+                       "the earlier one, `split` keeps them separate"),
                    restart.byte == 0 ? name_ : cat(name_, ": byte ", restart.byte)};
   }
   summary_.add_restart(restart);

@@ -7,24 +7,25 @@
 
 namespace e2lf::recordings {
 
-/// What to do where the clock of a recording starts again: a camera was restarted, or recordings were joined.
+/// The treatment of a clock that starts again within a recording, because a camera was restarted or recordings were
+/// concatenated.
 enum class RestartPolicy {
-  kContinue,  ///< move the later part, so that its time goes on behind the earlier one
-  kSplit,     ///< keep the parts apart: RecordingReader::next_part()
-  kRefuse,    ///< an Error that names the place
+  kContinue,  ///< shift the later part so that its times follow those of the earlier part
+  kSplit,     ///< read the parts separately; see RecordingReader::next_part()
+  kRefuse,    ///< fail with an Error that states the position
 };
 
-/// Time that falls by less is a straggler or damage, never a restart. The recordings at hand step back by at most 11
-/// us; the coarse time of EVT3 comes in steps of 4,096 us, of which two are needed.
+/// Minimum decrease of a restart; times that decrease by less are late events or damage. Decreases of up to 11 us have
+/// been observed in recordings; the high bits of EVT3 times have steps of 4,096 us, of which two are required.
 inline constexpr int64_t kMinRestartUs = 8'000;
 
-/// How many of the times behind a fall are asked whether they go on from it, and how many there must be.
+/// Number of times after a decrease that are inspected, and the minimum number that must exist.
 inline constexpr size_t kRestartWitnesses = 64;
 inline constexpr size_t kMinRestartWitnesses = 8;
 
-/// Returns whether the clock starts again with time i of `count`, which is earlier than the one in front of it,
-/// last_us: it falls by kMinRestartUs, and three quarters of the kRestartWitnesses times behind it go on from it, as
-/// they rise and stay below last_us. Fewer times than `fewest` do not suffice; the caller makes sure that
+/// Returns true if the clock starts again at time i of `count`, whose predecessor is last_us: the time decreases by
+/// kMinRestartUs or more, and three quarters of the next kRestartWitnesses times continue from it, that is, they do not
+/// decrease and are before last_us. Returns false if fewer than `fewest` times follow; the caller ensures that
 /// kRestartWitnesses follow unless the recording ends.
 template <typename TimeAt>
 [[nodiscard]] bool is_restart(size_t i, size_t count, int64_t last_us, const TimeAt& time_at,
@@ -40,7 +41,7 @@ template <typename TimeAt>
     ++in_favour;
     latest_us = t_us;
   }
-  // A stretch of one time, as of zeroed bytes, is no clock that runs.
+  // A run of equal times, for example of zeroed bytes, is not a running clock.
   const bool runs = latest_us > first_us || asked == 0;
   return asked >= fewest && 4 * in_favour >= 3 * asked && runs;
 }

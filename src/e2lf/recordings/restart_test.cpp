@@ -50,18 +50,18 @@ Bytes joined(const EventBatch& first, const EventBatch& second, const std::strin
   return bytes;
 }
 
-struct Decoded {
+struct Continued {
   EventBatch batch;
   DecodeSummary summary;
-  bool operator==(const Decoded&) const = default;
+  bool operator==(const Continued&) const = default;
 };
 
-Decoded decode(std::unique_ptr<ByteSource> source, int threads, size_t max_events = RecordingReader::kDefaultBatch) {
+Continued decode(std::unique_ptr<ByteSource> source, int threads, size_t max_events = RecordingReader::kDefaultBatch) {
   OpenOptions options;
   options.policy = DecodePolicy::kSkip;
   options.threads = threads;
   auto reader = open_recording(std::move(source), options).value();
-  Decoded decoded;
+  Continued decoded;
   EventBatch batch;
   while (reader->read(batch, max_events).value()) {
     decoded.batch.events.append(batch.events);
@@ -71,7 +71,7 @@ Decoded decode(std::unique_ptr<ByteSource> source, int threads, size_t max_event
   return decoded;
 }
 
-Decoded decode(const Bytes& bytes, int threads, size_t max_events = RecordingReader::kDefaultBatch) {
+Continued decode(const Bytes& bytes, int threads, size_t max_events = RecordingReader::kDefaultBatch) {
   return decode(make_memory_source(std::span<const uint8_t>(bytes)), threads, max_events);
 }
 
@@ -121,7 +121,7 @@ class ClockThatStartsAgain : public testing::TestWithParam<Case> {
 TEST_P(ClockThatStartsAgain, GoesOnBehindTheEarlierPart) {
   int64_t shift_us = 0;
   const EventBatch expected = continued(first_, second_, shift_us, has_triggers_);
-  const Decoded one = decode(bytes_, 1);
+  const Continued one = decode(bytes_, 1);
   EXPECT_TRUE(one.batch == expected);
   ASSERT_EQ(one.summary.num_restarts, 1U);
   EXPECT_EQ(one.summary.restarts[0].shift_us, shift_us);
@@ -133,7 +133,7 @@ TEST_P(ClockThatStartsAgain, GoesOnBehindTheEarlierPart) {
     EXPECT_TRUE(decode(bytes_, threads, 64) == one) << threads;
   }
   for (const size_t step : {size_t{501}, size_t{70'001}}) {
-    const Decoded chunked = decode(std::make_unique<ChunkedSource>(bytes_, std::vector<size_t>(), step), 1);
+    const Continued chunked = decode(std::make_unique<ChunkedSource>(bytes_, std::vector<size_t>(), step), 1);
     EXPECT_TRUE(chunked.batch == expected) << step;
     EXPECT_EQ(chunked.summary.restarts, one.summary.restarts) << step;
   }
@@ -190,7 +190,7 @@ TEST(JoinedRecordings, OfOneClockKeepTheirTimes) {
   const EventBatch first = part_of(20'000, 1000, 3'000'000, 1);
   const EventBatch second = part_of(20'000, 5'000'000, 9'000'000, 2);
   for (const char* format : {"evt2", "evt2.1", "evt3"}) {
-    const Decoded both = decode(joined(first, second, format, true), 1);
+    const Continued both = decode(joined(first, second, format, true), 1);
     EXPECT_EQ(both.summary.num_restarts, 0U) << format;
     EXPECT_EQ(both.batch.events.t.back(), second.events.t.back()) << format;
     EXPECT_EQ(both.batch.events.size(), 40'000U) << format;
@@ -205,7 +205,7 @@ TEST(JoinedRecordings, AreFoundBehindACutWord) {
       bytes.resize(bytes.size() - cut);
       const Bytes later = encode(second, format);
       bytes.insert(bytes.end(), later.begin(), later.end());
-      const Decoded both = decode(bytes, 1);
+      const Continued both = decode(bytes, 1);
       EXPECT_EQ(both.summary.num_restarts, 1U) << format << cut;
       EXPECT_GE(both.batch.events.size(), 39'960U) << format << cut;
       EXPECT_EQ(both.batch.events.x.back(), second.events.x.back()) << format << cut;
@@ -257,7 +257,7 @@ TEST(ContainersOfTwoParts, GoOnBehindTheEarlierPart) {
     int64_t shift_us = 0;
     const EventBatch expected = continued(first, second, shift_us, bytes != &dat);
     for (const size_t max_events : {RecordingReader::kDefaultBatch, size_t{64}, size_t{1000}}) {
-      const Decoded decoded = decode(*bytes, 1, max_events);
+      const Continued decoded = decode(*bytes, 1, max_events);
       EXPECT_TRUE(decoded.batch == expected) << max_events;
       ASSERT_EQ(decoded.summary.num_restarts, 1U);
       EXPECT_EQ(decoded.summary.restarts[0].shift_us, shift_us);
@@ -285,7 +285,7 @@ TEST(DatOfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
   const EventBatch expected = continued(first, second, shift_us, false);
   const Bytes bytes = joined(first, second, "dat", true);
   EXPECT_TRUE(decode(bytes, 1).batch == expected);
-  const Decoded chunked = decode(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 501), 1);
+  const Continued chunked = decode(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 501), 1);
   EXPECT_TRUE(chunked.batch == expected);
   EXPECT_EQ(chunked.summary.num_violations(), 0U);
 }
@@ -301,7 +301,7 @@ TEST(DatOfThreeParts, GoesOnBehindAPartOfWhichNothingIsBelievable) {
   for (size_t at = begin - later.size(); at < begin; at += 8) bytes[at + 5] |= 0x20;
   int64_t shift_us = 0;
   const EventBatch expected = continued(first, second, shift_us, false);
-  const Decoded decoded = decode(bytes, 1);
+  const Continued decoded = decode(bytes, 1);
   EXPECT_TRUE(decoded.batch.events == expected.events);
   EXPECT_EQ(decoded.summary.num_restarts, 1U);
   EXPECT_EQ(decoded.summary.of(Violation::kOutOfRange).count, second.events.size());
@@ -314,7 +314,7 @@ TEST(Aedat4OfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
   bytes.insert(bytes.end(), later.begin(), later.end());
   int64_t shift_us = 0;
   const EventBatch expected = continued(first, second, shift_us);
-  const Decoded decoded = decode(bytes, 1);
+  const Continued decoded = decode(bytes, 1);
   EXPECT_TRUE(decoded.batch.events == expected.events);
   EXPECT_EQ(decoded.summary.num_violations(), 0U);
 }
@@ -350,7 +350,7 @@ TEST(DatOfTwoParts, TakesTheTriggersOfEachPartFromTheFileBesideIt) {
 }
 
 /// Reads all of a text whose events are these, in this order.
-Decoded decode_text(const std::vector<Event>& events, RestartPolicy restart = RestartPolicy::kContinue) {
+Continued decode_text(const std::vector<Event>& events, RestartPolicy restart = RestartPolicy::kContinue) {
   std::string text = "x,y,p,t\n";
   for (const Event& event : events) {
     text += cat(event.x, ",", event.y, ",", int{event.p}, ",", event.t, "\n");
@@ -360,7 +360,7 @@ Decoded decode_text(const std::vector<Event>& events, RestartPolicy restart = Re
   options.restart = restart;
   auto reader =
       open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end()), "text"), options).value();
-  Decoded decoded;
+  Continued decoded;
   decoded.batch = read_all(*reader).value();
   decoded.summary = reader->summary();
   return decoded;
@@ -378,7 +378,7 @@ TEST(JoinedTexts, GoOnBehindTheEarlierPartAndAreNotMixed) {
   const std::vector<Event> later = events_of(second);
   both.insert(both.end(), later.begin(), later.end());
   const int64_t shift_us = first.events.t.back() + 1 - second.events.t.front();
-  const Decoded decoded = decode_text(both);
+  const Continued decoded = decode_text(both);
   ASSERT_EQ(decoded.summary.num_restarts, 1U);
   EXPECT_EQ(decoded.summary.restarts[0].shift_us, shift_us);
   EXPECT_EQ(decoded.summary.out_of_order, 0U);
@@ -394,7 +394,7 @@ TEST(ImpossibleTimes, AreLeftOutAndCounted) {
   all.insert(all.end(), later.begin(), later.end());
   const auto place = all.begin() + static_cast<ptrdiff_t>(first.events.size());
   all.insert(place, 100, Event{1, 1, 1, 9'151'595'965'040'361'472});
-  const Decoded decoded = decode_text(all);
+  const Continued decoded = decode_text(all);
   int64_t shift_us = 0;
   EXPECT_TRUE(decoded.batch.events == continued(first, second, shift_us, false).events);
   EXPECT_EQ(decoded.summary.num_violations(), 100U);
@@ -415,7 +415,7 @@ TEST(UnsortedTexts, AreSortedAndNotTakenForJoinedOnes) {
        {by([](const Event& e) { return e.p; }), by([](const Event& e) { return -e.p; }),
         by([](const Event& e) { return e.y; }), by([](const Event& e) { return e.x; }),
         by([](const Event& e) { return (e.t * 7919) % 10007; })}) {
-    const Decoded decoded = decode_text(events);
+    const Continued decoded = decode_text(events);
     EXPECT_EQ(decoded.summary.num_restarts, 0U);
     EXPECT_EQ(of_times(decoded.batch), of_times(part));
     EXPECT_GT(decoded.summary.out_of_order, 0U);
@@ -429,7 +429,7 @@ TEST(DamagedTimes, OfDatAreNoRestarts) {
   // Single times far ahead and far behind, and a stretch of zeros.
   for (size_t i = 1000; i < 40'000; i += 777) bytes[header + 8 * i + 2] ^= 0x20;
   std::fill_n(bytes.begin() + static_cast<ptrdiff_t>(header + 8 * 41'000), 8 * 300, uint8_t{0});
-  const Decoded decoded = decode(bytes, 1);
+  const Continued decoded = decode(bytes, 1);
   EXPECT_EQ(decoded.summary.num_restarts, 0U);
   EXPECT_EQ(decoded.batch.events.t.back(), part.events.t.back());
 }
@@ -452,7 +452,7 @@ TEST(SmallStepsBack, AreNoRestarts) {
     ++changed;
   }
   ASSERT_EQ(changed, 7U);
-  const Decoded decoded = decode(bytes, 1);
+  const Continued decoded = decode(bytes, 1);
   EXPECT_EQ(decoded.summary.num_restarts, 0U);
   EXPECT_GT(decoded.summary.of(Violation::kTimeBackwards).count, 0U);
   EXPECT_EQ(decoded.batch.events.t.back(), part.events.t.back());

@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kBlockEvents = size_t{1} << 17;
 
-/// Counts events that are earlier than one before them.
+/// Counts events that are earlier than a preceding one.
 class OrderCounter {
  public:
   void add(const Column<int64_t>& times_us) {
@@ -29,7 +29,7 @@ class OrderCounter {
   uint64_t late_ = 0;
 };
 
-/// A source that cannot be read twice: the last events wait, so that earlier ones can still go before them.
+/// Sorts a source that cannot be read twice: the latest events are buffered, so that earlier ones can precede them.
 class SortedPipe final : public EventBlocks {
  public:
   SortedPipe(std::unique_ptr<EventBlocks> blocks, std::string name, size_t window)
@@ -61,8 +61,8 @@ class SortedPipe final : public EventBlocks {
  private:
   [[nodiscard]] Error too_late() const {
     return {ErrorCode::kUnsupported,
-            cat("an event comes more than ", window_,
-                " events too late to be sorted on the way; write the events to a file first, which is sorted whole"),
+            cat("an event is more than ", window_,
+                " events late and cannot be sorted in a stream; write the events to a file first"),
             name_};
   }
 
@@ -74,7 +74,7 @@ class SortedPipe final : public EventBlocks {
   int64_t handed_out_us_ = INT64_MIN;
 };
 
-/// A source that can be read twice. What is done about its order is settled by the first next() or seek_before().
+/// Sorts a source that can be read twice. The first next() or seek_before() determines how.
 class SortedFile final : public EventBlocks {
  public:
   SortedFile(std::unique_ptr<EventBlocks> blocks, const TimeSortOptions& options)
@@ -108,16 +108,16 @@ class SortedFile final : public EventBlocks {
  private:
   enum class Way {
     kUnknown,
-    kInOrder,  ///< the source is handed on
-    kMemory,   ///< memory_ holds all, sorted
-    kFile,     ///< runs_ holds all
+    kInOrder,  ///< the source is sorted already and is passed on
+    kMemory,   ///< memory_ contains all events, sorted
+    kFile,     ///< runs_ contains all events
   };
 
   Result<void> prepare() {
     if (way_ != Way::kUnknown) return {};
     E2LF_RETURN_IF_ERROR(look());
     if (way_ != Way::kUnknown) return {};
-    // Too many for memory. In order they are read again as they are, else written to sorted runs.
+    // Too many for memory: events in order are read again, others are written to sorted runs.
     memory_ = {};
     triggers_.clear();
     E2LF_RETURN_IF_ERROR(blocks_->seek_before(INT64_MIN));
@@ -128,8 +128,7 @@ class SortedFile final : public EventBlocks {
     return write_runs();
   }
 
-  /// Reads on until it is clear what is to be done: to the end, or to the first event out of order beyond what memory
-  /// holds.
+  /// Reads until the method is determined: to the end, or to the first event out of order after memory is full.
   Result<void> look() {
     EventBatch block;
     for (bool is_all_held = true;;) {
@@ -174,12 +173,12 @@ class SortedFile final : public EventBlocks {
   TimeSortOptions options_;
   Way way_ = Way::kUnknown;
   OrderCounter order_;
-  DecodeSummary found_;  ///< what reading all of it met
+  DecodeSummary found_;  ///< summary of the first reading
   EventColumns memory_;
-  size_t next_ = 0;  ///< of memory_
+  size_t next_ = 0;  ///< index of the next event in memory_
   SortedRuns runs_;
   std::vector<Trigger> triggers_;
-  bool has_begun_ = false;  ///< triggers and what was met have been handed out
+  bool has_begun_ = false;  ///< whether triggers and the summary were returned
 };
 
 }  // namespace

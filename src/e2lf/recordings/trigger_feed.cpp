@@ -18,7 +18,7 @@ Result<void> TriggerFeed::refill(DecodeSummary& summary) {
   return {};
 }
 
-/// Triggers are few: one that falls at the end may well be all that the later part has.
+/// Triggers are few, so that a decreasing one at the end may be the only trigger of the later part.
 bool TriggerFeed::starts_again() const {
   const auto time_at = [&](size_t i) { return block_[i].t; };
   return block_[next_].t < last_us_ && !is_last_part_ && is_restart(next_, block_.size(), last_us_, time_at, 0);

@@ -11,38 +11,39 @@
 
 namespace e2lf::recordings {
 
-/// Triggers that lie apart from the events (a second file or data set), in order of time.
+/// A source of triggers that are stored separately from the events (in a second file or data set), in order of time.
 class TriggerSource {
  public:
   virtual ~TriggerSource() = default;
 
-  /// Appends the next triggers to `block` and counts what cannot be read; false at the end.
+  /// Appends the next triggers to `block` and counts those that cannot be read. Returns false at the end.
   [[nodiscard]] virtual Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) = 0;
 
-  /// Goes back to the first trigger.
+  /// Returns to the first trigger.
   [[nodiscard]] virtual Result<void> rewind() = 0;
 };
 
-/// Hands the triggers of a source out beside the events they belong to, one block in memory at a time. A trigger whose
-/// time steps back other than because the clock starts again, is ahead of most that follow, or beyond kTimeLimitUs, is
-/// dropped and counted in the reader's summary.
+/// Delivers the triggers of a source together with the events of the same time, with one block in memory. Triggers
+/// whose time decreases without a restart of the clock, is later than most of the following ones, or exceeds
+/// kTimeLimitUs, are dropped and counted in the summary of the reader.
 class TriggerFeed {
  public:
   TriggerFeed() = default;
   explicit TriggerFeed(std::unique_ptr<TriggerSource> source)
       : source_(std::move(source)), ended_(source_ == nullptr) {}
 
-  /// Appends the triggers with t <= until_us, at most `max_triggers`. False when there are no more at all.
+  /// Appends the triggers with t <= until_us, at most `max_triggers`. Returns false if no trigger remains at any time.
   [[nodiscard]] Result<bool> take(int64_t until_us, size_t max_triggers, std::vector<Trigger>& triggers,
                                   DecodeSummary& summary);
 
-  /// Whether the triggers of this part have ended and those of a later one wait, whose clock starts again.
+  /// Returns true if all triggers of this part were returned and those of a later part follow, whose clock starts
+  /// again.
   [[nodiscard]] bool is_at_restart() const { return is_at_restart_; }
 
-  /// Goes on with those of the later part, where some wait.
+  /// Continues with the triggers of the later part, if there are any.
   void begin_part();
 
-  /// There is no later part: times that fall are damage from here on.
+  /// Declares that no later part follows, so that decreasing times are damage from here on.
   void end_parts() { is_last_part_ = true; }
 
   /// Starts again from the first trigger.

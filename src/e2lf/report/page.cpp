@@ -118,7 +118,7 @@ Result<FileFormat> file_format_of(const std::filesystem::path& path) {
 
 std::string file_text(const Page& page, FileFormat format) {
   if (format == FileFormat::kHtml) return page.html();
-  E2LF_REQUIRE(!page.tables().empty(), "there is a table where one is asked for");
+  E2LF_REQUIRE(!page.tables().empty(), "a table can only be written to a page with tables");
   if (format == FileFormat::kCsv) return table_csv(page.tables().front());
   std::string text;
   for (const Table& table : page.tables()) text += (text.empty() ? "" : "\n") + table_latex(table);

@@ -18,8 +18,8 @@ Result<CodedIntensities> lens_array_image(const lightfield::LightField& light_fi
   const lightfield::Shape& shape = light_field.shape();
   if (shape.views_y != kLensPixels || shape.views_x != kLensPixels || shape.channels != 1) {
     return Error{ErrorCode::kShape,
-                 cat("a lens array makes 8x8 grey views, the light field has ", shape.views_y, "x", shape.views_x,
-                     " of ", shape.channels, " channels; take 8x8 grey ones"),
+                 cat("a lens array has 8x8 grey views, the light field has ", shape.views_y, "x", shape.views_x, " of ",
+                     shape.channels, " channels; give 8x8 grey views"),
                  ""};
   }
   const auto lenses = [](size_t length) { return (length + kLensPixels - 1) / kLensPixels; };

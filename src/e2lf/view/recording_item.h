@@ -14,7 +14,7 @@ namespace e2lf::view {
 
 /// Opens a recording from its beginning, several times.
 struct RecordingSource {
-  /// opens it for a sensor of this size if the recording does not state one; 0 = as stated
+  /// Opens it for a sensor of this size if the recording does not state one; 0 = as stated.
   std::function<Result<std::unique_ptr<recordings::RecordingReader>>(size_t width, size_t height)> open;
   std::function<Result<cycles::CycleReader>()> open_cycles;  ///< if empty, no cycles are searched
 };

@@ -78,7 +78,7 @@ class Server::Impl {
   Result<void> bind(uint16_t port) {
     const int bound = port == 0 ? server_.bind_to_any_port(kHost) : (server_.bind_to_port(kHost, port) ? port : -1);
     if (bound <= 0) {
-      return Error{ErrorCode::kIo, cat("cannot listen on port ", port, "; name another, or none for a free one"), kHost,
+      return Error{ErrorCode::kIo, cat("cannot listen on port ", port, "; give another, or none for a free one"), kHost,
                    Setting::kPort};
     }
     port_ = bound;

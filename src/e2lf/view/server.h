@@ -13,17 +13,17 @@
 
 namespace e2lf::view {
 
-/// What else a server is asked and answers.
+/// A request that a server passes to its user, and the answer.
 struct Question {
-  bool is_command = false;  ///< POST, in place of GET
-  std::string name;         ///< behind the secret
+  bool is_command = false;  ///< POST instead of GET
+  std::string name;         ///< path after the secret
   std::map<std::string, std::string> parameters;
 };
 struct Answer {
-  int status = 200;  ///< as of HTTP
+  int status = 200;  ///< HTTP status code
   std::string type, body;
 };
-/// Called by several threads at a time; nothing = there is no such thing.
+/// Answers a request, or returns nothing if it is unknown. Called by several threads at a time.
 using Answerer = std::function<std::optional<Answer>(const Question&)>;
 
 /// Serves a document and its page to browsers on this computer, and nothing else: it never opens a file named by a
@@ -32,8 +32,8 @@ using Answerer = std::function<std::optional<Answer>(const Question&)>;
 /// another Host, and if its Origin or Sec-Fetch-Site shows that it comes from another site.
 class Server {
  public:
-  /// Binds the port; 0 selects any free one. `answerer` is asked for what is not of the document, and for commands,
-  /// which are refused without it. Fails with kIo if the port is in use.
+  /// Binds the port; 0 selects any free one. `answerer` receives commands and the requests that the document does not
+  /// answer; without it, commands are refused. Fails with kIo if the port is in use.
   [[nodiscard]] static Result<Server> create(Document document, uint16_t port, Answerer answerer = {});
 
   Server(Server&&) noexcept;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A plugin of the vendor's HAL (OpenEB 5) with one simulated camera, which does what the stand-in of testing/hal does.
+// A plugin of the vendor's HAL (OpenEB 5) with one simulated camera, which behaves like the stand-in in testing/hal.
 #include <chrono>
 #include <fcntl.h>
 #include <metavision/hal/facilities/i_erc_module.h>

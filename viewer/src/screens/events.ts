@@ -1,4 +1,4 @@
-// Event images of a cycle: one large, all of them small below with the patterns before and after.
+// The event images of a cycle: one in full size, and below it thumbnails of all with the patterns before and after.
 import { busy } from '../busy';
 import { CountLegend, drawCounts, Histogram, limitText, mostLimit, type CountImage } from '../counts';
 import { inflateCounts, type EventImagesItem } from '../document';
@@ -33,7 +33,7 @@ export class EventsScreen implements Screen {
     context.stage.append(element('div', { class: 'events' }, this.large, this.strip));
     this.large.addEventListener('pointerdown', (event) => this.point(event));
     this.large.addEventListener('pointermove', (event) => this.point(event));
-    // A finger that is lifted leaves, too: what it pointed at stays.
+    // A lifted finger also leaves the element; the selected point is kept then.
     this.large.addEventListener('pointerleave', (event) => event.pointerType === 'mouse' && this.point(null));
     this.load();
   }

@@ -1,4 +1,4 @@
-// A light field, or two of them to compare: parallax, refocus, synthetic aperture, EPIs, all views, gain and gamma.
+// One light field or two light fields side by side: parallax, focus, synthetic aperture, EPIs, all views, gain and gamma.
 import { nearestView, shapes } from '../aperture';
 import { ApertureMap } from '../aperture_map';
 import { numFrames, paths, placeOnPath, recordGif, recordVideo, videoEndings, type Place } from '../animation';
@@ -42,7 +42,7 @@ export class LightFieldScreen implements Screen {
   private boostSlider: HTMLElement | null = null;
   private cycleSlider: HTMLElement | null = null;
   private readonly note = element('p', { class: 'figures', 'aria-live': 'polite' });
-  private readonly isLive: boolean; // cycles come while one looks
+  private readonly isLive: boolean; // cycles may be added
   private numLoading = 0;
   private isJumping = false;
   private readonly disparity: DisparityMap | null = null;
@@ -138,7 +138,7 @@ export class LightFieldScreen implements Screen {
       this.bar('Colours from near to far', disparityColour, element('span', {}, `near ${near.toFixed(2)}`), element('span', {}, `far ${far.toFixed(2)} px per view`)));
   }
 
-  /** Colours with the numbers at their ends. */
+  /** A colour bar with the numbers at its ends. */
   private bar(name: string, colourOf: (share: number) => Colour, left: HTMLElement, right: HTMLElement): HTMLElement {
     const bar = canvas(name, 'bar');
     drawColours(bar, colourOf);
@@ -174,7 +174,7 @@ export class LightFieldScreen implements Screen {
     this.showNewest();
   }
 
-  /** Not before the one that is loading is there: views that come fast would never be seen whole. */
+  /** Waits for the cycle that is being loaded; otherwise, cycles in quick succession would never be complete. */
   private showNewest(): void {
     const { state } = this.context;
     if (!this.isLive || this.isClosed || this.numLoading > 0 || state.get('newest') !== 'show') return;
@@ -188,7 +188,7 @@ export class LightFieldScreen implements Screen {
     if (key === 'newest') this.showNewest();
     if (key === 'cycle' || key === 'tab') this.load();
     if (key === 'show' || key === 'compare' || key === 'tab') this.layout();
-    if (this.isRecording) return; // each frame is painted when it is its turn
+    if (this.isRecording) return; // the recording paints its frames itself
     if (key === 'row' || key === 'column') this.point();
     else this.clock.ask(keysWhileMoving.includes(key), this.units());
   }
@@ -219,7 +219,7 @@ export class LightFieldScreen implements Screen {
     this.clock.ask(false, this.units());
   }
 
-  /** The first pane also shows both light fields at once, and the second one alone. */
+  /** The first pane may also show both light fields at once, or only the second one. */
   private captionOfFirst(): string {
     const [first, second] = [this.first.item.name, this.second.item.name];
     switch (this.comparison && this.context.state.get('compare')) {
@@ -235,7 +235,7 @@ export class LightFieldScreen implements Screen {
     return this.item.width * this.item.height * (this.camera.numTaps || 4) * (isSide ? 2 : 1);
   }
 
-  /** Scale 0: the EPIs alone. Returns how many pixels of views were read. */
+  /** Paints at a scale; 0 = only the EPIs. Returns the number of pixels of views that were read. */
   private paint(scale: number): number {
     if (this.isClosed) return 1;
     try {
@@ -268,7 +268,7 @@ export class LightFieldScreen implements Screen {
     return width * height * this.camera.numTaps;
   }
 
-  /** A shader needs a texture even where nothing is laid over. */
+  /** A shader needs a texture even if there is no overlay. */
   private overlay(camera: Record<string, Uniform>): Record<string, Uniform> {
     const { state } = this.context;
     const viewpoint = { x: state.get('x'), y: state.get('y') };

@@ -1,4 +1,4 @@
-// The light fields of a live source at the pace of its cycles. The server makes the picture that is looked at: a view, or
+// The light fields of a live source at the pace of its cycles. The server renders only the displayed picture: a view, or
 // the sum over a synthetic aperture.
 import { apertureWeights } from '../aperture';
 import { ApertureMap } from '../aperture_map';
@@ -38,8 +38,8 @@ export class LiveFieldScreen implements Screen {
   private serial = 0;
   private field = 0;
   private numPending = 0;
-  private asked = ''; // the look of the last request
-  private comings: number[] = []; // of the light fields of the last moments
+  private asked = ''; // the parameters of the last request
+  private comings: number[] = []; // arrival times of the newest light fields
   private isClosed = false;
 
   constructor(private readonly context: Context, private readonly item: LiveItem) {
@@ -69,7 +69,7 @@ export class LiveFieldScreen implements Screen {
     this.askNext();
   }
 
-  /** The picture that is wanted, as parameters of a request. */
+  /** Returns the parameters of the request for the current picture. */
   private look(): string {
     const { state } = this.context;
     const { row, column } = this.pane.cut();
@@ -114,7 +114,7 @@ export class LiveFieldScreen implements Screen {
     this.pane.caption.textContent = `cycle ${header.cycle}${summed}: ${header.size} size, ${Math.round(1000 * header.latency_s)} ms after its last event`;
   }
 
-  /** Light fields per second that the page has shown. */
+  /** Returns the number of light fields per second that the page has shown. */
   private rate(): number {
     const now = performance.now();
     this.comings = this.comings.filter((time) => now - time < rateWindowMs);
@@ -140,7 +140,7 @@ export class LiveFieldScreen implements Screen {
     this.problem.textContent = now.error ?? (now.refining_error || (now.is_refining ? 'Reconstructing the frozen cycle well ...' : state));
   }
 
-  /** Commands, one after the other. */
+  /** Sends commands one after another. */
   private tell(...commands: string[]): void {
     const all = async () => {
       for (const one of commands) {

@@ -1,5 +1,5 @@
-// What comes from a live source, to set it up by: the events as a picture, how sharp it is, rates, triggers, cycles,
-// what is lost, and the switch of the recording.
+// The tab for the set-up of a live source: a picture of the events and its sharpness, rates, triggers, cycles, losses,
+// and the switch of the recording.
 import type { LiveItem } from '../document';
 import { canvas, element } from '../dom';
 import { askForPicture, command, countText, drawGrey, FigureList, followStatistics, rest, type Statistics } from '../live';
@@ -22,7 +22,7 @@ const reasons = (counts: Record<string, number>): [string, string][] =>
 
 export class LiveSetupScreen implements Screen {
   readonly keys: [string, string][] = [['r', 'record, or stop']];
-  private readonly picture = canvas('The events of the last moment: brighter = ON, darker = OFF', 'picture');
+  private readonly picture = canvas('The newest events: brighter = ON, darker = OFF', 'picture');
   private readonly figure: HTMLElement;
   private readonly sharpness = new FigureList();
   private readonly events = new FigureList();
@@ -34,7 +34,7 @@ export class LiveSetupScreen implements Screen {
   private readonly recordButton: HTMLElement;
   private isRecording = false;
   private sharpest = 0;
-  private mean = 0; // of the sharpness of the last pictures
+  private mean = 0; // sharpness averaged over the last pictures
   private numPictures = 0;
   private isClosed = false;
 
@@ -43,7 +43,7 @@ export class LiveSetupScreen implements Screen {
     this.figure = element('figure', { class: 'live' }, this.picture);
     stage.append(this.figure);
     this.recordButton = panel.button('Record', () => this.switchRecording());
-    panel.group('Sharpness', this.sharpness.root, panel.button('Forget the best', () => (this.sharpest = 0)));
+    panel.group('Sharpness', this.sharpness.root, panel.button('Reset the best', () => (this.sharpest = 0)));
     panel.group('Recording', this.recording.root, this.recordButton);
     panel.group('Events', this.events.root);
     panel.group('Triggers', this.triggers.root, this.advice);
@@ -64,7 +64,7 @@ export class LiveSetupScreen implements Screen {
 
   private showEvents({ width, height, events, sharpness }: EventsHeader, pixels: Uint8Array): void {
     drawGrey(this.picture, width, height, pixels);
-    // The pictures are of different patterns, so that a single one tells little.
+    // The pictures show different patterns, so that a single one is not conclusive.
     this.mean = this.numPictures++ === 0 ? sharpness : this.mean + smoothing * (sharpness - this.mean);
     if (this.numPictures * smoothing >= 1) this.sharpest = Math.max(this.sharpest, this.mean);
     const share = this.sharpest > 0 ? this.mean / this.sharpest : 0;
@@ -97,14 +97,14 @@ export class LiveSetupScreen implements Screen {
       ['inverted polarity', String(now.inverted_cycles)],
       ['half a cycle off', String(now.half_cycle_off_cycles)],
       ['triggers out of step', String(now.late_triggers)],
-      ['events behind triggers', now.onset_us === null ? 'not known' : `${now.onset_us} us`],
+      ['delay of events after triggers', now.onset_us === null ? 'unknown' : `${now.onset_us} us`],
     ]);
     const sensor: [string, string][] = now.sensor_dropped_share === undefined ? [] : [['by the sensor', `${(100 * now.sensor_dropped_share).toFixed(1)} %`]];
     this.losses.show([
       ...reasons(now.left_out),
       ...sensor,
-      ['hot pixels silenced', String(now.silenced_pixels)],
-      ['by a reader that was too slow', now.may_have_lost_events ? 'yes' : 'nothing'],
+      ['from hot pixels, pixels removed', String(now.silenced_pixels)],
+      ['because reading was too slow', now.may_have_lost_events ? 'yes' : 'none'],
     ]);
     this.showRecording(now.recording);
   }

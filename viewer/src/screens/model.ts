@@ -1,4 +1,4 @@
-// A model: its aperture patterns, and what `e2lf model info` says of it.
+// A model: its aperture patterns, and the output of `e2lf model info`.
 import type { ModelItem } from '../document';
 import { element } from '../dom';
 import { patternFigure } from '../patterns';
@@ -10,7 +10,7 @@ export class ModelScreen implements Screen {
 
   constructor(context: Context, item: ModelItem) {
     const figures = item.codes?.patterns.map((_, number) => patternFigure(item.codes!, number, 180)) ?? [];
-    const none = figures.length === 0 ? [element('p', {}, 'This model holds no aperture patterns: they belong to a camera.')] : [];
+    const none = figures.length === 0 ? [element('p', {}, 'This model contains no aperture patterns, because they belong to a camera.')] : [];
     this.patterns = element('div', { class: 'patterns' }, ...figures, ...none);
     context.stage.append(element('div', { class: 'model' }, this.patterns, element('pre', {}, item.text)));
   }

@@ -1,4 +1,4 @@
-// A recording as frames of accumulated events, over its event rate, triggers and cycles.
+// A recording as frames of accumulated events, with its event rate, triggers and cycles.
 import { busy } from '../busy';
 import { CountLegend, drawCounts, Histogram, limitText, mostLimit, type CountImage } from '../counts';
 import { inflateCounts, type RecordingItem } from '../document';
@@ -9,7 +9,7 @@ import { isDark } from '../theme';
 import { TimeAxis } from '../time_axis';
 
 const axisPx = 150;
-const playMs = 80; // a frame
+const playMs = 80; // per frame
 
 export class RecordingScreen implements Screen {
   readonly keys: [string, string][] = [
@@ -52,12 +52,12 @@ export class RecordingScreen implements Screen {
     context.stage.append(this.picture, this.axis.canvas);
     this.picture.addEventListener('pointerdown', (event) => this.point(event));
     this.picture.addEventListener('pointermove', (event) => this.point(event));
-    // A finger that is lifted leaves, too: what it pointed at stays.
+    // A lifted finger also leaves the element; the selected point is kept then.
     this.picture.addEventListener('pointerleave', (event) => event.pointerType === 'mouse' && this.point(null));
     this.load();
   }
 
-  /** What is on the time axis, in words. */
+  /** Describes the content of the time axis in words. */
   private about(): string {
     const { events, triggers, cycles } = this.item;
     const counted = (count: number, name: string) => `${count.toLocaleString('en')} ${name}${count === 1 ? '' : 's'}`;

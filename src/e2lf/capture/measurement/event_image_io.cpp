@@ -76,7 +76,9 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
   const std::vector<size_t>& shape = array.shape;
   if ((shape.size() != 3 && shape.size() != 4) || array.num_elements() == 0) {
     return Error{ErrorCode::kShape,
-                 cat("event images have shape ", shape_text(shape), "; expected [N-1, y, x] or [cycles, N-1, y, x]"),
+                 cat("an array of shape ", shape_text(shape),
+                     " is neither event images, [N-1, y, x] or [cycles, N-1, "
+                     "y, x], nor a list of events, [events, 4] with the columns t, x, y, p; store one of these forms"),
                  location};
   }
   // No display shows more patterns than a camera has columns.
@@ -147,10 +149,11 @@ Result<std::vector<fs::path>> list_images(const fs::path& folder) {
   }
   if (status) return Error{ErrorCode::kIo, cat("cannot list the folder: ", status.message()), folder.string()};
   if (found.empty()) {
-    return Error{ErrorCode::kNotFound,
-                 "no event_image_*.npy in the folder; give a folder of event images (`e2lf simulate` makes them of a "
-                 "light field)",
-                 folder.string()};
+    return Error{
+        ErrorCode::kNotFound,
+        "no event_image_*.npy in the folder; give a folder of event images (`e2lf simulate` generates them from a "
+        "light field)",
+        folder.string()};
   }
   std::sort(found.begin(), found.end());
   std::vector<fs::path> paths;

@@ -145,7 +145,7 @@ class EventImageWriter::Impl {
   Impl(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
 
   void keep(const RecordedSetup& setup) {
-    E2LF_REQUIRE(cycles_ == 0, "what the events were made with comes before the first cycle");
+    E2LF_REQUIRE(cycles_ == 0, "the setup must be stored before the first cycle");
     setup_to_arrays(setup, known_);
   }
   Impl(const Impl&) = delete;

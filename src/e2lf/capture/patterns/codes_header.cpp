@@ -38,7 +38,7 @@ Result<Json> row_from(const std::string& text, const std::string& location) {
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error != std::errc() || end != part.data() + part.size()) {
       return Error{ErrorCode::kFormat,
-                   cat("\"", part, "\" is not a transmittance; repair the header, or name the patterns"), location};
+                   cat("\"", part, "\" is not a transmittance; repair the header, or give the patterns"), location};
     }
     row.push_back(value);
   }
@@ -67,7 +67,7 @@ Result<std::optional<Codes>> codes_from_header(const HeaderLines& header, const 
     const std::string key = cat(kKey, n), at = cat(location, ": ", key);
     const auto line = std::find_if(header.begin(), header.end(), [&](const auto& pair) { return pair.first == key; });
     if (line == header.end()) {
-      return Error{ErrorCode::kFormat, "this pattern is missing in the header; name the patterns", at, Setting::kCodes};
+      return Error{ErrorCode::kFormat, "this pattern is missing in the header; give the patterns", at, Setting::kCodes};
     }
     Json rows = Json::array();
     for (const std::string& text : split(line->second, '/')) {

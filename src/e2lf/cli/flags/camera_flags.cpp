@@ -17,14 +17,15 @@ void add_camera_options(CLI::App& app, CameraFlags& flags) {
         ->group(kGroup);
   };
   repeatable("--trigger-channel", flags.trigger_channels,
-             "trigger input to switch on: main, aux, the number of its triggers, or none (repeatable); default: all");
-  app.add_option("--biases", flags.biases, "file of the sensor's settings (.bias); default: those of the camera")
+             "trigger input to enable: main, aux, the number of its triggers, or none (repeatable); default: all");
+  app.add_option("--biases", flags.biases, "file of sensor biases (.bias); default: those of the camera")
       ->group(kGroup);
   app.add_option("--max-event-rate", flags.max_events_per_s,
-                 "events/s beyond which the sensor drops some, 0 = no limit; default: as the camera is set")
+                 "events/s above which the sensor drops events, 0 = no limit; default: as set in the camera")
       ->group(kGroup);
-  repeatable("--roi", flags.regions, "rectangle of the sensor that sends events: X,Y,WIDTH,HEIGHT in px (repeatable)");
-  app.add_option("--encoding", flags.encoding, "how the camera encodes events; default: as it is set")
+  repeatable("--roi", flags.regions,
+             "rectangle of the sensor whose pixels send events: X,Y,WIDTH,HEIGHT in px (repeatable)");
+  app.add_option("--encoding", flags.encoding, "encoding of the camera's events; default: as set in the camera")
       ->check(CLI::IsMember({"evt2", "evt2.1", "evt3"}))
       ->group(kGroup);
 }
@@ -41,7 +42,7 @@ Result<recordings::CameraSetup> camera_setup(const CameraFlags& flags) {
     const int found =
         std::sscanf(text.c_str(), "%5d,%5d,%5d,%5d%n", &region.x, &region.y, &region.width, &region.height, &length);
     if (found != 4 || static_cast<size_t>(length) != text.size()) {
-      return Error{ErrorCode::kInvalidValue, cat("\"", text, "\" is no region; write X,Y,WIDTH,HEIGHT"), "--roi"};
+      return Error{ErrorCode::kInvalidValue, cat("\"", text, "\" is not a region; give X,Y,WIDTH,HEIGHT"), "--roi"};
     }
     setup.regions.push_back(region);
   }

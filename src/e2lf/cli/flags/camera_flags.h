@@ -23,7 +23,7 @@ struct CameraFlags {
 
 void add_camera_options(CLI::App& app, CameraFlags& flags);
 
-/// Fails with kInvalidValue on a region that is not X,Y,WIDTH,HEIGHT.
+/// Returns the settings of a camera. Fails with kInvalidValue if a region is not of the form X,Y,WIDTH,HEIGHT.
 [[nodiscard]] Result<recordings::CameraSetup> camera_setup(const CameraFlags& flags);
 
 }  // namespace e2lf::cli

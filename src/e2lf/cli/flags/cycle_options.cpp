@@ -2,6 +2,7 @@
 #include "e2lf/cli/flags/cycle_options.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 
 #include "e2lf/base/log.h"
@@ -18,15 +19,15 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-/// Whether the events of all transitions are used. Where no network says how many it takes, the recording's own
-/// patterns tell.
+/// Returns true if the events of all transitions are used. Unless a network determines this, the patterns of the
+/// recording do.
 bool uses_all_transitions(const CycleFlags& flags, const cycles::Schedule& schedule, bool is_recorded_whole) {
   if (flags.transitions != "auto") return flags.transitions == "all";
   if (flags.num_wanted == schedule.num_images() + 1) return false;
   return is_recorded_whole || flags.num_wanted == schedule.size() + 1;
 }
 
-/// Of a recording that says its patterns, the paper's schedule has as many.
+/// Returns the given schedule, or the paper's for the number of patterns that the recording states.
 Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& input,
                                      const recordings::RecordingInfo& info) {
   constexpr size_t kFewest = 2;
@@ -44,7 +45,7 @@ Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& in
   return with_all_transitions(std::move(schedule));
 }
 
-/// What was named, or what other flags imply.
+/// Returns the source that was given, or the one that other flags imply.
 cycles::CycleSource source_of(const CycleFlags& flags) {
   if (flags.source == "triggers") return cycles::CycleSource::kTriggers;
   if (flags.source == "schedule") return cycles::CycleSource::kSchedule;
@@ -63,7 +64,7 @@ cycles::TriggerEdge edge_of(const std::string& name) {
 void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   const std::string group = kCycleOptions;
   app.add_option("--source", flags.source,
-                 "what tells when patterns change: triggers, bursts (the events), schedule, auto")
+                 "source of the times at which patterns change: triggers, bursts (the events), schedule, auto")
       ->check(CLI::IsMember({"auto", "triggers", "bursts", "schedule"}))
       ->capture_default_str()
       ->group(group);
@@ -72,12 +73,14 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
       ->check(CLI::ExistingFile)
       ->group(group);
   app.add_option("--patterns", flags.num_patterns,
-                 "number N of coding patterns of the paper's schedule; default: as many as the recording says, else 4")
+                 "number N of coding patterns of the paper's schedule; default: as the recording states, or else 4")
       ->check(whole_number(2, 64))
       ->group(group);
-  app.add_option("--transitions", flags.transitions,
-                 "event images of the changes into the lit patterns a2 ... aN (lit), or of all changes of the whole "
-                 "cycle (all); default: all where the network or the recording's patterns are for them, else lit")
+  app.add_option(
+         "--transitions", flags.transitions,
+         "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
+         "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
+         "then uses the lit ones in cycles during which the scene moves too much")
       ->check(CLI::IsMember({"auto", "lit", "all"}))
       ->capture_default_str()
       ->group(group);
@@ -87,16 +90,16 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
       ->group(group);
   app.add_option("--channel", flags.channel, "trigger input; default: all")->group(group);
   app.add_option("--first-pattern", flags.first_pattern,
-                 "pattern of the first trigger or burst, from 0; default: found from the intervals and the events")
+                 "pattern of the first trigger or burst, from 0; default: determined from the intervals and the events")
       ->group(group);
   app.add_flag("--one-trigger-per-cycle", flags.one_trigger_per_cycle, "triggers mark cycles, not patterns")
       ->group(group);
-  app.add_option("--origin-us", flags.origin_us, "--source schedule: when the first pattern of any cycle began")
+  app.add_option("--origin-us", flags.origin_us,
+                 "--source schedule: the time at which the first pattern of any cycle began")
       ->group(group);
-  app.add_flag("--invert-polarity", flags.invert_polarity, "take ON events for OFF and OFF for ON");
-  app.add_flag("--filter-pixels", flags.filter_pixels, "silence hot and flickering pixels")->group(group);
-  app.add_option("--max-cycles", flags.max_cycles, "stop after so many complete cycles; 0 = all")
-      ->capture_default_str();
+  app.add_flag("--invert-polarity", flags.invert_polarity, "exchange ON and OFF events");
+  app.add_flag("--filter-pixels", flags.filter_pixels, "ignore hot and flickering pixels")->group(group);
+  app.add_option("--max-cycles", flags.max_cycles, "maximum number of complete cycles; 0 = all")->capture_default_str();
   add_recording_options(app, flags.recording, group);
 }
 
@@ -109,15 +112,14 @@ Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Sche
   options.channel = flags.channel;
   options.one_trigger_per_cycle = flags.one_trigger_per_cycle;
   options.tracker.first_pattern = flags.first_pattern;
-  // Triggers are often set up to begin with the sequence; bursts say nothing of it.
+  // Triggers are often set up to begin with the sequence, which does not hold for bursts.
   const bool may_be_triggers =
       options.source == cycles::CycleSource::kTriggers || options.source == cycles::CycleSource::kAuto;
   if (may_be_triggers) options.tracker.likely_first_pattern = 0;
   if (options.source == cycles::CycleSource::kSchedule && !flags.origin_us) {
-    return Error{
-        ErrorCode::kInvalidValue,
-        "the schedule does not say when a cycle began; give that time, or let the events tell (--source bursts)",
-        "--origin-us"};
+    return Error{ErrorCode::kInvalidValue,
+                 "the schedule does not state when a cycle began; give that time, or use the events (--source bursts)",
+                 "--origin-us"};
   }
   options.origin_us = flags.origin_us.value_or(0);
   if (flags.filter_pixels) options.filter = cycles::PixelFilterOptions{};
@@ -150,7 +152,7 @@ const char* source_name(cycles::CycleSource source) {
 }
 
 void ConfidenceWatch::add(const cycles::Cycle& cycle, cycles::CycleSource source) {
-  // Bursts in much noise are found for sure and stand out little; claimed times that are right are well confirmed.
+  // Bursts that are detected with certainty may exceed strong noise only slightly; correct times are well confirmed.
   constexpr float kDoubtfulBurst = 0.1F, kDoubtfulClaim = 0.3F;
   ++cycles_;
   is_by_schedule_ = source == cycles::CycleSource::kSchedule;
@@ -160,21 +162,21 @@ void ConfidenceWatch::add(const cycles::Cycle& cycle, cycles::CycleSource source
 
 namespace {
 
-/// Cycles whose signs contradict the schedule, with the option that mends it.
+/// Warns about cycles whose signs contradict the schedule, with the option that corrects this.
 void warn_of_signs(const fs::path& input, const cycles::CycleReport& report) {
   if (report.inverted > 0) {
-    log_warning(
-        cat(input.string(), ": the polarity is inverted in ", report.inverted, " of ", report.complete,
-            " cycles: the change from black to the first pattern makes OFF events; give --invert-polarity, or leave it "
-            "out if it was given"));
+    log_warning(cat(
+        input.string(), ": the polarity is inverted in ", report.inverted, " of ", report.complete,
+        " cycles: the change from black to the first pattern causes OFF events; give --invert-polarity, or leave it "
+        "out if it was given"));
   }
   if (report.half_cycle_off > 0) {
     log_warning(cat(input.string(), ": the patterns of ", report.half_cycle_off, " of ", report.complete,
-                    " cycles are taken for their inverses; check --first-pattern and --origin-us"));
+                    " cycles are mistaken for their inverses; check --first-pattern and --origin-us"));
   }
 }
 
-/// The triggers that are out of step, the first few by name.
+/// Warns about triggers that are out of step, and names the first few.
 void warn_of_late_edges(const fs::path& input, const cycles::CycleReport& report, const cycles::Schedule& schedule) {
   constexpr size_t kNamed = 3;
   if (report.late_edges.empty()) return;
@@ -184,30 +186,30 @@ void warn_of_late_edges(const fs::path& input, const cycles::CycleReport& report
     named.push_back(cat("cycle ", edge.cycle, ", pattern ", edge.pattern, " (", schedule.patterns[edge.pattern].name,
                         "): ", std::abs(edge.late_us), " us ", edge.late_us > 0 ? "late" : "early"));
   }
-  log_warning(cat(input.string(), ": ", report.late_edges.size(), " trigger",
-                  report.late_edges.size() == 1 ? " is" : "s are",
-                  " out of step with the others, so that events went to the wrong pattern (", join(named, "; "),
-                  report.late_edges.size() > kNamed ? "; ..." : "", "); the confidence of these cycles is 0"));
+  log_warning(
+      cat(input.string(), ": ", report.late_edges.size(), " trigger", report.late_edges.size() == 1 ? " is" : "s are",
+          " out of step with the others, so that events were assigned to the wrong pattern (", join(named, "; "),
+          report.late_edges.size() > kNamed ? "; ..." : "", "); the confidence of these cycles is 0"));
 }
 
-/// Triggers that are all late or early by the same time, as those of the other edge are.
+/// Warns about triggers that are all late or early by the same time, as with the wrong edge.
 void warn_of_onset(const fs::path& input, const cycles::CycleReport& report) {
-  // Pixels answer within a millisecond in light; triggers and displays differ by some ten microseconds.
+  // Pixels respond within a millisecond in bright light; triggers and displays differ by some tens of microseconds.
   constexpr int64_t kEarliestUs = -250, kLatestUs = 2'000;
   if (!report.onset_us || (*report.onset_us >= kEarliestUs && *report.onset_us <= kLatestUs)) return;
   const bool is_late = *report.onset_us < 0;
   log_warning(
       cat(input.string(), ": the events change ", std::abs(*report.onset_us), " us ", is_late ? "before" : "after",
-          " the trigger of each pattern, so that some of them are counted for the pattern ",
-          is_late ? "before" : "behind", "; is the other edge of the trigger the right one (--edge), or does the ",
-          "trigger come ", is_late ? "late" : "early", "?"));
+          " the trigger of each pattern, so that some of them are assigned to the ", is_late ? "previous" : "next",
+          " pattern; check whether the other edge of the trigger is the right one ", "(--edge), or the trigger is too ",
+          is_late ? "late" : "early"));
 }
 
 }  // namespace
 
 void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& report,
                            const cycles::Schedule& schedule) const {
-  // Patterns that are taken for others have other signs.
+  // Patterns that are mistaken for others have other signs.
   if (report.advice.empty()) warn_of_signs(input, report);
   warn_of_late_edges(input, report, schedule);
   warn_of_onset(input, report);
@@ -216,10 +218,10 @@ void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& rep
   }
   if (report.has_assumed_first) {
     log_warning(cat(input.string(),
-                    ": neither intervals nor events tell which pattern the first trigger begins: pattern ",
-                    "0 of the schedule is assumed; name it with --first-pattern"));
+                    ": neither intervals nor events determine which pattern the first trigger begins: pattern ",
+                    "0 of the schedule is assumed; give it with --first-pattern"));
   }
-  // Times that the schedule alone tells may be wrong in themselves.
+  // Times that only the schedule states may be wrong.
   const uint64_t explained = is_by_schedule_ ? 0 : report.inverted + report.half_cycle_off;
   if (doubtful_ <= explained || (explained == 0 && doubtful_ <= report.late_edges.size())) return;
   log_warning(cat(input.string(), ": the events of ", doubtful_, " of ", cycles_,
@@ -227,13 +229,28 @@ void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& rep
                   "); check --schedule, --origin-us and --first-pattern, or look at `e2lf accumulate --plot`"));
 }
 
-std::string report_text(const cycles::CycleReport& report) {
-  std::string text = cat(report.complete, " complete cycle", report.complete == 1 ? "" : "s");
+namespace {
+
+std::string dropped_text(const cycles::CycleReport& report) {
+  std::string text;
   for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
     if (report.dropped[i] == 0) continue;
     text +=
         cat(", ", report.dropped[i], " dropped (", cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i)), ")");
   }
+  return text;
+}
+
+/// Returns the text with a capital letter.
+std::string sentence(std::string text) {
+  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
+}  // namespace
+
+std::string report_text(const cycles::CycleReport& report) {
+  std::string text = cat(report.complete, " complete cycle", report.complete == 1 ? "" : "s", dropped_text(report));
   if (report.hot_pixels > 0) text += cat(", ", report.hot_pixels, " pixels silenced");
   return text;
 }
@@ -241,13 +258,14 @@ std::string report_text(const cycles::CycleReport& report) {
 Error no_cycle_error(const fs::path& input, const cycles::CycleReport& report) {
   std::string advice = report.advice;
   if (advice.empty() && report.unassigned_marks > 0) {
-    advice = cat(report.unassigned_marks, " of ", report.marks,
-                 " triggers or bursts fit no pattern for sure; --first-pattern K says which pattern the first begins");
+    advice =
+        cat(report.unassigned_marks, " of ", report.marks,
+            " triggers or bursts cannot be assigned to a pattern; give the pattern of the first with --first-pattern");
   }
-  if (advice.empty()) advice = "--source, --schedule and --patterns say what to look for";
+  if (advice.empty()) advice = "check --source, --schedule and --patterns";
   return {ErrorCode::kInvalidValue,
-          cat("no complete pattern cycle was found (", report_text(report), "). Found are ", report.triggers, ". ",
-              advice, ". `e2lf accumulate ... --plot cycles.svg` shows what is there"),
+          cat("no complete pattern cycle was found", dropped_text(report), ". ", sentence(report.triggers), ". ",
+              sentence(advice), ". `e2lf accumulate ... --plot cycles.svg` shows the event rate and the triggers"),
           input.string()};
 }
 

@@ -14,50 +14,51 @@
 
 namespace e2lf::cli {
 
-/// The flags of the verbs that cut a recording into pattern cycles.
+/// The flags of the verbs that divide a recording into pattern cycles.
 struct CycleFlags {
   std::string source = "auto", edge = "rising";
   std::filesystem::path schedule;
-  std::optional<size_t> num_patterns;  ///< for the paper's schedule; nothing = as many as the recording says, else 4
+  std::optional<size_t> num_patterns;  ///< for the paper's schedule; empty = as the recording states, or else 4
   std::optional<uint16_t> channel;
   std::optional<size_t> first_pattern;
   std::string transitions = "auto";
-  size_t usual_patterns = 4;         ///< for the paper's schedule where nothing else says how many
-  std::optional<size_t> num_wanted;  ///< patterns whose transitions the network takes; "auto" goes by it
+  size_t usual_patterns = 4;         ///< number of patterns of the paper's schedule if nothing else states it
+  std::optional<size_t> num_wanted;  ///< number of patterns of the network; determines transitions "auto"
   bool one_trigger_per_cycle = false, filter_pixels = false, invert_polarity = false;
   std::optional<int64_t> origin_us;
   uint64_t max_cycles = 0;  ///< 0 = all
   RecordingFlags recording;
 };
 
-/// Sees what a reader of cycles reads and finds; see cycles::CycleOptions.
+/// Callbacks for the batches that a reader of cycles reads and the marks that it finds; see cycles::CycleOptions.
 struct CycleObserver {
   std::function<void(const recordings::EventBatch&)> on_batch = {};
   std::function<void(const cycles::Mark&)> on_mark = {};
 };
 
-/// The help group of the options that only recordings know.
+/// The help group of the options that only apply to recordings.
 inline constexpr const char* kCycleOptions = "Pattern cycles of a recording";
 
-/// Declares all of CycleFlags; --max-cycles is for event images too.
+/// Declares all of CycleFlags; --max-cycles also applies to event images.
 void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
-/// What the flags say of cycles of a schedule; --schedule and --patterns, and the flags of the recording, are left
-/// aside. Fails with kInvalidValue where the schedule alone shall tell and nothing says when it began.
+/// Converts the flags to the options of a reader of cycles with this schedule, ignoring --schedule, --patterns and the
+/// flags of the recording. Fails with kInvalidValue if the schedule is the only source of times and --origin-us is
+/// missing.
 [[nodiscard]] Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Schedule schedule);
 
-/// Opens a recording (a path, "-" for standard input, or a camera's name) cut into cycles as the flags say.
-/// "auto" takes triggers when the recording begins with some, else bursts.
+/// Opens a recording (a path, "-" for standard input, or the name of a camera) and divides it into cycles. The source
+/// "auto" selects triggers if the recording begins with some, and bursts otherwise.
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
 
-/// Watches whether the events confirm what was claimed of the cycles.
+/// Collects how well the events confirm the times of the cycles.
 class ConfidenceWatch {
  public:
   void add(const cycles::Cycle& cycle, cycles::CycleSource source);
   [[nodiscard]] float least() const { return least_; }
-  /// Warns of cycles in whose claimed changes nothing happens, or the opposite, of inverted polarity, of triggers that
-  /// are out of step, and of what had to be assumed.
+  /// Warns about cycles whose stated changes of pattern the events do not confirm or contradict, about inverted
+  /// polarity and triggers that are out of step, and about assumptions.
   void warn(const std::filesystem::path& input, const cycles::CycleReport& report,
             const cycles::Schedule& schedule) const;
 
@@ -67,16 +68,16 @@ class ConfidenceWatch {
   bool is_by_schedule_ = false;
 };
 
-/// What --source calls it.
+/// Returns the value of --source for a source.
 [[nodiscard]] const char* source_name(cycles::CycleSource source);
 
-/// One line for people: cycles found and dropped, and why.
+/// Returns one line of text: the number of cycles that were found and dropped, with the reasons.
 [[nodiscard]] std::string report_text(const cycles::CycleReport& report);
-/// The error of a recording in which nothing was found.
+/// Returns the error for a recording without a complete cycle, with advice.
 [[nodiscard]] Error no_cycle_error(const std::filesystem::path& input, const cycles::CycleReport& report);
 [[nodiscard]] Json report_json(const cycles::CycleReport& report);
 
-/// One cycle: number, times, events, confidence.
+/// Returns a cycle as JSON: number, times, events, confidence.
 [[nodiscard]] Json cycle_json(const cycles::Cycle& cycle);
 
 }  // namespace e2lf::cli

@@ -9,8 +9,8 @@ namespace e2lf::cli {
 void add_display_options(CLI::App& app, DisplayFlags& flags) {
   capture::DisplayLayout& layout = flags.layout;
   add_codes_options(app, flags.codes);
-  app.add_option("--width", layout.width_px, "of the display, px")->capture_default_str();
-  app.add_option("--height", layout.height_px, "of the display, px")->capture_default_str();
+  app.add_option("--width", layout.width_px, "width of the display, px")->capture_default_str();
+  app.add_option("--height", layout.height_px, "height of the display, px")->capture_default_str();
   app.add_option("--cell", layout.cell_px, "width and height of an aperture cell, px")->capture_default_str();
   app.add_option("--offset-x", layout.offset_x_px, "offset of the aperture from the centre to the right, px");
   app.add_option("--offset-y", layout.offset_y_px, "offset of the aperture from the centre downwards, px");
@@ -29,7 +29,7 @@ Result<DisplaySequence> display_sequence(const DisplayFlags& flags, RunRecord& r
   E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(flags.codes, record));
   DisplaySequence sequence;
   sequence.codes = capture::codes_of_whole_cycle(known.codes).value_or(known.codes);
-  // The inverses come first, as the paper's display needs it.
+  // The inverses come first, as the paper's display requires.
   std::vector<capture::Codes> parts = {sequence.codes};
   if (flags.no_inverses) {
     sequence.schedule = cycles::plain_schedule(sequence.codes.num_patterns, flags.duration_us);

@@ -26,7 +26,7 @@ struct DisplayFlags {
 /// Declares the flags.
 void add_display_options(CLI::App& app, DisplayFlags& flags);
 
-/// What a display shows in one cycle.
+/// The sequence of images that a display shows in one cycle.
 struct DisplaySequence {
   capture::Codes codes;
   cycles::Schedule schedule;

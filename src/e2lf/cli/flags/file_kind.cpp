@@ -2,7 +2,12 @@
 #include "e2lf/cli/flags/file_kind.h"
 
 #include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+#include <vector>
 
+#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/measurement_io.h"
 #include "e2lf/cli/flags/recording_flags.h"
@@ -43,6 +48,21 @@ bool is_training_run(const fs::path& path) {
          (fs::exists(path / "log.csv", error) || fs::exists(path / "checkpoint.safetensors", error));
 }
 
+/// Returns the first names in a folder, ": events.txt, images, ...".
+std::string members_text(const fs::path& path) {
+  constexpr size_t kMost = 4;
+  std::error_code error;
+  std::vector<std::string> names;
+  for (auto entry = fs::directory_iterator(path, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    names.push_back(printable(entry->path().filename().string()));
+  }
+  std::sort(names.begin(), names.end());
+  const bool is_all = names.size() <= kMost;
+  if (!is_all) names.resize(kMost);
+  return names.empty() ? "" : cat(": ", join(names), is_all ? "" : ", ...");
+}
+
 Result<FileKind> folder_kind(const fs::path& path) {
   if (recordings::is_recording_folder(path)) return FileKind::kRecording;
   std::error_code error;
@@ -57,29 +77,42 @@ Result<FileKind> folder_kind(const fs::path& path) {
   if (is_training_run(path)) return FileKind::kTrainingRun;
   if (!verb.empty()) return FileKind::kResults;
   return Error{ErrorCode::kFormat,
-               "the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; name "
-               "a file or folder in it",
+               cat("the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; "
+                   "give a file or folder in it",
+                   members_text(path)),
                path.string()};
 }
 
-/// Returns whether an array is a list of events: records, or rows of t, x, y, p in some order.
+/// Returns whether an array is a list of events: records, or rows or columns of t, x, y, p in some order.
 bool is_event_list(const NpyArray& array) {
-  return !array.fields.empty() || (array.shape.size() == 2 && array.shape[1] == 4);
+  return !array.fields.empty() || (array.shape.size() == 2 && (array.shape[1] == 4 || array.shape[0] == 4));
+}
+
+/// Returns whether an array contains patterns: [N, 8, 8]. No sensor is as small.
+bool are_patterns(const NpyArray& array) {
+  return array.shape.size() == 3 && array.shape[1] == 8 && array.shape[2] == 8;
 }
 
 Result<FileKind> array_kind(const fs::path& path) {
+  // A file with this name may also be another recording, such as text.
+  std::array<char, 6> mark{};
+  if (!std::ifstream(path, std::ios::binary).read(mark.data(), mark.size()) ||
+      std::string_view(mark.data(), mark.size()) != "\x93NUMPY") {
+    return FileKind::kRecording;
+  }
   E2LF_ASSIGN_OR_RETURN(const NpyArray array, peek_npy(path));
   if (is_event_list(array)) return FileKind::kRecording;
+  if (are_patterns(array)) return FileKind::kSettings;
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kEventImages;
 }
 
 Result<FileKind> archive_kind(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, peek_npz(path));
-  if (capture::holds_images(arrays)) return FileKind::kImages;
   const auto events = arrays.find("events");
-  if (events != arrays.end()) {
-    return is_event_list(events->second) ? FileKind::kRecording : FileKind::kEventImages;
-  }
+  if (events != arrays.end() && is_event_list(events->second)) return FileKind::kRecording;
+  if (capture::holds_images(arrays)) return FileKind::kImages;
+  if (events != arrays.end()) return FileKind::kEventImages;
+  if (arrays.contains("codes")) return FileKind::kSettings;
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
 }
 
@@ -93,14 +126,14 @@ bool holds_event_images(const fs::path& path) {
 std::string use_of(FileKind kind, const fs::path& path) {
   switch (kind) {
     case FileKind::kRecording:
-      return ": `e2lf reconstruct` makes light fields of it, `e2lf accumulate` event images";
+      return ": `e2lf reconstruct` computes light fields from it, `e2lf accumulate` event images";
     case FileKind::kEventImages:
     case FileKind::kImages:
-      return ": `e2lf reconstruct` makes a light field of them";
+      return ": `e2lf reconstruct` computes a light field from them";
     case FileKind::kLightField:
-      return ": `e2lf simulate` makes events of it";
+      return ": `e2lf simulate` generates events from it";
     case FileKind::kCycles:
-      return cat(": name one of them, as ", (path / "cycle_00000").string());
+      return cat(": give one of them, e.g. ", (path / "cycle_00000").string());
     case FileKind::kTrainingRun:
       return ": its model is a .safetensors in the folder, `e2lf resume` continues it";
     case FileKind::kDisplay:
@@ -108,7 +141,9 @@ std::string use_of(FileKind kind, const fs::path& path) {
     case FileKind::kModel:
       return ": models are given with -m";
     case FileKind::kResults:
-      return ": `e2lf info` states what made it";
+      return ": `e2lf info` describes the run that wrote it";
+    case FileKind::kSettings:
+      return ": `e2lf info` describes them";
   }
   return "";
 }
@@ -135,6 +170,8 @@ const char* kind_text(FileKind kind) {
       return "the images for an aperture display";
     case FileKind::kResults:
       return "a folder of results";
+    case FileKind::kSettings:
+      return "a file of settings";
   }
   return "a file";
 }
@@ -151,6 +188,8 @@ Result<FileKind> file_kind(const fs::path& path) {
   if (fs::is_directory(path, error)) return folder_kind(path);
   const std::string extension = path.extension().string();
   if (extension == ".safetensors") return FileKind::kModel;
+  if (extension == ".bias") return FileKind::kSettings;
+  if (extension == ".json" && read_json(path).value_or(Json()).is_object()) return FileKind::kSettings;
   if (extension == ".npz") return archive_kind(path);
   if (extension == ".npy") return array_kind(path);
   if (extension == ".mat" && holds_event_images(path)) return FileKind::kEventImages;

@@ -18,6 +18,7 @@ enum class FileKind {
   kTrainingRun,  ///< a folder of `e2lf train`
   kDisplay,      ///< a folder of `e2lf codes render`
   kResults,      ///< a folder with the run.json of any other verb
+  kSettings,     ///< a file of settings: a camera, a schedule, patterns, a run.json, or biases
 };
 
 /// Returns the name of the kind with its article, e.g. "a light field".

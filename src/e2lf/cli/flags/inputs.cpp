@@ -17,10 +17,9 @@ using pipeline::KnownCodes;
 void add_codes_options(CLI::App& app, CodesSource& source) {
   add_model_option(app, "-m,--model", source.model,
                    "model file, or the name of a bundled model: its patterns and sensor constants");
-  add_codes_option(
-      app, source.codes,
-      "aperture patterns (.json, .npy, .npz, or those of a model); default: those of the events' file, the "
-      "model's, those of e2lf-n4");
+  add_codes_option(app, source.codes,
+                   "aperture patterns (.json, .npy, .npz, or a model); default: those in the file of the events, or "
+                   "else those of the model, or else those of e2lf-n4");
 }
 
 Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record) {
@@ -44,8 +43,8 @@ void note_named_codes(const CodesSource& source, const std::optional<capture::Co
   if (!codes) return;
   record.add_input(source.codes);
   if (!of_events || *codes == *of_events) return;
-  log_warning(cat("the patterns of ", source.codes.string(), " are not those that the file of the events holds; ",
-                  "taking them as told"));
+  log_warning(cat("the patterns of ", source.codes.string(), " differ from those in the file of the events; ",
+                  "using those of --codes"));
 }
 
 Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<model::Model>& model,
@@ -60,7 +59,7 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(source, model, std::nullopt, record));
   if (known) return std::move(*known);
   if (!source.model.empty()) {
-    return Error{ErrorCode::kNotFound, "the model holds no aperture patterns; give them with --codes",
+    return Error{ErrorCode::kNotFound, "the model contains no aperture patterns; give them with --codes",
                  source.model.string()};
   }
   known.emplace();
@@ -68,7 +67,7 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
   if (const auto path = bundled_model()) {
     record.add_input(*path);
     record.resolve("codes", path->stem().string());
-    log_info(cat("no patterns named: taking those of ", path->stem().string()));
+    log_info(cat("no patterns were given; using those of ", path->stem().string()));
   }
   return std::move(*known);
 }

@@ -16,7 +16,7 @@
 
 namespace e2lf::cli {
 
-/// Where a verb takes its aperture patterns from: a model file or a file of codes.
+/// The sources of the aperture patterns of a verb: a model file or a file of codes.
 struct CodesSource {
   std::filesystem::path model, codes;
 };
@@ -24,28 +24,29 @@ struct CodesSource {
 /// Declares -m/--model and --codes.
 void add_codes_options(CLI::App& app, CodesSource& source);
 
-/// The model that was named, if one was: read once, and kept in the record by what was read. Fails as read_model does.
+/// Reads the model if one was given, and adds its content to the record. Fails as read_model() does.
 [[nodiscard]] Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record);
 
-/// The patterns of --codes, if it was given. Fails as pipeline::read_patterns() does.
+/// Reads the patterns of --codes if it was given. Fails as pipeline::read_patterns() does.
 [[nodiscard]] Result<std::optional<capture::Codes>> read_named_codes(const CodesSource& source);
 
-/// Keeps the file of these patterns in the record. Warns where they are not those that the events' file holds.
+/// Adds the file of these patterns to the record, and warns if they differ from those in the file of the events.
 void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
                       const std::optional<capture::Codes>& of_events, RunRecord& record);
 
-/// What is known of the patterns behind some events: those of --codes, else `of_events` (what the events' own file
-/// holds), else those of `model`. Nothing when none of them has any. Warns where --codes and the events' file differ.
+/// Returns the patterns of --codes, or else `of_events` (those in the file of the events), or else those of `model`, or
+/// nothing if none of them exist. Warns if --codes and the file of the events differ.
 [[nodiscard]] Result<std::optional<pipeline::KnownCodes>> find_codes(const CodesSource& source,
                                                                      const std::optional<model::Model>& model,
                                                                      const std::optional<capture::Codes>& of_events,
                                                                      RunRecord& record);
 
-/// Reads the patterns: those of --codes, else those of the model. Where neither is given, takes those of the bundled
-/// model and says so; without one, the built-in ones. Fails with kNotFound when the model holds no codes.
+/// Reads the patterns of --codes, or else those of the model. If neither is given, uses those of the bundled model and
+/// logs this, or the built-in ones if there is no bundled model. Fails with kNotFound if the model contains no
+/// patterns.
 [[nodiscard]] Result<pipeline::KnownCodes> load_codes(const CodesSource& source, RunRecord& record);
 
-/// read_light_field() with a line of progress.
+/// Reads a light field with read_light_field() and shows the progress.
 [[nodiscard]] Result<lightfield::LightField> read_with_progress(const std::filesystem::path& path,
                                                                 const lightfield::ReadOptions& options, bool is_quiet);
 

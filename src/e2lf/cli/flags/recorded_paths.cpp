@@ -53,7 +53,7 @@ Error missing(const std::string& recorded, const std::string& flag, const fs::pa
                                 ? "the file or folder no longer exists"
                                 : cat("it is neither in ", folder.string(), ", where the run was started, nor in ",
                                       fs::current_path(error).string(), ", the current folder");
-  return {ErrorCode::kNotFound, cat("an input of the earlier run is missing: ", tried, "; name it with ", flag),
+  return {ErrorCode::kNotFound, cat("an input of the earlier run is missing: ", tried, "; give it with ", flag),
           recorded};
 }
 

@@ -14,8 +14,8 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
     app.add_option(name, value, text)->group(group);
   };
   add("--event-format", flags.format, "format of the recording, if it cannot be detected");
-  add("--sensor-width", flags.width, "px, if the recording does not state it");
-  add("--sensor-height", flags.height, "px, if the recording does not state it");
+  add("--sensor-width", flags.width, "width of the sensor in px, if the recording does not state it");
+  add("--sensor-height", flags.height, "height of the sensor in px, if the recording does not state it");
   add("--stream", flags.stream, "number or name of a stream of events, if the recording contains several");
   add("--columns", flags.columns, "order of the columns of a table of events, e.g. txyp; - skips a column");
   app.add_option("--time-unit", flags.time_unit,
@@ -24,12 +24,12 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
       ->check(CLI::IsMember({"auto", "s", "ms", "us", "ns"}))
       ->group(group);
   app.add_option("--restart", flags.restart,
-                 "if the clock starts again (a restarted camera, joined files): continue moves the later part behind "
+                 "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind "
                  "the earlier one, split keeps the parts separate (info, convert), refuse fails")
       ->check(CLI::IsMember({"continue", "split", "refuse"}))
       ->group(group);
-  add("--from-us", flags.from_us, "recordings: leave out what is before this time on the recording's clock");
-  add("--to-us", flags.to_us, "recordings: leave out what is at or after this time on the recording's clock");
+  add("--from-us", flags.from_us, "recordings: leave out data before this time on the clock of the recording");
+  add("--to-us", flags.to_us, "recordings: leave out data at or after this time on the clock of the recording");
   app.add_flag("--relative", flags.is_relative,
                "recordings: --from-us and --to-us are relative to the first event or trigger")
       ->group(group);

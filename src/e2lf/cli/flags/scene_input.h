@@ -12,7 +12,7 @@
 
 namespace e2lf::cli {
 
-/// How to read a scene: with as many views as the patterns have cells, and with or without colour.
+/// Options for reading a scene, which must have as many views as the patterns have cells.
 struct SceneOptions {
   LightFieldFlags flags = {};                        ///< the number of views in it is ignored
   size_t views_y = 8, views_x = 8;                   ///< number of central views

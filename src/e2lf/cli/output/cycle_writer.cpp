@@ -29,6 +29,10 @@ Result<lightfield::LightField> CycleWriter::process(const pipeline::CycleImages&
   about["gain"] = field.gain;
   about["black"] = field.black;
   about["reconstruct_s"] = field.reconstruct_s;
+  if (field.motion) {
+    about["motion"] = *field.motion;
+    about["transitions"] = field.is_of_lit ? "lit" : "all";
+  }
   about["latency_s"] = cycle.behind_s + seconds_since(cycle.ready);
   if (field.error) {
     about["event_error"] = field.error->at_first;
@@ -46,7 +50,7 @@ Json CycleWriter::notes() const {
 }
 
 Result<pipeline::Field> CycleWriter::reconstruct(const pipeline::CycleImages& cycle) {
-  // Of live input the log tells, a line for each cycle.
+  // For live input, the log has a line for each cycle instead.
   ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), options_.is_quiet || cycle.is_live());
   bar.update(0, 1);
   warn_of_events(cycle);
@@ -64,7 +68,7 @@ void CycleWriter::warn_of_events(const pipeline::CycleImages& cycle) {
     log_warning(cat(options_.input.string(), ", cycle ", cycles_.size(), ": ", doubt));
   }
   warned_ += doubts.empty() ? 0 : 1;
-  if (warned_ == kMostWarnings && !doubts.empty()) log_warning("of further cycles nothing of that kind is said");
+  if (warned_ == kMostWarnings && !doubts.empty()) log_warning("further warnings of this kind are suppressed");
 }
 
 }  // namespace e2lf::cli

@@ -12,37 +12,37 @@
 
 namespace e2lf::cli {
 
-/// The folder of a cycle: cycle_00000 ...
+/// Returns the name of the folder of a cycle: cycle_00000, cycle_00001, ...
 [[nodiscard]] std::string cycle_name(size_t cycle);
 
-/// What all light fields of a run have in common.
+/// The settings of all light fields of a run.
 struct CycleWriterOptions {
-  std::filesystem::path input;  ///< for messages
-  std::string format;           ///< of write_reconstruction()
+  std::filesystem::path input;  ///< name of the input, for messages
+  std::string format;           ///< output format; see write_reconstruction()
   bool is_quiet = false;
-  std::optional<capture::Orientation> views = {};  ///< how they come out
-  std::optional<capture::Codes> codes = {};        ///< from which the signs of the events follow
+  std::optional<capture::Orientation> views = {};  ///< orientation in which views are reconstructed
+  std::optional<capture::Codes> codes = {};        ///< patterns that determine the signs of the events
 };
 
-/// Reconstructs cycles and writes each; what has been done so far.
+/// Reconstructs cycles one by one, writes their light fields, and keeps a record of them.
 class CycleWriter {
  public:
   CycleWriter(CycleWriterOptions options, pipeline::FieldSequence sequence)
       : options_(std::move(options)), sequence_(std::move(sequence)) {}
 
-  /// Into an existing folder. Returns the light field, upright.
+  /// Reconstructs a cycle and writes it to an existing folder. Returns the light field in upright orientation.
   Result<lightfield::LightField> process(const pipeline::CycleImages& cycle, const std::filesystem::path& folder);
 
-  /// What the records of folders with views note of them.
+  /// Returns the notes about the orientation of the views for the run records.
   [[nodiscard]] Json notes() const;
   [[nodiscard]] const Json& cycles() const { return cycles_; }
   [[nodiscard]] const LiveLog& live_log() const { return live_log_; }
-  /// Of all cycles; there must be one.
+  /// Returns the brightness of all cycles. At least one must have been processed.
   [[nodiscard]] const pipeline::Tone& tone() const { return sequence_.tone(); }
 
  private:
   Result<pipeline::Field> reconstruct(const pipeline::CycleImages& cycle);
-  /// Says of the first cycles why their events are hardly those of a scene.
+  /// Warns about implausible events in the first cycles.
   void warn_of_events(const pipeline::CycleImages& cycle);
 
   CycleWriterOptions options_;

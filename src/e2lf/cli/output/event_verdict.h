@@ -6,13 +6,14 @@
 
 namespace e2lf::cli {
 
-/// The judgement of a light field by its events for the record: {"verdict", "error", "noise_error", "ratio", ...}.
+/// Returns the judgement of a light field for the record: {"verdict", "error", "noise_error", "ratio", ...}.
 [[nodiscard]] Json check_json(const recon::EventJudgement& judgement);
 
-/// Prints how far the light field of a recorded cycle is from explaining its events, and what that means.
+/// Prints the difference between the events of a cycle of the record and those that its light field would cause, with
+/// the verdict.
 void print_event_error(const Json& cycle);
 
-/// Warns where the judgement of a recorded cycle is that something is likely wrong, and says what to do.
+/// Logs a warning with a remedy if the verdict on a cycle of the record is that something is probably wrong.
 void warn_of_verdict(const Json& cycle);
 
 }  // namespace e2lf::cli

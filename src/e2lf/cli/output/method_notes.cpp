@@ -25,16 +25,16 @@ const char* told_by_name(ToldBy told_by, const char* flag) {
 }
 
 void say_taken(const std::string& name, bool is_for_pixels) {
-  log_info(cat("no model named: taking ", name, ", which was trained for these patterns and ",
+  log_info(cat("no model was given; using ", name, ", which was trained for these patterns and ",
                is_for_pixels ? "physical pixels" : "the paper's event model"));
 }
 
 void warn_of_assumed_patterns(const fs::path& events, const std::string& whose) {
-  log_warning(cat("nothing in ", events.string(), " says which patterns the camera showed: those of ", whose,
-                  " are assumed, and nothing confirms it"));
+  log_warning(cat(events.string(), " does not state which patterns the camera showed; those of ", whose,
+                  " are assumed without confirmation"));
 }
 
-/// A network works for the patterns that it was trained for alone.
+/// Records the source of the patterns, and warns unless the network was trained for them.
 void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord& record) {
   const model::Model& model = method.network->model();
   const bool is_told = pipeline::are_patterns_told(method.codes);
@@ -45,9 +45,10 @@ void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord
   if (!is_told) return warn_of_assumed_patterns(events, model.name);
   log_warning(model.codes
                   ? cat("the events were made with other patterns than ", model.name,
-                        " was trained for: the light field will be wrong; use their model, or --method inversion")
-                  : cat(model.name, " does not say which patterns it was trained for: nothing confirms that ",
-                        "they are those of the events"));
+                        " was trained for, so that the light field will be wrong; use a model for these patterns, or ",
+                        "--method inversion")
+                  : cat(model.name, " does not state which patterns it was trained for, so that it may not match ",
+                        "those of the events"));
 }
 
 void note_network(const OpenedMethod& method, const fs::path& events, size_t passes, RunRecord& record) {
@@ -61,13 +62,14 @@ void note_network(const OpenedMethod& method, const fs::path& events, size_t pas
   note_patterns(method, events, record);
   if (!method.takes_sums() && is_pixel) {
     log_warning(cat("the events are those of physical pixels (", method.camera->name, "), which ", network.model().name,
-                    " has never seen: the light field will be wrong; use a network that is told the camera, such as ",
+                    " was not trained for: the light field will be wrong; use a network conditioned on the sensor "
+                    "profile, such as ",
                     "e2lf-n4-camera"));
   }
   const size_t made = network.num_passes(passes);
   if (made < passes) {
-    log_warning(cat("--passes ", passes, ": the network tells apart ", made, " position", made == 1 ? "" : "s",
-                    " on its pixel grid, so many passes are made"));
+    log_warning(cat("--passes ", passes, ": the network distinguishes ", made, " position", made == 1 ? "" : "s",
+                    " on its pixel grid; the number of passes is reduced to this"));
   }
   const char* precision = engine::precision_name(network.engine().precision());
   record.resolve("precision", precision);
@@ -79,16 +81,16 @@ void note_classical(const OpenedMethod& method, const fs::path& events, const fs
   if (method.bundled) {
     record.add_input(*method.bundled);
     record.resolve("codes", method.bundled->stem().string());
-    log_info(cat("no patterns named: taking those of ", method.bundled->stem().string()));
+    log_info(cat("no patterns were given; using those of ", method.bundled->stem().string()));
   }
   if (method.codes->told_by == ToldBy::kNobody) {
-    log_warning("nothing confirms that the camera showed these patterns; give the camera's with --codes");
+    log_warning("the camera may have shown other patterns; give those of the camera with --codes");
   } else if (!pipeline::are_patterns_told(method.codes)) {
     warn_of_assumed_patterns(events, model.string());
   }
   if (method.camera && method.camera->is_pixel()) {
     log_warning(cat("the events are those of physical pixels (", method.camera->name, "); the method ",
-                    method.algorithm, " knows the paper's event model alone"));
+                    method.algorithm, " only supports the paper's event model"));
   }
 }
 

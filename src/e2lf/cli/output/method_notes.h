@@ -9,12 +9,12 @@
 
 namespace e2lf::cli {
 
-/// Says which bundled network was taken since no model was named.
+/// Logs which bundled network was chosen because no model was given.
 void say_bundled_network(const pipeline::BundledNetwork& network);
 
-/// Logs and records what was decided on the way to a method for `events`: the network or patterns that were taken where
-/// none was named, who told patterns and sensor profile, and where these are not what the method is for. `model` is the
-/// file that the user named, and `passes` the number that was asked for.
+/// Logs and records the decisions behind a method for `events`: the network or patterns that were chosen by default,
+/// the sources of the patterns and the sensor profile, and any mismatch between these and the method. `model` is the
+/// file that the user gave, and `passes` the requested number of passes.
 void note_method(const pipeline::OpenedMethod& method, const std::filesystem::path& events,
                  const std::filesystem::path& model, size_t passes, RunRecord& record);
 

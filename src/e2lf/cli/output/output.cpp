@@ -69,7 +69,7 @@ Result<fs::path> resolve(const fs::path& named) {
   std::error_code error;
   if (path.empty()) return Error{ErrorCode::kInvalidValue, "the output has no name; give one", "--output"};
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
-    return exists(path, "the output is a link to nothing; remove it or name another output");
+    return exists(path, "the output is a link whose target does not exist; remove it or choose another output");
   }
   fs::path resolved = fs::weakly_canonical(fs::absolute(path, error), error);
   return error ? path : resolved;
@@ -103,7 +103,7 @@ Result<void> check_not_a_side_file(const fs::path& path) {
   const std::string name = path.filename().string(), record_end = record_path_beside("").string();
   const auto belongs = [&path](const char* what, const fs::path& owner) {
     return exists(path, cat("this is the name of the ", what, " of ", owner.filename().string(),
-                            ", and would be read as such; name another output"));
+                            ", and would be read as such; choose another output"));
   };
   std::error_code error;
   if (name.ends_with(record_end) && name.size() > record_end.size()) {
@@ -138,16 +138,16 @@ bool is_same_content(const fs::path& a, const fs::path& b) {
 Error foreign_side(const fs::path& side, const fs::path& target, bool is_ours) {
   const std::string name = target.filename().string();
   return exists(side, !is_ours ? cat("this file would belong to ", name,
-                                     ", but e2lf did not write it, so it is not replaced; move it away or name "
+                                     ", but e2lf did not write it, so it is not replaced; move it away or choose "
                                      "another output")
                                : cat("this file would belong to ", name,
-                                     "; move it away, give --overwrite or name another output"));
+                                     "; move it away, give --overwrite or choose another output"));
 }
 
 Error shared_triggers(const fs::path& triggers, const fs::path& target, const fs::path& owner) {
   return exists(triggers,
                 cat("these triggers belong to ", owner.filename().string(), ", and would be read as those of ",
-                    target.filename().string(), " too; name another output"));
+                    target.filename().string(), " too; choose another output"));
 }
 
 /// Returns "events-interrupted-1.npz" or the next unused name, including that of the triggers.
@@ -208,7 +208,7 @@ Result<void> check_folder_name(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (is_there(path) || std::find(std::begin(kFiles), std::end(kFiles), extension) == std::end(kFiles)) return {};
   return Error{ErrorCode::kInvalidValue,
-               cat("the output is a folder, and a name that ends in ", extension, " is that of a file; name a folder"),
+               cat("the output is a folder, and a name that ends in ", extension, " is that of a file; give a folder"),
                path.string()};
 }
 
@@ -237,7 +237,7 @@ Result<void> check_apart(const fs::path& output, const std::vector<fs::path>& in
     }
     return Error{ErrorCode::kInvalidValue,
                  cat("the output ", output_within ? "is" : "contains", " an input (", input.string(),
-                     "), which would be lost; name another output"),
+                     "), which would be lost; choose another output"),
                  output.string()};
   }
   return {};
@@ -269,17 +269,17 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   const bool is_stdout = is_standard_output(named);
   if (is_stdout || e2lf::is_stream(named)) {
     if (!rules.streams) {
-      return Error{ErrorCode::kUnsupported, "this output is written as a file, not to a pipe or a device; name a file",
+      return Error{ErrorCode::kUnsupported, "this output is written as a file, not to a pipe or a device; give a file",
                    named.string()};
     }
-    // A pipe that a program reads and writes never ends.
+    // A pipe that the same program reads and writes never ends.
     std::error_code error;
     const bool is_read =
         fs::is_fifo(named, error) && std::any_of(rules.inputs.begin(), rules.inputs.end(), [&](const fs::path& input) {
           return fs::weakly_canonical(named, error) == fs::weakly_canonical(input, error);
         });
     if (is_read) {
-      return Error{ErrorCode::kInvalidValue, "the output is the pipe that is read; name another", named.string()};
+      return Error{ErrorCode::kInvalidValue, "the output is the pipe that is read; choose another", named.string()};
     }
     output.place_ = is_stdout ? fs::path("-") : named;
     return output;
@@ -353,13 +353,13 @@ Result<void> OutputFile::commit() {
 
 Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules, Json record) {
   if (is_standard_output(named)) {
-    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; name a folder", named.string()};
+    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; give a folder", named.string()};
   }
   E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
   E2LF_ASSIGN_OR_RETURN(path_, resolve(named));
   std::error_code error;
   if (is_there(path_) && !fs::is_directory(path_, error)) {
-    return exists(path_, "the output is a folder, but a file with this name exists; name another output");
+    return exists(path_, "the output is a folder, but a file with this name exists; choose another output");
   }
   E2LF_RETURN_IF_ERROR(check_folder_name(path_));
   is_new_ = !is_there(path_);
@@ -367,8 +367,8 @@ Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules
   if (is_there(path_) && !fs::is_empty(path_, error)) {
     const auto earlier = is_our_record(path_ / "run.json") ? read_json(path_ / "run.json") : Json::object();
     if (!earlier || earlier->value("verb", "") != verb_) {
-      return exists(path_,
-                    cat("this folder was not written by e2lf ", verb_, " (it holds no run.json of it); name another"));
+      return exists(path_, cat("this folder was not written by e2lf ", verb_,
+                               " (it contains no run.json of e2lf); choose another"));
     }
     if (earlier->contains("files")) listed = earlier->value("files", std::vector<std::string>());
   }
@@ -398,7 +398,7 @@ void GrowingFolder::withdraw() const {
 
 Result<ResultFolder> open_output_folder(const fs::path& named, const OutputRules& rules) {
   if (is_standard_output(named)) {
-    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; name a folder", named.string()};
+    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; give a folder", named.string()};
   }
   E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
   E2LF_ASSIGN_OR_RETURN(const fs::path target, resolve(named));

@@ -86,7 +86,7 @@ class GrowingFolder {
   [[nodiscard]] Result<void> open(const std::filesystem::path& named, const OutputRules& rules, Json record);
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] Result<void> write_record(Json record) const;
-  /// Removes the folder if open() created it and it holds nothing but its record.
+  /// Removes the folder if open() created it and it contains only its record.
   void withdraw() const;
 
  private:

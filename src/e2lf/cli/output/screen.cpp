@@ -39,18 +39,18 @@ Screen::~Screen() = default;
 Result<Screen> Screen::open(int display) {
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
   SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "nearest");
-  if (SDL_Init(SDL_INIT_VIDEO) != 0) return graphics_error("there is no display");
+  if (SDL_Init(SDL_INIT_VIDEO) != 0) return graphics_error("no display is available");
   auto parts = std::make_unique<Parts>();
   const int count = SDL_GetNumVideoDisplays();
   if (display >= count) {
-    return Error{ErrorCode::kNotFound, cat("there is no display ", display, "; give one of 0 to ", count - 1),
+    return Error{ErrorCode::kNotFound, cat("there is no display ", display, "; give a number from 0 to ", count - 1),
                  "--display"};
   }
-  if (SDL_GetDesktopDisplayMode(display, &parts->mode) != 0) return graphics_error("the display has no mode");
+  if (SDL_GetDesktopDisplayMode(display, &parts->mode) != 0) return graphics_error("the display mode is unknown");
   const auto place = static_cast<int>(SDL_WINDOWPOS_CENTERED_DISPLAY(static_cast<unsigned>(display)));
   parts->window = SDL_CreateWindow("e2lf codes play", place, place, parts->mode.w, parts->mode.h,
                                    SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS);
-  if (parts->window == nullptr) return graphics_error("the display cannot be covered");
+  if (parts->window == nullptr) return graphics_error("no window can be opened on the display");
   if (SDL_GetWindowDisplayIndex(parts->window) != display) {
     return Error{ErrorCode::kIo,
                  "the display server shows the window on another display, as servers with several screens do; join the "
@@ -63,7 +63,7 @@ Result<Screen> Screen::open(int display) {
   if (parts->renderer == nullptr) return graphics_error("the display cannot be drawn to");
   SDL_RendererInfo info{};
   const bool is_known = SDL_GetRendererInfo(parts->renderer, &info) == 0;
-  // The one in software only imitates a refresh.
+  // The software renderer only simulates a refresh.
   parts->is_synchronised =
       is_known && (info.flags & SDL_RENDERER_PRESENTVSYNC) != 0 && (info.flags & SDL_RENDERER_SOFTWARE) == 0;
   if (!parts->is_synchronised) SDL_RenderSetVSync(parts->renderer, 0);

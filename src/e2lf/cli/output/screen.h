@@ -11,12 +11,13 @@
 
 namespace e2lf::cli {
 
-/// A display that is connected to this computer, shown full screen. Only in builds with SDL.
+/// A full-screen window on a display of this computer. Only in builds with SDL.
 class Screen {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Covers a display, counted from 0. Fails with kNotFound (no such display) and kIo (no graphics).
+  /// Opens a window that covers a display, counted from 0. Fails with kNotFound (no such display) and kIo (no
+  /// graphics).
   [[nodiscard]] static Result<Screen> open(int display);
   Screen(Screen&& other) noexcept;
   Screen& operator=(Screen&& other) = delete;
@@ -26,17 +27,17 @@ class Screen {
   [[nodiscard]] size_t height_px() const;
   [[nodiscard]] double refresh_us() const;
 
-  /// Returns whether show() waits for the refresh of the display; otherwise it returns at once.
+  /// Returns true if show() waits for the refresh of the display; otherwise, it returns immediately.
   [[nodiscard]] bool is_synchronised() const;
 
-  /// Loads grey pictures of the size of the display. Fails with kIo.
+  /// Loads grey pictures that have the size of the display. Fails with kIo.
   [[nodiscard]] Result<void> load(const std::vector<lightfield::ByteImage>& pictures);
 
-  /// Shows one of the pictures from the next refresh on, with a square of `corner_px` in the lower right corner that is
-  /// white or black. Returns when it was shown. Fails with kIo.
+  /// Shows one of the pictures from the next refresh on, with a white or black square of `corner_px` in the lower right
+  /// corner. Returns the time at which it was shown. Fails with kIo.
   [[nodiscard]] Result<Clock::time_point> show(size_t picture, int corner_px, bool is_corner_white);
 
-  /// Returns whether the user closed the screen or pressed Escape.
+  /// Returns true if the user closed the window or pressed Escape.
   [[nodiscard]] bool is_closed();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf accumulate: recording -> event images per pattern cycle
+// e2lf accumulate: divides a recording into pattern cycles and accumulates their event images
 #include <chrono>
 #include <cstdio>
 
@@ -35,7 +35,7 @@ struct AccumulateArguments {
   OrientationFlags orientation;
 };
 
-/// Collects the picture of a recording while it is cut.
+/// Collects the data for the plot of a recording while it is divided into cycles.
 class CyclePlot {
  public:
   [[nodiscard]] CycleObserver observer() {
@@ -50,7 +50,7 @@ class CyclePlot {
  private:
   static constexpr size_t kBins = 2000;
 
-  /// The picture shows no more of them than this.
+  /// Keeps an item unless the plot already has the maximum number of them.
   template <typename T>
   static void keep(std::vector<T>& kept, const T& item) {
     if (kept.size() < kMaxDrawn) kept.push_back(item);
@@ -60,7 +60,7 @@ class CyclePlot {
   FoundCycles found_;
 };
 
-/// Counts what is read on the bar, and shows it to the plot where there is one.
+/// Returns an observer that updates the progress bar and, unless it is null, the plot.
 CycleObserver observer(ProgressBar& bar, CyclePlot* plot) {
   CycleObserver both = plot != nullptr ? plot->observer() : CycleObserver();
   both.on_batch = [&bar, events = size_t{0}, of_plot = both.on_batch](const recordings::EventBatch& batch) mutable {
@@ -71,20 +71,19 @@ CycleObserver observer(ProgressBar& bar, CyclePlot* plot) {
   return both;
 }
 
-/// Puts patterns and camera of the recording beside its event images; the patterns where they are those of the
-/// schedule.
+/// Stores the setup of the recording with its event images. Patterns that do not match the schedule are left out.
 void keep_setup_of(const fs::path& input, capture::RecordedSetup setup, size_t transitions,
                    capture::EventImageWriter& writer) {
   if (setup.codes && setup.codes->num_patterns != transitions + 1) {
-    log_warning(cat(input.string(), " holds ", setup.codes->num_patterns,
-                    " patterns, which are not those of the schedule with ", transitions,
-                    " event images: leaving them out"));
+    log_warning(cat(input.string(), " contains ", setup.codes->num_patterns,
+                    " patterns, which do not match the schedule with ", transitions,
+                    " event images; they are left out"));
     setup.codes.reset();
   }
   writer.keep(setup);
 }
 
-/// A row for each cycle.
+/// Returns a table with one row per cycle.
 report::Table cycle_table(const Json& cycles) {
   report::Table table{"The cycles, in order of time.",
                       {{"cycle", true}, {"events", true}, {"begins, us", true}, {"confidence", true}},
@@ -100,7 +99,7 @@ report::Table cycle_table(const Json& cycles) {
   return table;
 }
 
-/// A member of each cycle over the numbers of the cycles.
+/// Returns a chart of a member of each cycle over the number of the cycle.
 std::string cycle_curve(const Json& cycles, const char* member, const char* label) {
   report::LineChart chart{"cycle", label, {{"", {}, /*is_filled=*/true}}};
   for (const Json& cycle : cycles) {
@@ -151,7 +150,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   CyclePlot plot;
   const bool is_plotted = !arguments.plot.empty() || reports.is_wanted();
   std::optional<capture::EventImages> first;  // for the report
-  // Of live input the log tells, a line for each cycle.
+  // For live input, the log has a line for each cycle instead.
   ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
                         open_cycles(arguments.input, arguments.cycles, observer(bar, is_plotted ? &plot : nullptr)));
@@ -183,7 +182,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   const recordings::DecodeSummary summary = reader.summary();
   warn_of_losses(arguments.input, summary);
   verb.note_failed_input(summary.live.failure);
-  // Picture and report come first: they tell why, where no cycle was found.
+  // Plot and report are written first, because they show why no cycle was found.
   if (picture) {
     E2LF_RETURN_IF_ERROR(write_chart(plot.svg(), arguments.plot, picture->path()));
     E2LF_RETURN_IF_ERROR(picture->commit());
@@ -232,8 +231,10 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
 }  // namespace
 
 int run_accumulate(const std::vector<std::string>& arguments) {
-  Verb verb("accumulate", "Cut a recording into pattern cycles and accumulate each into event images. Constant memory.",
-            "e2lf accumulate recording.raw -o events.npz --source bursts");
+  Verb verb(
+      "accumulate",
+      "Divide a recording into pattern cycles and sum the events of each into event images. Needs constant memory.",
+      "e2lf accumulate recording.raw -o events.npz --source bursts");
   AccumulateArguments accumulation;
   verb.app()
       .add_option("input,-i,--input", accumulation.input,

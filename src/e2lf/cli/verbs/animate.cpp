@@ -177,10 +177,12 @@ int run_animate(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   app.add_option("--from", animation.from, "focus: first disparity, px per view step");
   app.add_option("--to", animation.to, "focus: last disparity; default of both: the nearest and farthest in the scene");
-  app.add_option("--columns", animation.quilt.columns, "of a quilt")
+  app.add_option("--columns", animation.quilt.columns, "number of columns of a quilt")
       ->check(whole_number(1, 100))
       ->capture_default_str();
-  app.add_option("--rows", animation.quilt.rows, "of a quilt")->check(whole_number(1, 100))->capture_default_str();
+  app.add_option("--rows", animation.quilt.rows, "number of rows of a quilt")
+      ->check(whole_number(1, 100))
+      ->capture_default_str();
   add_light_field_options(app, animation.light_field, /*has_views=*/true);
   add_orientation_options(app, animation.light_field.orientation);
   return verb.run(arguments, [&] { return animate(animation, verb); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf calibrate: event images of static scenes -> constants of the camera
+// e2lf calibrate: estimates the constants of a camera from event images of static scenes
 #include "e2lf/calibrate/calibrate.h"
 
 #include <algorithm>
@@ -15,6 +15,7 @@
 #include "e2lf/cli/flags/cycle_input.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/output/method_notes.h"
+#include "e2lf/cli/output/next_step.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -38,7 +39,7 @@ struct CalibrateArguments {
   CycleFlags cycles;
 };
 
-/// All cycles of an input, and the patterns that it names.
+/// All cycles of an input, and the patterns that it states.
 struct Source {
   calibrate::StillScene scene;
   std::optional<capture::Codes> codes;
@@ -200,6 +201,20 @@ std::string comparison_text(const Json& comparison) {
                                                  : "neither is better; either will do");
 }
 
+/// Returns the command that uses the camera.
+std::string next_step(const CalibrateArguments& arguments) {
+  std::string command = cat("e2lf reconstruct ", shell_word(arguments.inputs.front().string()));
+  const auto add = [&](const char* option, const fs::path& path) {
+    if (!path.empty()) command += cat(" ", option, " ", shell_word(path.string()));
+  };
+  add("-m", arguments.codes.model);
+  add("--codes", arguments.codes.codes);
+  add("--schedule", arguments.cycles.schedule);
+  add("--camera", arguments.output);
+  add("-o", arguments.output.stem());
+  return command;
+}
+
 Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   OutputRules rules{.inputs = arguments.inputs, .overwrite = common.overwrite};
@@ -249,9 +264,14 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
     std::printf("%s\n", report.dump(2).c_str());
   } else if (!common.quiet) {
     std::printf("%s", calibrate::report_text(calibration, arguments.places).c_str());
-    if (report["event_check"].is_object() && !is_worse) {
+    if (report["event_check"].is_null()) {
+      std::printf(
+          "not compared with the starting camera, because no bundled network was trained for these patterns "
+          "and physical pixels; give one with -m\n");
+    } else if (!is_worse) {
       std::printf("%s\n", comparison_text(report["event_check"]).c_str());
     }
+    if (!is_worse) print_next_step(next_step(arguments), common);
   }
   return {};
 }

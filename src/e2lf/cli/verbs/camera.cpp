@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf camera: list, check
+// e2lf camera: lists and checks live cameras
 #include <cstdio>
 
 #include "e2lf/base/log.h"
@@ -39,8 +39,8 @@ Result<void> list_cameras(const CommonOptions& common) {
   if (failure) log_warning(failure->text());
   if (cameras.empty() && !has_hal && !common.json) {
     return Error{ErrorCode::kMissingDependency,
-                 "no camera was found, and this build has no library for USB cameras; build it with the vendor's open "
-                 "HAL (docs/camera.md), or name a plugin in E2LF_CAMERA_PLUGINS",
+                 "no camera was found, and this build does not support USB cameras; build it with the vendor's open "
+                 "HAL (docs/camera.md), or give a plugin in E2LF_CAMERA_PLUGINS",
                  ""};
   }
   if (common.json) {
@@ -52,7 +52,7 @@ Result<void> list_cameras(const CommonOptions& common) {
                                          : Result<void>();
 }
 
-/// What a camera sent in some seconds.
+/// Statistics of the events and triggers that a camera sent.
 class CameraCheck {
  public:
   void add(const recordings::EventBatch& batch) {
@@ -86,11 +86,11 @@ class CameraCheck {
             {"header", header_json(reader.info())}};
   }
 
-  /// What is wrong, and what to do about it.
+  /// Returns a message for each problem, with its remedy.
   [[nodiscard]] std::vector<std::string> problems(const recordings::RecordingReader& reader, double seconds) const {
     const recordings::DecodeSummary summary = reader.summary();
     std::vector<std::string> found;
-    if (events_ == 0) found.push_back("no event came; take off the lens cap, and check the biases");
+    if (events_ == 0) found.push_back("the camera sent no events; take off the lens cap, and check the biases");
     if (triggers_ == 0) found.push_back(no_trigger_text(seconds));
     const uint64_t dropped = summary.sensor_events_in - std::min(summary.sensor_events_in, summary.sensor_events_sent);
     if (dropped > 0) {
@@ -98,7 +98,8 @@ class CameraCheck {
                           " events; use less light, a smaller region (--roi) or other biases"));
     }
     if (summary.live.dropped_bytes > 0) {
-      found.push_back(cat(summary.live.dropped_bytes, " bytes came faster than they were read; use a faster computer"));
+      found.push_back(
+          cat(summary.live.dropped_bytes, " bytes were lost because they arrived too fast; use a faster computer"));
     }
     for (const char* const filter : {"anti_flicker", "event_trail_filter"}) {
       if (reader.info().find(filter) == "on") {
@@ -109,7 +110,8 @@ class CameraCheck {
   }
 
   static std::string no_trigger_text(double seconds) {
-    return cat("no trigger in ", seconds, " s: check the wire and its level, or the input (--trigger-channel)");
+    return cat("no trigger within ", seconds,
+               " s; check the trigger cable, its level and the input (--trigger-channel)");
   }
 
   [[nodiscard]] std::string text(const Json& json, const recordings::DecodeSummary& summary) const {
@@ -186,13 +188,17 @@ int run_camera_list(const std::vector<std::string>& arguments) {
 }
 
 int run_camera_check(const std::vector<std::string>& arguments) {
-  Verb verb("camera check", "Watch a camera for some seconds and say what is wrong: triggers, events, what is dropped.",
+  Verb verb("camera check",
+            "Observe a camera for some seconds and report problems with its triggers and events, and losses.",
             "e2lf camera check camera://metavision --seconds 5");
   CheckArguments check;
   verb.app()
       .add_option("input,-i,--input", check.input, "camera://NAME, tcp://127.0.0.1:PORT, replay:FILE or a named pipe")
       ->capture_default_str();
-  verb.app().add_option("--seconds", check.seconds, "how long")->check(positive_number())->capture_default_str();
+  verb.app()
+      .add_option("--seconds", check.seconds, "duration of the observation")
+      ->check(positive_number())
+      ->capture_default_str();
   add_recording_options(verb.app(), check.recording, kRecordingOptions);
   verb.stop_gently();
   return verb.run(arguments, [&] { return check_camera(check, verb); });
@@ -203,7 +209,7 @@ int run_camera_check(const std::vector<std::string>& arguments) {
 int run_camera(const std::vector<std::string>& arguments) {
   return run_subverb("camera",
                      {{"list", "list the cameras that are connected", run_camera_list},
-                      {"check", "watch a camera and say what is wrong", run_camera_check}},
+                      {"check", "observe a camera and report problems", run_camera_check}},
                      arguments);
 }
 

@@ -22,11 +22,11 @@ namespace {
 using Clock = Screen::Clock;
 
 struct PlayArguments {
-  DisplayFlags display;  ///< a width or height of 0 is that of the display
+  DisplayFlags display;  ///< a width or height of 0 means that of the display
   fs::path output;
   int screen = 0, blink_px = 0;
   std::optional<int64_t> period_us;
-  uint64_t cycles = 0;  ///< 0 = until it is ended
+  uint64_t cycles = 0;  ///< 0 = until the user ends it
 };
 
 /// A pattern that was shown.
@@ -34,14 +34,14 @@ struct Flip {
   uint64_t cycle = 0;
   size_t pattern = 0;
   Clock::time_point shown;
-  uint64_t missed = 0;  ///< refreshes that passed without a picture, up to the next pattern
+  uint64_t missed = 0;  ///< number of refreshes without a picture before the next pattern
 };
 
 int64_t us_between(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration_cast<std::chrono::microseconds>(to - from).count();
 }
 
-/// Shows one picture for each refresh, and notes when patterns changed.
+/// Shows one picture per refresh, and records when the patterns changed.
 class Player {
  public:
   Player(const PlayArguments& arguments, Screen& screen, const cycles::Schedule& schedule)
@@ -57,22 +57,22 @@ class Player {
     }
   }
 
-  /// A message if patterns cannot last as long as they should; empty otherwise.
+  /// Returns a message if the refresh rate does not permit the stated durations; otherwise, an empty text.
   [[nodiscard]] std::string period_text() const {
     constexpr double kTolerance = 0.01;
     if (std::abs(most_off_us_ - off_wanted_us_) <= kTolerance * off_wanted_us_) return "";
     return cat("a pattern of ", std::lround(off_wanted_us_), " us is shown for ", std::lround(most_off_us_),
-               " us, since the display refreshes every ", std::lround(screen_.refresh_us()),
+               " us, because the display refreshes every ", std::lround(screen_.refresh_us()),
                " us; choose a multiple of this with --period-us");
   }
 
   [[nodiscard]] const std::vector<size_t>& refreshes() const { return refreshes_; }
   [[nodiscard]] const std::vector<Flip>& flips() const { return flips_; }
-  /// When the last pattern ended.
+  /// Returns the time at which the last pattern ended.
   [[nodiscard]] Clock::time_point end() const { return last_shown_; }
   [[nodiscard]] uint64_t missed() const { return missed_; }
 
-  /// Returns early, after a whole cycle, when a stop is requested or the user closes the screen.
+  /// Shows the cycles. Returns early, after a complete cycle, if a stop is requested or the user closes the screen.
   Result<void> play() {
     for (uint64_t cycle = 0; arguments_.cycles == 0 || cycle < arguments_.cycles; ++cycle) {
       if (stop_requested() || screen_.is_closed()) break;
@@ -83,7 +83,7 @@ class Player {
         }
       }
     }
-    // The first picture of a further cycle ends the last pattern.
+    // Showing the first picture of another cycle ends the last pattern.
     return flips_.empty() ? Result<void>() : show(0, 0);
   }
 
@@ -103,7 +103,7 @@ class Player {
       const auto missed = static_cast<uint64_t>(std::max(0.0, std::round(passed) - 1));
       flips_.back().missed += missed;
       missed_ += missed;
-      if (missed > 0) due_ = shown;  // what was missed is not made up for
+      if (missed > 0) due_ = shown;  // do not try to catch up
     }
     last_shown_ = shown;
     return {};
@@ -115,7 +115,7 @@ class Player {
   std::vector<Flip> flips_;
   Clock::time_point last_shown_, due_;
   uint64_t missed_ = 0;
-  double most_off_us_ = 0, off_wanted_us_ = 0;  ///< of the pattern whose duration is changed most: shown, and wanted
+  double most_off_us_ = 0, off_wanted_us_ = 0;  ///< actual and stated duration of the pattern with the largest change
 };
 
 std::string csv_of(const Player& player, const cycles::Schedule& schedule) {
@@ -130,7 +130,7 @@ std::string csv_of(const Player& player, const cycles::Schedule& schedule) {
   return text;
 }
 
-/// The schedule with the mean durations for which patterns were really shown, those with missed refreshes left out.
+/// Returns the schedule with the mean measured durations of the patterns, without those that missed a refresh.
 cycles::Schedule shown_schedule(const Player& player, cycles::Schedule schedule) {
   std::vector<int64_t> sums(schedule.size(), 0), counts(schedule.size(), 0);
   const std::vector<Flip>& flips = player.flips();
@@ -160,13 +160,13 @@ Result<void> play(PlayArguments arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(screen.load(sequence.frames));
   if (!screen.is_synchronised()) {
     log_warning(
-        "the graphics driver does not wait for the refresh of the display: the times of flips are those of the "
-        "computer's clock, and a picture may be torn");
+        "the graphics driver does not synchronise with the refresh of the display; the times of the patterns are those "
+        "of the computer's clock, and pictures may be torn");
   }
   Player player(arguments, screen, sequence.schedule);
   if (const std::string text = player.period_text(); !text.empty()) log_warning(text);
   E2LF_RETURN_IF_ERROR(player.play());
-  if (player.flips().empty()) return Error{ErrorCode::kCancelled, "ended before the first pattern was shown", ""};
+  if (player.flips().empty()) return Error{ErrorCode::kCancelled, "stopped before the first pattern was shown", ""};
   record.end_step("play");
   const uint64_t cycles = player.flips().back().cycle + 1;
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "flips.csv", csv_of(player, sequence.schedule)));
@@ -183,12 +183,12 @@ Result<void> play(PlayArguments arguments, const Verb& verb) {
   if (player.missed() > 0) {
     log_warning(cat(player.missed(),
                     " refreshes were missed, so that patterns were shown for too long; flips.csv lists "
-                    "them. End other programs, or show patterns for longer (--period-us)"));
+                    "them. Close other programs, or show patterns for longer (--period-us)"));
   }
   if (verb.common().json) {
     std::printf("%s", json_text(json).c_str());
   } else if (!verb.common().quiet) {
-    std::printf("%llu cycles shown; %s has the times, and schedule.json is for --schedule\n",
+    std::printf("%llu cycles shown; the times are in %s, whose schedule.json can be given to --schedule\n",
                 static_cast<unsigned long long>(cycles), arguments.output.c_str());
   }
   return {};

@@ -10,7 +10,7 @@ int run_codes_play(const std::vector<std::string>& arguments) {
   verb.app().allow_extras();
   return verb.run(arguments, []() -> Result<void> {
     return Error{ErrorCode::kMissingDependency,
-                 "this build cannot show patterns; install libsdl2-dev, configure and build again",
+                 "this build cannot show patterns; install libsdl2-dev, then configure and build again",
                  {}};
   });
 }

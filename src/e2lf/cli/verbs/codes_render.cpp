@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf codes render: what an aperture display shows
+// e2lf codes render: writes the images for an aperture display
 #include <algorithm>
 #include <cstdio>
 
@@ -25,7 +25,7 @@ struct RenderArguments {
   unsigned bits = 8;
 };
 
-/// One picture of a cycle, in the order of the schedule.
+/// One image of a cycle, in the order of the schedule.
 struct NamedFrame {
   std::string file;
   ByteImage picture;
@@ -42,7 +42,7 @@ std::vector<NamedFrame> named_frames(const RenderArguments& arguments, DisplaySe
   return frames;
 }
 
-/// All frames beside each other, so that one look tells whether flips and turns are right.
+/// Returns thumbnails of all frames in one image, in which flips and rotations can be checked.
 ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
   constexpr size_t kColumns = 4, kWidth = 320, kGap = 4;
   const ByteImage& first = frames.front().picture;
@@ -62,7 +62,7 @@ ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
   return sheet;
 }
 
-/// What a program that drives the display reads: frame, when it begins in the cycle, how long it is shown.
+/// Returns the table for a program that controls the display: each frame with its start and its duration.
 std::string csv_of(const cycles::Schedule& schedule, const std::vector<NamedFrame>& frames) {
   std::string text = "index,file,name,begin_us,duration_us,event_image\n";
   int64_t begin_us = 0;
@@ -124,7 +124,7 @@ int run_codes_render(const std::vector<std::string>& arguments) {
   app.add_option("--format", render_arguments.format, "png or bmp")
       ->check(CLI::IsMember({"png", "bmp"}))
       ->capture_default_str();
-  app.add_option("--bits", render_arguments.bits, "per pixel: 1 or 8")
+  app.add_option("--bits", render_arguments.bits, "bits per pixel: 1 or 8")
       ->check(CLI::IsMember({1, 8}))
       ->capture_default_str();
   return verb.run(arguments, [&] { return render(render_arguments, verb); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf compare: methods x scenes x sensors x seeds -> tables and a page
+// e2lf compare: compares methods over scenes, sensors and seeds, and writes tables and a page
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -36,7 +36,7 @@ struct CompareArguments {
   bool again = false, json = false;
 };
 
-/// The share of the jobs that this run computes: numbers i of 1..n.
+/// The part of the jobs that this run computes: part `number` of `count`.
 struct Shard {
   size_t number = 1, count = 1;
   [[nodiscard]] bool holds(size_t job) const { return job % count == number - 1; }
@@ -52,10 +52,12 @@ Result<Shard> parse_shard(const std::string& text) {
   if (has_slash && count.ec == std::errc() && count.ptr == end && shard.number >= 1 && shard.number <= shard.count) {
     return shard;
   }
-  return Error{ErrorCode::kInvalidValue, "a shard is a number of so many, from 1; write e.g. 1/4", "--shard " + text};
+  return Error{ErrorCode::kInvalidValue, "a shard is a number and a total, counted from 1; give e.g. 1/4",
+               "--shard " + text};
 }
 
-/// Finds what a configuration names: beside it, in the folder of data, among what comes with e2lf.
+/// Finds a file that a configuration names: beside the configuration, in the folder of data, or among the bundled
+/// files.
 Result<fs::path> locate(const CompareArguments& arguments, const std::string& name) {
   std::error_code error;
   const fs::path path = name;
@@ -67,7 +69,7 @@ Result<fs::path> locate(const CompareArguments& arguments, const std::string& na
   const std::string data =
       arguments.data.empty() ? "no folder of data is given (--data or E2LF_DATA)" : "in " + arguments.data.string();
   return Error{ErrorCode::kNotFound,
-               cat("there is no such file or folder beside the configuration, among what comes with e2lf, and ", data,
+               cat("there is no such file or folder beside the configuration, among the bundled files, and ", data,
                    "; correct the name"),
                name};
 }
@@ -91,11 +93,11 @@ Result<compare::Config> configuration(const CompareArguments& arguments, const V
   return compare::config_from_json(json, arguments.config.string());
 }
 
-/// Numbers of the jobs to compute.
+/// Returns the numbers of the jobs that must be computed.
 std::vector<size_t> open_jobs(const compare::Plan& plan, const compare::ResultStore& store, const Shard& shard,
                               bool again) {
   std::vector<size_t> open;
-  std::set<std::string> keys;  // two jobs may have one result
+  std::set<std::string> keys;  // several jobs may have the same result
   for (size_t i = 0; i < plan.jobs.size(); ++i) {
     if (!shard.holds(i) || (!again && store.find(plan.jobs[i]))) continue;
     if (keys.insert(plan.jobs[i].key).second) open.push_back(i);
@@ -103,13 +105,13 @@ std::vector<size_t> open_jobs(const compare::Plan& plan, const compare::ResultSt
   return open;
 }
 
-/// Computes jobs one after another and keeps each result at once.
+/// Computes jobs one after another and stores each result immediately.
 class Runner {
  public:
   Runner(const compare::Plan& plan, const compare::ResultStore& store, bool is_quiet)
       : plan_(plan), store_(store), runner_(plan), bar_("compare", is_quiet) {}
 
-  /// Until the end, or until a stop is asked for. Returns how many results were made.
+  /// Computes jobs until all are done or a stop is requested. Returns the number of results.
   Result<size_t> run(const std::vector<size_t>& jobs) {
     size_t done = 0;
     for (; done < jobs.size() && !stop_requested(); ++done) {
@@ -161,10 +163,10 @@ Result<void> take_over(const CompareArguments& arguments, const compare::Plan& p
   for (const compare::Scene& scene : plan.scenes) pictures.push_back(compare::truth_key(scene));
   for (const fs::path& folder : arguments.merged) {
     if (!is_our_record(folder / "run.json")) {
-      return Error{ErrorCode::kNotFound, "this is no folder of results of e2lf compare; name one", folder.string()};
+      return Error{ErrorCode::kNotFound, "this is not a folder of results of e2lf compare; give one", folder.string()};
     }
     E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder), pictures));
-    log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " taken over"));
+    log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " copied"));
   }
   return {};
 }
@@ -194,14 +196,14 @@ void print(const compare::Plan& plan, const compare::Results& results) {
   }
 }
 
-/// Warns of sums over cycles that had no room for all events.
+/// Warns about sums over cycles that saturated.
 void warn_of_saturation(const compare::Results& results) {
   uint64_t events = 0;
   for (const auto& result : results) events += result ? result->value("saturated_events", uint64_t{0}) : 0;
-  if (events > 0) log_warning(cat("sums over several cycles had no room for ", events, " events; take fewer cycles"));
+  if (events > 0) log_warning(cat("sums over several cycles saturated and lost ", events, " events; use fewer cycles"));
 }
 
-/// Says what is there and how to go on.
+/// Prints the results that exist, and how to continue if some are missing.
 void tell(const CompareArguments& arguments, const compare::Plan& plan, const compare::Results& results,
           size_t new_results, const Verb& verb) {
   const auto there = static_cast<size_t>(
@@ -213,13 +215,13 @@ void tell(const CompareArguments& arguments, const compare::Plan& plan, const co
     std::printf("%s", json_text(json).c_str());
   } else if (!verb.common().quiet) {
     print(plan, results);
-    std::printf("%zu new results, %zu of %zu there. In %s: index.html, table.csv, table.json, table.tex, results/\n",
+    std::printf("%zu new results, %zu of %zu done. In %s: index.html, table.csv, table.json, table.tex, results/\n",
                 new_results, there, results.size(), arguments.output.c_str());
   }
   warn_of_saturation(results);
   if (there < results.size() && (arguments.shard.empty() || stop_requested())) {
-    log_warning(cat(results.size() - there, " of ", results.size(),
-                    " results are missing; give the same command again to go on"));
+    log_warning(
+        cat(results.size() - there, " of ", results.size(), " results are missing; repeat the command to continue"));
   }
 }
 
@@ -262,20 +264,20 @@ Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
 int run_compare(const std::vector<std::string>& arguments) {
   Verb verb(
       "compare",
-      "Compare methods over scenes, sensors and seeds: tables and a page. Results that are there are not computed "
-      "again; docs/compare.md explains the configuration, whose keys --set changes (--set seeds=[1,2]).",
+      "Compare methods over scenes, sensors and seeds, and write tables and a page. Existing results are not computed "
+      "again. docs/compare.md describes the configuration, whose keys --set changes (--set seeds=[1,2]).",
       "e2lf compare configs/compare.json -o out/compare");
   CompareArguments compare_arguments;
   verb.keep_overrides();
   CLI::App& app = verb.app();
   app.add_option("config", compare_arguments.config, "configuration (.json)")->required()->check(CLI::ExistingFile);
-  app.add_option("-o,--output", compare_arguments.output, "folder that results are kept in, new or of an earlier run")
+  app.add_option("-o,--output", compare_arguments.output, "folder for the results, new or of an earlier run")
       ->required();
   app.add_option("--data", compare_arguments.data, "folder of scenes and models; default: E2LF_DATA");
-  app.add_option("--shard", compare_arguments.shard, "compute a share: 1/4 is the first of four");
-  app.add_option("--merge", compare_arguments.merged, "take over the results of these folders")
+  app.add_option("--shard", compare_arguments.shard, "compute a part of the results: 1/4 is the first of four parts");
+  app.add_option("--merge", compare_arguments.merged, "copy the results of these folders")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_flag("--again", compare_arguments.again, "compute results that are there, too");
+  app.add_flag("--again", compare_arguments.again, "compute existing results again");
   app.add_flag("--json", compare_arguments.json, "print the result as JSON");
   verb.stop_gently();
   return verb.run(arguments, [&] { return compare_methods(compare_arguments, verb); });

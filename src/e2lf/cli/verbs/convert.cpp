@@ -130,7 +130,7 @@ Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recor
                                                                       .side_file = place.side_file,
                                                                       .recover = recover_recording(place)}));
   if (number > 1 && output.is_stream()) {
-    return Error{ErrorCode::kUnsupported, "a stream can take only one part of the recording; name a file",
+    return Error{ErrorCode::kUnsupported, "a stream can take only one part of the recording; give a file",
                  arguments.output.string()};
   }
   return ConvertedPart{named, std::move(output), {}};
@@ -283,6 +283,7 @@ Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
     case FileKind::kTrainingRun:
     case FileKind::kDisplay:
     case FileKind::kResults:
+    case FileKind::kSettings:
       return other_kind_error(arguments.input, kind, "a recording, event images or a light field");
     case FileKind::kModel:
       break;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf demo: the whole loop on a procedural scene
+// e2lf demo: renders a procedural scene, simulates its events and reconstructs its light field
 #include <cstdio>
 
 #include "e2lf/base/text.h"
@@ -33,7 +33,7 @@ struct DemoArguments {
   size_t width = 512, height = 384;
 };
 
-/// A model's patterns and network, the bundled one's, or built-in patterns and the closed form.
+/// Opens the network of the given or bundled model, or the closed form with the built-in patterns if there is none.
 Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, RunRecord& record) {
   if (!path) return pipeline::open_method({.algorithm = "inversion", .codes = capture::default_codes()});
   record.add_input(*path);
@@ -41,11 +41,11 @@ Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, 
   E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(*path));
   if (choice.model->codes) return pipeline::open_method(std::move(choice));
   return Error{ErrorCode::kNotFound,
-               "the model holds no aperture patterns, which the demo's camera needs; name a model that has them",
+               "the model contains no aperture patterns, which the camera of the demo needs; give a model that does",
                path->string()};
 }
 
-/// Pictures focused on the front and on the back of the scene.
+/// Writes images that are focused on the front and on the back of the scene.
 Result<void> write_refocused(const fs::path& folder, const LightField& light_field) {
   const lightfield::Aperture open = lightfield::full_aperture(light_field.shape());
   E2LF_RETURN_IF_ERROR(
@@ -130,11 +130,11 @@ int run_demo(const std::vector<std::string>& arguments) {
   verb.app().add_option("-o,--output", demo_arguments.output, "folder to write")->capture_default_str();
   add_model_option(verb.app(), "-m,--model", demo_arguments.model, "model file or bundled model; default: e2lf-n4");
   verb.app()
-      .add_option("--width", demo_arguments.width, "of each view, px")
+      .add_option("--width", demo_arguments.width, "width of each view, px")
       ->check(CLI::Range(16, 8192))
       ->capture_default_str();
   verb.app()
-      .add_option("--height", demo_arguments.height, "of each view, px")
+      .add_option("--height", demo_arguments.height, "height of each view, px")
       ->check(CLI::Range(16, 8192))
       ->capture_default_str();
   return verb.run(arguments, [&] { return demo(demo_arguments, verb); });

@@ -14,6 +14,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/flipped_axis.h"
 #include "e2lf/depth/occlusion.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/json_text.h"
@@ -60,6 +61,13 @@ void warn_of_turned_views(const fs::path& path, const depth::OcclusionSign& sign
                   " places), so that near and far are exchanged; give --turn-views"));
 }
 
+void warn_of_flipped_views(const fs::path& path, depth::FlippedAxis axis) {
+  const char* options[] = {"", "--flip-x", "--flip-y", "--flip-x or --flip-y, whichever makes near objects near"};
+  if (axis == depth::FlippedAxis::kNone) return;
+  log_warning(cat(path.string(), ": the views are probably flipped along one axis: no depth fits all of them, but one ",
+                  "does after flipping; give ", options[static_cast<size_t>(axis)]));
+}
+
 const char* verdict_name(depth::OcclusionSign::Verdict verdict) {
   using Verdict = depth::OcclusionSign::Verdict;
   return verdict == Verdict::kUpright ? "upright" : verdict == Verdict::kTurned ? "turned" : "undecided";
@@ -81,6 +89,8 @@ Result<Estimate> estimate(const DepthArguments& arguments, const fs::path& path,
   const depth::ViewIndex view = map->view;
   const depth::OcclusionSign sign = depth::occlusion_sign(light_field, *map);
   warn_of_turned_views(path, sign);
+  E2LF_ASSIGN_OR_RETURN(const depth::FlippedAxis axis, depth::find_flipped_axis(light_field, *map));
+  warn_of_flipped_views(path, axis);
   return Estimate{*std::move(map), lightfield::view_image(light_field, view.y, view.x), light_field.shape(), sign};
 }
 
@@ -127,8 +137,6 @@ Result<void> write_all(const fs::path& folder, const DepthArguments& arguments, 
 
 Json json_of(const Estimate& estimate, const Shared& shared) {
   const depth::DisparityMap& map = estimate.map;
-  double sum = 0;
-  for (float value : map.confidence.pixels) sum += value;
   return {{"view", {map.view.y, map.view.x}},
           {"height", map.disparity.height},
           {"width", map.disparity.width},
@@ -140,7 +148,7 @@ Json json_of(const Estimate& estimate, const Shared& shared) {
            {{"views", verdict_name(estimate.sign.verdict)},
             {"confidence", json_number(estimate.sign.confidence())},
             {"places", estimate.sign.places}}},
-          {"mean_confidence", sum / static_cast<double>(map.confidence.pixels.size())}};
+          {"mean_confidence", depth::mean_confidence(map)}};
 }
 
 void print_result(const DepthArguments& arguments, const CommonOptions& common, const Json& maps) {
@@ -255,7 +263,7 @@ int run_depth(const std::vector<std::string>& arguments) {
                  "disparity of the farthest points, px per view step; default of both: estimated, within 6 px");
   app.add_option("--view-row", depth_arguments.view_row,
                  "view for whose pixels the disparity is estimated; default: the middle one, (4, 4)");
-  app.add_option("--view-column", depth_arguments.view_column, "the same");
+  app.add_option("--view-column", depth_arguments.view_column, "column of this view");
   app.add_option("--infinity", depth_arguments.infinity,
                  "points: disparity at infinite distance, px per view step; default: assumed, see run.json")
       ->check(positive_number());

@@ -102,7 +102,7 @@ Result<Description> describe_packed_data(Safetensors file, const fs::path& path)
   E2LF_ASSIGN_OR_RETURN(const learn::PackedData data, learn::sort_packed_data(std::move(file), path.string()));
   Json light_fields = Json::array();
   std::string text =
-      cat("data to train on: ", data.light_fields.size(), " light fields, ", data.textures.size(), " photographs\n");
+      cat("training data: ", data.light_fields.size(), " light fields, ", data.textures.size(), " photographs\n");
   for (const learn::PackedPicture& field : data.light_fields) {
     light_fields.push_back({{"name", field.name}, {"shape", field.pixels.shape}});
     text += cat("  ", field.name, ": ", shape_text(field.pixels.shape), "\n");
@@ -226,6 +226,8 @@ Result<Description> describe(FileKind kind, const fs::path& path, const Describe
     case FileKind::kDisplay:
     case FileKind::kResults:
       return describe_folder(kind, path);
+    case FileKind::kSettings:
+      return describe_settings(path);
     case FileKind::kLightField:
       break;
   }

@@ -69,7 +69,7 @@ Result<Description> describe_results(const fs::path& path) {
   std::vector<std::string> names = names_in(path);
   std::erase(names, "run.json");
   return Description{cat("results of `e2lf ", verb, "`: ", join(names),
-                         "\nrun.json describes the run that made them; name one of them for more information\n"),
+                         "\nrun.json describes the run that made them; give one of them for more information\n"),
                      {{"kind", "results"}, {"verb", verb}, {"names", names}},
                      {}};
 }

@@ -89,7 +89,7 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_info(const std::vector<std::string>& arguments) {
-  Verb verb("info", "Describe a file or folder: a recording, event images, a light field or a model.",
+  Verb verb("info", "Describe a file or folder: a recording, event images, a light field, a model or settings.",
             "e2lf info recording.raw --plot rate.svg");
   InfoArguments info;
   verb.app()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf live: a live source -> light fields in a browser, at the pace of the pattern cycles
+// e2lf live: shows the light fields of a live source in a browser, at the rate of its pattern cycles
 #include <condition_variable>
 #include <csignal>
 #include <cstdio>
@@ -42,8 +42,8 @@ struct LiveArguments {
   OrientationFlags orientation;
 };
 
-/// Requests a stop after some seconds, and withdraws that request at the end, so that only a signal makes the exit code
-/// one of a signal.
+/// Requests a stop after the given number of seconds. The destructor withdraws the request, so that the exit code does
+/// not report a signal.
 class Deadline {
  public:
   explicit Deadline(double seconds) {
@@ -75,7 +75,7 @@ class Deadline {
   std::thread thread_;
 };
 
-/// What a session is made of.
+/// The parts from which a session is created.
 struct Instrument {
   std::unique_ptr<live::LiveReader> reader;
   std::optional<recon::Reconstructor> network;
@@ -91,7 +91,7 @@ Result<std::unique_ptr<live::LiveReader>> open_reader(const LiveArguments& argum
   return live::LiveReader::open(open, {recordings, flags.invert_polarity, flags.max_cycles});
 }
 
-/// A network that takes other counts than the cycles give would fail at every one of them.
+/// Checks that the cycles have the number of event images that the network takes; otherwise, each cycle would fail.
 Result<void> check_network(const model::Model& model, const cycles::Schedule& schedule) {
   if (model.measurement() == capture::MeasurementKind::kEventImages &&
       schedule.num_images() + 1 == model.num_patterns) {
@@ -106,7 +106,7 @@ Result<void> check_network(const model::Model& model, const cycles::Schedule& sc
                ""};
 }
 
-/// Makes the better light fields by this network, in several passes.
+/// Returns the method that reconstructs frozen cycles in the best quality: several passes of this network.
 FineMethod fine_method(recon::Reconstructor network, const capture::Orientation& views) {
   constexpr size_t kPasses = 4;
   return [network = std::move(network), views](const live::LiveField& frozen) -> Result<lightfield::LightField> {
@@ -120,7 +120,7 @@ FineMethod fine_method(recon::Reconstructor network, const capture::Orientation&
   };
 }
 
-/// Opens a network that takes the event images of the cycles.
+/// Opens a network, and checks that it takes the event images of the cycles.
 Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, const cycles::CycleReader& cycles,
                                             pipeline::MethodChoice choice) {
   auto method = pipeline::open_method(std::move(choice));
@@ -215,7 +215,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
                          OutputFile* last) {
   const CommonOptions& common = verb.common();
   instrument.options.on_size = [](live::PictureSize size) {
-    log_info(cat("the light fields have ", live::size_name(size), " size from now on, as the pace demands"));
+    log_info(cat("the light fields now have ", live::size_name(size), " size, to keep pace with the cycles"));
   };
   if (arguments.has_no_page || common.json) {
     instrument.options.on_field = [&common](const live::FieldReport& field) { print_field(field, common); };
@@ -229,7 +229,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
     if (common.json) {
       std::printf("%s\n", Json{{"url", page->url()}}.dump().c_str());
     } else {
-      std::printf("open %s in a browser; Ctrl-C ends\n", page->url().c_str());
+      std::printf("open %s in a browser; press Ctrl-C to end\n", page->url().c_str());
     }
     std::fflush(stdout);
   }
@@ -253,12 +253,11 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
 
 Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
   if (!is_live(arguments.source)) {
-    return Error{ErrorCode::kInvalidValue,
-                 "a file does not come at the pace of a camera; write replay:FILE to play it at its own speed",
+    return Error{ErrorCode::kInvalidValue, "a file is not a live source; give replay:FILE to play it at its own speed",
                  arguments.source.string()};
   }
   if (arguments.records && arguments.output.empty()) {
-    return Error{ErrorCode::kInvalidValue, "recordings need a folder; name one with -o", "--record"};
+    return Error{ErrorCode::kInvalidValue, "recordings need a folder; give one with -o", "--record"};
   }
   RunRecord record("live");
   const std::vector<fs::path> inputs = {arguments.source,          arguments.codes.model, arguments.codes.codes,
@@ -292,47 +291,47 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
 
 int run_live(const std::vector<std::string>& arguments) {
   Verb verb("live",
-            "Look at light fields in a browser while the camera records, at the pace of its pattern cycles. The newest "
-            "cycle is taken; cycles that come too fast are skipped, and counted.",
+            "Show light fields in a browser while the camera records, at the rate of its pattern cycles. The newest "
+            "cycle is always reconstructed next; cycles that arrive too fast are skipped and counted.",
             "e2lf live replay:capture.raw");
   LiveArguments live_arguments;
   CLI::App& app = verb.app();
   app.add_option("source", live_arguments.source,
-                 "camera://NAME, - for a pipe, the path of a named pipe, tcp://127.0.0.1:PORT, or replay:FILE (a "
-                 "recording at its own speed)")
+                 "camera://NAME, - for standard input, the path of a named pipe, tcp://127.0.0.1:PORT, or replay:FILE "
+                 "(a recording at its own speed)")
       ->required();
   add_codes_options(app, live_arguments.codes);
   add_camera_option(app, live_arguments.camera,
-                    "the camera, for networks that are told; default: the one that the source names, else the one that "
-                    "the model was made for");
+                    "the camera, for networks conditioned on the sensor profile; default: the one that the source "
+                    "states, or else the one for which the model was trained");
   app.add_option("--size", live_arguments.size,
-                 "full; half (each pixel is the sum of a block of 2x2); auto takes the full size where it keeps pace")
+                 "full, half (each pixel is the sum of a block of 2x2), or auto (full if that keeps pace)")
       ->check(CLI::IsMember({"auto", "full", "half"}))
       ->capture_default_str();
-  app.add_option("--average", live_arguments.average, "sum the last so many cycles of a scene that stands still")
+  app.add_option("--average", live_arguments.average, "number of the last cycles that are summed, for static scenes")
       ->check(whole_number(1, static_cast<int64_t>(live::kMostCycles)))
       ->capture_default_str();
   add_model_option(
       app, "--fine", live_arguments.fine_model,
-      "network that reconstructs a frozen cycle well; default: that of -m, or the best bundled one, in several passes");
-  app.add_option("-o,--output", live_arguments.output, "folder for recordings; without one, nothing can be recorded");
-  app.add_flag("--record", live_arguments.records, "record from the start, to -o; the page can switch it on and off");
+      "network that reconstructs a frozen cycle in several passes; default: that of -m, or the best bundled one");
+  app.add_option("-o,--output", live_arguments.output, "folder for recordings; without it, recording is not possible");
+  app.add_flag("--record", live_arguments.records, "record to -o from the start; the page can switch this on and off");
   app.add_option("--last", live_arguments.last, "write the last light field to this .npy file (float32, upright)");
   app.add_flag("--no-page", live_arguments.has_no_page,
-               "serve no page: print a line for each light field, and totals; ends with the source");
-  app.add_option("--seconds", live_arguments.seconds, "end after so many seconds; 0 = with the source, or on Ctrl-C")
+               "serve no page; print a line for each light field and the totals, and end with the source");
+  app.add_option("--seconds", live_arguments.seconds, "end after this time; 0 = when the source ends or on Ctrl-C")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--port", live_arguments.port, "of 127.0.0.1 to serve the page on; 0 = a free one")
+  app.add_option("--port", live_arguments.port, "port of 127.0.0.1 on which the page is served; 0 = a free one")
       ->capture_default_str();
   app.add_option("--precision", live_arguments.precision, "arithmetic of the network: auto, float32 or bfloat16")
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
       ->capture_default_str();
   app.add_option("--gain", live_arguments.gain,
-                 "brightness of the output: auto (estimated on the first cycle) or a number; 1 = as computed")
+                 "brightness of the output: auto (estimated from the first cycle) or a number; 1 = as computed")
       ->capture_default_str();
   app.add_option("--black", live_arguments.black,
-                 "brightness that becomes black: a number, or auto (0; with physical pixels and --gain auto the "
+                 "brightness that becomes black: a number, or auto (0; with physical pixels and --gain auto, the "
                  "darkest parts of the first cycle)")
       ->capture_default_str();
   add_cycle_options(app, live_arguments.cycles);

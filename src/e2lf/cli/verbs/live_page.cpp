@@ -53,7 +53,8 @@ class LivePage::Impl {
   Result<void> finish() {
     if (!stop_requested()) {
       hide_progress();
-      std::fprintf(stderr, "the source has ended; the last light field is shown at %s; Ctrl-C ends\n", url().c_str());
+      std::fprintf(stderr, "the source has ended; the last light field is shown at %s; press Ctrl-C to end\n",
+                   url().c_str());
     }
     serving_.join();
     return result_;
@@ -97,12 +98,12 @@ class LivePage::Impl {
     return made({{"name", frozen_name()}});
   }
 
-  /// Reconstructs the frozen cycle again, in a thread of its own.
+  /// Reconstructs the frozen cycle again in a separate thread.
   Answer refine() {
     std::string name;
     {
       const std::lock_guard lock(mutex_);
-      if (is_refining_) return refusal("one is being made");
+      if (is_refining_) return refusal("a reconstruction is in progress");
       if (!quick_) return refusal("nothing is frozen yet");
       is_refining_ = true;
       refining_error_.clear();
@@ -117,7 +118,8 @@ class LivePage::Impl {
       lock.lock();
       is_refining_ = false;
       if (!refined) refining_error_ = refined.error().text();
-      if (refined && frozen.serial != frozen_.serial) refining_error_ = "another light field was frozen meanwhile";
+      if (refined && frozen.serial != frozen_.serial)
+        refining_error_ = "another light field was frozen in the meantime";
       if (!refining_error_.empty()) return;
       fine_ = keep(std::move(*refined));
       server_->replace(document());
@@ -128,7 +130,7 @@ class LivePage::Impl {
   [[nodiscard]] std::string frozen_name() const { return cat("cycle ", frozen_.cycle.number); }
   [[nodiscard]] std::string fine_name() const { return frozen_name() + ", reconstructed well"; }
 
-  /// What the page shows now; mutex_ is locked, or nobody asks yet.
+  /// Returns the current content of the page. mutex_ must be locked unless the server has not started yet.
   [[nodiscard]] view::Document document() const {
     const recordings::RecordingInfo& info = session_.reader().cycles().recording().info();
     const model::Model& model = session_.model();

@@ -11,23 +11,24 @@
 
 namespace e2lf::cli {
 
-/// Reconstructs the cycle of a frozen light field again, as well as possible; upright, and as bright as that one.
+/// Reconstructs the cycle of a frozen light field again in the best quality. The result is upright and has the same
+/// brightness.
 using FineMethod = std::function<Result<lightfield::LightField>(const live::LiveField& frozen)>;
 
-/// The page of `e2lf live`, served by a thread of its own: what live_requests.h answers, the light field that was
-/// frozen last with all its views, and the same cycle reconstructed well. Commands (POST) beside those of
-/// live_requests.h: freeze, fine; both answer {"name"} of the light field that the page will have.
+/// The page of `e2lf live`, served by a separate thread. Besides the requests of live_requests.h, it answers those for
+/// the views of the last frozen light field and of the same cycle reconstructed in the best quality. Its additional
+/// commands (POST) are freeze and fine; both return {"name"} of the light field that the page will contain.
 class LivePage {
  public:
-  /// Serves from now on. `session` must outlive the page. Fails with kIo where the port is taken, and with
-  /// kMissingDependency in a build without the viewer.
+  /// Starts serving. `session` must outlive the page. Fails with kIo if the port is in use, and with kMissingDependency
+  /// in a build without the viewer.
   [[nodiscard]] static Result<LivePage> start(live::Session& session, FineMethod fine, uint16_t port);
   LivePage(LivePage&& other) noexcept;
   LivePage& operator=(LivePage&& other) = delete;
   ~LivePage();
 
   [[nodiscard]] std::string url() const;
-  /// Goes on serving until stop_requested(). Fails with kIo.
+  /// Continues to serve until stop_requested(). Fails with kIo.
   [[nodiscard]] Result<void> finish();
 
  private:

@@ -27,7 +27,7 @@ class LiveView::Impl {
 
   void add(const std::string& cycle, lightfield::LightField light_field, const std::string& note) {
     if (const auto fits = view::check_browser_memory(light_field.shape(), name_); !fits) {
-      if (!has_warned_) log_warning("nothing is shown: " + fits.error().message);
+      if (!has_warned_) log_warning("the light fields cannot be shown: " + fits.error().message);
       has_warned_ = true;
       return;
     }

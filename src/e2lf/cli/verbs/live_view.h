@@ -11,11 +11,11 @@
 
 namespace e2lf::cli {
 
-/// Returns whether this build has `e2lf view`.
+/// Returns true if this build includes `e2lf view`.
 [[nodiscard]] bool has_viewer();
 
 /// Shows the light fields of a reconstruction in a browser while they are being computed. The viewer is served by a
-/// thread of its own.
+/// separate thread.
 class LiveView {
  public:
   /// Starts serving and prints the address to standard error. `name` is that of the light field, and `folder` is where

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// e2lf reconstruct: event images or a recording -> light field
+// e2lf reconstruct: reconstructs light fields from event images or a recording
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/camera_option.h"
@@ -39,7 +41,7 @@ struct ReconstructArguments {
   OrientationFlags orientation;
 };
 
-/// What is shown beside a cycle: how long it took, from its last event where it came live.
+/// Returns the note that is shown beside a cycle: its latency if the input is live, or else the time it took.
 std::string note_of(const Json& cycle, bool is_live) {
   char text[80];
   std::snprintf(text, sizeof text, is_live ? "latency %.3f s" : "reconstructed in %.3f s",
@@ -47,9 +49,10 @@ std::string note_of(const Json& cycle, bool is_live) {
   return text;
 }
 
-/// One cycle goes into the folder itself. Of several, the folder of each appears, whole, as soon as it is done, since
-/// earlier cycles are of use while later ones are still being made. The folder of all appears with the first, so that
-/// an input without any replaces nothing; with --strict at the end, since only then nothing was left out.
+/// Writes a single cycle to the folder itself. Of several cycles, each has a folder, which appears complete when the
+/// cycle is done, so that it can be used while later ones are computed. The output folder appears with the first cycle,
+/// so that an input without cycles replaces nothing, or with --strict at the end, when it is known that no data were
+/// left out.
 Result<void> process_cycles(pipeline::CycleInput& input, CycleWriter& writer, ResultFolder& output,
                             const RunRecord& record, const ReconstructArguments& arguments, LiveView* view,
                             const Verb& verb) {
@@ -68,7 +71,7 @@ Result<void> process_cycles(pipeline::CycleInput& input, CycleWriter& writer, Re
     if (!is_all) E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", cycle}, {"notes", writer.notes()}}));
     const bool appears = first && !is_all && !is_strict;
     if (appears) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
-    // Who sees a cycle in the browser finds its files.
+    // A cycle that is shown in the browser must have been written.
     if (view != nullptr) view->add(name, std::move(light_field), note_of(cycle, images->is_live()));
     if (view != nullptr && appears) view->set_folder(arguments.output);
     if (is_all) return {};
@@ -76,7 +79,7 @@ Result<void> process_cycles(pipeline::CycleInput& input, CycleWriter& writer, Re
   return {};
 }
 
-/// Where the views are: each cycle of a recording, and of several, has a folder of its own.
+/// Returns the location of the views for messages. Each cycle of a recording, or of several, has its own folder.
 std::string place_of_views(const fs::path& output, bool has_one_cycle, size_t cycles) {
   if (has_one_cycle) return output.string();
   const std::string first = (output / cycle_name(0)).string();
@@ -105,6 +108,15 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
   }
 }
 
+/// Logs how many light fields were reconstructed from the lit transitions because the scene moved.
+void say_motion(const fs::path& input, const Json& cycles, const std::string& network) {
+  const auto moving = std::count_if(cycles.begin(), cycles.end(),
+                                    [](const Json& cycle) { return cycle.value("transitions", "") == "lit"; });
+  if (moving == 0) return;
+  log_info(cat(input.string(), ": the scene moved during ", moving, " of ", cycles.size(), " cycles, which ", network,
+               " reconstructed from their lit transitions; --transitions all uses the whole cycle in every case"));
+}
+
 Result<pipeline::OpenedMethod> open_method(const ReconstructArguments& arguments, const pipeline::CycleInput& input,
                                            pipeline::MethodChoice choice, RunRecord& record) {
   choice.measurement = input.measurement();
@@ -130,7 +142,7 @@ Result<pipeline::FieldSequence> open_sequence(const ReconstructArguments& argume
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
   if (arguments.port != 0 && !arguments.view) {
-    return Error{ErrorCode::kInvalidValue, "a port is for --view alone; leave it out, or add --view", "--port"};
+    return Error{ErrorCode::kInvalidValue, "a port is only used by --view; leave it out, or add --view", "--port"};
   }
   const CommonOptions& common = verb.common();
   const OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes,
@@ -138,7 +150,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                           .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("reconstruct");
-  pipeline::MethodChoice choice{.algorithm = arguments.method, .precision = arguments.precision};
+  pipeline::MethodChoice choice{.algorithm = arguments.method,
+                                .precision = arguments.precision,
+                                .lit_where_moving = arguments.cycles.transitions == "auto"};
   E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(choice.codes, read_named_codes(arguments.codes));
   ConfidenceWatch confidence;
@@ -146,10 +160,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                         open_cycle_input(arguments.input, wanted_cycles(arguments.cycles, choice),
                                          arguments.cycles_per_field, verb, confidence));
   if (input.is_without_events()) {
-    return Error{
-        ErrorCode::kInvalidValue,
-        "there are no events: all counts are 0, so there is nothing to reconstruct; check what they were made of",
-        arguments.input.string()};
+    return Error{ErrorCode::kInvalidValue,
+                 "there are no events to reconstruct from: all counts are 0; check how they were accumulated",
+                 arguments.input.string()};
   }
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_method(arguments, input, std::move(choice), record));
   const std::string recorded_filter = pipeline::recorded_colour_filter(arguments.input);
@@ -178,6 +191,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   warn_of_losses(arguments.input, input.summary());
   verb.note_failed_input(input.summary().live.failure);
   if (!writer.cycles().empty()) warn_of_verdict(writer.cycles().front());
+  if (method.lit) say_motion(arguments.input, writer.cycles(), method.lit->model().name);
   if (input.is_recording()) {
     const cycles::CycleReader& reader = input.reader();
     writer.live_log().finish(reader.report());
@@ -192,7 +206,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   record.note("live", live_json(input.summary()));
   record.note(writer.notes());
   record.end_step("reconstruct");
-  // Where no cycle has events, neither is found.
+  // If no cycle has events, gain and black level are not determined.
   record.resolve("gain", json_number(writer.tone().gain.value_or(1.0F)));
   record.resolve("black", json_number(writer.tone().black.value_or(0.0F)));
   record.note("cycles", writer.cycles());
@@ -216,8 +230,8 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   ReconstructArguments reconstruction;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", reconstruction.input,
-                 "event images (.npz, .npy, folder of event_image_00000.npy ...), a recording, - for a pipe, "
-                 "tcp://127.0.0.1:PORT, camera://NAME, replay:FILE (a recording at its own speed)")
+                 "event images (.npz, .npy, folder of event_image_00000.npy ...), a recording, - for standard input, "
+                 "tcp://127.0.0.1:PORT, camera://NAME, or replay:FILE (a recording at its own speed)")
       ->required();
   app.add_option("-o,--output", reconstruction.output, "folder to write")->required();
   add_codes_options(app, reconstruction.codes);
@@ -227,39 +241,38 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->check(CLI::IsMember({"network", "inversion", "regularised"}))
       ->capture_default_str();
   add_camera_option(app, reconstruction.camera,
-                    "the camera that recorded, for networks that are told; default: the one that the events' file "
-                    "names, else the one "
-                    "that the model was made for");
+                    "the camera that recorded the events, for networks conditioned on the sensor profile; default: the "
+                    "one that the file of the events states, or else the one for which the model was trained");
   app.add_option(
       "--colour-filter", reconstruction.colour_filter,
       "colours of each 2x2 pixels of the sensor, row by row, such as rggb: the light field has colour and half "
-      "the size; default: as the record beside the events says");
+      "the resolution; default: as the record beside the events states");
   app.add_option("--precision", reconstruction.precision, "arithmetic of the network: auto, float32 or bfloat16")
       ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
       ->capture_default_str();
   app.add_option("--passes", reconstruction.passes,
-                 "run the network so many times, each time with the picture shifted, and average: finer, and as many "
-                 "times slower (at most 64; the paper's network: 1)")
+                 "number of runs of the network at shifted positions whose results are averaged: better quality, but "
+                 "proportionally slower (the paper's network supports only 1)")
       ->check(whole_number(1, 64))
       ->capture_default_str();
   app.add_option("--cycles-per-field", reconstruction.cycles_per_field,
-                 "make each light field of so many cycles of a scene that stands still: better with each doubling; for "
-                 "networks that are told the camera")
+                 "number of cycles of a static scene from which each light field is reconstructed: better with each "
+                 "doubling; for networks conditioned on the sensor profile")
       ->check(whole_number(1, 64))
       ->capture_default_str();
   app.add_option("--gain", reconstruction.gain,
-                 "brightness of the output: auto (estimated on the first cycle) or a number; 1 = as computed")
+                 "brightness of the output: auto (estimated from the first cycle) or a number; 1 = as computed")
       ->capture_default_str();
   app.add_option("--black", reconstruction.black,
-                 "brightness that becomes black: a number, or auto (0; with physical pixels and --gain auto the "
+                 "brightness that becomes black: a number, or auto (0; with physical pixels and --gain auto, the "
                  "darkest parts of the first cycle)")
       ->capture_default_str();
   app.add_option("--format", reconstruction.format, "png, png16 (64 views) or npy (float32 [8, 8, y, x], not clamped)")
       ->check(CLI::IsMember({"png", "png16", "npy"}))
       ->capture_default_str();
   app.add_flag("--view", reconstruction.view,
-               "show each light field in a browser as it comes, with its latency; goes on until Ctrl-C");
-  app.add_option("--port", reconstruction.port, "of 127.0.0.1, for --view; 0 = a free one")->capture_default_str();
+               "show each light field in a browser when it is complete, with its latency; ends on Ctrl-C");
+  app.add_option("--port", reconstruction.port, "port of 127.0.0.1 for --view; 0 = a free one")->capture_default_str();
   add_cycle_options(app, reconstruction.cycles);
   add_orientation_options(app, reconstruction.orientation);
   verb.stop_gently();

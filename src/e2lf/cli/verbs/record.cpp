@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf record: a live input into a file, byte for byte
+// e2lf record: writes a live input to a file, byte for byte
 #include <cstdio>
 #include <fstream>
 
@@ -28,7 +28,8 @@ struct RecordArguments {
   CameraFlags camera;
 };
 
-/// x.bias beside x.raw. Fails where a file is there that an earlier recording of this name did not bring.
+/// Returns the path of the camera's settings: x.bias beside x.raw. Fails if this file exists and does not belong to an
+/// earlier recording of the same name.
 Result<fs::path> bias_place(const RecordArguments& arguments, bool overwrite) {
   fs::path place = arguments.output;
   place.replace_extension(".bias");
@@ -38,8 +39,8 @@ Result<fs::path> bias_place(const RecordArguments& arguments, bool overwrite) {
   const bool is_ours = earlier && earlier->contains("notes") && (*earlier)["notes"].is_object() &&
                        (*earlier)["notes"].value("biases", "") == place.filename().string();
   if (overwrite && is_ours) return place;
-  return Error{ErrorCode::kExists, "the camera's settings would replace this file; move it away or name another output",
-               place.string()};
+  return Error{ErrorCode::kExists,
+               "the camera's settings would replace this file; move it away or choose another output", place.string()};
 }
 
 struct Copied {
@@ -47,7 +48,7 @@ struct Copied {
   Result<void> written = {};
 };
 
-/// Writes what comes until it ends or cannot be written. Fails where nothing comes.
+/// Copies bytes until the source ends or a write fails. Fails if the source does.
 Result<Copied> copy_bytes(recordings::LiveSource& source, recordings::ByteSink& sink, const ProgressFn& progress) {
   Copied copied;
   for (;;) {
@@ -64,7 +65,7 @@ Result<Copied> copy_bytes(recordings::LiveSource& source, recordings::ByteSink& 
   }
 }
 
-/// What the sensor says that it dropped itself, if the file is short enough to be read again at once.
+/// Returns the counts of the sensor itself, if the file is short enough to be read again immediately.
 recordings::DecodeSummary sensor_counts(const fs::path& file) {
   constexpr uintmax_t kMostBytes = uintmax_t{1} << 31;
   std::error_code error;
@@ -84,7 +85,7 @@ const char* end_name(const recordings::DecodeSummary& summary, bool has_time_pas
   return has_time_passed ? "seconds" : "input";
 }
 
-/// Keeps the recording with its record and the camera's settings, whatever ended it.
+/// Commits the recording with its record and the camera's settings, whatever ended it.
 Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource& source, const Copied& copied,
                   OutputFile& output, RunRecord& record, const Verb& verb) {
   const recordings::DecodeSummary summary = source.left_out();
@@ -97,7 +98,7 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
     record.note("biases", bias_file.filename().string());
   }
   if (!output.is_stream()) {
-    // What is no recording is kept all the same: it will not come again.
+    // Bytes that are not a recording are kept nevertheless, because they cannot be received again.
     const auto reader = recordings::open_recording(output.path());
     if (reader) record.note("header", header_json((*reader)->info()));
     if (recordings::is_camera_name(arguments.input.string())) {
@@ -118,7 +119,7 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
   if (summary.live.num_gaps > 0) {
     log_warning(cat(arguments.output.string(), ": data are missing at ", summary.live.num_gaps,
                     summary.live.num_gaps == 1 ? " place" : " places",
-                    output.is_stream() ? "" : "; its record says where"));
+                    output.is_stream() ? "" : "; its record lists them"));
   }
   verb.note_failed_input(summary.live.failure);
   if (verb.common().json) {
@@ -141,7 +142,7 @@ Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
                                                                                  .overwrite = verb.common().overwrite,
                                                                                  .streams = true,
                                                                                  .recover = recover_recording({})}));
-  // Before the camera starts: what it sends is not to wait for an answer.
+  // This is checked before the camera starts, because its data must not wait for it.
   if (!output.is_stream() && recordings::is_camera_name(arguments.input.string())) {
     E2LF_ASSIGN_OR_RETURN(const fs::path bias_file, bias_place(arguments, verb.common().overwrite));
     static_cast<void>(bias_file);
@@ -156,7 +157,7 @@ Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(Copied copied, copy_bytes(*source, *sink, bar.callback()));
   hide_progress();
   if (copied.bytes == 0 && copied.written) {
-    return Error{ErrorCode::kTruncated, "nothing came; check the sender", arguments.input.string()};
+    return Error{ErrorCode::kTruncated, "the source sent nothing; check the sender", arguments.input.string()};
   }
   const bool has_time_passed = arguments.seconds > 0 && std::chrono::steady_clock::now() - begin >= length;
   record.note("ended_by", end_name(source->left_out(), has_time_passed));

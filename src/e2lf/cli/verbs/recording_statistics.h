@@ -10,16 +10,16 @@
 
 namespace e2lf::cli {
 
-/// Statistics of the triggers of a recording, and the extent of its events. Needs constant memory.
+/// Collects statistics of the triggers of a recording and the extent of its events, in constant memory.
 class RecordingStatistics {
  public:
   void add(const recordings::EventBatch& batch);
 
-  /// Returns the size of the smallest sensor that contains the events; 0 if there are none.
+  /// Returns the size in px of the smallest sensor that contains all events, or 0 if there are none.
   [[nodiscard]] size_t width() const { return width_; }
   [[nodiscard]] size_t height() const { return height_; }
 
-  /// Returns, for each trigger input, the number of edges of both kinds and the mean time between rising ones.
+  /// Returns the number of rising and falling edges of each trigger input and the mean time between them.
   [[nodiscard]] Json triggers_json() const;
   [[nodiscard]] std::string triggers_text() const;
 

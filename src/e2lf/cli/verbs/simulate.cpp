@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// e2lf simulate: light field -> event images
+// e2lf simulate: simulates event images or a recording of a light field
 #include <cstdio>
 #include <functional>
 #include <optional>
@@ -46,7 +46,7 @@ struct SimulateArguments {
   StreamFlags stream;
 };
 
-/// The model's constants where one is given, the paper's otherwise; flags win.
+/// Returns the constants of the flags, or else those of the model, or else the paper's.
 capture::SensorConstants constants_of(const SimulateArguments& arguments, const pipeline::KnownCodes& known) {
   return {.eps = arguments.eps.value_or(known.constants.eps),
           .tau = arguments.tau.value_or(known.constants.tau),
@@ -55,7 +55,7 @@ capture::SensorConstants constants_of(const SimulateArguments& arguments, const 
           .sigma_i = arguments.sigma_i.value_or(known.constants.sigma_i)};
 }
 
-/// Of intensity images.
+/// Prints the number and size of intensity images, if there are any.
 void print_images(const capture::Measurement& measured, const CommonOptions& common) {
   const capture::CodedIntensities& images = measured.images;
   if (images.count == 0) return;
@@ -84,7 +84,7 @@ void print_statistics(const capture::EventImages& images, const CommonOptions& c
   }
 }
 
-/// Keeps the constants that the model, a camera or the paper gave.
+/// Records the constants that were used.
 void record_constants(const capture::SensorConstants& constants, const std::string& event_model, RunRecord& record) {
   record.resolve("event-model", event_model);
   record.resolve("eps", json_number(constants.eps));
@@ -96,15 +96,16 @@ void record_constants(const capture::SensorConstants& constants, const std::stri
 using MeasuredIn = std::function<Result<capture::Measurement>(uint64_t cycle)>;
 using ImagesOf = std::function<Result<capture::EventImages>(uint64_t cycle)>;
 
-/// Physical pixels have no use for the constants of the paper's model.
+/// Fails if constants of the paper's model are given for physical pixels.
 Result<void> check_model_flags(const SimulateArguments& arguments, const capture::SensorProfile& camera) {
   const bool has_flags = arguments.eps || arguments.tau || arguments.sigma_w || arguments.sigma_z ||
                          arguments.residue != 0.0F || !arguments.event_model.empty();
   if (!camera.is_pixel() || !has_flags) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("--event-model, --eps, --tau, --sigma-w, --sigma-z and --residue are of the paper's model; leave ",
-                   "them out, or change the constants in a camera file of your own"),
-               "--camera " + arguments.camera};
+  return Error{
+      ErrorCode::kInvalidValue,
+      cat("--event-model, --eps, --tau, --sigma-w, --sigma-z and --residue belong to the paper's model; leave ",
+          "them out, or change the constants in a camera file of your own"),
+      "--camera " + arguments.camera};
 }
 
 Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const capture::RecordedSetup& setup,
@@ -118,8 +119,8 @@ Result<void> write_images(const SimulateArguments& arguments, const fs::path& pa
   return writer.finish();
 }
 
-/// A recording as the paper's camera makes it: every pattern after its inverse ones, bursts of events after each
-/// change.
+/// Writes a recording like that of the paper's camera: the inverse patterns, then the patterns, with a burst of events
+/// after each change.
 Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path,
                              const capture::RecordedSetup& setup, const lightfield::Shape& shape,
                              const ImagesOf& images_of) {
@@ -132,7 +133,7 @@ Result<void> write_recording(const SimulateArguments& arguments, const fs::path&
   synthesis.schedule = cycles::paper_schedule_of(*setup.codes);
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
   if (!arguments.no_triggers && !writer->holds_triggers()) {
-    log_warning(cat(arguments.output.string(), ": this format holds no triggers, so they are left out; write .raw, ",
+    log_warning(cat(arguments.output.string(), ": this format cannot hold triggers, so they are left out; write .raw, ",
                     ".hdf5 or .dat for them"));
   }
   E2LF_RETURN_IF_ERROR(cycles::synthesise_recording(*writer, arguments.cycles, synthesis, images_of));
@@ -155,7 +156,7 @@ Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_image
 struct Setup {
   pipeline::KnownCodes known;
   std::optional<capture::SensorProfile> camera;
-  std::optional<capture::Orientation> views;  ///< as camera or schedule say
+  std::optional<capture::Orientation> views;  ///< as the camera or the schedule states
   [[nodiscard]] bool is_pixel() const { return camera && camera->is_pixel(); }
 };
 
@@ -182,7 +183,8 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
   return setup;
 }
 
-/// The scene has a view for each cell of the patterns, in the place in which the camera sees it.
+/// Returns the options for a scene with one view for each cell of the patterns, in the orientation that the camera
+/// sees.
 Result<SceneOptions> scene_options(const SimulateArguments& arguments, const Setup& setup) {
   SceneOptions options{arguments.light_field, setup.known.codes.views_y, setup.known.codes.views_x};
   if (setup.views) options.flags.orientation = {false, setup.views->flip_x, setup.views->flip_y};
@@ -194,8 +196,8 @@ Result<SceneOptions> scene_options(const SimulateArguments& arguments, const Set
   return options;
 }
 
-/// Patterns, camera and views as the result says them. ESIM and v2e are no models of a camera file: of them the
-/// patterns alone.
+/// Returns the setup that is stored in the result. It has no camera for ESIM and v2e, which camera files do not
+/// support.
 capture::RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& setup) {
   capture::RecordedSetup recorded{setup.known.codes, setup.camera, setup.views};
   if (setup.is_pixel()) return recorded;
@@ -206,8 +208,8 @@ capture::RecordedSetup recorded_setup(const SimulateArguments& arguments, const 
   return recorded;
 }
 
-/// Event by event: where no count of a whole pattern will do. Recordings of the paper's models are made of counts
-/// unless something asks for more.
+/// Returns true if events must be simulated one by one. Recordings of the paper's models are otherwise generated from
+/// counts per pattern.
 bool is_stream(const SimulateArguments& arguments, const Setup& setup, bool as_images) {
   const std::string& model = setup.known.event_model;
   return need_stream(arguments.stream) || (setup.is_pixel() && !as_images) || model == "esim" || model == "v2e";
@@ -250,7 +252,7 @@ pipeline::SimulatedCamera camera_of(const SimulateArguments& arguments, const Se
   return camera;
 }
 
-/// Events, where there are any, and intensity images.
+/// Writes intensity images and, if the measurement has any, event images.
 Result<void> write_measurements(const SimulateArguments& arguments, const fs::path& path,
                                 const capture::RecordedSetup& setup, const MeasuredIn& measured_in) {
   capture::MeasurementFile file{{}, setup};
@@ -261,7 +263,7 @@ Result<void> write_measurements(const SimulateArguments& arguments, const fs::pa
   return capture::write_measurements(path, file);
 }
 
-/// What is measured of each pattern, whose events are spread over its time in a recording.
+/// Simulates the counts of each pattern; in a recording, the events are distributed over its duration.
 Result<capture::Measurement> run_counts(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
                                         const CommonOptions& common, RunRecord& record) {
   E2LF_RETURN_IF_ERROR(sensor::event_model_from_name(setup.known.event_model));
@@ -292,14 +294,14 @@ Result<capture::Measurement> run_counts(const SimulateArguments& arguments, cons
   return first;
 }
 
-/// Refuses what would change nothing.
+/// Fails if an option would have no effect.
 Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, bool as_images, bool is_stream,
                        const Verb& verb) {
   const bool has_intensities = setup.known.measurement != capture::MeasurementKind::kEventImages;
   if (has_intensities && (!as_images || is_stream)) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the measurement ", capture::measurement_name(setup.known.measurement),
-                     " is no stream of events; write an .npz, without options of streams"),
+                     " is not a stream of events; write an .npz, without options of streams"),
                  arguments.output.string()};
   }
   if (!has_intensities && arguments.sigma_i) {
@@ -309,9 +311,9 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
     return Error{ErrorCode::kInvalidValue, cat(why, "; leave it out"), flag};
   };
   if (has_intensities && !arguments.colour_filter.empty()) {
-    return useless("--colour-filter", "colours are told by event images alone");
+    return useless("--colour-filter", "colours can only be reconstructed from event images");
   }
-  if (as_images && arguments.no_triggers) return useless("--no-triggers", "event images hold no triggers anyway");
+  if (as_images && arguments.no_triggers) return useless("--no-triggers", "event images do not contain triggers");
   if (!is_stream) return verb.refuse_options(kStreamOptions, "counts of whole patterns");
   const StreamFlags defaults;
   const bool is_v2e = !setup.is_pixel() && setup.known.event_model == "v2e";
@@ -325,8 +327,8 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
   return {};
 }
 
-/// What makes light fields of these events. e2lf-n4 and its like are found by patterns and camera; where others were
-/// given, the closed form works.
+/// Returns the flags with which these events can be reconstructed. Networks for the patterns of bundled models are
+/// found automatically; for other patterns, the closed form is suggested.
 std::string network_flags(const SimulateArguments& arguments, const Setup& setup) {
   const fs::path& model = arguments.codes.model;
   if (!model.empty() && model == bundled_model()) return "";
@@ -371,7 +373,9 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
 }  // namespace
 
 int run_simulate(const std::vector<std::string>& arguments) {
-  Verb verb("simulate", "Simulate the event images that a coded-aperture event camera records of a light field.",
+  Verb verb("simulate",
+            "Simulate the event images or the recording that an event camera with a coded aperture makes "
+            "of a light field.",
             "e2lf simulate scene/ -m e2lf-n4 -o events.npz --sigma-w 0.175 --seed 1");
   SimulateArguments simulation;
   CLI::App& app = verb.app();
@@ -382,8 +386,8 @@ int run_simulate(const std::vector<std::string>& arguments) {
   add_camera_option(app, simulation.camera, "the camera that records; default: the paper's event model");
   app.add_option(
       "--colour-filter", simulation.colour_filter,
-      "a sensor with colour filters over each 2x2 pixels, row by row, such as rggb; the input has colour, and "
-      "each pixel of it has such a block");
+      "colour filters over each 2x2 pixels of the sensor, row by row, such as rggb; the input must have colour, and "
+      "each of its pixels corresponds to such a block");
   add_light_field_options(app, simulation.light_field, /*has_views=*/false);
   app.add_option("--event-model", simulation.event_model,
                  "quantised (Eq. 8), reference-aware (Eq. 9, 10), esim or v2e; default: the model's");
@@ -392,25 +396,25 @@ int run_simulate(const std::vector<std::string>& arguments) {
   app.add_option("--sigma-w", simulation.sigma_w, "noise of the log intensity; default: the model's, or 0.175");
   app.add_option("--sigma-z", simulation.sigma_z, "noise of the threshold; default: the model's, or 0.04");
   app.add_option("--measurement", simulation.measurement,
-                 "event-images, coded-images, hybrid or lens-array; default: what the model takes, or event-images");
+                 "event-images, coded-images, hybrid or lens-array; default: the input of the model, or event-images");
   app.add_option("--sigma-i", simulation.sigma_i, "noise of intensity images; default: the model's, or 0.005");
   app.add_option(
          "--residue", simulation.residue,
-         "start each pixel's reference at random up to this many thresholds (0 to 1) too high, as a real sensor "
-         "is left by the change to black")
+         "maximum residual reference offset in thresholds (0 to 1): each reference starts at random up to this far "
+         "above the black level, as in a real sensor after the change to black")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--scene-gain", simulation.scene_gain, "brightness of the scene relative to the light field")
       ->capture_default_str();
-  app.add_option("--cycles", simulation.cycles, "number of pattern cycles, each with noise of its own")
+  app.add_option("--cycles", simulation.cycles, "number of pattern cycles, each with independent noise")
       ->check(whole_number(1))
       ->capture_default_str();
-  app.add_flag("--no-triggers", simulation.no_triggers, "recordings: leave out the trigger at each pattern's start");
+  app.add_flag("--no-triggers", simulation.no_triggers, "recordings: omit the trigger at the start of each pattern");
   add_stream_options(app, simulation.stream);
   app.callback([&simulation] {
     if (simulation.input.empty() && !simulation.stream.has_turntable()) throw CLI::RequiredError("input");
     if (!simulation.input.empty() && simulation.stream.has_turntable()) {
-      throw CLI::ValidationError("--turntable", "is a scene of its own; leave the input out");
+      throw CLI::ValidationError("--turntable", "replaces the input; leave the input out");
     }
   });
   verb.stop_gently();

@@ -73,7 +73,7 @@ Result<capture::EventImages> simulate_stream(const StreamRun& run, const fs::pat
   }
   E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(place, "", info));
   if (run.has_triggers && !writer->holds_triggers()) {
-    log_warning(cat(output.string(), ": this format holds no triggers, so they are left out; write .raw, .hdf5 or ",
+    log_warning(cat(output.string(), ": this format cannot hold triggers, so they are left out; write .raw, .hdf5 or ",
                     ".dat for them"));
   }
   E2LF_ASSIGN_OR_RETURN(capture::EventImages first, play(run, rig, record, [&](const recordings::EventBatch& batch) {

@@ -116,7 +116,7 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
       return Error{ErrorCode::kInvalidValue, "plain frames do not use a model; leave out -m or --plain", "--plain"};
     }
     if (arguments.tone != "auto") {
-      return Error{ErrorCode::kInvalidValue, "plain frames have a fixed tone; leave it out or name a model with -m",
+      return Error{ErrorCode::kInvalidValue, "plain frames have a fixed tone; leave it out or give a model with -m",
                    "--tone"};
     }
     return FrameMaker(info.height, info.width, arguments.full_scale);

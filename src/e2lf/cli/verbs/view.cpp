@@ -72,6 +72,7 @@ class DocumentMaker {
       case FileKind::kTrainingRun:
       case FileKind::kDisplay:
       case FileKind::kResults:
+      case FileKind::kSettings:
         return other_kind_error(path, kind, "something that the viewer can show");
     }
     return add_recording(path);

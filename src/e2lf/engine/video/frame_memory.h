@@ -22,6 +22,7 @@ struct FrameMemory {
   std::vector<WholeTensor> before, now;  ///< one per state
   size_t height = 0, width = 0;          ///< of the image
   RowPool rows;                          ///< of all other tensors; kept, because new memory would have to be cleared
+  std::vector<AlignedBuffer> scratch;    ///< of each thread, for the same reason
 
   void end_frame() { before.swap(now); }
 };

@@ -86,7 +86,7 @@ Result<PackSummary> pack(const fs::path& output, const PackOptions& options, con
   E2LF_RETURN_IF_ERROR(check_output(output, options.overwrite));
   E2LF_ASSIGN_OR_RETURN(const auto pictures, list_pictures(options.textures));
   const size_t total = options.light_fields.size() + pictures.size();
-  if (total == 0) return Error{ErrorCode::kInvalidValue, "nothing to pack; name light fields or pictures", ""};
+  if (total == 0) return Error{ErrorCode::kInvalidValue, "nothing to pack; give light fields or images", ""};
 
   Safetensors file;
   size_t done = 0;

@@ -56,7 +56,7 @@ Result<void> Trainer::load_checkpoint(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto file, read_safetensors(path));
   const auto version = file.metadata.find("version"), step = file.metadata.find("step");
   if (version == file.metadata.end() || version->second != kVersion || step == file.metadata.end()) {
-    return Error{ErrorCode::kFormat, "this is not a training checkpoint of this version; name another file",
+    return Error{ErrorCode::kFormat, "this is not a training checkpoint of this version; choose another file",
                  path.string()};
   }
   const std::string location = path.string();
@@ -71,7 +71,7 @@ Result<void> Trainer::load_checkpoint(const std::filesystem::path& path) {
   try {
     step_ = std::stoull(step->second);
   } catch (const std::exception&) {
-    return Error{ErrorCode::kFormat, "the step number is not a number; name another checkpoint", location};
+    return Error{ErrorCode::kFormat, "the step number is not a number; choose another checkpoint", location};
   }
   return {};
 }

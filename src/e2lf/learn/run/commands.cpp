@@ -56,14 +56,14 @@ Result<void> check_is_free(const std::filesystem::path& folder, const Config& co
   if (holds_a_false_start(folder, config)) return {};
   if (!check_output(folder / "config.json", /*overwrite=*/false)) {
     return Error{ErrorCode::kExists,
-                 "this folder already contains a run; continue it with `e2lf resume`, or name another folder",
+                 "this folder already contains a run; continue it with `e2lf resume`, or choose another folder",
                  folder.string()};
   }
   std::vector<std::string> names = RunLog::file_names();
   names.insert(names.end(), {kCheckpoint, config.name + ".safetensors"});
   for (const std::string& name : names) {
     if (check_output(folder / name, /*overwrite=*/false)) continue;
-    return Error{ErrorCode::kExists, "training would overwrite this file; move it away or name another folder",
+    return Error{ErrorCode::kExists, "training would overwrite this file; move it away or choose another folder",
                  (folder / name).string()};
   }
   return {};
@@ -139,7 +139,7 @@ Result<void> check_export(const std::filesystem::path& run, const std::filesyste
   for (const std::string& name : names) {
     std::error_code error;
     if (!std::filesystem::equivalent(run / name, model, error)) continue;
-    return Error{ErrorCode::kInvalidValue, "the model would replace a file of the run; name another output",
+    return Error{ErrorCode::kInvalidValue, "the model would replace a file of the run; choose another output",
                  model.string()};
   }
   return {};

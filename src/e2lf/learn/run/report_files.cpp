@@ -20,7 +20,7 @@ Result<void> check_reports(const ReportFiles& files, const fs::path& run) {
     const std::vector<std::string> of_run = RunLog::file_names();
     if (!run.empty() && folder_of(name).parent_path() == folder_of(run) &&
         std::find(of_run.begin(), of_run.end(), name.filename().string()) != of_run.end()) {
-      return Error{ErrorCode::kInvalidValue, "the run writes a file with this name; name another file for the report",
+      return Error{ErrorCode::kInvalidValue, "the run writes a file with this name; choose another file for the report",
                    name.string()};
     }
   }

@@ -59,7 +59,7 @@ Result<torch::Tensor> read_codes(const std::string& name, size_t fewest, const P
     return Error{ErrorCode::kShape,
                  cat("no codes of ", fewest < most ? "at most " : "", most, " patterns of 8x8 cells ",
                      patterns.whole_cycle ? "that begin with black " : "",
-                     "in this file, as patterns.num_patterns requires; name another file"),
+                     "in this file, as patterns.num_patterns requires; choose another file"),
                  path.string()};
   }
   return to_tensor(*codes, device);

@@ -151,7 +151,7 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   const auto type = sample_type(opened.set.get(), options);
   if (!type) {
     return Error{ErrorCode::kUnsupported,
-                 "samples that are not float, uint8 or uint16 do not say which number is white; name it, as 255",
+                 "samples that are not float, uint8 or uint16 do not determine which value is white; give it, e.g. 255",
                  location, Setting::kWhite};
   }
   array.type = *type;

@@ -36,8 +36,8 @@ Result<Grid> grid_of(const std::filesystem::path& path, const RawImage& mosaic, 
   if (path.stem().string().ends_with("eslf")) return Grid{kLytroViews, kLytroViews};
   return Error{
       ErrorCode::kInvalidValue,
-      "a single picture is read as a lenslet mosaic, and this one does not say how many views lie side by side; "
-      "name their number, 14 for a Lytro's, or give a folder of views",
+      "a single image is read as a lenslet mosaic, but this one does not state its number of views; give the number of "
+      "views per axis, e.g. 14 for a Lytro camera, or give a folder of views",
       path.string(), Setting::kLensletViews};
 }
 
@@ -50,11 +50,12 @@ Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOpt
                         is_png(bytes) ? decode_png(bytes, location) : decode_jpeg(bytes, location));
   E2LF_ASSIGN_OR_RETURN(const Grid grid, grid_of(path, mosaic, options));
   if (mosaic.width % grid.views_x != 0 || mosaic.height % grid.views_y != 0) {
-    return Error{ErrorCode::kShape,
-                 cat("a mosaic of ", mosaic.width, "x", mosaic.height, " samples does not divide into microlenses of ",
-                     grid.views_y, "x", grid.views_x,
-                     " views; a single picture is read as such a mosaic, views in files of their own lie in a folder"),
-                 location};
+    return Error{
+        ErrorCode::kShape,
+        cat("a mosaic of ", mosaic.width, "x", mosaic.height, " samples does not divide into microlenses of ",
+            grid.views_y, "x", grid.views_x,
+            " views; a single image is read as such a mosaic, give the folder to read views in separate files"),
+        location};
   }
   StoredArray array;
   array.shape = {grid.views_y, grid.views_x, mosaic.height / grid.views_y, mosaic.width / grid.views_x,

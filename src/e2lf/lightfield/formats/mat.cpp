@@ -84,8 +84,9 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   }
   const float white = white_of_class(variable);
   if (white == 0.0F && options.white == 0.0F) {
-    return Error{ErrorCode::kUnsupported, "integers of this class do not say which number is white; name it, as 255",
-                 location, Setting::kWhite};
+    return Error{ErrorCode::kUnsupported,
+                 "integers of this class do not determine which value is white; give it, e.g. 255", location,
+                 Setting::kWhite};
   }
   const std::vector<size_t>& extents = variable.extents;
   if (extents.size() != 4 && extents.size() != 5) {

@@ -52,10 +52,11 @@ std::optional<Shape> npy_shape(const NpyArray& array) {
 Result<LightField> from_npy(const NpyArray& array, const ReadOptions& options, const std::string& location) {
   const std::optional<Shape> shape = npy_shape(array);
   if (!shape) {
-    return Error{ErrorCode::kShape,
-                 cat("an array ", shape_text(array.shape), " of type ", array.type.empty() ? "record" : array.type,
-                     " is no light field; store float32 or uint8 [view_y, view_x, y, x] or [view, y, x], colour last"),
-                 location};
+    return Error{
+        ErrorCode::kShape,
+        cat("an array ", shape_text(array.shape), " of type ", array.type.empty() ? "record" : array.type,
+            " is not a light field; store float32 or uint8 [view_y, view_x, y, x] or [view, y, x], colour last"),
+        location};
   }
   const bool may_have_channels = shape->views_x == 3 || shape->views_x == 1;
   if (may_have_channels && shape->views_y > 3 && views_per_axis(shape->views_y) > 0) {
@@ -64,8 +65,8 @@ Result<LightField> from_npy(const NpyArray& array, const ReadOptions& options, c
   }
   if (!has_white(array.type) && options.white == 0.0F) {
     return Error{ErrorCode::kUnsupported,
-                 cat("whole numbers of type ", array.type, " do not say which is white; name it, as 255"), location,
-                 Setting::kWhite};
+                 cat("whole numbers of type ", array.type, " do not determine which value is white; give it, e.g. 255"),
+                 location, Setting::kWhite};
   }
   StoredArray stored;
   stored.shape = *shape;

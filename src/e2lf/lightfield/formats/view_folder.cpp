@@ -200,12 +200,12 @@ Result<ViewFiles> list_views(const fs::path& folder) {
 Result<LightField> read_view_folder(const fs::path& folder, const ReadOptions& options, const ProgressFn& progress) {
   E2LF_ASSIGN_OR_RETURN(const ViewFiles views, list_views(folder));
   if (views.files.empty()) {
-    return Error{ErrorCode::kNotFound, "the folder holds no views; give one with 00_00.png ...", folder.string()};
+    return Error{ErrorCode::kNotFound, "the folder contains no views; give one with 00_00.png ...", folder.string()};
   }
   if (views.others > 0) {
-    log_warning(cat(folder.string(), ": took the ", views.files.size(), " views that are named as ",
+    log_warning(cat(folder.string(), ": read the ", views.files.size(), " views that are named like ",
                     views.files.begin()->second.filename().string(), "; left out ", views.others,
-                    " of another naming, give each light field a folder of its own"));
+                    " with other names, give each light field its own folder"));
   }
   ChosenGrid grid;
   E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> files, choose_files(views, options, folder, grid));

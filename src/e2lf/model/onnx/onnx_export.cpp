@@ -29,7 +29,7 @@ Result<void> check_size(const Model& model) {
   if (bytes <= kMostWeights) return {};
   return Error{
       ErrorCode::kUnsupported,
-      cat("the weights take ", bytes >> 20, " MiB, and an ONNX file holds at most 2 GiB; use a smaller network"),
+      cat("the weights take ", bytes >> 20, " MiB, but an ONNX file can hold at most 2 GiB; use a smaller network"),
       model.name};
 }
 

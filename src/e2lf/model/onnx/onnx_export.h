@@ -10,12 +10,10 @@
 
 namespace e2lf::model {
 
-/// Exports a model as an ONNX file (opset 17, float32 weights) that takes raw event images:
-///
-///   events  float32 [batch, N-1, y, x]          counts of each transition, or their means over several cycles
-///   conditioning  float32 [batch, C]                  if is_told_the_camera(): the conditioning vector,
-///   conditioning_vector() views   float32 [batch, views, y, x]        unprocessed network output; view number =
-///   views_x * view_y + view_x
+/// Exports a model as an ONNX file (opset 17, float32 weights) with these float32 tensors:
+///  - input `events` [batch, N-1, y, x]: the counts of each transition, or their means over several cycles;
+///  - input `traits` [batch, C], only if is_told_the_camera(): the conditioning vector, capture::conditioning_vector();
+///  - output `views` [batch, views, y, x]: the unprocessed network output; view number = views_x * view_y + view_x.
 ///
 /// Images may have any size: the graph extends them to multiples of size_multiple() as recon::network_input() does, and
 /// crops the views. Intensities are computed with the constants of model.camera, or with model.constants if it is
@@ -26,8 +24,8 @@ namespace e2lf::model {
 
 /// Returns the metadata as texts by key: name, event_model, event_constants (JSON: eps, tau, sigma_w, sigma_z),
 /// num_patterns, view_order ("VV_UU": row by row), views_y, views_x and, if the model has patterns, patterns (JSON, as
-/// capture::codes_to_json()). Networks conditioned on the sensor profile also have camera (JSON) and conditioning
-/// (JSON: the conditioning vector for one cycle of this camera).
+/// capture::codes_to_json()). Networks conditioned on the sensor profile also have camera (JSON) and traits (JSON: the
+/// conditioning vector for one cycle of this camera).
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> onnx_metadata(const Model& model);
 
 }  // namespace e2lf::model

@@ -80,9 +80,9 @@ Result<void> import_unet(CheckpointImporter& importer, const std::string& encode
   for (size_t i = 0; skips.size() > 1; ++i) {
     const std::string key = cat(decoder, i);
     if (importer.has(key + ".transposed_conv2d.weight")) {
-      return Error{ErrorCode::kUnsupported,
-                   "its decoders are transposed convolutions, which are not read; give a network that resizes first",
-                   key};
+      return Error{
+          ErrorCode::kUnsupported,
+          "its decoders are transposed convolutions, which are not supported; give a network that resizes first", key};
     }
     x = sum(cat("join", i));
     x = importer.add(
@@ -132,7 +132,8 @@ Result<Conventions> find_conventions(const std::string& as, Family family, bool 
   }
   if (found->family != family) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("the file has other layers than ", name, "; leave the name out, and it is told by them"), "as"};
+                 cat("the file has other layers than ", name, "; leave the name out to determine it from the layers"),
+                 "as"};
   }
   return *found;
 }

@@ -106,7 +106,7 @@ Result<void> check_positions(CheckpointImporter& importer) {
     const double exponent = static_cast<double>(c / 2 * 2) / static_cast<double>(channels);
     const double angle = static_cast<double>(i / channels) / std::pow(10000.0, exponent);
     if (std::abs(table[i] - (c % 2 == 0 ? std::sin(angle) : std::cos(angle))) < kTolerance) continue;
-    return Error{ErrorCode::kUnsupported, "positions are not coded as sines; give the published file",
+    return Error{ErrorCode::kUnsupported, "positions are not encoded as sines; give the published file",
                  importer.location(key)};
   }
   return {};

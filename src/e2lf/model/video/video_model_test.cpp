@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-VideoModel small_model() {
+VideoModel small_video_model() {
   VideoModel model;
   model.name = "small";
   model.bins = 3;
@@ -33,9 +33,9 @@ VideoModel small_model() {
 
 /// Writes the small model with its JSON changed and reads it again.
 template <typename Change>
-Error error_after(const Change& change) {
+Error video_error_after(const Change& change) {
   const TestFolder folder;
-  EXPECT_TRUE(write_video_model(folder / "m.safetensors", small_model()).ok());
+  EXPECT_TRUE(write_video_model(folder / "m.safetensors", small_video_model()).ok());
   Safetensors file = *read_safetensors(folder / "m.safetensors");
   Json json = Json::parse(file.metadata.at("e2lf"));
   change(json);
@@ -48,7 +48,7 @@ Error error_after(const Change& change) {
 
 TEST(VideoModelFile, RoundTripsEveryField) {
   const TestFolder folder;
-  const VideoModel model = small_model();
+  const VideoModel model = small_video_model();
   ASSERT_TRUE(write_video_model(folder / "m.safetensors", model).ok());
   const auto read = read_video_model(folder / "m.safetensors");
   ASSERT_TRUE(read.ok()) << read.error().text();
@@ -65,23 +65,25 @@ TEST(VideoModelFile, RoundTripsEveryField) {
 
 TEST(VideoModelFile, IsNoModelOfLightFields) {
   const TestFolder folder;
-  ASSERT_TRUE(write_video_model(folder / "m.safetensors", small_model()).ok());
+  ASSERT_TRUE(write_video_model(folder / "m.safetensors", small_video_model()).ok());
   const auto model = read_model(folder / "m.safetensors");
   ASSERT_FALSE(model.ok());
   EXPECT_EQ(model.error().code, ErrorCode::kUnsupported);
   EXPECT_THAT(model.error().message, HasSubstr("`e2lf video`"));
-  EXPECT_THAT(error_after([](Json& json) { json.erase("measurement"); }).message, HasSubstr("`e2lf reconstruct`"));
-  EXPECT_THAT(error_after([](Json& json) { json["measurement"] = "spikes"; }).message, HasSubstr("voxel-grid"));
+  EXPECT_THAT(video_error_after([](Json& json) { json.erase("measurement"); }).message,
+              HasSubstr("`e2lf reconstruct`"));
+  EXPECT_THAT(video_error_after([](Json& json) { json["measurement"] = "spikes"; }).message, HasSubstr("voxel-grid"));
 }
 
 TEST(VideoModelFile, RefusesFieldsThatDoNotFit) {
-  EXPECT_THAT(error_after([](Json& json) { json["bins"] = 4; }).message, HasSubstr("4 time bins"));
-  EXPECT_THAT(error_after([](Json& json) { json["pad_multiple"] = 3; }).location, HasSubstr("pad_multiple"));
-  EXPECT_THAT(error_after([](Json& json) { json["tone"] = "bright"; }).message, HasSubstr("exp-robust"));
-  EXPECT_EQ(error_after([](Json& json) { json["format_version"] = 2; }).code, ErrorCode::kUnsupported);
-  EXPECT_THAT(error_after([](Json& json) { json["binz"] = 2; }).location, HasSubstr("binz"));
-  EXPECT_THAT(error_after([](Json& json) { json["network"]["layers"][1]["relu"] = true; }).message, HasSubstr("ReLU"));
-  EXPECT_THAT(error_after([](Json& json) { json["network"]["layers"][1]["stride"] = 2; }).message,
+  EXPECT_THAT(video_error_after([](Json& json) { json["bins"] = 4; }).message, HasSubstr("4 time bins"));
+  EXPECT_THAT(video_error_after([](Json& json) { json["pad_multiple"] = 3; }).location, HasSubstr("pad_multiple"));
+  EXPECT_THAT(video_error_after([](Json& json) { json["tone"] = "bright"; }).message, HasSubstr("exp-robust"));
+  EXPECT_EQ(video_error_after([](Json& json) { json["format_version"] = 2; }).code, ErrorCode::kUnsupported);
+  EXPECT_THAT(video_error_after([](Json& json) { json["binz"] = 2; }).location, HasSubstr("binz"));
+  EXPECT_THAT(video_error_after([](Json& json) { json["network"]["layers"][1]["relu"] = true; }).message,
+              HasSubstr("ReLU"));
+  EXPECT_THAT(video_error_after([](Json& json) { json["network"]["layers"][1]["stride"] = 2; }).message,
               HasSubstr("stride 1"));
 }
 

@@ -17,8 +17,8 @@ struct ViolationText {
 constexpr std::array<ViolationText, kNumViolations> kTexts = {{
     {"unknown_word", "a word of unknown type", "words of unknown type"},
     {"out_of_range", "an event outside the sensor", "events outside the sensor"},
-    {"time_backwards", "time runs backwards", "events or times earlier than those before them"},
-    {"time_jump", "time jumps ahead", "events or times far ahead of those after them"},
+    {"time_backwards", "time runs backwards", "events or times earlier than their predecessors"},
+    {"time_jump", "time jumps ahead", "events or times far later than their successors"},
     {"misaligned", "bytes are missing or inserted", "places with missing or inserted bytes"},
     {"truncated", "the data ends inside a word, record or packet", "unfinished words, records or packets at the end"},
     {"bad_record", "a record that cannot be read", "records that cannot be read"},
@@ -140,7 +140,7 @@ std::string restart_text(const DecodeSummary& summary) {
     if (places.size() == kMost) break;
     const std::string place = restart.byte == 0 ? "" : cat("at byte ", restart.byte, " ");
     const std::string moved =
-        restart.shift_us == 0 ? "" : cat("; the times of the later part were moved by ", restart.shift_us, " us");
+        restart.shift_us == 0 ? "" : cat("; the times of the later part were shifted by ", restart.shift_us, " us");
     places.push_back(cat(place, "from ", restart.before_us, " back to ", restart.after_us, " us", moved));
   }
   const uint64_t left = summary.num_restarts - places.size();

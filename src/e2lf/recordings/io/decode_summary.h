@@ -59,11 +59,11 @@ struct Restart {
   bool operator==(const Restart&) const = default;
 };
 
-/// A place of a live input where bytes are missing.
+/// A position in live input at which bytes are missing.
 struct LiveGap {
-  uint64_t byte = 0;           ///< position in what was read
-  uint64_t dropped_bytes = 0;  ///< that came faster than they were read
-  uint64_t lost_buffers = 0;   ///< that the camera or its driver lost, of unknown size
+  uint64_t byte = 0;           ///< position in the bytes that were read
+  uint64_t dropped_bytes = 0;  ///< number of bytes that arrived faster than they were read
+  uint64_t lost_buffers = 0;   ///< number of buffers of unknown size that the camera or its driver lost
   bool operator==(const LiveGap&) const = default;
 };
 

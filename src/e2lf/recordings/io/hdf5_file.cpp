@@ -104,13 +104,13 @@ Result<void> write_text_attribute(hid_t object, const std::string& name, const s
 
 namespace {
 
-/// Returns whether the fields of records lie apart within a record; the library copies those of damaged files across
-/// each other and beyond. True for other types.
+/// Returns true if the fields of records do not overlap, or for other types. The library would copy overlapping fields,
+/// which only damaged files have, beyond the record.
 bool is_sound_type(hid_t dataset) {
   const Handle type(H5Dget_type(dataset), H5Tclose);
   if (!type.valid()) return false;
   if (H5Tget_class(type.get()) != H5T_COMPOUND) return true;
-  std::vector<std::pair<size_t, size_t>> fields;  // where they begin and end
+  std::vector<std::pair<size_t, size_t>> fields;  // begin and end of each
   for (unsigned i = 0; i < static_cast<unsigned>(std::max(0, H5Tget_nmembers(type.get()))); ++i) {
     const Handle field(H5Tget_member_type(type.get(), i), H5Tclose);
     const size_t begin = H5Tget_member_offset(type.get(), i), bytes = field.valid() ? H5Tget_size(field.get()) : 0;
@@ -142,7 +142,7 @@ Result<DatasetShape> open_any(hid_t file, const std::string& name, const std::st
   return shape;
 }
 
-/// Sets what a data set of so many columns holds.
+/// Sets the length of a data set with the given number of columns.
 DatasetShape with_columns(DatasetShape shape, uint64_t columns) {
   const Storage& storage = shape.storage;
   shape.columns = columns;
@@ -174,10 +174,11 @@ Result<DatasetShape> open_row(hid_t file, const std::string& name, uint64_t row,
   E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_any(file, name, location));
   const std::vector<hsize_t> extents = shape.storage.extents;
   if (extents.size() != 2 || row >= extents[0]) return other_shape(shape, name, location, "2");
-  // Where a part is missing, no row is whole.
+  // If a part is missing, no row is complete.
   const bool is_whole = shape.storage.stored_elements >= shape.storage.claimed_elements();
   if (!is_whole || !e2lf::hdf5::chunks_are_whole(shape.dataset.get(), shape.storage)) {
-    return Error{ErrorCode::kTruncated, cat("data set ", name, " is not stored whole; copy the file again"), location};
+    return Error{ErrorCode::kTruncated, cat("data set ", name, " is not stored completely; copy the file again"),
+                 location};
   }
   shape = with_columns(std::move(shape), 1);
   shape.length = extents[1];

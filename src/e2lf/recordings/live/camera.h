@@ -32,8 +32,8 @@ class Camera {
   /// thread calls it without delay.
   [[nodiscard]] virtual Result<bool> read(std::vector<uint8_t>& bytes) = 0;
 
-  /// Returns how many buffers the camera or its driver lost in front of the bytes that read() returned last. The thread
-  /// that reads calls it once for each of them.
+  /// Returns the number of buffers that the camera or its driver lost before the bytes that read() returned last. The
+  /// reading thread calls it once after each read().
   [[nodiscard]] virtual uint64_t lost_buffers() { return 0; }
 
   /// Makes read() come to its end soon. Called by another thread.
@@ -47,18 +47,18 @@ class Camera {
   /// be called by any thread.
   [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
 
-  /// The settings of the sensor as the vendor's programs read them (.bias), once the camera has started; empty where it
-  /// has none.
+  /// Returns the biases of the sensor in the form that the vendor's programs read (.bias), after the camera has
+  /// started; empty if it has none.
   [[nodiscard]] virtual std::string bias_file_text() const { return {}; }
 };
 
-/// The bytes of a live input as they come.
+/// The bytes of a live input.
 class LiveSource : public ByteSource {
  public:
-  /// Ends the input at that time, as a request to stop does: what has come until then is still read.
+  /// Ends the input at the given time, as a stop request does: bytes that have arrived by then are still read.
   virtual void end_at(std::chrono::steady_clock::time_point time) = 0;
 
-  /// See Camera::bias_file_text().
+  /// Returns Camera::bias_file_text().
   [[nodiscard]] virtual std::string bias_file_text() const = 0;
 };
 
@@ -67,7 +67,7 @@ struct CameraPlugin {
   std::string name;         ///< as in camera://NAME or camera://NAME/ADDRESS
   std::string description;  ///< for help texts: what it is, and the meaning of ADDRESS
   std::function<Result<std::unique_ptr<Camera>>(const std::string& address)> open = {};
-  /// The addresses of the cameras that are connected; none = there is no such list.
+  /// Returns the addresses of the connected cameras; empty = they cannot be listed.
   std::function<Result<std::vector<std::string>>()> list = {};
 };
 

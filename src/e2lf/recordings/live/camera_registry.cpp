@@ -17,7 +17,7 @@ constexpr std::string_view kCameraScheme = "camera://", kReplay = "replay:", kTc
 
 struct Registry {
   std::mutex mutex;
-  bool has_loaded = false;  ///< those of E2LF_CAMERA_PLUGINS
+  bool has_loaded = false;  ///< whether those of E2LF_CAMERA_PLUGINS were loaded
   std::vector<CameraPlugin> plugins = {
       {"replay", "a recording at the speed it was recorded with; ADDRESS is its path", open_replay_camera},
       {"pipe", "standard input; ADDRESS is the path of a named pipe or nothing", open_pipe_camera},
@@ -53,7 +53,7 @@ const CameraPlugin* find_known(const std::vector<CameraPlugin>& plugins, const s
   return found == plugins.end() ? nullptr : &*found;
 }
 
-/// Adds the plugins of E2LF_CAMERA_PLUGINS, once. The mutex of the registry is locked.
+/// Adds the plugins of E2LF_CAMERA_PLUGINS once. The mutex of the registry must be locked.
 void load_plugins(Registry& known) {
   const char* const places = std::getenv("E2LF_CAMERA_PLUGINS");
   if (std::exchange(known.has_loaded, true) || places == nullptr) return;
@@ -66,7 +66,7 @@ void load_plugins(Registry& known) {
   }
 }
 
-/// Loads other plugins only if none of this build has this name.
+/// Loads external plugins only if this build has none with this name.
 Result<CameraPlugin> find_plugin(const std::string& name, const std::string& location) {
   const std::lock_guard<std::mutex> lock(registry().mutex);
   const std::vector<CameraPlugin>& plugins = registry().plugins;
@@ -76,7 +76,7 @@ Result<CameraPlugin> find_plugin(const std::string& name, const std::string& loc
   for (const CameraPlugin& plugin : plugins) names.push_back(plugin.name);
   return Error{ErrorCode::kNotFound,
                cat("there is no camera plugin \"", name, "\"; write camera://NAME with one of ", join(names),
-                   ", or name the file of a plugin in E2LF_CAMERA_PLUGINS"),
+                   ", or give the file of a plugin in E2LF_CAMERA_PLUGINS"),
                location};
 }
 

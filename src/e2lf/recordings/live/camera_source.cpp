@@ -48,7 +48,7 @@ class CameraSource final : public LiveSource {
         if (error_) backlog_.failure = error_->text();
         break;
       } else {
-        changed_.wait_for(lock, kNap);  // a signal wakes nobody here
+        changed_.wait_for(lock, kNap);  // a signal does not notify this condition variable
       }
     }
     const bool has_failed = !backlog_.failure.empty() && !std::exchange(is_failure_told_, true);
@@ -56,11 +56,11 @@ class CameraSource final : public LiveSource {
     const bool has_lost = backlog_.lost_buffers > 0 && !std::exchange(is_loss_told_, true);
     is_behind_told_ = is_behind_told_ || is_behind;
     const std::string behind = is_behind ? behind_text() : "";
-    lock.unlock();  // who takes a message may wait for others
+    lock.unlock();  // the recipient of the message may block
     if (is_behind) camera_->keeps_unread() ? log_info(behind) : log_warning(behind);
     if (has_lost)
       log_warning(cat(name_, ": the camera or its driver loses data; check the cable and the load of the computer"));
-    if (has_failed) log_warning(cat(error_->text(), "; what came before that is kept"));
+    if (has_failed) log_warning(cat(error_->text(), "; the data before that are kept"));
     return std::span<const uint8_t>(buffer_).subspan(begin_);
   }
   void consume(size_t count) override {
@@ -98,10 +98,10 @@ class CameraSource final : public LiveSource {
   struct Chunk {
     std::vector<uint8_t> bytes;
     Clock::time_point arrival;
-    std::optional<LiveGap> gap = {};  ///< what is missing in front of it
+    std::optional<LiveGap> gap = {};  ///< data missing before it
   };
 
-  /// Asks the camera for its end. What has come until then still comes.
+  /// Requests the end of the camera. Bytes that have arrived by then are still returned.
   void stop_camera(std::unique_lock<std::mutex>& lock) {
     is_stopping_ = true;
     lock.unlock();
@@ -109,7 +109,7 @@ class CameraSource final : public LiveSource {
     lock.lock();
   }
 
-  /// The thread: moves what the camera delivers to waiting_.
+  /// Moves the bytes that the camera delivers to waiting_. Runs in the thread.
   void take_bytes() {
     std::vector<uint8_t> bytes;
     for (bool more = true; more;) {
@@ -144,7 +144,8 @@ class CameraSource final : public LiveSource {
     missing_->lost_buffers += buffers;
   }
 
-  /// Whether there is room for bytes that have come: a sender waits for it, those of a camera are dropped without.
+  /// Returns true if there is room for bytes that have arrived. A sender waits for room; without it, bytes of a camera
+  /// are dropped.
   bool make_room(std::unique_lock<std::mutex>& lock, size_t bytes) {
     if (waiting_bytes_ < kMaxWaitingBytes) return true;
     if (camera_->keeps_unread()) {
@@ -160,7 +161,7 @@ class CameraSource final : public LiveSource {
     return false;
   }
 
-  /// Moves what waits, up to where bytes are missing, behind what is left in the buffer.
+  /// Appends the waiting bytes, up to a place where bytes are missing, to the rest of the buffer.
   void append_waiting() {
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(begin_));
     begin_ = 0;
@@ -179,23 +180,23 @@ class CameraSource final : public LiveSource {
 
   /// Returns the message that is logged once if the reader is too slow.
   std::string behind_text() const {
-    return cat(name_, ": the input arrives faster than it is processed: what is read now arrived ",
+    return cat(name_, ": the input arrives faster than it is processed: the data that are read now arrived ",
                static_cast<double>(backlog_.most_behind_us / 100'000) * 0.1, " s ago. Up to ", kMaxWaitingBytes >> 20U,
-               " MiB wait in memory; beyond that ",
-               camera_->keeps_unread() ? "the sender waits, and nothing is lost" : "what the camera sends is dropped",
+               " MiB wait in memory; above that, ",
+               camera_->keeps_unread() ? "the sender waits, and nothing is lost" : "the data of the camera are dropped",
                ". Record the input to a file and process that, or choose a faster method");
   }
 
   std::unique_ptr<Camera> camera_;
   std::string name_;
 
-  // The reader's own.
+  // Used only by the reader.
   bool is_behind_told_ = false, is_loss_told_ = false, is_failure_told_ = false, is_stopping_ = false;
   Clock::time_point end_ = Clock::time_point::max();
   std::vector<uint8_t> buffer_;
   size_t begin_ = 0;
   uint64_t position_ = 0;
-  std::optional<Clock::time_point> arrival_;  ///< of the last bytes of the buffer
+  std::optional<Clock::time_point> arrival_;  ///< arrival of the last bytes of the buffer
 
   // Shared with the thread.
   mutable std::mutex mutex_;
@@ -203,12 +204,12 @@ class CameraSource final : public LiveSource {
   std::deque<Chunk> waiting_;
   size_t waiting_bytes_ = 0;
   bool has_ended_ = false;
-  bool is_discarding_ = false;      ///< nobody reads any more
-  std::optional<LiveGap> missing_;  ///< in front of what comes next
+  bool is_discarding_ = false;      ///< whether the reader has gone
+  std::optional<LiveGap> missing_;  ///< data missing before the next bytes
   LiveBacklog backlog_;
   std::optional<Error> error_;
 
-  std::thread thread_;  ///< last: it uses all of the above
+  std::thread thread_;  ///< last, because it uses the members above
 };
 
 }  // namespace

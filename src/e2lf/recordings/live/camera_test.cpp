@@ -117,7 +117,7 @@ TEST(Camera, AReaderThatFallsBehindIsToldOnceAndItIsCounted) {
       EXPECT_LE(bytes.size(), 2 * kMaxWaitingBytes);
       source->consume(bytes.size());
     }
-    const char* const fate = keeps_unread ? "nothing is lost" : "what the camera sends is dropped";
+    const char* const fate = keeps_unread ? "nothing is lost" : "the data of the camera are dropped";
     EXPECT_NE(log.text().find(fate), std::string::npos) << log.text();
     EXPECT_EQ(std::count(log.text().begin(), log.text().end(), '\n'), 1) << log.text();
     const DecodeSummary summary = source->left_out();
@@ -163,7 +163,7 @@ TEST(Camera, WhatCameBeforeAFailureIsReadInEveryFormatAndTheFailureIsTold) {
       ASSERT_TRUE(all.ok()) << all.error().text();
       EXPECT_GE(all->events.size(), 2990u) << format;
       EXPECT_EQ(reader->summary().live.failure, fails ? "camera://broken: unplugged" : "");
-      EXPECT_EQ(log.text().find("unplugged; what came before that is kept") != std::string::npos, fails) << log.text();
+      EXPECT_EQ(log.text().find("unplugged; the data before that are kept") != std::string::npos, fails) << log.text();
       EXPECT_EQ(fails ? reader->summary().num_violations() : 0, 0u) << format;
     }
   }

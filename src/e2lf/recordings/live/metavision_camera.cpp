@@ -15,8 +15,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Returns the next bytes of a stream: a pointer and a length before OpenEB 4.6, then a shared pointer, and a buffer
-/// since OpenEB 5.
+/// Returns the next bytes of a stream, which are a pointer and a length before OpenEB 4.6, a shared pointer from then
+/// on, and a buffer since OpenEB 5.
 template <typename Stream>
 void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
   if constexpr (requires(long count) { stream.get_latest_raw_data(count); }) {
@@ -33,8 +33,8 @@ void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
   }
 }
 
-/// The HAL loses what waits in its queue when it is stopped and when the camera is unplugged. So everything is taken
-/// out of it at once, and it is stopped only when nothing waits there any more.
+/// The HAL discards the content of its queue when it is stopped or when the camera is unplugged. The queue is therefore
+/// emptied immediately, and the HAL is stopped only when it is empty.
 class MetavisionCamera final : public Camera {
  public:
   explicit MetavisionCamera(std::string address) : address_(std::move(address)) {}
@@ -50,7 +50,7 @@ class MetavisionCamera final : public Camera {
   Result<void> start() override try {
     E2LF_ASSIGN_OR_RETURN(device_, open_device(address_, setup_.encoding));
     stream_ = device_->get_facility<Metavision::I_EventsStream>();
-    if (stream_ == nullptr) return Error{ErrorCode::kUnsupported, "the camera gives no stream of events", name()};
+    if (stream_ == nullptr) return Error{ErrorCode::kUnsupported, "the camera provides no stream of events", name()};
     E2LF_RETURN_IF_ERROR(set_up_device(*device_, setup_));
     header_ = device_header(*device_);
     biases_ = device_biases(*device_);
@@ -69,13 +69,13 @@ class MetavisionCamera final : public Camera {
     }
     while (bytes.empty()) {
       const bool is_stopped = is_stopped_;
-      const short state = stream_->poll_buffer();  // waiting could only be ended by stopping the HAL
+      const short state = stream_->poll_buffer();  // a blocking wait would only end with the HAL
       const bool is_late = is_stopped && Clock::now() > stop_time_.load() + kLongestDrain;
       if (is_stopped && (state <= 0 || is_late)) {
         end_stream();
         return false;
       }
-      if (state < 0) return Error{ErrorCode::kIo, "the camera's stream has ended by itself; start it again", name()};
+      if (state < 0) return Error{ErrorCode::kIo, "the stream of the camera ended by itself; start it again", name()};
       if (state == 0) {
         std::this_thread::sleep_for(kPoll);
       } else {
@@ -100,7 +100,7 @@ class MetavisionCamera final : public Camera {
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr auto kPoll = 500us;
-  static constexpr auto kLongestDrain = 1s;  ///< a camera goes on sending
+  static constexpr auto kLongestDrain = 1s;  ///< limited because a camera continues to send
 
   [[nodiscard]] std::string name() const { return "camera://metavision" + (address_.empty() ? "" : "/" + address_); }
 
@@ -112,7 +112,7 @@ class MetavisionCamera final : public Camera {
     if (stream_ == nullptr) return;
     try {
       stream_->stop();
-    } catch (const std::exception&) {  // NOLINT: a camera that is gone has stopped
+    } catch (const std::exception&) {  // NOLINT: an unplugged camera has stopped
     }
   }
 

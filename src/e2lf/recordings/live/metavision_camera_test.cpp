@@ -121,7 +121,8 @@ TEST_F(MetavisionCamera, AnEncodingThatIsNotReadIsRefused) {
   const auto source = open_camera_bytes(kName);
   ASSERT_FALSE(source.ok());
   EXPECT_EQ(source.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(source.error().message.find("sends EVT4, which is not read"), std::string::npos) << source.error().text();
+  EXPECT_NE(source.error().message.find("sends EVT4, which e2lf cannot read"), std::string::npos)
+      << source.error().text();
 }
 
 TEST_F(MetavisionCamera, NoneBusyAndASecondOpenerAreToldApart) {

@@ -15,20 +15,20 @@ namespace e2lf::recordings {
 /// Returns the message of an exception of the HAL, which has several lines, in one.
 [[nodiscard]] std::string hal_text(const std::exception& error);
 
-/// Opens a camera by serial number or full name, or the first one, in the encoding that it is to send. Fails with
-/// kNotFound, kIo (busy, forbidden) and kUnsupported (not this encoding, or none that is read).
+/// Opens a camera by serial number or full name, or the first one, and selects its encoding. Fails with kNotFound, kIo
+/// (busy, or permission denied) and kUnsupported (it does not support the encoding, or none that can be read).
 [[nodiscard]] Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& address,
                                                                       const std::string& encoding);
 
-/// Sets up a camera that has not started. What the HAL throws goes through. Fails with kUnsupported (the camera has not
-/// got what is asked for), kInvalidValue (it refuses a value) and kNotFound (a file of biases).
+/// Applies the settings to a camera that has not started. Exceptions of the HAL propagate. Fails with kUnsupported (the
+/// camera lacks a requested feature), kInvalidValue (it refuses a value) and kNotFound (the file of biases is missing).
 [[nodiscard]] Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup);
 
-/// Returns the header of a RAW recording: what the HAL says of the sensor, and the settings as they are read back from
-/// the camera: trigger_channels, biases, max_events_per_s, regions, anti_flicker, event_trail_filter.
+/// Returns the header of a RAW recording: the properties of the sensor, and the settings as read back from the camera:
+/// trigger_channels, biases, max_events_per_s, regions, anti_flicker, event_trail_filter.
 [[nodiscard]] std::string device_header(Metavision::Device& device);
 
-/// Returns the text of a .bias file, empty for a camera without biases.
+/// Returns the text of a .bias file, or an empty string for a camera without biases.
 [[nodiscard]] std::string device_biases(Metavision::Device& device);
 
 }  // namespace e2lf::recordings

@@ -20,7 +20,7 @@
 namespace e2lf::recordings {
 namespace {
 
-/// Hands the HAL's messages to our log, line by line; its threads write at the same time.
+/// Forwards the messages of the HAL to our log line by line. The HAL writes from several threads.
 class HalLog final : public std::streambuf {
  protected:
   int overflow(int character) override {
@@ -46,7 +46,7 @@ class HalLog final : public std::streambuf {
   std::string line_;
 };
 
-/// The HAL prints to stderr otherwise; and the memory of its plugin for USB has no limit unless it is given one.
+/// Redirects the output of the HAL from stderr, and limits the memory of its USB plugin, which has no limit by default.
 void prepare_hal() {
   static const bool is_prepared = [] {
     static auto* const log = new std::ostream(new HalLog);  // the HAL's threads may outlive static objects
@@ -62,7 +62,7 @@ std::string hal_encoding(const std::string& encoding) {
   return encoding == "evt2.1" ? "EVT21" : "EVT3";
 }
 
-/// "EVT3" of "EVT3;height=720;width=1280".
+/// Returns "EVT3" for "EVT3;height=720;width=1280".
 std::string bare_format(const std::string& format) {
   return format.substr(0, format.find(';'));
 }
@@ -106,14 +106,14 @@ Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& addre
     return error;
   }
   const auto* const identity = device->get_facility<Metavision::I_HW_Identification>();
-  if (identity == nullptr) return Error{ErrorCode::kUnsupported, "the camera does not say what it sends", address};
+  if (identity == nullptr) return Error{ErrorCode::kUnsupported, "the camera does not state its encoding", address};
   const std::string format = bare_format(identity->get_current_data_encoding_format());
   const bool is_read = format == "EVT2" || format == "EVT21" || format == "EVT2.1" || format == "EVT3";
   if (is_read && (encoding.empty() || format == hal_encoding(encoding))) return device;
   const std::vector<std::string> offered = identity->get_available_data_encoding_formats();
   return Error{ErrorCode::kUnsupported,
-               cat("the camera sends ", one_line(format), is_read ? "" : ", which is not read", "; it offers ",
-                   one_line(join(offered)), ", and evt2, evt2.1 and evt3 are read (--encoding)"),
+               cat("the camera sends ", one_line(format), is_read ? "" : ", which e2lf cannot read", "; it offers ",
+                   one_line(join(offered)), ", of which e2lf reads evt2, evt2.1 and evt3 (--encoding)"),
                "camera://metavision"};
 }
 

@@ -28,21 +28,22 @@ Error has_no(const std::string& what) {
 }
 
 Error refuses(const std::string& what) {
-  return {ErrorCode::kInvalidValue, cat("the camera refuses ", what), "camera://metavision"};
+  return {ErrorCode::kInvalidValue, cat("the camera rejects ", what), "camera://metavision"};
 }
 
 std::string channel_name(Channel channel) {
   return channel == Channel::Main ? "main" : channel == Channel::Aux ? "aux" : "loopback";
 }
 
-/// "main=0, aux=6".
+/// Formats trigger channels, e.g. "main=0, aux=6".
 std::string channels_text(const std::map<Channel, short>& channels) {
   std::vector<std::string> names;
   for (const auto& [channel, id] : channels) names.push_back(cat(channel_name(channel), "=", id));
   return join(names);
 }
 
-/// Inputs are off at first. The loopback is the camera's own output, which would add triggers that nobody made.
+/// Enables trigger inputs, which are initially disabled. The loopback channel is the output of the camera itself and
+/// would add triggers that have no external cause.
 Result<void> switch_on_triggers(Metavision::I_TriggerIn* triggers, const std::vector<std::string>& wanted) {
   if (triggers == nullptr) return wanted.empty() ? Result<void>() : has_no("trigger inputs");
   const auto channels = triggers->get_available_channels();
@@ -109,7 +110,7 @@ std::string regions_text(const Metavision::I_ROI& roi) {
   return windows.empty() ? "on" : join(windows, " ");
 }
 
-/// The settings, read back.
+/// Returns the settings as read back from the camera.
 std::vector<std::pair<std::string, std::string>> settings_of(Metavision::Device& device) {
   std::vector<std::pair<std::string, std::string>> settings;
   if (const auto* const triggers = device.get_facility<Metavision::I_TriggerIn>()) {
@@ -155,7 +156,7 @@ Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup)
       biases->load_from_file(setup.biases.string());
     } catch (const std::exception& failure) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("the camera does not take these biases (", hal_text(failure), "); give a file made for it"),
+                   cat("the camera rejects these biases (", hal_text(failure), "); give a file made for it"),
                    setup.biases.string()};
     }
   }

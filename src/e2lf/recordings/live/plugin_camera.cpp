@@ -17,7 +17,7 @@ namespace e2lf::recordings {
 namespace fs = std::filesystem;
 namespace {
 
-/// The buffer in which a plugin tells what went wrong.
+/// The buffer for the error message of a plugin.
 class PluginError {
  public:
   char* buffer() {
@@ -26,7 +26,8 @@ class PluginError {
   }
   [[nodiscard]] Error error(ErrorCode code, const std::string& name) const {
     const std::string said(text_.data(), std::find(text_.begin(), text_.end() - 1, '\0'));
-    return {code, said.empty() ? "the plugin failed without a message; ask its maker" : one_line(said), name};
+    return {code, said.empty() ? "the plugin failed without a message; report this to its author" : one_line(said),
+            name};
   }
 
  private:
@@ -72,7 +73,7 @@ class PluginCamera final : public Camera {
       if (state == E2LF_CAMERA_ENDED) return false;
       if (state != E2LF_CAMERA_RUNS) return said_.error(ErrorCode::kIo, name_);
       if (buffer.size > 0 && buffer.bytes == nullptr) {
-        return Error{ErrorCode::kIo, "the plugin gave a buffer without memory; ask its maker", name_};
+        return Error{ErrorCode::kIo, "the plugin returned a buffer without memory; report this to its author", name_};
       }
       lost_ += buffer.lost;
       if (buffer.size > 0) bytes.assign(buffer.bytes, buffer.bytes + buffer.size);
@@ -91,7 +92,7 @@ class PluginCamera final : public Camera {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr auto kLongestDrain = std::chrono::seconds(1);  ///< a camera goes on sending
+  static constexpr auto kLongestDrain = std::chrono::seconds(1);  ///< because a camera continues to send
 
   [[nodiscard]] Error has_no(const char* what) const {
     return {ErrorCode::kUnsupported, cat("the camera has no ", what, "; leave the option out"), name_};
@@ -150,7 +151,7 @@ bool is_plugin_name(const char* name) {
 }
 
 Result<CameraPlugin> load_plugin(const fs::path& file) {
-  // Libraries stay loaded: their threads and the texts that they gave may be in use until the end.
+  // Libraries stay loaded, because their threads and texts may be in use until the process ends.
   void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     const char* const reason = ::dlerror();
@@ -159,13 +160,13 @@ Result<CameraPlugin> load_plugin(const fs::path& file) {
   }
   const auto function = reinterpret_cast<e2lf_camera_plugin_function>(::dlsym(library, E2LF_CAMERA_PLUGIN_FUNCTION));
   if (function == nullptr) {
-    return Error{ErrorCode::kFormat, cat("is no camera plugin: it does not export ", E2LF_CAMERA_PLUGIN_FUNCTION),
+    return Error{ErrorCode::kFormat, cat("is not a camera plugin: it does not export ", E2LF_CAMERA_PLUGIN_FUNCTION),
                  file.string()};
   }
   return plugin_of_functions(function(), file.string());
 }
 
-/// The files at a place; a place that is none fails when it is loaded.
+/// Returns the files at a place. A place that does not exist fails when it is loaded.
 std::vector<fs::path> plugin_files(const fs::path& place) {
   std::error_code error;
   if (!fs::is_directory(place, error)) return {fs::absolute(place, error)};  // dlopen() would search for a bare name
@@ -181,7 +182,7 @@ std::vector<fs::path> plugin_files(const fs::path& place) {
 }  // namespace
 
 Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions, const std::string& location) {
-  if (functions == nullptr) return Error{ErrorCode::kFormat, "the camera plugin gives no functions", location};
+  if (functions == nullptr) return Error{ErrorCode::kFormat, "the camera plugin returns no functions", location};
   if (functions->version != E2LF_CAMERA_PLUGIN_VERSION) {
     return Error{ErrorCode::kUnsupported,
                  cat("the camera plugin has version ", functions->version, " of the interface, and this program has ",
@@ -189,7 +190,8 @@ Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions,
                  location};
   }
   if (!is_plugin_name(functions->name)) {
-    return Error{ErrorCode::kFormat, "the camera plugin needs a name of small letters, digits, - and _", location};
+    return Error{ErrorCode::kFormat, "the name of a camera plugin consists of lower-case letters, digits, - and _",
+                 location};
   }
   if (functions->open == nullptr || functions->close == nullptr || functions->start == nullptr ||
       functions->next == nullptr || functions->stop == nullptr) {

@@ -15,10 +15,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Words are delivered in stretches of at least this length, as a camera's buffers are, or up to the next TIME_HIGH.
+/// Words are delivered in intervals of at least this length, like the buffers of a camera, or up to the next TIME_HIGH.
 constexpr int64_t kLeastStretchUs = 1000;
 constexpr size_t kSearchedWords = 2048, kMostStretchWords = size_t{1} << 20;
-/// The largest step of TIME_HIGH that is waited for.
+/// Largest step of TIME_HIGH that takes time; longer ones are skipped.
 constexpr uint32_t kMostSteps = 64;
 
 class RawReplay final : public Camera {
@@ -55,7 +55,7 @@ class RawReplay final : public Camera {
     return true;
   }
 
-  /// Goes on to the end of the next stretch and returns how many words it has.
+  /// Advances to the end of the next interval and returns its number of words.
   size_t find_stretch(const uint8_t* words, size_t count) {
     const int64_t begin_us = time_us();
     size_t end = 0;
@@ -80,10 +80,10 @@ class RawReplay final : public Camera {
     low_us_ = 0;
   }
 
-  /// The time of the last word since the first TIME_HIGH word.
+  /// Returns the time of the last word relative to the first TIME_HIGH word.
   [[nodiscard]] int64_t time_us() const { return high_us_ + low_us_; }
 
-  /// Sleeps in naps that are short enough to be stopped.
+  /// Sleeps in steps that are short enough to be stopped.
   void wait_until(int64_t t_us) const {
     constexpr auto kNap = std::chrono::milliseconds(50);
     const Clock::time_point due = begin_ + std::chrono::microseconds(t_us);
@@ -93,7 +93,7 @@ class RawReplay final : public Camera {
   static constexpr uint16_t kUnknown = 0xFFFF;
 
   std::unique_ptr<ByteSource> source_;
-  bool is_header_ = true;  ///< is delivered next
+  bool is_header_ = true;  ///< whether the header is delivered next
   uint16_t time_high_ = kUnknown;
   int64_t high_us_ = 0, low_us_ = 0;
   Clock::time_point begin_;

@@ -55,7 +55,7 @@ class ReplayCamera final : public Camera {
   }
 
  private:
-  /// Fills stretch_ with the events and triggers of the next interval that contains any.
+  /// Fills stretch_ with the events and triggers of the next interval that contains some.
   Result<bool> next_stretch() {
     stretch_.clear();
     if (event_ == batch_.events.size() && trigger_ == batch_.triggers.size()) {
@@ -100,7 +100,7 @@ class ReplayCamera final : public Camera {
   Clock::time_point begin_;
   std::atomic<bool> is_stopped_ = false;
   mutable std::mutex mutex_;
-  DecodeSummary left_out_;  ///< of what was read, which is ahead of what was delivered
+  DecodeSummary left_out_;  ///< of the data that was read, which is ahead of the data that was delivered
 };
 
 }  // namespace

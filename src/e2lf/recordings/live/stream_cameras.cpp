@@ -59,7 +59,7 @@ class DescriptorCamera final : public Camera {
   bool keeps_unread() const override { return true; }
 
  private:
-  /// What had come and was not read yet; a sender may go on for ever.
+  /// Determines how many unread bytes had arrived, because a sender may never end.
   [[nodiscard]] size_t unread_bytes() const {
     int bytes = 0;
     return ::ioctl(descriptor_, FIONREAD, &bytes) == 0 && bytes > 0 ? static_cast<size_t>(bytes) : 0;
@@ -77,7 +77,7 @@ Result<void> wait_for_bytes(int descriptor, const std::string& address) {
   pollfd waiting = {descriptor, POLLIN, 0};
   while (::poll(&waiting, 1, kPollMs) <= 0) {
     if (stop_requested()) {
-      return Error{ErrorCode::kCancelled, "nobody wrote to it before the run was ended; start the writer first",
+      return Error{ErrorCode::kCancelled, "no program wrote to it before the run was stopped; start the writer first",
                    address};
     }
   }

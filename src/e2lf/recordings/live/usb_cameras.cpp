@@ -14,7 +14,7 @@ namespace e2lf::recordings {
 namespace fs = std::filesystem;
 namespace {
 
-/// Numbers of USB vendors, and the beginning of the products that may be event cameras.
+/// Vendor numbers, and the prefixes of the product numbers that may be event cameras.
 struct UsbVendor {
   std::string_view vendor, product;
 };
@@ -27,12 +27,12 @@ std::string first_line(const fs::path& path) {
   return one_line(line);
 }
 
-/// "2" -> "002", as device nodes are named.
+/// Returns a number as in the names of device nodes: "2" becomes "002".
 std::string three_digits(const std::string& number) {
   return std::string(3 - std::min<size_t>(3, number.size()), '0') + number;
 }
 
-/// The process that has a file open, of those that may be looked at; empty = none.
+/// Returns the process that has a file open, among the processes that can be inspected; empty = none.
 std::string user_of(const fs::path& node, const fs::path& processes) {
   std::error_code error;
   for (fs::directory_iterator process(processes, error), end; !error && process != end; process.increment(error)) {
@@ -114,7 +114,8 @@ Error unopened_error(const std::string& address, const std::vector<std::string>&
   if (!usb.empty()) {
     return {ErrorCode::kNotFound,
             cat("the USB has ", usb.front().name,
-                ", but no plugin of the HAL takes it for a camera; name the plugins' folder in MV_HAL_PLUGIN_PATH"),
+                ", but no plugin of the HAL recognises it as a camera; set MV_HAL_PLUGIN_PATH to the folder of the "
+                "plugins"),
             location};
   }
   return {

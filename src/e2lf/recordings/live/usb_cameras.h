@@ -9,32 +9,33 @@
 
 namespace e2lf::recordings {
 
-/// Whether a program may use a USB device.
+/// Whether this process can use a USB device.
 enum class UsbAccess {
   kFree,
   kInUse,      ///< another process has its device node open
   kForbidden,  ///< the permissions of its device node do not allow it
-  kHidden,     ///< there is no device node, as in a container that was not given it
+  kHidden,     ///< there is no device node, for example in a container without access to it
 };
 
-/// A camera on the USB that may have an event sensor.
+/// A USB device that may be an event camera.
 struct UsbCamera {
-  std::string name;            ///< vendor, product and what it calls itself: "04b4:00f4 EVK"
+  std::string name;            ///< vendor, product and device name, e.g. "04b4:00f4 EVK"
   std::filesystem::path node;  ///< "/dev/bus/usb/002/003"
   UsbAccess access = UsbAccess::kFree;
-  std::string user;  ///< "NAME (process 123)" where it is in use and that can be seen
+  std::string user;  ///< "NAME (process 123)" of the process that uses it, if known
 };
 
-/// Where Linux tells of USB devices and processes.
+/// The folders in which Linux describes USB devices and processes.
 struct UsbFolders {
   std::filesystem::path devices = "/sys/bus/usb/devices", nodes = "/dev/bus/usb", processes = "/proc";
 };
 
-/// Returns the devices that have the vendor number of a maker of event cameras or of the USB chip of one.
+/// Returns the devices whose vendor number is that of a manufacturer of event cameras or of their USB chips.
 [[nodiscard]] std::vector<UsbCamera> find_usb_cameras(const UsbFolders& folders = {});
 
-/// Says why no camera could be opened, which the HAL does not tell: there is none (kNotFound), another program has it,
-/// or the permissions forbid it (kIo). `address` is what was asked for, empty = any; `listed` is what the HAL lists.
+/// Returns the reason why no camera could be opened, which the HAL does not report: there is none (kNotFound), another
+/// program uses it, or permissions are missing (kIo). `address` is the requested camera, empty = any; `listed` contains
+/// the cameras that the HAL lists.
 [[nodiscard]] Error unopened_error(const std::string& address, const std::vector<std::string>& listed,
                                    const std::vector<UsbCamera>& usb);
 

@@ -52,7 +52,7 @@ TEST(UsbCameras, NoneBusyForbiddenAndHiddenAreToldApart) {
   const UsbTree camera("04b4", "00f5");
   expect_said(reason(camera), "02/013 is missing; give the container");
   camera.add_node();
-  expect_said(reason(camera), "no plugin of the HAL takes it");
+  expect_said(reason(camera), "no plugin of the HAL recognises it");
   camera.add_user();
   expect_said(reason(camera), "busy: viewer (process 77) uses it");
   expect_said(reason(mouse, "A1", {"e2lf:plugin:A1"}), "busy: another program uses it");

@@ -80,7 +80,7 @@ class V4l2Camera final : public Camera {
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int kPollMs = 100;                             // longest delay of a stop
-  static constexpr auto kLongestDrain = std::chrono::seconds(1);  ///< a camera goes on sending
+  static constexpr auto kLongestDrain = std::chrono::seconds(1);  ///< because a camera continues to send
 
   [[nodiscard]] std::string name() const { return cat("camera://v4l2", address_.empty() ? "" : "/", address_); }
 
@@ -90,7 +90,7 @@ class V4l2Camera final : public Camera {
     const std::vector<std::string> found = find_v4l2_devices(system_, folder_);
     if (found.empty()) {
       return Error{ErrorCode::kNotFound,
-                   cat("no device in ", folder_, " sends events; load the driver of the sensor, or name its device"),
+                   cat("no device in ", folder_, " sends events; load the driver of the sensor, or give its device"),
                    name()};
     }
     return cat(folder_, "/", found.front());

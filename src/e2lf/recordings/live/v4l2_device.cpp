@@ -46,13 +46,13 @@ bool has_planes(uint32_t type) {
   return type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
 }
 
-/// The text of a field of the kernel, which need not end with a zero.
+/// Returns the text in a field of the kernel, which need not end with a zero.
 template <size_t size>
 std::string field_text(const __u8 (&field)[size]) {
   return one_line(std::string(std::begin(field), std::find(std::begin(field), std::end(field), 0)));
 }
 
-/// The type of the buffers of a device that streams; nothing = it is none.
+/// Returns the type of the buffers of a streaming device, or nothing for other devices.
 uint32_t buffer_type(const v4l2_capability& capability) {
   const uint32_t can =
       (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps : capability.capabilities;
@@ -61,7 +61,7 @@ uint32_t buffer_type(const v4l2_capability& capability) {
   return (can & V4L2_CAP_VIDEO_CAPTURE) != 0 ? V4L2_BUF_TYPE_VIDEO_CAPTURE : 0;
 }
 
-/// The encodings that a device offers.
+/// Returns the encodings that a device offers.
 std::vector<const V4l2Encoding*> offered_encodings(V4l2System& system, int descriptor, uint32_t type) {
   constexpr uint32_t kMostFormats = 64;
   std::vector<const V4l2Encoding*> found;
@@ -75,7 +75,7 @@ std::vector<const V4l2Encoding*> offered_encodings(V4l2System& system, int descr
   return found;
 }
 
-/// A buffer of the driver with room for what it says of its planes.
+/// A buffer of the driver with memory for the description of its planes.
 struct BufferOfDriver {
   BufferOfDriver(uint32_t type, uint32_t index, uint32_t num_planes) {
     buffer.type = type;
@@ -142,7 +142,7 @@ V4l2Device::~V4l2Device() {
   if (descriptor_ < 0) return;
   if (is_started_) static_cast<void>(control(VIDIOC_STREAMOFF, &type_));
   for (const Memory& memory : memory_) system_.unmap(const_cast<uint8_t*>(memory.bytes), memory.length);
-  system_.close(descriptor_);  // which gives the buffers back
+  system_.close(descriptor_);  // also returns the buffers
 }
 
 int V4l2Device::control(unsigned long request, void* argument) const {
@@ -195,7 +195,7 @@ Result<void> V4l2Device::identify() {
 Result<void> V4l2Device::select_encoding(const std::string& name) {
   v4l2_format format{};
   format.type = type_;
-  if (control(VIDIOC_G_FMT, &format) < 0) return failure("the device does not say what it sends");
+  if (control(VIDIOC_G_FMT, &format) < 0) return failure("the device does not state its format");
   const auto fourcc = [this, &format]() -> uint32_t {
     return has_planes(type_) ? format.fmt.pix_mp.pixelformat : format.fmt.pix.pixelformat;
   };
@@ -243,7 +243,7 @@ Result<void> V4l2Device::map_buffer(uint32_t index) {
     if (memory == nullptr) return failure("the memory of the driver cannot be shared");
     memory_.push_back({static_cast<const uint8_t*>(memory), length});
   }
-  if (control(VIDIOC_QBUF, &of_driver.buffer) < 0) return failure("the driver takes no buffers");
+  if (control(VIDIOC_QBUF, &of_driver.buffer) < 0) return failure("the driver does not accept buffers");
   return {};
 }
 
@@ -270,7 +270,7 @@ void V4l2Device::append(size_t memory, uint32_t offset, uint32_t used, std::vect
 Result<bool> V4l2Device::read(int timeout_ms, V4l2Frame& frame) {
   const int ready = system_.wait(descriptor_, timeout_ms);
   if (ready == 0) return false;
-  // A device that is gone may still have buffers that are full.
+  // A removed device may still have full buffers.
   BufferOfDriver filled(type_, 0, planes_);
   if (control(VIDIOC_DQBUF, &filled.buffer) < 0) {
     if (errno == EAGAIN && ready > 0) return false;
@@ -280,7 +280,7 @@ Result<bool> V4l2Device::read(int timeout_ms, V4l2Frame& frame) {
   }
   const v4l2_buffer& buffer = filled.buffer;
   if (buffer.index >= memory_.size() / planes_) {
-    return Error{ErrorCode::kIo, cat("the driver gave a buffer that does not exist (", buffer.index, ")"), path_};
+    return Error{ErrorCode::kIo, cat("the driver returned a buffer that does not exist (", buffer.index, ")"), path_};
   }
   frame.bytes.clear();
   frame.lost = has_sequence_ ? buffer.sequence - sequence_ : 0;
@@ -296,9 +296,9 @@ Result<bool> V4l2Device::read(int timeout_ms, V4l2Frame& frame) {
   } else {
     append(buffer.index, 0, buffer.bytesused, frame.bytes);
   }
-  // What is left of a word at the end of a frame would shift all words of the next one.
+  // An incomplete word at the end of a frame would shift all words of the next one.
   frame.bytes.resize(frame.bytes.size() / encoding_->word_bytes * encoding_->word_bytes);
-  if (control(VIDIOC_QBUF, &filled.buffer) < 0) return failure("the driver takes its buffer no more");
+  if (control(VIDIOC_QBUF, &filled.buffer) < 0) return failure("the driver does not accept its buffer again");
   return true;
 }
 

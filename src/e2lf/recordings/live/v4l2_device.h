@@ -11,8 +11,8 @@
 
 namespace e2lf::recordings {
 
-/// The calls of the kernel that a V4L2 camera makes; tests replace them. As those of the C library, they return -1 and
-/// set errno on failure.
+/// The system calls of a V4L2 camera, which tests replace. Like those of the C library, they return -1 and set errno on
+/// failure.
 class V4l2System {
  public:
   virtual ~V4l2System() = default;
@@ -21,31 +21,31 @@ class V4l2System {
   virtual int control(int descriptor, unsigned long request, void* argument);  ///< ioctl()
   virtual void* map(size_t length, int descriptor, off_t offset);              ///< null on failure
   virtual void unmap(void* memory, size_t length);
-  /// Waits until there is something to read: 1; 0 = nothing came in time; -1 = the device failed.
+  /// Waits for data. Returns 1 if they can be read, 0 after the timeout, and -1 if the device failed.
   virtual int wait(int descriptor, int timeout_ms);
 };
 
-/// How events are encoded, by the format of a V4L2 device.
+/// The encoding of events that a format of a V4L2 device denotes.
 struct V4l2Encoding {
   uint32_t fourcc;
   const char* name;     ///< as in CameraSetup::encoding
-  const char* version;  ///< of a RAW header: evt
-  const char* format;   ///< of a RAW header
+  const char* version;  ///< value of the key `evt` of a RAW header
+  const char* format;   ///< value of the key `format` of a RAW header
   size_t word_bytes;
 };
 
-/// What a buffer held.
+/// The content of a buffer.
 struct V4l2Frame {
   std::vector<uint8_t> bytes;  ///< whole words
-  uint64_t lost = 0;           ///< frames that the driver lost in front of it, and it itself if it was damaged
+  uint64_t lost = 0;           ///< number of frames that the driver lost before it, including itself if it was damaged
 };
 
-/// An event sensor behind a Linux driver: opened, streaming into memory that is shared with the driver.
+/// An open event sensor behind a Linux driver, which streams into memory that is shared with the driver.
 class V4l2Device {
  public:
-  /// Opens a device and selects how it encodes events ("evt2", "evt2.1", "evt3"; empty = as it is set, if these are
-  /// events). Fails with kNotFound (no such device), kIo (busy, forbidden) and kUnsupported (no event sensor, not this
-  /// encoding).
+  /// Opens a device and selects its encoding ("evt2", "evt2.1", "evt3"; empty = the current one, if it encodes events).
+  /// Fails with kNotFound (no such device), kIo (busy, or permission denied) and kUnsupported (not an event sensor, or
+  /// the encoding is not available).
   [[nodiscard]] static Result<V4l2Device> open(V4l2System& system, const std::string& path,
                                                const std::string& encoding);
   V4l2Device(V4l2Device&& other) noexcept;
@@ -61,7 +61,7 @@ class V4l2Device {
   /// Shares buffers with the driver and starts it. Fails with kIo, also if another program uses it.
   [[nodiscard]] Result<void> start();
 
-  /// Waits up to `timeout_ms` for a buffer. Returns false if none came. Fails with kIo if the device is gone.
+  /// Waits up to `timeout_ms` for a buffer. Returns false if none arrived. Fails with kIo if the device was removed.
   [[nodiscard]] Result<bool> read(int timeout_ms, V4l2Frame& frame);
 
  private:
@@ -82,13 +82,13 @@ class V4l2Device {
   V4l2System& system_;
   std::string path_, card_, driver_;
   int descriptor_;
-  uint32_t type_ = 0;  ///< of its buffers: with one plane, or with several
+  uint32_t type_ = 0;  ///< type of its buffers: with one plane, or with several
   uint32_t width_ = 0, height_ = 0, planes_ = 1;
   const V4l2Encoding* encoding_ = nullptr;
   std::vector<Memory> memory_;  ///< [buffer, plane]
   bool is_started_ = false;
   bool has_sequence_ = false;
-  uint32_t sequence_ = 0;  ///< of the next frame
+  uint32_t sequence_ = 0;  ///< expected number of the next frame
 };
 
 /// Returns the devices of a folder that send events, by their file names ("video0").

@@ -19,10 +19,11 @@ Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, con
   if (is_camera_name(name)) return open_camera_bytes(name, setup);
   if (name == "-") return open_camera_bytes("camera://pipe", setup);
   if (!is_stream(name)) {
-    return Error{ErrorCode::kInvalidValue,
-                 "this is no live input; name a camera (camera://NAME), tcp://ADDRESS:PORT, replay:FILE, a named pipe "
-                 "or -",
-                 name};
+    return Error{
+        ErrorCode::kInvalidValue,
+        "this is not a live input; give a camera (camera://NAME), tcp://ADDRESS:PORT, replay:FILE, a named pipe "
+        "or -",
+        name};
   }
   E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Camera> camera, open_pipe_camera(name));
   return start_camera_source(std::move(camera), name, setup);
@@ -37,7 +38,7 @@ Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string&
     return open_recording(std::move(source), options);
   }
   if (options.camera != CameraSetup()) {
-    return Error{ErrorCode::kInvalidValue, "a file has no settings of a camera; leave them out", name};
+    return Error{ErrorCode::kInvalidValue, "camera settings do not apply to a file; leave them out", name};
   }
   return open_recording(std::filesystem::path(name), options);
 }

@@ -19,7 +19,7 @@ namespace e2lf::recordings {
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name,
                                                                             const OpenOptions& options = {});
 
-/// The bytes of what is_live_recording() names, as they come. Fails as open_camera_bytes() does, and with
+/// Opens the bytes of a live source (see is_live_recording()). Fails as open_camera_bytes() does, and with
 /// kInvalidValue for a file.
 [[nodiscard]] Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name,
                                                                   const CameraSetup& setup = {});

@@ -138,7 +138,7 @@ Table& codec_table() {
   return instance;
 }
 
-/// Hands on what another one gives, which others look at too.
+/// Forwards the bytes of another source, which is shared.
 class SharedSource final : public ByteSource {
  public:
   explicit SharedSource(std::shared_ptr<ByteSource> source) : source_(std::move(source)) {}
@@ -201,7 +201,7 @@ Result<const Codec*> detect_codec(ByteSource& source) {
     return Error{ErrorCode::kUnsupported, cat("these are ", *text), source.name()};
   }
   return Error{ErrorCode::kFormat,
-               cat("this is not a recording of a known format; name its format, one of ", codec_names()), source.name(),
+               cat("this is not a recording of a known format; give its format, one of ", codec_names()), source.name(),
                Setting::kInputFormat};
 }
 
@@ -217,7 +217,7 @@ Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std
   if (!format.empty()) return find_codec(format);
   if (const Codec* codec = codec_of_extension(path)) return codec;
   return Error{ErrorCode::kInvalidValue,
-               cat("no format has this extension; use another, e.g. .raw or .hdf5, or name the format, one of ",
+               cat("no format has this extension; use another, e.g. .raw or .hdf5, or give the format, one of ",
                    names_to_write()),
                path.string(), Setting::kOutputFormat};
 }
@@ -255,9 +255,10 @@ namespace {
 Result<std::unique_ptr<RecordingReader>> check_stream(std::unique_ptr<RecordingReader> reader) {
   const RecordingInfo& info = reader->info();
   if (reader->options().stream.empty() || !info.streams.empty()) return reader;
-  return Error{ErrorCode::kInvalidValue,
-               cat("a recording of the format ", info.format, " holds one stream of events; name no stream"),
-               reader->name(), Setting::kStream};
+  return Error{
+      ErrorCode::kInvalidValue,
+      cat("a recording of the format ", info.format, " contains only one stream of events; leave the option out"),
+      reader->name(), Setting::kStream};
 }
 
 }  // namespace
@@ -273,7 +274,7 @@ Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSour
   std::shared_ptr<DecodeSummary> losses;
   // No more bytes than needed: a live source of a named format may not have more for a while.
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
-  std::shared_ptr<ByteSource> live;  // what it loses is counted while it is read
+  std::shared_ptr<ByteSource> live;  // its losses are counted while it is read
   if (source->arrival()) {
     live = std::move(source);
     source = std::make_unique<SharedSource>(live);
@@ -314,7 +315,7 @@ Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem:
   if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
     return Error{
         ErrorCode::kUnsupported,
-        cat("the format ", codec->name, " requires seeking, which a pipe or device does not support; name a file"),
+        cat("the format ", codec->name, " requires seeking, which a pipe or device does not support; give a file"),
         path.string()};
   }
   if (!to_stream && codec->create_file != nullptr) return codec->create_file(path, info);

@@ -101,7 +101,7 @@ ColumnName parse_column_name(std::string_view name) {
   const auto is_filler = [](const std::string& word) {
     return is_one_of(word, {"event",    "events",    "ev",       "px",     "pixel",      "pixels",      "pos",
                             "position", "positions", "coord",    "coords", "coordinate", "coordinates", "addr",
-                            "address",  "loc",       "location", "in",     "data",       "dataset"});
+                            "address",  "loc",       "location", "in",     "data",       "dataset",     "dvs"});
   };
   words.erase(std::remove_if(words.begin(), words.end(), is_filler), words.end());
   if (words.size() > 1 && words[0] == "time" && words[1] == "stamp") {

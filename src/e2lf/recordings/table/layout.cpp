@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "e2lf/base/log.h"
+#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/table/column_names.h"
 
@@ -34,7 +36,8 @@ Error undecided(std::string message, const std::string& location, Setting settin
 Result<ColumnsOfFields> order_of_option(const std::string& order, const TableSample& sample,
                                         const std::string& location) {
   if (!sample.is_ordered) {
-    return undecided("the columns have names but no order; leave the option out", location, Setting::kColumns);
+    return undecided("the columns are identified by names, so they have no order; leave the option out", location,
+                     Setting::kColumns);
   }
   ColumnsOfFields columns = {};
   bool fits = order.size() == sample.columns.size();
@@ -48,6 +51,17 @@ Result<ColumnsOfFields> order_of_option(const std::string& order, const TableSam
   return undecided(cat("\"", order, "\" is not an order of the ", sample.columns.size(),
                        " columns; write each of t, x, y, p once, e.g. txyp, and - for a column to skip"),
                    location, Setting::kColumns);
+}
+
+/// Returns the names of the columns in brackets, or nothing if they have none.
+std::string names_text(const TableSample& sample) {
+  constexpr size_t kMost = 10;
+  std::vector<std::string> names;
+  for (const TableSample::Column& column : sample.columns) {
+    if (names.size() < kMost) names.push_back(printable(column.name));
+  }
+  if (std::all_of(names.begin(), names.end(), [](const std::string& name) { return name.empty(); })) return "";
+  return cat(" (", join(names), sample.columns.size() > kMost ? ", ...)" : ")");
 }
 
 struct Columns {
@@ -74,10 +88,11 @@ Result<Columns> decide_columns(const TableSample& sample, const OpenOptions& opt
   if (std::all_of(named.begin(), named.end(), [](const auto& column) { return column.has_value(); })) {
     return Columns{{*named[0], *named[1], *named[2], *named[3]}, Reason::kFile};
   }
-  const Error error = undecided(
-      cat("neither names nor values determine which of the ", sample.columns.size(),
-          " columns are t, x, y and p; name them, e.g. ", std::string("txyp-----").substr(0, sample.columns.size())),
-      location, Setting::kColumns);
+  const Error error =
+      undecided(cat("neither names nor values determine which of the ", sample.columns.size(), " columns",
+                    names_text(sample), " are t, x, y and p; give their order, e.g. ",
+                    std::string("txyp-----").substr(0, sample.columns.size()), ", or check whether these are events"),
+                location, Setting::kColumns);
   if (sample.columns.size() != kNumFields) return error;
   OrderHints hints{{}, info.width, info.height, sample.usual_order};
   for (size_t field = 0; field < kNumFields; ++field) {
@@ -142,7 +157,7 @@ Result<Unit> decide_unit(TableSample& sample, size_t column, const OpenOptions& 
   // A few values may be damaged.
   if (fractions > 0 && 10 * fractions >= set) {
     if (const auto unit = unit_of_fractions(times.values)) return Unit{*unit, Reason::kValues, "not whole numbers"};
-    return undecided("the times are not integers, and too far apart for seconds; name their unit", location,
+    return undecided("the times are not integers, but too far apart to be seconds; give their unit", location,
                      Setting::kTimeUnit);
   }
   const bool are_ns = 2 * large > times.values.size();
@@ -169,9 +184,10 @@ Result<Polarity> decide_polarity(TableSample& sample, size_t column, const std::
   std::vector<double>& values = sample.columns[column].values;
   PolarityGuess guess = guess_polarity(values);
   if (10 * guess.explained < 9 * values.size()) {
-    return undecided(cat("the polarities of column ", column + 1, " are ", values_text(values),
-                         "; known are 0/1, -1/1, 1/2, 0/255, true/false, on/off; check which column holds them"),
-                     location, Setting::kColumns);
+    return undecided(
+        cat("the polarities of column ", column + 1, " are ", values_text(values),
+            "; supported are 0/1, -1/1, 1/2, 0/255, true/false and on/off; check which column contains them"),
+        location, Setting::kColumns);
   }
   if (guess.has_off != guess.has_on && sample.find_further) {
     const double known = guess.has_on ? guess.code.on : guess.code.off;
@@ -184,6 +200,34 @@ Result<Polarity> decide_polarity(TableSample& sample, size_t column, const std::
   Polarity polarity{guess.code, ""};
   if (guess.has_on && !guess.has_off) polarity.warning = ", and there is no other polarity";
   return polarity;
+}
+
+/// Warns about values that are read unchanged but are implausible: times that 32 bits do not resolve, and coordinates
+/// beyond any sensor.
+void warn_of_values(const TableSample& sample, const TableLayout& layout, const RecordingInfo& info,
+                    const std::string& location) {
+  constexpr double kCoarseUs = 10, kWidestPx = 8192;
+  const auto most_of = [](const TableSample::Column& column) {
+    return column.values.empty() ? 0 : *std::max_element(column.values.begin(), column.values.end());
+  };
+  const TableSample::Column& times = sample.columns[layout.columns[of(Field::kT)]];
+  const double us_per_unit = layout.unit == TimeUnit::kSeconds        ? 1e6
+                             : layout.unit == TimeUnit::kMilliseconds ? 1e3
+                             : layout.unit == TimeUnit::kNanoseconds  ? 1e-3
+                                                                      : 1;
+  const double last = most_of(times);
+  const double step_us = std::ldexp(1.0, std::ilogb(std::max(last, 1e-9)) - 23) * us_per_unit;
+  if (times.is_single && step_us > kCoarseUs) {
+    log_warning(cat(location, ": the times are floating-point numbers of 32 bits, which are ", step_us, " us apart at ",
+                    last, " ", time_unit_name(layout.unit), "; store them as integers or with 64 bits"));
+  }
+  const double most_px = std::max(most_of(sample.columns[layout.columns[of(Field::kX)]]),
+                                  most_of(sample.columns[layout.columns[of(Field::kY)]]));
+  if (info.width == 0 && most_px >= kWidestPx) {
+    log_warning(cat(location, ": the coordinates reach ", most_px,
+                    " px, more than any sensor has; if they are fractions of pixels (BS-ERGB stores 1/32 px), divide "
+                    "them first"));
+  }
 }
 
 std::string columns_text(const TableSample& sample, const ColumnsOfFields& columns) {
@@ -206,6 +250,7 @@ Result<TableLayout> decide_layout(TableSample sample, const OpenOptions& options
   layout.unit = unit.unit;
   E2LF_ASSIGN_OR_RETURN(const Polarity polarity, decide_polarity(sample, layout.columns[of(Field::kP)], location));
   layout.polarity = polarity.code;
+  warn_of_values(sample, layout, info, location);
 
   info.table =
       TableReading{columns_text(sample, layout.columns), time_unit_name(layout.unit), polarity_text(layout.polarity)};
@@ -234,7 +279,7 @@ Result<void> require_mostly_events(uint64_t events, uint64_t bad, const Recordin
   const std::string columns = info.table ? info.table->columns : "t, x, y, p";
   return Error{ErrorCode::kFormat,
                cat(bad, " of ", bad + events, " rows cannot be read as ", columns, " (the first ", first_bad,
-                   "); name the columns or correct the file"),
+                   "); give the order of the columns or correct the file"),
                location, Setting::kColumns};
 }
 

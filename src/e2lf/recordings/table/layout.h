@@ -19,6 +19,7 @@ struct TableSample {
     TimeUnit unit = TimeUnit::kAuto;  ///< if the file states it apart from the name
     std::vector<double> values = {};  ///< equally many in all columns
     bool is_integer = false;          ///< stored as integers, so that later values are integers, too
+    bool is_single = false;           ///< stored as floating-point numbers of 32 bits
   };
   std::vector<Column> columns;
   bool is_ordered = true;                 ///< whether the columns have an order that an option can name

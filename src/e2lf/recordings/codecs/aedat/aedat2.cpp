@@ -19,7 +19,7 @@ constexpr std::string_view kVersionLine = "#!AER-DAT2.0";
 constexpr size_t kRecordBytes = 8;
 constexpr size_t kBlockRecords = size_t{1} << 15;
 
-/// Whether a record is the begin of kVersionLine.
+/// Returns true if a record is the beginning of kVersionLine.
 bool begins_header(const uint8_t* record) {
   return std::memcmp(record, kVersionLine.data(), kRecordBytes) == 0;
 }

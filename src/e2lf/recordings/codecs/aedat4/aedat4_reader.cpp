@@ -114,7 +114,7 @@ class Aedat4Blocks final : public EventBlocks {
     return std::memcmp(bytes.data(), kVersionLine.data(), count) == 0;
   }
 
-  /// Goes behind the table of the packets to the header of a recording that was appended; false where there is none.
+  /// Skips the table of the packets to the header of an appended recording. Returns false if there is none.
   Result<bool> pass_over_table() {
     constexpr size_t kSearchedBytes = size_t{1} << 16;
     for (;;) {
@@ -130,7 +130,7 @@ class Aedat4Blocks final : public EventBlocks {
     }
   }
 
-  /// Reads the header of an appended recording, whose streams are taken for those of the first one.
+  /// Reads the header of an appended recording, whose streams are identified with those of the first one.
   Result<bool> read_appended_header() {
     const uint64_t begin = source_->position();
     E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kVersionLine.size() + 4));

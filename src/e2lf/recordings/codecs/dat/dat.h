@@ -20,8 +20,8 @@ namespace e2lf::recordings::dat {
                                                             const OpenOptions& options);
 
 /// Writes version 2 with the low 32 bits of the times. The first event must be before 2^32 us; otherwise writing fails
-/// with kInvalidValue, and the recording must be shifted to zero. Only events are written to a sink; with a file,
-/// triggers are written to a file of their own.
+/// with kInvalidValue, and the recording must be shifted to zero. A sink only receives events; if the recording is a
+/// file, triggers are written to a second one.
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
                                                               const RecordingInfo& info);
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path,

@@ -87,7 +87,8 @@ class TriggerFile final : public TriggerSource {
   TimeUnwrapper unwrap_;
 };
 
-/// Which of some records is the text "% ...", as a header begins; their number where none is.
+/// Returns the index of the first record that is the text "% ...", with which a header begins, or their number if there
+/// is none.
 size_t find_text(std::span<const uint8_t> records) {
   const auto is_printable = [](uint8_t byte) { return byte >= ' ' && byte <= '~'; };
   size_t at = 0;
@@ -181,7 +182,7 @@ class DatTriggerReader final : public RecordingReader {
 
  private:
   TriggerFeed triggers_;
-  int64_t last_us_ = INT64_MIN;  ///< of this part
+  int64_t last_us_ = INT64_MIN;  ///< last time of this part
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/dsec/event_places.h"
+#include "e2lf/recordings/codecs/dsec/sensor_size.h"
 #include "e2lf/recordings/stream_choice.h"
 #include "e2lf/recordings/table/column_names.h"
 #include "e2lf/recordings/table/number_columns.h"
@@ -25,11 +26,11 @@ namespace {
 constexpr uint64_t kBlock = uint64_t{1} << 17;
 constexpr uint64_t kColumnChunk = uint64_t{1} << 15;
 
-/// One column of events: a data set, read in its own kind of numbers.
+/// One column of events: a data set that is read in its own numeric type.
 struct NumberColumn {
   DatasetShape shape;
-  std::string member = {};        ///< of records
-  table::NumberField field = {};  ///< of the numbers once read
+  std::string member = {};        ///< field of the records; empty = not records
+  table::NumberField field = {};  ///< layout of the numbers in memory
 };
 
 struct KnownNumber {
@@ -44,7 +45,7 @@ constexpr KnownNumber kNumbers[] = {{"u1", H5T_INTEGER, H5T_SGN_NONE, 1}, {"u2",
                                     {"i4", H5T_INTEGER, H5T_SGN_2, 4},    {"i8", H5T_INTEGER, H5T_SGN_2, 8},
                                     {"f4", H5T_FLOAT, H5T_SGN_ERROR, 4},  {"f8", H5T_FLOAT, H5T_SGN_ERROR, 8}};
 
-/// The numpy code of numbers that clips none of a type's on the way; empty for other elements.
+/// Returns the numpy code of a type that represents all values of an HDF5 type; empty if that is not numeric.
 std::string number_code(hid_t type) {
   for (const KnownNumber& known : kNumbers) {
     const bool has_sign = known.kind != H5T_INTEGER || H5Tget_sign(type) == known.sign;
@@ -54,7 +55,7 @@ std::string number_code(hid_t type) {
   return H5Tget_class(type) == H5T_ENUM ? "i1" : "";  // numpy's bool
 }
 
-/// The same for the elements of a data set, or for a field of its records.
+/// Returns the same for the elements of a data set, or for a field of its records.
 std::string number_type(hid_t dataset, const std::string& field = "") {
   const Handle type(H5Dget_type(dataset), H5Tclose);
   if (!type.valid()) return "";
@@ -82,7 +83,7 @@ Error no_numbers(const std::string& name, const std::string& location) {
           location};
 }
 
-/// The unit that an attribute of the times says.
+/// Returns the unit that an attribute of the times states.
 TimeUnit unit_of_attribute(hid_t dataset) {
   for (const char* name : {"unit", "units"}) {
     const TimeUnit unit = table::parse_time_unit(read_text_attribute(dataset, name));
@@ -91,8 +92,8 @@ TimeUnit unit_of_attribute(hid_t dataset) {
   return TimeUnit::kAuto;
 }
 
-/// The time that the times of a file count from, in microseconds; 0 without t_offset. It is of the unit of the
-/// times where that is named or where both are whole, and seconds where it has a fraction.
+/// Returns the offset of the times of a file in microseconds; 0 if there is no t_offset. Its unit is that of the times
+/// if that was named or if both are integers, and seconds if it has a fraction.
 Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit unit, const std::string& location) {
   const Handle offset(H5Dopen2(file, "t_offset", H5P_DEFAULT), H5Dclose);
   if (!offset.valid()) return 0;
@@ -109,9 +110,10 @@ Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit uni
   const double value = table::to_doubles(bytes.data(), field, 1)[0];
   const bool is_whole = value == std::trunc(value);
   if (options.time_unit == TimeUnit::kAuto && unit == TimeUnit::kSeconds && is_whole && value != 0) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the times are seconds, and the offset ", value, " does not say its unit; name the unit of both"),
-                 place, Setting::kTimeUnit};
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("the times are seconds, and the offset ", value, " does not state its unit; give the unit of both"), place,
+        Setting::kTimeUnit};
   }
   if (options.time_unit == TimeUnit::kAuto && !is_whole) unit = TimeUnit::kSeconds;
   int64_t offset_us = 0;
@@ -121,7 +123,7 @@ Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit uni
   return offset_us;
 }
 
-/// Events read by rows, from columns or from the rows of one data set.
+/// Reads events by rows, from columns or from the rows of one data set.
 class RowBlocks : public EventBlocks {
  public:
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -138,7 +140,7 @@ class RowBlocks : public EventBlocks {
     block.events.resize(count);
     E2LF_RETURN_IF_ERROR(read_rows(next_, count, block.events, bad));
     for (size_t i = 0; i < count; ++i) {
-      // A time that is none stays one; the gate drops it.
+      // An invalid time stays invalid, and EventGate drops it.
       int64_t& t_us = block.events.t[i];
       t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
     }
@@ -164,11 +166,11 @@ class RowBlocks : public EventBlocks {
   }
 
  protected:
-  /// Rows that are no events set their place in `bad`.
+  /// Reads rows; sets `bad` for those that are not events.
   virtual Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) = 0;
   virtual Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) = 0;
 
-  /// Reads rows into numbers_, of records one field alone.
+  /// Reads rows, or only the field `member` of records, to numbers_.
   Result<const uint8_t*> read_numbers(const DatasetShape& shape, const std::string& type, uint64_t begin,
                                       uint64_t count, const std::string& member = "") {
     numbers_.resize(count * shape.columns * element_size(type));
@@ -185,7 +187,7 @@ class RowBlocks : public EventBlocks {
     return read_numbers(column.shape, column.field.type, begin, count, column.member);
   }
 
-  /// The first number behind the sample that is wanted.
+  /// Returns the first number after the sample for which is_wanted() is true.
   Result<std::optional<double>> find_further(const DatasetShape& shape, const table::NumberField& field,
                                              const table::TableSample::IsWanted& is_wanted,
                                              const std::string& member = "") {
@@ -217,7 +219,8 @@ class RowBlocks : public EventBlocks {
 
 class ColumnBlocks final : public RowBlocks {
  public:
-  /// The columns x, y, p and t: data sets, fields of one data set of records, or the rows of a data set [4, events].
+  /// Opens the columns x, y, p and t: data sets, fields of a data set of records, or the rows of a data set [4,
+  /// events].
   static Result<std::unique_ptr<ColumnBlocks>> open(hid_t file, const EventPlace& place, const OpenOptions& options,
                                                     const std::string& location, RecordingInfo& info) {
     auto blocks = std::make_unique<ColumnBlocks>();
@@ -262,7 +265,7 @@ class ColumnBlocks final : public RowBlocks {
       const bool has_own = column.member.empty() && !is_ordered;
       sample.columns.push_back({names[i], has_own ? unit_of_attribute(column.shape.dataset.get()) : TimeUnit::kAuto,
                                 table::to_doubles(numbers, column.field, count),
-                                table::is_integer_type(column.field.type)});
+                                table::is_integer_type(column.field.type), column.field.type == "f4"});
     }
     sample.find_further = [&](size_t i, const auto& is_wanted) {
       return find_further(columns_[i].shape, columns_[i].field, is_wanted, columns_[i].member);
@@ -325,8 +328,8 @@ class MatrixBlocks final : public RowBlocks {
     const auto field_of = [&](size_t i) { return table::NumberField{blocks->type_, i * item, 4 * item}; };
     table::TableSample sample;
     for (size_t i = 0; i < 4; ++i) {
-      sample.columns.push_back(
-          {"", TimeUnit::kAuto, table::to_doubles(numbers, field_of(i), count), table::is_integer_type(blocks->type_)});
+      sample.columns.push_back({"", TimeUnit::kAuto, table::to_doubles(numbers, field_of(i), count),
+                                table::is_integer_type(blocks->type_), blocks->type_ == "f4"});
     }
     sample.find_further = [&](size_t i, const auto& is_wanted) {
       return blocks->find_further(blocks->shape_, field_of(i), is_wanted);
@@ -433,7 +436,7 @@ class DsecWriter final : public RecordingWriter {
 
   Result<void> finish() override {
     const LibraryLock lock;
-    // One more entry, behind the last event, so that every event has a millisecond after it.
+    // One more entry after the last event, so that every event has a following millisecond.
     const uint64_t end = t_.length();
     E2LF_RETURN_IF_ERROR(ms_to_idx_.append(H5T_NATIVE_UINT64, &end, 1));
     if (end == 0) E2LF_RETURN_IF_ERROR(write_offset());
@@ -477,12 +480,14 @@ Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions&
     if (places.size() > 1) {
       E2LF_ASSIGN_OR_RETURN(chosen, choose_stream(streams, options, location, info));
     }
+    if (info.width == 0) read_sensor_size(file, places[chosen].name, info);
     return open_place(file, places[chosen], options, location, info);
   }
   return Error{
       ErrorCode::kNotFound,
       "the file has no events: neither CD/events (Metavision), nor a group with the columns x, y, p, t or xs, ys, ps, "
-      "ts, nor records with such fields, nor a data set events [events, 4]; is it a recording?",
+      "ts, nor records with such fields, nor a data set events [events, 4]; if it is a recording, write it as one of "
+      "them",
       location};
 }
 

@@ -14,13 +14,15 @@ namespace e2lf::recordings::hdf5_events {
 /// index of the first event at or after each millisecond after t_offset) and t_offset (i8, us). It has no place for
 /// triggers.
 
-/// Writes the layout, uncompressed. Fails in write() with kInvalidValue beyond 71 minutes after the first event.
+/// Creates a recording in this layout, uncompressed. Its write() fails with kInvalidValue for times more than 71
+/// minutes after the first event.
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_dsec_file(const std::filesystem::path& path,
                                                                         const RecordingInfo& info);
 
-/// Events as blocks, from the places of event_places.h, numbers of any type. Of several places options.stream chooses
-/// one by its number or name. Times are as OpenOptions::time_unit says. What is assumed is added to `info`. Fails with
-/// kNotFound when the file has no such place and kShape when columns differ in length.
+/// Opens a table of events (event_places.h) whose columns have any numeric type. If there are several tables,
+/// options.stream selects one by its number or name. OpenOptions::time_unit states the unit of the times. Assumptions
+/// are added to `info`. Fails with kNotFound if the file contains no table, and with kShape if columns differ in
+/// length.
 [[nodiscard]] Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options,
                                                                 const std::string& location, RecordingInfo& info);
 

@@ -21,7 +21,7 @@ struct Object {
   bool is_group = false;
 };
 
-/// The groups and data sets of a group ("" = the file), links to other files left out.
+/// Returns the groups and data sets of a group ("" = the root), without links to other files.
 std::vector<Object> members_of(hid_t file, const std::string& group, size_t& num_left) {
   std::vector<Object> members;
   const Handle opened(H5Gopen2(file, group.empty() ? "/" : group.c_str(), H5P_DEFAULT), H5Gclose);
@@ -44,7 +44,7 @@ std::vector<Object> members_of(hid_t file, const std::string& group, size_t& num
   return members;
 }
 
-/// Puts the better of two names of one field in its place.
+/// Collects the names of the fields; of two names for one field, the better one is used.
 class FieldNames {
  public:
   void add(const std::string& name, const std::string& path) {
@@ -67,7 +67,7 @@ class FieldNames {
   std::array<std::pair<size_t, std::string>, table::kNumFields> best_;
 };
 
-/// The names of the fields of a data set of records; none where it holds none that make events.
+/// Returns the names of the fields x, y, p and t of a data set of records; all are empty unless it has all of them.
 std::array<std::string, 4> fields_of_records(hid_t dataset) {
   const Handle type(H5Dget_type(dataset), H5Tclose);
   FieldNames names;

@@ -9,18 +9,18 @@
 
 namespace e2lf::recordings::hdf5_events {
 
-/// Where an HDF5 file holds a table of events.
+/// The location of a table of events in an HDF5 file.
 struct EventPlace {
-  std::string name;                    ///< for people and --stream: the group, or the data set
-  std::array<std::string, 4> columns;  ///< data sets of x, y, p and t; all empty where `rows` holds all of them
+  std::string name;                    ///< name of the group or data set, for messages and --stream
+  std::array<std::string, 4> columns;  ///< data sets of x, y, p and t; all empty if `rows` contains them
   std::string rows;                    ///< a data set [events, 4] or [4, events], or one of records
-  std::array<std::string, 4> fields;   ///< of records: the names of x, y, p and t; all empty for a matrix
+  std::array<std::string, 4> fields;   ///< names of x, y, p and t in records; all empty for a matrix
 };
 
-/// Returns the tables of events in a file, in the order of their paths and the usual places (`events`, the file itself)
-/// first: groups with data sets that are named as the columns x, y, p and t (table/column_names.h), matrices whose name
-/// has "event" in it, and data sets of records with these fields. Where the usual places hold some columns but not all,
-/// the missing ones keep the names by which errors call them. At most 10,000 objects are looked at.
+/// Returns the tables of events in a file: groups with data sets whose names denote the columns x, y, p and t
+/// (table/column_names.h), matrices whose name contains "event", and data sets of records with these fields. The usual
+/// places (`events` and the root) come first, the others in the order of their paths. If a usual place contains only
+/// some of the columns, the missing ones have names for error messages. At most 10,000 objects are inspected.
 [[nodiscard]] std::vector<EventPlace> find_event_places(hid_t file);
 
 }  // namespace e2lf::recordings::hdf5_events

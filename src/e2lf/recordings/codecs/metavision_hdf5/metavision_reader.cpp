@@ -9,6 +9,7 @@
 #include "e2lf/recordings/codecs/metavision_hdf5/event_chunks.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
 #include "e2lf/recordings/continued_clock.h"
+#include "e2lf/recordings/lone_events.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/layout.h"
 #include "e2lf/recordings/time_sort.h"
@@ -70,7 +71,7 @@ RecordingInfo read_info(hid_t file) {
 
 bool detect(std::span<const uint8_t> head) {
   constexpr uint8_t kMagic[] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
-  // MATLAB puts a text of its own in front.
+  // MATLAB files begin with another text.
   for (const size_t begin : {size_t{0}, size_t{512}, size_t{1024}, size_t{2048}}) {
     const bool has_room = head.size() >= begin + sizeof(kMagic);
     if (has_room && std::memcmp(head.data() + begin, kMagic, sizeof(kMagic)) == 0) return true;
@@ -99,6 +100,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
     info.format = "dsec";
     E2LF_ASSIGN_OR_RETURN(blocks, open_columns(file.get(), options, name, info));
     blocks = make_time_sorted(std::move(blocks), /*is_seekable=*/true, name);
+    blocks = make_lone_events_told(std::move(blocks), name, options);
     E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->logical_path()));
   }
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));

@@ -10,9 +10,8 @@
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/column_names.h"
 #include "e2lf/recordings/table/number_columns.h"
-#include "e2lf/recordings/table/wrapped_times.h"
+#include "e2lf/recordings/table/table_reader.h"
 #include "e2lf/recordings/time_search.h"
-#include "e2lf/recordings/time_sort.h"
 
 namespace e2lf::recordings::numpy {
 using table::kSampledRows;
@@ -27,6 +26,13 @@ constexpr size_t kMaxRecordBytes = 4096;
 /// Returns whether an array is [events, 4].
 bool has_four_columns(const NpyArray& array) {
   return array.fields.empty() && array.shape.size() == 2 && array.shape[1] == 4 && table::is_number_type(array.type);
+}
+
+/// Returns whether the four fields are stored one after another, so that an event is not contiguous.
+bool is_by_column(const NpyHeader& header) {
+  const NpyArray& array = header.array;
+  const bool is_flat = array.fields.empty() && array.shape.size() == 2 && array.shape[0] == 4 && array.shape[1] > 4;
+  return header.fortran_order ? has_four_columns(array) : is_flat && table::is_number_type(array.type);
 }
 
 /// Returns whether records have fields that can be those of events.
@@ -118,11 +124,16 @@ class NpyBlocks final : public EventBlocks {
 
 Result<NpyHeader> read_header(std::span<const uint8_t> head, const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(head, name));
-  if (has_four_columns(header.array) && !header.fortran_order) return header;
+  std::vector<size_t>& shape = header.array.shape;
+  if (header.fortran_order && shape.size() == 2 && shape[0] == 4) {  // the same bytes
+    std::swap(shape[0], shape[1]);
+    header.fortran_order = false;
+  }
+  if (is_by_column(header) || (has_four_columns(header.array) && !header.fortran_order)) return header;
   if (header.array.shape.size() != 1 || header.array.fields.empty() || header.array.item_size > kMaxRecordBytes) {
     return Error{ErrorCode::kShape,
-                 "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4] "
-                 "in C order; store one of them",
+                 "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4]; "
+                 "store one of them",
                  name};
   }
   return header;
@@ -200,7 +211,7 @@ Result<RecordFields> decide_fields(ByteSource& source, const OpenOptions& option
     fields.push_back({column.type, column.offset, item});
     sample.columns.push_back({column.name, TimeUnit::kAuto,
                               table::to_doubles(records.data(), fields.back(), records.size() / item),
-                              table::is_integer_type(column.type)});
+                              table::is_integer_type(column.type), column.type == "f4"});
   }
   if (source.seekable()) {
     sample.find_further = [&](size_t column, const auto& is_wanted) {
@@ -218,7 +229,7 @@ Result<void> check_count(const NpyHeader& header, const ByteSource& source) {
   const uint64_t stored = bytes < header.data_offset ? 0 : (bytes - header.data_offset) / header.array.item_size;
   if (stored <= header.array.shape[0]) return {};
   return Error{ErrorCode::kFormat,
-               cat("the header says ", header.array.shape[0], " events, but the file holds ", stored,
+               cat("the header states ", header.array.shape[0], " events, but the file contains ", stored,
                    ": writing was not finished; write it again, or correct the shape in its header"),
                source.name()};
 }
@@ -227,13 +238,14 @@ Result<void> check_count(const NpyHeader& header, const ByteSource& source) {
 
 bool detect_npy(std::span<const uint8_t> head) {
   const auto header = read_header(head, "");
-  return header.ok() && (has_four_columns(header->array) || has_event_fields(header->array));
+  return header.ok() && (is_by_column(*header) || has_four_columns(header->array) || has_event_fields(header->array));
 }
 
 Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, read_header(head.first(std::min(head.size(), kDetectBytes)), name));
+  if (is_by_column(header)) return open_npy_columns(std::move(source), options);
   RecordingInfo info;
   info.format = "npy";
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
@@ -244,9 +256,8 @@ Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> so
   const bool is_seekable = source->seekable();
   const TimeUnit unit = fields.unit;
   auto records = std::make_unique<NpyBlocks>(std::move(source), std::move(header), std::move(fields));
-  auto unwrapped = table::make_unwrapped(std::move(records), unit);
-  return make_block_reader(make_time_sorted(std::move(unwrapped), is_seekable, name), std::move(info), name, options,
-                           std::move(triggers));
+  return table::make_table_reader(std::move(records), unit, is_seekable, std::move(info), name, options,
+                                  std::move(triggers));
 }
 
 }  // namespace e2lf::recordings::numpy

@@ -13,9 +13,8 @@
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/table/column_names.h"
 #include "e2lf/recordings/table/number_columns.h"
-#include "e2lf/recordings/table/wrapped_times.h"
+#include "e2lf/recordings/table/table_reader.h"
 #include "e2lf/recordings/time_search.h"
-#include "e2lf/recordings/time_sort.h"
 
 namespace e2lf::recordings::numpy {
 using table::Field;
@@ -206,13 +205,26 @@ class NpzWriter final : public RecordingWriter {
   size_t room_ = 0;  ///< number of events for which there is memory
 };
 
+/// Reads the size of the sensor: size [width, height], sensor_resolution [height, width], or width and height.
 void read_size(const NpzArrays& arrays, RecordingInfo& info) {
-  const auto found = arrays.find("size");
-  if (found == arrays.end()) return;
-  const auto size = found->second.to_int32("size");
-  if (!size || size->size() != 2 || (*size)[0] < 0 || (*size)[1] < 0) return;
-  info.width = static_cast<size_t>((*size)[0]);
-  info.height = static_cast<size_t>((*size)[1]);
+  const auto numbers = [&](const char* key) {
+    const auto found = arrays.find(key);
+    const auto values =
+        found == arrays.end() ? Result<std::vector<int32_t>>(std::vector<int32_t>()) : found->second.to_int32(key);
+    return values.ok() ? *values : std::vector<int32_t>();
+  };
+  std::vector<int32_t> size = numbers("size");
+  if (size.size() != 2) {
+    size = numbers("sensor_resolution");
+    std::reverse(size.begin(), size.end());
+  }
+  if (size.size() != 2) {
+    size = numbers("width");
+    for (const int32_t height : numbers("height")) size.push_back(height);
+  }
+  if (size.size() != 2 || size[0] < 0 || size[1] < 0) return;
+  info.width = static_cast<size_t>(size[0]);
+  info.height = static_cast<size_t>(size[1]);
 }
 
 /// One column of the events of an archive, as a separate array or as part of rows.
@@ -285,7 +297,20 @@ Result<void> check_lengths(const std::vector<NpzColumn>& columns, const std::str
   return {};
 }
 
-/// Converts arrays [n, 1] and [1, n] to columns, and half to single precision.
+/// Converts an array [4, events] to [events, 4].
+void transpose(NpyArray& array) {
+  const size_t count = array.shape[1], item = array.item_size;
+  std::vector<uint8_t> rows(array.bytes.size());
+  for (size_t column = 0; column < 4; ++column) {
+    for (size_t i = 0; i < count; ++i) {
+      std::copy_n(&array.bytes[(column * count + i) * item], item, &rows[(4 * i + column) * item]);
+    }
+  }
+  array.bytes = std::move(rows);
+  array.shape = {count, 4};
+}
+
+/// Converts arrays [n, 1] and [1, n] to columns, arrays [4, n] to rows, and half to single precision.
 Result<void> simplify(NpzArrays& arrays, const std::string& name) {
   for (auto& [key, array] : arrays) {
     const std::vector<size_t>& shape = array.shape;
@@ -293,6 +318,8 @@ Result<void> simplify(NpzArrays& arrays, const std::string& name) {
     if (array.fields.empty() && shape.size() == 2 && std::min(shape[0], shape[1]) == 1 && !is_event) {
       array.shape = {array.num_elements()};
     }
+    const bool is_flat = array.fields.empty() && shape.size() == 2 && shape[0] == 4 && shape[1] > 4;
+    if (is_flat && array.bytes.size() == 4 * shape[1] * array.item_size) transpose(array);
     if (array.type != "f2") continue;
     E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(cat(name, ": ", key)));
     array = make_npy(array.shape, std::span<const float>(values));
@@ -300,19 +327,18 @@ Result<void> simplify(NpzArrays& arrays, const std::string& name) {
   return {};
 }
 
-/// Reads the events from columns and sets `unit` to that of their times.
+/// Reads the events from columns and sets `unit`, which is that of the format or kAuto, to that of their times.
 Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is_ordered, const OpenOptions& options,
                                   const std::string& name, RecordingInfo& info, TimeUnit& unit, size_t& num_bad) {
   const size_t count = columns.empty() ? 0 : columns[0].array->shape[0];
   const size_t sampled = std::min(count, kSampledRows);
   table::TableSample sample;
   sample.is_ordered = is_ordered;
-  if (info.format == "npz" && info.width != 0 && options.width == 0)
-    sample.usual_unit = TimeUnit::kMicroseconds;  // written by e2lf
+  sample.usual_unit = unit;
   for (const NpzColumn& column : columns) {
     sample.columns.push_back({column.name, TimeUnit::kAuto,
                               table::to_doubles(column.array->bytes.data(), column.field, sampled),
-                              table::is_integer_type(column.field.type)});
+                              table::is_integer_type(column.field.type), column.field.type == "f4"});
   }
   sample.find_further = [&](size_t i, const auto& is_wanted) -> Result<std::optional<double>> {
     const auto values = table::to_doubles(columns[i].array->bytes.data(), columns[i].field, count);
@@ -364,16 +390,15 @@ Result<std::unique_ptr<RecordingReader>> open_arrays(NpzArrays arrays, Recording
     E2LF_ASSIGN_OR_RETURN(columns, named_columns(arrays, name));
   }
   E2LF_RETURN_IF_ERROR(check_lengths(columns, name));
-  TimeUnit unit = TimeUnit::kMicroseconds;
+  const bool is_ours = arrays.contains("size") && arrays.contains("trigger_t");
+  TimeUnit unit = is_ours ? TimeUnit::kMicroseconds : TimeUnit::kAuto;
   size_t num_bad = 0;
   EventBatch all;
   E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, is_ordered, options, name, info, unit, num_bad));
   E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
   E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "is not told", name));
-  std::unique_ptr<EventBlocks> blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
-  blocks = table::make_unwrapped(std::move(blocks), unit);
-  return make_block_reader(make_time_sorted(std::move(blocks), /*is_seekable=*/true, name), std::move(info), name,
-                           options);
+  auto blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
+  return table::make_table_reader(std::move(blocks), unit, /*is_seekable=*/true, std::move(info), name, options);
 }
 
 }  // namespace
@@ -398,17 +423,48 @@ Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> so
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 
-bool is_event_folder(const std::filesystem::path& path) {
+Result<std::unique_ptr<RecordingReader>> open_npy_columns(std::unique_ptr<ByteSource> source,
+                                                          const OpenOptions& options) {
+  const std::string name = source->name();
+  E2LF_RETURN_IF_ERROR(require_memory(3 * source->size().value_or(0), "store the events as [events, 4]", name));
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
+  NpzArrays arrays;
+  E2LF_ASSIGN_OR_RETURN(arrays["events"], decode_npy(bytes, name));
+  RecordingInfo info;
+  info.format = "npy";
+  return open_arrays(std::move(arrays), std::move(info), name, options);
+}
+
+namespace {
+
+/// Returns the .npy files of a folder whose names denote fields of an event, "events_t" or "x", if they are complete.
+std::vector<std::string> field_files(const std::filesystem::path& path) {
+  std::array<bool, table::kNumFields> has{};
+  std::vector<std::string> files;
   std::error_code error;
-  return std::filesystem::is_regular_file(path / "events_ts.npy", error) &&
-         std::filesystem::is_regular_file(path / "events_xy.npy", error) &&
-         std::filesystem::is_regular_file(path / "events_p.npy", error);
+  for (auto entry = std::filesystem::directory_iterator(path, error);
+       !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    const std::filesystem::path& file = entry->path();
+    const table::ColumnName known = table::parse_column_name(file.stem().string());
+    if (file.extension() != ".npy" || (!known.is_xy && !known.field)) continue;
+    if (known.field) has[static_cast<size_t>(*known.field)] = true;
+    if (known.is_xy) has[static_cast<size_t>(Field::kX)] = has[static_cast<size_t>(Field::kY)] = true;
+    files.push_back(file.stem().string());
+  }
+  const bool is_complete = std::all_of(has.begin(), has.end(), [](bool is_there) { return is_there; });
+  return is_complete ? files : std::vector<std::string>();
+}
+
+}  // namespace
+
+bool is_event_folder(const std::filesystem::path& path) {
+  return !field_files(path).empty();
 }
 
 Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem::path& path,
                                                            const OpenOptions& options) {
   NpzArrays arrays;
-  for (const char* key : {"events_ts", "events_xy", "events_p"}) {
+  for (const std::string& key : field_files(path)) {
     const std::filesystem::path file = path / cat(key, ".npy");
     std::error_code error;
     const uintmax_t bytes = std::filesystem::file_size(file, error);

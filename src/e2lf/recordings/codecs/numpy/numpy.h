@@ -30,8 +30,13 @@ namespace e2lf::recordings::numpy {
 [[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink,
                                                                   const RecordingInfo& info);
 
-/// A folder in the layout of EVREAL: events_ts.npy, events_xy.npy [events, 2], events_p.npy, and optionally
-/// metadata.json with sensor_resolution = [height, width]. It is read as a whole, in memory.
+/// Opens an array [4, events], or one of [events, 4] in Fortran order, which is read as a whole, in memory.
+[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_npy_columns(std::unique_ptr<ByteSource> source,
+                                                                        const OpenOptions& options);
+
+/// A folder with a .npy file for each field of an event, as those of EVREAL (events_ts, events_xy [events, 2],
+/// events_p) and EV-IMO have, and optionally metadata.json with sensor_resolution = [height, width]. It is read as a
+/// whole, in memory.
 [[nodiscard]] bool is_event_folder(const std::filesystem::path& path);
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem::path& path,
                                                                          const OpenOptions& options);

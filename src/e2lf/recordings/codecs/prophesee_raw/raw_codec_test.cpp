@@ -53,25 +53,25 @@ std::vector<uint8_t> payload_of(const std::vector<uint8_t>& bytes) {
   return {bytes.begin() + static_cast<ptrdiff_t>(begin), bytes.end()};
 }
 
-struct Decoded {
+struct DecodedRaw {
   EventBatch batch;
   DecodeSummary summary;
 };
 
-Decoded decode(std::vector<uint8_t> bytes, const OpenOptions& options) {
+DecodedRaw decode_raw(std::vector<uint8_t> bytes, const OpenOptions& options) {
   auto reader = open_recording(make_memory_source(std::move(bytes)), options).value();
-  Decoded decoded;
+  DecodedRaw decoded;
   decoded.batch = read_all(*reader).value();
   decoded.summary = reader->summary();
   return decoded;
 }
 
-Decoded decode_words(const std::string& hex, const std::string& format, size_t width = 1280, size_t height = 720) {
+DecodedRaw decode_words(const std::string& hex, const std::string& format, size_t width = 1280, size_t height = 720) {
   OpenOptions options;
   options.format = format;
   options.width = width;
   options.height = height;
-  return decode(from_hex(hex), options);
+  return decode_raw(from_hex(hex), options);
 }
 
 /// A stream as sensors make it: some rows with many events at one time, single events, pauses, triggers.
@@ -126,13 +126,13 @@ TEST(Evt21Golden, EventsAreWrittenAsTheseWordsInBothByteOrders) {
   RecordingInfo legacy = sensor(640, 480);
   legacy.header.emplace_back("endianness", "legacy");
   EXPECT_EQ(to_hex(payload_of(encode(batch, "evt2.1", legacy))), "02 00 00 80 00 00 00 00 09 00 82 10 09 00 00 80 ");
-  EXPECT_EQ(decode(encode(batch, "evt2.1", legacy), {}).batch, batch);
+  EXPECT_EQ(decode_raw(encode(batch, "evt2.1", legacy), {}).batch, batch);
 }
 
 TEST(Evt3Words, EachWordMeansWhatTheFormatSays) {
   // TIME_HIGH b2d, TIME_LOW 1, Y (slave camera) 2, base 100 ON, VECT_8 81, VECT_12 801, OTHERS with two payload words
   // and none of four bits, X 5 OFF, trigger 6 falling, padding.
-  const Decoded decoded =
+  const DecodedRaw decoded =
       decode_words("2d 8b 01 60 02 08 64 38 81 50 01 48 19 e0 34 f1 12 f0 05 20 00 a6 99 99", "evt3");
   const int64_t t = 0xb2d001;
   const EventColumns& events = decoded.batch.events;
@@ -147,7 +147,7 @@ TEST(Evt3Words, EachWordMeansWhatTheFormatSays) {
 }
 
 TEST(Evt3Words, EventsBeforeTheFirstTimeAreCountedAndDropped) {
-  const Decoded decoded = decode_words("01 60 05 00 06 20 07 20 01 80 02 60 08 20", "evt3");
+  const DecodedRaw decoded = decode_words("01 60 05 00 06 20 07 20 01 80 02 60 08 20", "evt3");
   ASSERT_EQ(decoded.batch.events.size(), 1u);
   EXPECT_EQ(decoded.batch.events[0], (Event{8, 5, 0, 0x1002}));
   EXPECT_EQ(decoded.summary.events_before_time, 2u);
@@ -155,7 +155,7 @@ TEST(Evt3Words, EventsBeforeTheFirstTimeAreCountedAndDropped) {
 
 TEST(Evt3Words, WhatLiesOutsideTheSensorIsDroppedAndCounted) {
   // X 15 and Y 9 are outside 12x8; base 6 with pixels 0, 5 and 11 has two outside; X 3 without a valid row is dropped.
-  const Decoded decoded =
+  const DecodedRaw decoded =
       decode_words("01 80 02 60 01 00 0f 20 06 30 21 48 03 20 09 00 03 20 02 00 04 20", "evt3", 12, 8);
   ASSERT_EQ(decoded.batch.events.size(), 4u);
   EXPECT_EQ(decoded.batch.events[0], (Event{6, 1, 0, 0x1002}));
@@ -167,7 +167,7 @@ TEST(Evt3Words, WhatLiesOutsideTheSensorIsDroppedAndCounted) {
 
 TEST(Evt2Words, EachWordMeansWhatTheFormatSays) {
   // TIME_HIGH 0x10 (1024 us), ON at 3 us (5, 6), trigger 1 rising at 4 us, OTHERS, CONTINUED, OFF at 5 us (7, 8).
-  const Decoded decoded =
+  const DecodedRaw decoded =
       decode_words("10 00 00 80 06 28 c0 10 01 01 00 a1 01 00 00 e0 01 00 00 f0 08 38 40 01", "evt2");
   ASSERT_EQ(decoded.batch.events.size(), 2u);
   EXPECT_EQ(decoded.batch.events[0], (Event{5, 6, 1, 1027}));
@@ -184,7 +184,7 @@ TEST_P(Encodings, ReadGivesBackWhatWasWritten) {
       const auto bytes = encode(batch, GetParam(), sensor(width, height));
       for (const std::string& isa : available_isas()) {
         ASSERT_TRUE(set_max_isa(isa));
-        const Decoded decoded = decode(bytes, {});
+        const DecodedRaw decoded = decode_raw(bytes, {});
         ASSERT_EQ(decoded.batch, batch) << isa << " " << width << " " << seed;
         EXPECT_EQ(decoded.summary.num_violations(), 0u);
       }
@@ -199,7 +199,7 @@ TEST_P(Encodings, EventsWithoutOrderInARowComeBackInTheirOrder) {
   options.max_gap_us = 1;
   options.trigger_every = 100;
   EventBatch batch = random_stream(options);
-  EXPECT_EQ(decode(encode(batch, GetParam(), sensor(640, 480)), {}).batch, batch);
+  EXPECT_EQ(decode_raw(encode(batch, GetParam(), sensor(640, 480)), {}).batch, batch);
 }
 
 TEST_P(Encodings, WrittenInBatchesReadsAsOne) {
@@ -222,7 +222,7 @@ TEST_P(Encodings, WrittenInBatchesReadsAsOne) {
     }
   }
   ASSERT_TRUE(writer->finish());
-  EXPECT_EQ(decode(bytes, {}).batch.events, whole.events);
+  EXPECT_EQ(decode_raw(bytes, {}).batch.events, whole.events);
 }
 
 TEST_P(Encodings, LongPausesAndLateStartsKeepTheirTime) {
@@ -231,7 +231,7 @@ TEST_P(Encodings, LongPausesAndLateStartsKeepTheirTime) {
                           int64_t{103'600'000'000}, int64_t{103'600'000'064}}) {
     batch.events.push_back({3, 4, 1, t});
   }
-  const Decoded decoded = decode(encode(batch, GetParam(), sensor(64, 64)), {});
+  const DecodedRaw decoded = decode_raw(encode(batch, GetParam(), sensor(64, 64)), {});
   EXPECT_EQ(decoded.batch, batch);
   EXPECT_EQ(decoded.summary.num_violations(), 0u);
 }
@@ -255,7 +255,7 @@ TEST_P(Encodings, WriterRefusesWhatTheFormatCannotHold) {
 }
 
 TEST_P(Encodings, EmptyRecordingHasNoEvents) {
-  const Decoded decoded = decode(encode({}, GetParam(), sensor(64, 48)), {});
+  const DecodedRaw decoded = decode_raw(encode({}, GetParam(), sensor(64, 48)), {});
   EXPECT_TRUE(decoded.batch.empty());
   EXPECT_EQ(decoded.summary.events(), 0u);
 }

@@ -51,13 +51,13 @@ OpenOptions quiet() {
   return options;
 }
 
-EventBatch read_whole(std::unique_ptr<ByteSource> source) {
+EventBatch read_source(std::unique_ptr<ByteSource> source) {
   auto reader = open_recording(std::move(source), quiet()).value();
   return read_all(*reader).value();
 }
 
 EventBatch read_bytes(std::span<const uint8_t> bytes) {
-  return read_whole(make_memory_source(bytes));
+  return read_source(make_memory_source(bytes));
 }
 
 /// How many events the first `size` bytes hold.
@@ -131,8 +131,8 @@ TEST_P(Damaged, EveryPathGivesTheSame) {
     ASSERT_TRUE(set_max_isa(""));
     EXPECT_EQ(read_bytes(bytes), expected) << trial;
     const size_t cut = random() % bytes.size();
-    EXPECT_EQ(read_whole(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>{cut}, bytes.size())), expected);
-    EXPECT_EQ(read_whole(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 1 + random() % 500)), expected);
+    EXPECT_EQ(read_source(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>{cut}, bytes.size())), expected);
+    EXPECT_EQ(read_source(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 1 + random() % 500)), expected);
   }
 }
 

@@ -221,7 +221,7 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
   if (topics.empty()) {
     return Error{
         ErrorCode::kFormat,
-        "the bag contains no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); name another bag",
+        "the bag contains no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); give another bag",
         name};
   }
   RecordingInfo info;

@@ -30,7 +30,7 @@ std::vector<std::string_view> lines_of(std::string_view text, char line_end, boo
   std::vector<std::string_view> lines;
   while (!text.empty()) {
     const size_t end = text.find(line_end);
-    // The last one may go on, unless nothing else is there.
+    // The last line may be incomplete, unless it is the only one.
     if (end == std::string_view::npos && !is_whole && !lines.empty()) break;
     lines.push_back(text.substr(0, end));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
@@ -38,7 +38,7 @@ std::vector<std::string_view> lines_of(std::string_view text, char line_end, boo
   return lines;
 }
 
-/// Whether commas stand within numbers: other characters separate four or more of these.
+/// Returns true if commas are decimal: other characters separate four or more numbers with commas.
 bool has_decimal_commas(const std::vector<std::string_view>& lines) {
   size_t within = 0, between = 0;
   for (const std::string_view line : lines) {
@@ -57,13 +57,14 @@ bool parse_size(std::string_view word, size_t& value) {
   return error == std::errc() && end == word.data() + word.size() && value >= 1 && value <= 65536;
 }
 
-/// "geometry: 640,480", "sensor size 640x480", "width 640, height 480" in a comment.
+/// Parses the sensor size in a comment: "geometry: 640,480", "sensor size 640x480", "width 640, height 480", or width
+/// and height in comments of their own.
 void read_size(std::string_view comment, TextHead& head) {
   std::string lower(comment);
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto has = [&](const char* word) { return lower.find(word) != std::string::npos; };
-  if (!has("geometry") && !has("resolution") && !has("size") && !(has("width") && has("height"))) return;
+  if (!has("geometry") && !has("resolution") && !has("size") && !has("width") && !has("height")) return;
   std::vector<size_t> numbers;
   for (size_t i = 0; i < lower.size();) {
     const size_t begin = i;
@@ -72,14 +73,18 @@ void read_size(std::string_view comment, TextHead& head) {
     if (i > begin && parse_size(std::string_view(lower).substr(begin, i - begin), number)) numbers.push_back(number);
     if (i == begin) ++i;
   }
+  if (numbers.size() == 1 && has("width") != has("height")) {
+    (has("width") ? head.width : head.height) = numbers[0];
+    return;
+  }
   if (numbers.size() != 2) return;
   if (has("height") && has("width") && lower.find("height") < lower.find("width")) std::swap(numbers[0], numbers[1]);
   head.width = numbers[0];
   head.height = numbers[1];
 }
 
-/// The names in a line: those between commas or the like, or the words of a line with blanks alone, where a unit in
-/// brackets belongs to the word before it. A comma in front leaves the first one without a name.
+/// Returns the names in a line, which are separated by commas, semicolons, bars or tabs, or else by blanks, in which
+/// case a unit in brackets belongs to the preceding word. If the line begins with a comma, the first name is empty.
 std::vector<std::string> names_in(std::string_view line, bool has_decimal_comma) {
   line.remove_prefix(std::min(line.size(), line.find_first_not_of("#%/; \t\xEF\xBB\xBF")));
   const char* separators = !has_decimal_comma && line.find(',') != std::string_view::npos ? ","
@@ -109,7 +114,7 @@ bool are_column_names(const std::vector<std::string>& names) {
   return std::count_if(names.begin(), names.end(), is_known) >= 2;
 }
 
-/// Gives the columns the names of a line, where it has as many of which two are known.
+/// Sets the names of the columns from a line that has one name for each column, of which at least two are known.
 bool take_names(std::string_view line, TextHead& head) {
   const std::vector<std::string> names = names_in(line, head.has_decimal_comma);
   if (names.size() != head.columns || !are_column_names(names)) return false;
@@ -117,7 +122,7 @@ bool take_names(std::string_view line, TextHead& head) {
   return true;
 }
 
-/// Takes a line below the names that says the unit of the times, as "us,px,px,-".
+/// Sets the unit of the times from a line below the names, such as "us,px,px,-".
 bool take_unit(const std::vector<std::string_view>& words, TextHead& head) {
   if (words.size() != head.columns) return false;
   bool is_taken = false;
@@ -133,9 +138,9 @@ bool take_unit(const std::vector<std::string_view>& words, TextHead& head) {
 
 struct Cells {
   std::vector<std::string_view> words;
-  std::vector<double> values = {};  ///< as many; NaN for what is no number
+  std::vector<double> values = {};  ///< one for each word; NaN if it is not a number
   size_t numbers = 0;
-  /// Enough numbers for an event; other columns may hold text.
+  /// Returns true if there are enough numbers for an event; other columns may contain text.
   [[nodiscard]] bool are_numbers() const { return numbers >= table::kNumFields; }
 };
 
@@ -149,7 +154,7 @@ Cells cells_of(std::string_view line, bool has_decimal_comma) {
   return cells;
 }
 
-/// Whether a time is written in seconds as e2lf and E2VID do, with six decimals.
+/// Returns true if a word has six decimals, as times in seconds have that e2lf and E2VID write.
 bool has_six_decimals(std::string_view word) {
   const size_t point = word.find('.');
   return point != std::string_view::npos && word.size() - point == 7 &&
@@ -174,7 +179,7 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
   const std::vector<std::string_view> lines = lines_of(text, head.line_end, is_whole);
   head.has_decimal_comma = has_decimal_commas(lines);
 
-  // Of most lines tells how many columns there are.
+  // The number of columns is that of most lines.
   std::vector<Cells> cells;
   std::map<size_t, size_t> widths;
   for (std::string_view line : lines) {
@@ -240,6 +245,7 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
     if (!has_begun) head.header_bytes = end;
   }
   if (!has_begun && lines.empty()) head.header_bytes = 0;
+  if (head.width == 0 || head.height == 0) head.width = head.height = 0;
   for (table::TableSample::Column& column : head.sample.columns) {
     if (column.unit == TimeUnit::kAuto) column.unit = unit;
   }

@@ -10,25 +10,25 @@
 
 namespace e2lf::recordings::text {
 
-/// The first lines of a text, before it is decided what they mean.
+/// The content of the first lines of a text, before their meaning is determined.
 struct TextHead {
   bool has_decimal_comma = false;
-  bool has_six_decimals = false;  ///< in the first column, as where it is seconds
-  char line_end = '\n';           ///< '\r' of old Macs
-  size_t columns = 0;             ///< of most lines; 0 = there is no line of numbers
+  bool has_six_decimals = false;  ///< whether the first column has six decimals, as times in seconds have
+  char line_end = '\n';           ///< or '\r'
+  size_t columns = 0;             ///< number of columns of most lines; 0 = there are no lines of numbers
   size_t width = 0, height = 0;
-  size_t header_bytes = 0;  ///< where the events begin
-  std::string names_line;   ///< the line of names, which may come again; empty = none
+  size_t header_bytes = 0;  ///< offset of the events
+  std::string names_line;   ///< the line with the names of the columns, which may be repeated; empty = none
   table::TableSample sample;
-  size_t lines = 0, bad_lines = 0;  ///< of numbers, and of those that have not as many as most
-  size_t first_bad_number = 0;      ///< counted from 1; where no line has numbers, of one that names no columns either
+  size_t lines = 0, bad_lines = 0;  ///< number of lines of numbers, and of those with another number of columns
+  size_t first_bad_number = 0;      ///< from 1; without lines of numbers, the first line that does not name columns
   std::string first_bad;
 };
 
-/// Looks at the first lines. `is_whole` says that there are no more. Fails with kUnsupported for UTF-16.
+/// Analyses the first lines. `is_whole` states that no further lines follow. Fails with kUnsupported for UTF-16.
 [[nodiscard]] Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const std::string& location);
 
-/// For messages: at most 60 characters, none of them a control character.
+/// Returns a line for messages: at most 60 characters and without control characters.
 [[nodiscard]] std::string quoted(std::string_view line);
 
 }  // namespace e2lf::recordings::text

@@ -12,16 +12,16 @@ bool is_digit(char c) {
   return static_cast<unsigned char>(c - '0') < 10;
 }
 
-/// digits * 10^exponent, without rounding of what has up to 18 digits.
+/// The number digits * 10^exponent, which represents up to 18 digits exactly.
 struct Decimal {
   bool is_negative = false;
   uint64_t digits = 0;
   int exponent = 0;
 };
 
-/// Reads "+12", "-0.5", "1.04e+03" at `next`, which moves behind it.
+/// Parses a number such as "+12", "-0.5" or "1.04e+03" at `next` and advances `next` past it.
 bool parse_decimal(const char*& next, const char* end, char point, Decimal& number) {
-  constexpr uint64_t kFull = 100'000'000'000'000'000;  // there is room for a digit more
+  constexpr uint64_t kFull = 100'000'000'000'000'000;  // one more digit fits
   number = {};
   if (next != end && (*next == '-' || *next == '+')) number.is_negative = *next++ == '-';
   const char* const begin = next;
@@ -56,7 +56,7 @@ bool parse_decimal(const char*& next, const char* end, char point, Decimal& numb
 
 enum class Rounding { kNone, kDown, kNearest };
 
-/// The number times 10^shift; false where it is too large, or not whole under kNone.
+/// Computes the number times 10^shift. Returns false if it is too large, or not an integer under kNone.
 bool to_integer(const Decimal& number, int shift, Rounding rounding, int64_t& value) {
   constexpr uint64_t kMost = uint64_t{1} << 62;
   uint64_t result = number.digits;
@@ -65,7 +65,7 @@ bool to_integer(const Decimal& number, int shift, Rounding rounding, int64_t& va
     if (result > kMost / 10) return false;
     result *= 10;
   }
-  uint64_t last = 0, rest = 0;  // the digits that go
+  uint64_t last = 0, rest = 0;  // the digits that are removed
   for (; exponent < 0 && (result != 0 || last != 0); ++exponent) {
     rest |= last;
     last = result % 10;
@@ -80,14 +80,14 @@ bool to_integer(const Decimal& number, int shift, Rounding rounding, int64_t& va
 }
 
 double to_double(const Decimal& number) {
-  // A division of exact numbers rounds once: "4.700000e+01" is whole.
+  // Dividing exact numbers rounds only once, so that "4.700000e+01" is an integer.
   const double power = std::pow(10.0, std::abs(number.exponent));
   const auto digits = static_cast<double>(number.digits);
   const double size = number.exponent < 0 ? digits / power : digits * power;
   return number.is_negative ? -size : size;
 }
 
-/// Powers of ten that make microseconds of a unit.
+/// Returns the power of ten that converts a unit to microseconds.
 int shift_of(TimeUnit unit) {
   switch (unit) {
     case TimeUnit::kSeconds:
@@ -103,7 +103,7 @@ int shift_of(TimeUnit unit) {
   return 0;
 }
 
-/// The polarity of a word in any case.
+/// Parses a polarity, ignoring case.
 std::optional<uint8_t> polarity_of(std::string_view word) {
   constexpr size_t kLongest = 8;
   constexpr std::string_view kOn[] = {"true", "on", "pos", "positive"}, kOff[] = {"false", "off", "neg", "negative"};

@@ -13,28 +13,29 @@
 
 namespace e2lf::recordings::text {
 
-/// How a line of text is to be read as an event.
+/// The meaning of the columns in a line of text.
 struct LineLayout {
-  std::vector<std::optional<table::Field>> columns;  ///< nothing: passed over
+  std::vector<std::optional<table::Field>> columns;  ///< empty = the column is skipped
   TimeUnit unit = TimeUnit::kMicroseconds;
   table::PolarityCode polarity;
   bool has_decimal_comma = false;
 };
 
-/// Between two numbers: commas (unless they are decimal), semicolons, bars, blanks, quotes, in any number.
+/// Returns true for characters between two numbers: commas (unless they are decimal), semicolons, bars, blanks and
+/// quotes.
 [[nodiscard]] bool is_separator(char c, bool has_decimal_comma);
 
-/// Whether a line is a comment, which begins with #, %, // or ;.
+/// Returns true if a line is a comment, that is, begins with #, %, // or ;.
 [[nodiscard]] bool is_comment(std::string_view line);
 
-/// The words between separators.
+/// Returns the words between separators.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view line, bool has_decimal_comma);
 
-/// A number, or a polarity in words (true, ON, +); nothing for other words.
+/// Parses a number, or a polarity in words (true, ON, +). Returns nothing for other words.
 [[nodiscard]] std::optional<double> parse_cell(std::string_view word, bool has_decimal_comma);
 
-/// Reads one line, without its end, as an event. Times are exact to the microsecond: whole nanoseconds are rounded
-/// down, all others to the nearest. False when it is not one.
+/// Parses one line, without its line ending, as an event. Times are rounded to microseconds: integral nanoseconds
+/// downwards, all others to the nearest. Returns false if the line is not an event.
 [[nodiscard]] bool parse_line(std::string_view line, const LineLayout& layout, Event& event);
 
 }  // namespace e2lf::recordings::text

@@ -10,34 +10,34 @@
 #include "e2lf/recordings/codecs/text/text.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
-#include "e2lf/recordings/table/wrapped_times.h"
+#include "e2lf/recordings/table/table_reader.h"
 #include "e2lf/recordings/time_search.h"
-#include "e2lf/recordings/time_sort.h"
 
 namespace e2lf::recordings::text {
 namespace {
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
-constexpr size_t kHeadBytes = size_t{1} << 14;  // tell the columns
+constexpr size_t kHeadBytes = size_t{1} << 14;  // from which the columns are determined
+constexpr size_t kLongestHead = size_t{1} << 20;
 constexpr size_t kLongestLine = 4096;
-constexpr size_t kSeekBytes = 16384;  // between the places that a seek looks at; more than some lines
+constexpr size_t kSeekBytes = 16384;  // distance of the positions that a seek inspects; more than several lines
 constexpr size_t kShortestLine = 8;   // "0,0,0,0\n"
 
-/// How a text is to be read.
+/// The layout of a text.
 struct Layout {
   LineLayout line;
   char line_end = '\n';
   size_t header_bytes = 0;
-  std::string names_line;  ///< may come again where files were joined
+  std::string names_line;  ///< may be repeated where files were concatenated
 };
 
-/// Lines that are no events.
+/// Lines that are not events.
 struct BadLines {
   size_t count = 0;
-  size_t first_byte = 0;   ///< from the beginning of the text
-  std::string first = {};  ///< what it holds
+  size_t first_byte = 0;   ///< offset of the first one in the text
+  std::string first = {};  ///< content of the first one
 
-  /// Adds those of the text that begins at `byte` of this one.
+  /// Adds the bad lines of a text that begins at offset `byte` of this one.
   void append(const BadLines& later, size_t byte) {
     if (count == 0 && later.count > 0) {
       first_byte = byte + later.first_byte;
@@ -51,8 +51,8 @@ bool is_remark(std::string_view line, const Layout& layout) {
   return line.find_first_not_of(" \t\r\n,;") == std::string_view::npos || is_comment(line) || line == layout.names_line;
 }
 
-/// Reads a line that is not plainly an event: behind the mark of UTF-8 there may be one, and in lines of a file with
-/// other ends of lines many.
+/// Parses a line that is not simply an event: one may follow a byte order mark, and the line contains several if the
+/// file mixes line endings.
 void parse_odd_line(std::string_view line, size_t byte, const Layout& layout, EventColumns& events, BadLines& bad) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
@@ -73,7 +73,7 @@ void parse_odd_line(std::string_view line, size_t byte, const Layout& layout, Ev
   }
 }
 
-/// Appends the events of whole lines; returns those that are none.
+/// Appends the events of complete lines, and returns the lines that are not events.
 BadLines parse_lines(std::string_view text, const Layout& layout, EventColumns& events) {
   BadLines bad;
   Event event;
@@ -134,7 +134,7 @@ class CsvBlocks final : public EventBlocks {
   }
 
  private:
-  /// Where the first line begins that begins at or behind a byte.
+  /// Returns the start of the first line that begins at or after a byte.
   Result<uint64_t> line_behind(uint64_t byte) {
     E2LF_RETURN_IF_ERROR(source_->seek(byte - 1));
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
@@ -142,7 +142,7 @@ class CsvBlocks final : public EventBlocks {
     return byte - 1 + static_cast<uint64_t>(newline - bytes.begin()) + (newline == bytes.end() ? 0 : 1);
   }
 
-  /// The time of the lines there; where none can be read, later than any.
+  /// Returns the time of the lines after a byte, or INT64_MAX if none of them can be read.
   Result<int64_t> time_behind(uint64_t byte) {
     E2LF_ASSIGN_OR_RETURN(const uint64_t line, line_behind(byte));
     E2LF_RETURN_IF_ERROR(source_->seek(line));
@@ -156,7 +156,7 @@ class CsvBlocks final : public EventBlocks {
     return median_time({events.t.begin(), events.t.begin() + static_cast<ptrdiff_t>(count)});
   }
 
-  /// Whole lines, as many as are at hand; empty at the end.
+  /// Returns the complete lines that are available; empty at the end.
   Result<std::string_view> fetch_lines() {
     const size_t block = kBlockBytes * static_cast<size_t>(threads_);
     if (is_within_line_) E2LF_RETURN_IF_ERROR(skip_line());
@@ -166,15 +166,15 @@ class CsvBlocks final : public EventBlocks {
       const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), block));
       const size_t newline = text.rfind(layout_.line_end);
       if (newline != std::string_view::npos) return text.substr(0, newline + 1);
-      // A number that a stop cut is another number.
+      // A number that is cut off by a stop request has another value.
       if (bytes.size() < wanted && stop_requested() && !source_->seekable()) return std::string_view();
-      // The last line may lack its end; one that never ends is handed on to be counted as bad, once.
+      // The last line may lack its line ending; a line that is too long is returned and counted as bad once.
       if (bytes.size() < wanted || text.size() > kLongestLine) return text;
       wanted = text.size() + 1;
     }
   }
 
-  /// Passes over the rest of a line whose beginning was handed on.
+  /// Skips the rest of a line whose beginning was returned.
   Result<void> skip_line() {
     for (;;) {
       E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(1));
@@ -216,11 +216,11 @@ class CsvBlocks final : public EventBlocks {
   int threads_;
   uint64_t events_ = 0, bad_ = 0;
   std::string first_bad_;
-  bool is_within_line_ = false;  ///< the line at hand is too long and was counted
+  bool is_within_line_ = false;  ///< whether the current line is too long and was counted
   std::vector<EventColumns> parts_;
 };
 
-/// The first number of a column behind the first events that is wanted. Leaves the source at the first event.
+/// Returns the first number of a column after the sample for which is_wanted() is true. Seeks to the first event.
 Result<std::optional<double>> find_further(ByteSource& source, const TextHead& head, size_t column,
                                            const table::TableSample::IsWanted& is_wanted) {
   std::optional<double> found;
@@ -245,23 +245,51 @@ Result<std::optional<double>> find_further(ByteSource& source, const TextHead& h
   return found;
 }
 
-/// Fails where most of the first lines are no rows of numbers.
+/// Parses the first lines, or more if the header is longer.
+Result<TextHead> fetch_head(ByteSource& source, const std::string& name) {
+  for (size_t wanted = kHeadBytes;; wanted *= 4) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(wanted));
+    const bool is_whole = bytes.size() < wanted;
+    E2LF_ASSIGN_OR_RETURN(TextHead head, read_head(bytes.first(std::min(bytes.size(), wanted)), is_whole, name));
+    if (head.lines > 0 || !head.first_bad.empty() || is_whole || wanted >= kLongestHead) return head;
+  }
+}
+
+/// Returns true if a line contains a date or a time of day, "2024-01-31" or "12:30:59".
+bool holds_date(std::string_view line) {
+  const auto is_number = [](char c) { return c >= '0' && c <= '9'; };
+  for (size_t i = 2; i + 5 < line.size(); ++i) {
+    const bool is_mark = line[i] == '-' || line[i] == ':';
+    if (is_mark && line[i + 3] == line[i] && is_number(line[i - 2]) && is_number(line[i - 1]) &&
+        is_number(line[i + 1]) && is_number(line[i + 2]) && is_number(line[i + 4])) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Fails if most of the first lines are not rows of numbers.
 Result<void> check_head(const TextHead& head, const std::string& name) {
   if (head.first_bad.empty() || (head.columns > 0 && 2 * head.bad_lines <= head.lines)) return {};
+  if (holds_date(head.first_bad)) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("the times of ", head.first_bad, " are dates, which are not read; write them as numbers, e.g. ",
+                     "microseconds"),
+                 cat(name, ": line ", head.first_bad_number)};
+  }
   if (head.lines == 0) {
     return Error{ErrorCode::kFormat,
                  cat("neither ", head.first_bad,
-                     " nor a line behind it holds an event: four numbers t, x, y, p in any order; is it a recording?"),
+                     " nor a later line contains an event: four numbers t, x, y, p in any order; is it a recording?"),
                  cat(name, ": line ", head.first_bad_number)};
   }
-  return Error{
-      ErrorCode::kFormat,
-      cat("the columns of ", head.first_bad, " are not known, like those of ", head.bad_lines, " of the first ",
-          head.lines, " lines; an event is a line with the four numbers t, x, y, p in any order"),
-      cat(name, ": line ", head.first_bad_number)};
+  return Error{ErrorCode::kFormat,
+               cat("the columns of ", head.first_bad, " are unknown, like those of ", head.bad_lines, " of the first ",
+                   head.lines, " lines; an event is a line with the four numbers t, x, y, p in any order"),
+               cat(name, ": line ", head.first_bad_number)};
 }
 
-/// The source stands at the first event then.
+/// Determines the layout, and leaves the source at the first event.
 Result<Layout> decide(ByteSource& source, const OpenOptions& options, TextHead head, RecordingInfo& info) {
   const std::string name = source.name();
   source.consume(head.header_bytes);
@@ -287,13 +315,11 @@ Result<Layout> decide(ByteSource& source, const OpenOptions& options, TextHead h
   return layout;
 }
 
-/// The formats differ in what is usual where a file does not tell.
+/// Opens a text. The formats differ in the assumptions about what a file does not state.
 Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options,
                                               const char* format, const char* usual_order) {
   const std::string name = source->name();
-  E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kHeadBytes));
-  const bool is_whole = bytes.size() < kHeadBytes;
-  E2LF_ASSIGN_OR_RETURN(TextHead head, read_head(bytes.first(std::min(bytes.size(), kHeadBytes)), is_whole, name));
+  E2LF_ASSIGN_OR_RETURN(TextHead head, fetch_head(*source, name));
   E2LF_RETURN_IF_ERROR(check_head(head, name));
   if (!options.format.empty()) head.sample.usual_order = usual_order;
   if (options.format == "txt" && head.has_six_decimals) head.sample.usual_unit = TimeUnit::kSeconds;
@@ -307,16 +333,18 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->logical_path()));
   const bool is_seekable = source->seekable();
   auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
-  auto unwrapped = table::make_unwrapped(std::move(lines), unit);
-  return make_block_reader(make_time_sorted(std::move(unwrapped), is_seekable, name), std::move(info), name, options,
-                           std::move(triggers));
+  return table::make_table_reader(std::move(lines), unit, is_seekable, std::move(info), name, options,
+                                  std::move(triggers));
 }
 
 }  // namespace
 
 bool detect(std::span<const uint8_t> head) {
-  // An archive may hold a text as it is.
+  // An archive may contain a text without compression.
   if (std::find(head.begin(), head.end(), uint8_t{0}) != head.end()) return false;
+  // A list of lists in JSON is a line of many numbers.
+  const std::string_view begin(reinterpret_cast<const char*>(head.data()), std::min<size_t>(head.size(), 2));
+  if (begin == "[[" || begin == "[{") return false;
   const auto read = read_head(head.first(std::min(head.size(), kDetectBytes)), head.size() < kDetectBytes, "");
   return read.ok() && read->columns > 0 && 2 * read->bad_lines <= read->lines;
 }

@@ -14,7 +14,7 @@
 namespace e2lf::recordings::text {
 namespace {
 
-/// Two coordinates, a polarity and a time with their separators, and room for stores of four bytes at the end.
+/// Size of two coordinates, a polarity and a time with separators, and room for stores of four bytes at the end.
 constexpr size_t kLongestWrittenLine = 5 + 5 + 1 + 21 + 4 + 8;
 constexpr size_t kMinEventsPerThread = 4096;
 
@@ -31,8 +31,8 @@ struct DigitTable {
   [[nodiscard]] const char* of(uint32_t value) const { return &digits[4 * value]; }
 };
 
-/// Puts numbers one after the other; digits come four at a time from a table, and the upper digits of times, which
-/// rarely change, from the line before.
+/// Writes numbers as text, four digits at a time from a table. The upper digits of times, which rarely change, are
+/// copied from the previous line.
 class LineWriter {
  public:
   explicit LineWriter(bool is_seconds) : is_seconds_(is_seconds) {}
@@ -72,7 +72,7 @@ class LineWriter {
     return out + 6;
   }
 
-  /// The text in front of the last four digits.
+  /// The digits before the last four.
   void set_upper(int64_t upper) {
     upper_ = upper;
     char* out = upper_text_.data();
@@ -93,7 +93,7 @@ class LineWriter {
   size_t upper_size_ = 0;
 };
 
-/// Writes events [begin, end) as lines and returns their end; `out` has kLongestWrittenLine for each.
+/// Writes events [begin, end) as lines and returns the end of the text; `out` has kLongestWrittenLine bytes for each.
 char* format_lines(const EventColumns& events, size_t begin, size_t end, bool is_seconds, char* out) {
   LineWriter writer(is_seconds);
   for (size_t i = begin; i < end; ++i) {
@@ -136,7 +136,7 @@ class CsvWriter final : public RecordingWriter {
   Result<void> write(const EventBatch& batch) override {
     E2LF_RETURN_IF_ERROR(check_(batch));
     format(batch.events);
-    // The sink takes the last text while the next is made.
+    // The sink writes the previous text while the next one is formatted.
     E2LF_RETURN_IF_ERROR(finish_writing());
     std::swap(text_, written_);
     if (num_threads() == 1) return write_out();
@@ -150,13 +150,13 @@ class CsvWriter final : public RecordingWriter {
   }
 
  private:
-  /// Lines in pieces of one buffer.
+  /// Lines in parts of one buffer.
   struct Text {
     Column<char> buffer;
     std::vector<std::span<const uint8_t>> pieces;
   };
 
-  /// Sets text_; each part of the batch is written into its own stretch of the buffer.
+  /// Sets text_; each part of the batch is formatted into its own part of the buffer.
   void format(const EventColumns& events) {
     const size_t count = events.size();
     const size_t parts = std::clamp<size_t>(count / kMinEventsPerThread, 1, 4 * static_cast<size_t>(num_threads()));
@@ -183,7 +183,7 @@ class CsvWriter final : public RecordingWriter {
   bool is_seconds_;
   BatchCheck check_;
   Text text_, written_;
-  std::future<Result<void>> writing_;  ///< of written_; its end is waited for before anything above goes
+  std::future<Result<void>> writing_;  ///< writes written_; last, because it uses the members above
 };
 
 Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info,

@@ -14,14 +14,14 @@ namespace {
 constexpr size_t kWordBytes = 4;
 constexpr size_t kBlockBytes = size_t{1} << 17;
 
-/// Bits 31..28 of a word.
+/// The type in bits 31..28 of a word.
 enum Type : uint32_t {
   kOthers = 0x6,
   kContinued = 0x7,
   kTrigger = 0x9,
   kOff = 0xA,
   kOn = 0xB,
-  kVectorOff = 0xC,  ///< a second word says which of 32 pixels from x on have an event
+  kVectorOff = 0xC,  ///< a second word states which of the 32 pixels from x on have an event
   kVectorOn = 0xD,
   kTimeHigh = 0xE,
   kPadding = 0xF
@@ -57,7 +57,7 @@ class Evt4Blocks final : public EventBlocks {
         ++summary.dropped_words;
       }
     }
-    // Less than a word, or a vector without its pixels.
+    // An incomplete word, or a vector without its pixels.
     const bool is_cut = i == 0 && !bytes.empty();
     if (is_cut) summary.add(Violation::kTruncated, source_->position());
     source_->consume(is_cut ? bytes.size() : i * kWordBytes);
@@ -72,7 +72,7 @@ class Evt4Blocks final : public EventBlocks {
  private:
   [[nodiscard]] int64_t time_of(uint32_t word) const { return high_us_ + (word >> 22 & 0x3F); }
 
-  /// Appends an event for each bit of `pixels` that is set.
+  /// Appends an event for each set bit of `pixels`.
   void append(uint32_t word, uint32_t pixels, EventColumns& events, DecodeSummary& summary) const {
     if (!has_time_) {
       summary.events_before_time += static_cast<uint64_t>(std::popcount(pixels));

@@ -8,8 +8,8 @@
 
 namespace e2lf::recordings::evt4 {
 
-/// Returns a reader of the EVT4 words at which the source stands; `info` is what the header said. The clock of 34 bits
-/// goes on where it wraps, after 4 h 46 min, as where it starts again (continued_clock.h).
+/// Returns a reader of EVT4 words, which begin at the position of the source; `info` contains the header. Times
+/// continue where the 34-bit clock wraps around, after 4 h 46 min, and where it starts again (continued_clock.h).
 [[nodiscard]] std::unique_ptr<RecordingReader> make_reader(std::unique_ptr<ByteSource> source, RecordingInfo info,
                                                            const OpenOptions& options);
 

@@ -229,7 +229,7 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
     info.format = options.format;
   }
   if (info.format.empty()) {
-    return Error{ErrorCode::kFormat, "the file does not state how its events are encoded; name the format, e.g. evt3",
+    return Error{ErrorCode::kFormat, "the file does not state how its events are encoded; give the format, e.g. evt3",
                  source.name(), Setting::kInputFormat};
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));

@@ -135,7 +135,7 @@ class RawReader final : public RecordingReader {
     sink.set_latest(latest_us_);
     Result<bool> more = true;
     bool full = false;
-    // A live source gives what has arrived.
+    // A live source returns the bytes that have arrived.
     const auto has_enough = [&] {
       return !source_->seekable() && (sink.count > 0 || batch.triggers.size() > known_triggers);
     };

@@ -64,7 +64,7 @@ class RawStream {
     }
   }
 
-  /// Goes on behind a place where bytes are missing: process() was called with all in front of it, as `ended`.
+  /// Continues after a place where bytes are missing. All bytes before it must have been processed, with `ended` set.
   void pass_break(uint64_t byte, DecodeSummary& summary) {
     summary.add(Violation::kMisaligned, byte);
     open_gap(byte);
@@ -87,8 +87,8 @@ class RawStream {
   /// Returns whether decoding continues here as within undamaged data.
   [[nodiscard]] bool is_steady() const { return started_ && !lost_ && !has_jump() && Codec::is_synchronised(state_); }
 
-  /// Completes the state of a stream that was started shortly before a position with the clock, the counts and all else
-  /// that has not occurred since from `before`, a state further back.
+  /// Completes the state of a stream that was started shortly before a position: what the words since then have not
+  /// determined, such as the loops of the clock, is taken from `before`, an earlier state.
   void extrapolate(const RawStream& before) {
     Codec::extrapolate(state_, before.state_);
     check_.heartbeat = before.check_.heartbeat;

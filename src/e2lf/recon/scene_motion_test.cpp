@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recon/scene_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "e2lf/base/rng.h"
+
+namespace e2lf::recon {
+namespace {
+
+constexpr size_t kHeight = 64, kWidth = 80, kCodes = 4;
+
+/// The share of the light that pattern `code` lets through; a1 is black.
+double share(size_t code, double x, double y) {
+  return code == 0 ? 0.0 : 0.5 + 0.4 * std::sin(0.31 * x + 0.2 * y + static_cast<double>(code));
+}
+
+double scene(double x, double y) {
+  return 0.5 + 0.35 * std::sin(0.7 * x) * std::cos(0.5 * y);
+}
+
+/// The counts of a whole cycle of a scene that moves by so many pixels from pattern to pattern, with noise of the log
+/// intensity at each.
+capture::EventImages play(double px_per_pattern, double noise) {
+  constexpr double kEps = 0.02, kTau = 0.3;
+  capture::EventImages images(2 * kCodes, kHeight, kWidth);
+  const CounterRng rng(7, 0);
+  for (size_t y = 0; y < kHeight; ++y) {
+    for (size_t x = 0; x < kWidth; ++x) {
+      double reference = std::log(kEps);
+      for (size_t n = 0; n < images.transitions; ++n) {
+        const size_t shown = (n + 1) % (2 * kCodes), code = shown % kCodes;
+        const double place = static_cast<double>(x) + px_per_pattern * static_cast<double>(n);
+        const double open = share(code, place, static_cast<double>(y));
+        const double light = scene(place, static_cast<double>(y)) * (shown < kCodes ? open : 1 - open);
+        const size_t draw = (n * kHeight + y) * kWidth + x;
+        const double now = std::log(light + kEps) + noise * (rng.uniform(draw) - 0.5) * std::sqrt(12.0);
+        const double count = std::trunc((now - reference) / kTau);
+        images.image(n)[y * kWidth + x] = static_cast<int16_t>(count);
+        reference += kTau * count;
+      }
+    }
+  }
+  return images;
+}
+
+TEST(SceneMotion, IsSmallForAStaticSceneAndGrowsWithMotion) {
+  for (const double noise : {0.15, 0.2}) {
+    EXPECT_LT(std::abs(scene_motion(play(0, noise))), 0.05) << noise;
+    const double slow = scene_motion(play(0.2, noise)), fast = scene_motion(play(1, noise));
+    EXPECT_GT(fast, kMuchMotion) << noise;
+    EXPECT_GT(fast, slow) << noise;
+  }
+}
+
+TEST(SceneMotion, IsZeroWhereRoundingExplainsTheDifferences) {
+  EXPECT_EQ(scene_motion(play(0, 0)), 0);
+}
+
+TEST(SceneMotion, IsZeroWhereNothingTellsOfIt) {
+  EXPECT_EQ(scene_motion(capture::EventImages(8, 20, 30)), 0);
+  EXPECT_EQ(scene_motion(capture::EventImages(3, 20, 30)), 0);
+  EXPECT_EQ(scene_motion(capture::EventImages(4, 20, 30)), 0) << "two patterns";
+}
+
+TEST(SceneMotion, TheLitTransitionsAreTheFirstOfTheCycle) {
+  const capture::EventImages whole = play(0, 0.1), lit = lit_transitions(whole);
+  ASSERT_EQ(lit.transitions, kCodes - 1);
+  for (size_t n = 0; n < lit.transitions; ++n) {
+    EXPECT_TRUE(std::ranges::equal(lit.image(n), whole.image(n))) << n;
+  }
+}
+
+}  // namespace
+}  // namespace e2lf::recon

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "e2lf/recordings/event_blocks.h"
+
+namespace e2lf::recordings::table {
+
+/// Returns a reader of the events of a table, whose times may be in any order and wrap around at 32 bits of `unit`.
+/// `is_seekable` states whether the blocks can be read twice (make_time_sorted()), and `name` is the location.
+[[nodiscard]] std::unique_ptr<RecordingReader> make_table_reader(std::unique_ptr<EventBlocks> blocks, TimeUnit unit,
+                                                                 bool is_seekable, RecordingInfo info,
+                                                                 const std::string& name, const OpenOptions& options,
+                                                                 TriggerFeed triggers = {});
+
+}  // namespace e2lf::recordings::table
