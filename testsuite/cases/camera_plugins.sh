@@ -37,7 +37,7 @@ cp plugins/edge.so plugins/twice.so
 echo "not a library" >plugins/text.so
 printf 'int nothing;\n' >symbol.cpp
 build symbol.cpp plugins/symbol.so
-plugin_with() { printf '#include "e2lf/recordings/live/camera_plugin.h"\nconst e2lf_camera_functions* e2lf_camera_plugin() { static e2lf_camera_functions f{}; %s }\n' "$2" >bad.cpp && build bad.cpp "plugins/$1.so"; }
+plugin_with() { printf '#include "e2lf/recordings/live/camera_plugin.h"\nconst e2lf_camera_functions* e2lf_camera_plugin() { static e2lf_camera_functions f{}; (void)f; %s }\n' "$2" >bad.cpp && build bad.cpp "plugins/$1.so"; }
 plugin_with version 'f.version = 99; f.name = "version"; return &f;'
 plugin_with nameless 'f.version = 1; return &f;'
 plugin_with slash 'f.version = 1; f.name = "a/b"; return &f;'

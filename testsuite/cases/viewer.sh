@@ -51,6 +51,7 @@ PY
 
 "$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 6 -o six.raw --quiet
 "$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 120 -o long.raw --quiet
+"$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 600 -o longer.raw --quiet
 "$E2LF" reconstruct long.raw -m "$TESTSUITE/../models/e2lf-n4.safetensors" --format npy -o long --quiet
 
 E2LF=$E2LF E2LF_MODEL=$TESTSUITE/../models/e2lf-n4.safetensors node "$viewer/test/run.mjs"

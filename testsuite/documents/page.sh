@@ -8,7 +8,7 @@ page() {
   local page=$1 prepare=${2:-true} folder
   folder=$PWD/$(basename "$page" .md)
   mkdir -p "$folder/build/release/bin"
-  for name in models configs cameras examples; do ln -s "$root/$name" "$folder/$name"; done
+  for name in models configs cameras examples src; do ln -s "$root/$name" "$folder/$name"; done
   ln -s "$TESTSUITE/documents/run" "$folder/run"
   ln -s "$TESTSUITE/documents/e2lf" "$folder/build/release/bin/e2lf"
   ln -s "$(dirname "$E2LF")/e2lf-train" "$folder/build/release/bin/e2lf-train"

@@ -8,9 +8,9 @@ import { assertNear, look, rowOf, settle, sizeOf, stateOf, withPage } from './br
 const row = 20, numCycles = 120;
 
 /** Serves the instrument; `check` gets its address, and what asks it. */
-async function withInstrument(check) {
+async function withInstrument(check, recording = 'long.raw') {
   rmSync('instrument', { recursive: true, force: true });
-  const arguments_ = ['live', 'replay:long.raw', '-m', process.env.E2LF_MODEL, '--size', 'full', '-o', 'instrument', '--json'];
+  const arguments_ = ['live', `replay:${recording}`, '-m', process.env.E2LF_MODEL, '--size', 'full', '-o', 'instrument', '--json'];
   const program = spawn(process.env.E2LF, arguments_);
   let said = '';
   const address = await new Promise((resolve, reject) => {
@@ -138,7 +138,7 @@ export const tests = {
       await settle(second);
       assert.deepEqual(await tabNames(second), ['Set up', 'Light field', two]);
       assert.equal(await chosenTab(second), two);
-    }))),
+    })), 'longer.raw'),
 
   'the set-up: events, figures and recording': () => withInstrument((address, statistics) =>
     withPage(address, {}, async (page) => {

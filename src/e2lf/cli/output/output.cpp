@@ -276,7 +276,7 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
     std::error_code error;
     const bool is_read =
         fs::is_fifo(named, error) && std::any_of(rules.inputs.begin(), rules.inputs.end(), [&](const fs::path& input) {
-          return fs::equivalent(named, input, error) && !error;
+          return fs::weakly_canonical(named, error) == fs::weakly_canonical(input, error);
         });
     if (is_read) {
       return Error{ErrorCode::kInvalidValue, "the output is the pipe that is read; choose another", named.string()};

@@ -51,6 +51,12 @@ Result<Screen> Screen::open(int display) {
   parts->window = SDL_CreateWindow("e2lf codes play", place, place, parts->mode.w, parts->mode.h,
                                    SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS);
   if (parts->window == nullptr) return graphics_error("no window can be opened on the display");
+  if (SDL_GetWindowDisplayIndex(parts->window) != display) {
+    return Error{ErrorCode::kIo,
+                 "the display server shows the window on another display, as servers with several screens do; join the "
+                 "displays to one desktop (xrandr)",
+                 "--display"};
+  }
   SDL_ShowCursor(SDL_DISABLE);
   parts->renderer = SDL_CreateRenderer(parts->window, -1, SDL_RENDERER_PRESENTVSYNC);
   if (parts->renderer == nullptr) parts->renderer = SDL_CreateRenderer(parts->window, -1, 0);

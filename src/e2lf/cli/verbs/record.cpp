@@ -154,15 +154,18 @@ Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
   const std::chrono::duration<double> length(arguments.seconds);
   if (arguments.seconds > 0) source->end_at(begin + std::chrono::duration_cast<std::chrono::nanoseconds>(length));
   ProgressBar bar("record", verb.common().quiet, "bytes");
-  E2LF_ASSIGN_OR_RETURN(const Copied copied, copy_bytes(*source, *sink, bar.callback()));
+  E2LF_ASSIGN_OR_RETURN(Copied copied, copy_bytes(*source, *sink, bar.callback()));
   hide_progress();
-  if (copied.bytes == 0) {
-    if (!copied.written) return copied.written.error();
+  if (copied.bytes == 0 && copied.written) {
     return Error{ErrorCode::kTruncated, "the source sent nothing; check the sender", arguments.input.string()};
   }
   const bool has_time_passed = arguments.seconds > 0 && std::chrono::steady_clock::now() - begin >= length;
   record.note("ended_by", end_name(source->left_out(), has_time_passed));
   E2LF_RETURN_IF_ERROR(sink->commit());
+  // A write that failed may have written a part.
+  std::error_code error;
+  if (!copied.written && !output.is_stream()) copied.bytes = fs::file_size(output.path(), error);
+  if (error || copied.bytes == 0) return copied.written;
   return keep(arguments, *source, copied, output, record, verb);
 }
 
