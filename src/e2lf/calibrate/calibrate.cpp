@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/calibrate/calibrate.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/calibrate/fit.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -10,7 +10,7 @@ namespace e2lf::streams {
 namespace {
 
 constexpr StreamModel kPaperModels[] = {StreamModel::kQuantised, StreamModel::kReferenceAware, StreamModel::kEsim};
-constexpr double kEps = 0.01, kTau = 0.3;
+constexpr double kDarkOffset = 0.01, kTau = 0.3;
 
 TEST(StepStream, AStepMakesItsEventsAtOnce) {
   for (const StreamModel model : kPaperModels) {
@@ -33,7 +33,7 @@ TEST(StepStream, AStepMakesItsEventsAtOnce) {
 
 /// When a ramp of intensity passes the k-th threshold.
 double crossing_us(double from, double to, double duration_us, int k) {
-  const double light = std::exp(std::log(from + kEps) + k * kTau) - kEps;
+  const double light = std::exp(std::log(from + kDarkOffset) + k * kTau) - kDarkOffset;
   return (light - from) / (to - from) * duration_us;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kFrames = 4, kBins = 5, kSide = 64;
+constexpr size_t kFrames = 4, kBins = 5, kVideoSide = 64;
 
 class GoldenVideo : public testing::TestWithParam<const char*> {};
 
@@ -27,17 +27,18 @@ TEST_P(GoldenVideo, FramesEqualThoseOfThePublishedNetwork) {
   ASSERT_TRUE(model) << model.error().text();
   const auto voxels = read_npy(folder / "golden_voxels_4x5x64x64.npy").value().to_float("voxels").value();
   const auto golden = read_npy(folder / ("golden_" + name + "_4x64x64.npy")).value().to_float("golden").value();
-  ASSERT_EQ(voxels.size(), kFrames * kBins * kSide * kSide);
-  ASSERT_EQ(golden.size(), kFrames * kSide * kSide);
-  EventVideo video = EventVideo::create(*std::move(model), kSide, kSide, {engine::Precision::kFloat32}).value();
+  ASSERT_EQ(voxels.size(), kFrames * kBins * kVideoSide * kVideoSide);
+  ASSERT_EQ(golden.size(), kFrames * kVideoSide * kVideoSide);
+  EventVideo video =
+      EventVideo::create(*std::move(model), kVideoSide, kVideoSide, {engine::Precision::kFloat32}).value();
   double largest = 0.0;
   for (size_t frame = 0; frame < kFrames; ++frame) {
-    capture::VoxelGrid grid(kBins, kSide, kSide);
+    capture::VoxelGrid grid(kBins, kVideoSide, kVideoSide);
     std::copy_n(voxels.begin() + static_cast<ptrdiff_t>(frame * grid.values.size()), grid.values.size(),
                 grid.values.begin());
     const auto picture = video.next(std::move(grid)).value();
     for (size_t i = 0; i < picture.size(); ++i) {
-      const double error = std::abs(static_cast<double>(picture[i]) - golden[frame * kSide * kSide + i]);
+      const double error = std::abs(static_cast<double>(picture[i]) - golden[frame * kVideoSide * kVideoSide + i]);
       largest = error <= largest ? largest : error;
     }
   }
