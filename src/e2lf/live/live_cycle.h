@@ -3,12 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/cycles/polarity_check.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/live/arrival_clock.h"
-#include "e2lf/live/size_choice.h"
+#include "e2lf/live/pace.h"
 
 namespace e2lf::live {
 
@@ -25,11 +27,22 @@ struct LiveCycle {
   Clock::time_point last_event{};  ///< when its last event arrived at this host
 };
 
+/// How a light field is looked at. Viewpoints are in view steps from the middle of the grid, as those of the viewer.
+struct Look {
+  float x = 0.5F, y = 0.5F;  ///< viewpoint, to the right and downwards; a view of the 8x8 grid
+  float focus = 0;           ///< disparity of the plane in focus, px per view step of the full size
+  float radius = 0;          ///< of the round aperture, in view steps; 0 = the viewpoint alone
+  std::optional<uint32_t> row = {}, column = {};  ///< px of the full size where EPIs are cut; none without
+  bool operator==(const Look&) const = default;
+};
+
 /// The light field of a cycle.
 struct LiveField {
   lightfield::LightField light_field;  ///< the network's values, upright; see `black` and `gain`
+  std::vector<size_t> views;           ///< numbers of those that are set, in order; none = all
+  Look look;                           ///< that it was made for, and which it has the views of
   LiveCycle cycle;                     ///< in full size
-  PictureSize size = PictureSize::kFull;
+  Gait gait;
   float black = 0, gain = 1;  ///< what is seen is gain * (value - black)
   double reconstruct_s = 0;
   uint64_t serial = 0;  ///< counts the light fields from 1

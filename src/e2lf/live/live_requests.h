@@ -24,7 +24,7 @@ using Parameters = std::map<std::string, std::string>;
 ///   picture?after=N&x=&y=&focus=&radius=&row=&column=   the newest picture, or 204 if none comes soon
 ///   events                                              the newest events, or 204
 ///   statistics                                          Session::json() and "recording": Recorder::json()
-/// and, as commands (POST): record?on=1|0, average?cycles=K, size?to=auto|full|half, brightness.
+/// and, as commands (POST): record?on=1|0, average?cycles=K, size?to=auto|full|half|quarter, brightness.
 /// Returns nothing for another request.
 [[nodiscard]] std::optional<Answer> answer(Session& session, bool is_command, const std::string& name,
                                            const Parameters& parameters);

@@ -3,21 +3,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/refocus.h"
 #include "e2lf/live/live_cycle.h"
 
 namespace e2lf::live {
-
-/// How a light field is looked at. Viewpoints are in view steps from the middle of the grid, as those of the viewer.
-struct Look {
-  float x = 0.5F, y = 0.5F;  ///< viewpoint, to the right and downwards; a view of the 8x8 grid
-  float focus = 0;           ///< disparity of the plane in focus, px per view step of the full size
-  float radius = 0;          ///< of the round aperture, in view steps; 0 = the viewpoint alone
-  std::optional<uint32_t> row = {}, column = {};  ///< px of the full size where EPIs are cut; none without
-  bool operator==(const Look&) const = default;
-};
 
 /// What is sent to the browser of a light field.
 struct Picture {
@@ -28,6 +20,12 @@ struct Picture {
 /// Returns the weight of each view. Those of a radius of at least one view step are those of
 /// lightfield::round_aperture(); smaller ones go over to the viewpoint, interpolated between its neighbours.
 [[nodiscard]] lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& look);
+
+/// Returns the numbers of the views that render() needs, in order; none = all.
+[[nodiscard]] std::vector<size_t> views_of(const lightfield::Shape& shape, const Look& look);
+
+/// Returns whether a light field has these views, as views_of() returns them.
+[[nodiscard]] bool has_views(const LiveField& field, const std::vector<size_t>& views);
 
 /// Renders the light field as `look` says, in 8 bits: round(255 * clamp(gain * (value - black))).
 [[nodiscard]] Picture render(const LiveField& field, const Look& look);

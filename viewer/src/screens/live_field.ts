@@ -51,7 +51,7 @@ export class LiveFieldScreen implements Screen {
     this.fineButton = panel.button('Reconstruct this one well', () => this.tell('freeze', 'fine'));
     this.average = element('input', { type: 'range', min: '1', max: '16', step: '1', name: 'average', 'aria-label': 'Cycles of a still scene' });
     this.average.addEventListener('change', () => this.tell(`average?cycles=${this.average.value}`));
-    this.size = element('select', { name: 'resolution' }, ...['auto', 'full', 'half'].map((name) => element('option', { value: name }, name)));
+    this.size = element('select', { name: 'resolution' }, ...['auto', 'full', 'half', 'quarter'].map((name) => element('option', { value: name }, name)));
     this.size.addEventListener('change', () => this.tell(`size?to=${this.size.value}`));
     panel.group('Light field', this.figures.root, this.problem,
       panel.button('Freeze', () => this.tell('freeze')), this.fineButton, panel.button('Brightness anew', () => this.tell('brightness')));
