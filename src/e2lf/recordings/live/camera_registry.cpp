@@ -15,7 +15,7 @@ constexpr std::string_view kCameraScheme = "camera://", kReplay = "replay:", kTc
 struct Registry {
   std::mutex mutex;
   std::vector<CameraPlugin> plugins = {
-      {"replay", "a recording at the speed it was recorded with; ADDRESS is its path", open_replay_camera},
+      {"replay", "a recording at the speed it was recorded with; ADDRESS is its path, or PATH?speed=S&repeat=N", open_replay_camera},
       {"pipe", "standard input; ADDRESS is the path of a named pipe or nothing", open_pipe_camera},
       {"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", open_tcp_camera},
 #ifdef E2LF_HAVE_METAVISION_HAL
