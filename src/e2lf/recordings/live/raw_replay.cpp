@@ -16,8 +16,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Words are delivered in stretches of at least this length, as a camera's buffers are, or up to the next TIME_HIGH.
+/// Words are delivered in stretches of at least this length, as a camera's buffers are, or up to the next TIME_HIGH, or
+/// as many as are there. More wanted bytes would be moved again and again in the buffer of a file.
 constexpr int64_t kLeastStretchUs = 1000;
+constexpr size_t kWantedBytes = size_t{1} << 17;
 constexpr size_t kSearchedWords = 2048, kMostStretchWords = size_t{1} << 20;
 /// The largest step of TIME_HIGH that is waited for.
 constexpr uint32_t kMostSteps = 64;
@@ -35,14 +37,15 @@ class RawReplay final : public Camera {
   Result<bool> read(std::vector<uint8_t>& bytes) override {
     if (is_stopped_) return false;
     if (std::exchange(is_header_, false)) return read_header(bytes);
-    E2LF_ASSIGN_OR_RETURN(std::span<const uint8_t> ahead, source_->fetch(2 * kMostStretchWords));
+    E2LF_ASSIGN_OR_RETURN(std::span<const uint8_t> ahead, source_->fetch(kWantedBytes));
     if (ahead.empty() && repeats_ > 0) {
       E2LF_RETURN_IF_ERROR(begin_again());
-      E2LF_ASSIGN_OR_RETURN(ahead, source_->fetch(2 * kMostStretchWords));
+      E2LF_ASSIGN_OR_RETURN(ahead, source_->fetch(kWantedBytes));
     }
     if (ahead.empty()) return false;
     const size_t words = find_stretch(ahead.data(), ahead.size() / 2);
-    const size_t end = words == 0 || 2 * words + 1 == ahead.size() ? ahead.size() : 2 * words;
+    const bool is_last = ahead.size() < kWantedBytes && 2 * words + 1 >= ahead.size();
+    const size_t end = is_last ? ahead.size() : 2 * words;
     wait_until(time_us());
     bytes.assign(ahead.begin(), ahead.begin() + static_cast<ptrdiff_t>(end));
     source_->consume(end);
@@ -72,10 +75,14 @@ class RawReplay final : public Camera {
   }
 
   void move_time(std::vector<uint8_t>& bytes) const {
-    for (size_t i = 0; i + 1 < bytes.size(); i += 2) {
-      const auto word = load_le<uint16_t>(bytes.data() + i);
-      if (word >> 12 != evt3::kTimeHigh) continue;
-      store_le(bytes.data() + i, static_cast<uint16_t>(kTimeHighBits | ((word + moved_) & evt3::kPayloadMask)));
+    // Every word is stored, and nothing else may be: so the compiler makes vectors of the loop.
+    uint8_t* const data = bytes.data();
+    const size_t words = bytes.size() / 2;
+    const uint16_t by = moved_;
+    for (size_t i = 0; i < words; ++i) {
+      const auto word = load_le<uint16_t>(data + 2 * i);
+      const auto moved = static_cast<uint16_t>(kTimeHighBits | ((word + by) & evt3::kPayloadMask));
+      store_le(data + 2 * i, (word & 0xF000U) == kTimeHighBits ? moved : word);
     }
   }
 
