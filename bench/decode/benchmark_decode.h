@@ -27,6 +27,9 @@ struct DecodeBenchmarkRow {
   /// Millions of events per second decoded to columns in batches of the default size, for the fastest run. A single
   /// thread is measured by its processor time.
   double one_thread = 0, all_threads = 0;
+  /// The same for one thread that skips all events, as between the patterns that count in a live source: millions of
+  /// events per second that were passed over. 0 = the encoding cannot leave them out.
+  double skipping = 0;
   double reference = 0;  ///< the scalar reference on one thread, in the same run; 0 = not measured
 };
 

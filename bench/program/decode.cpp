@@ -47,6 +47,9 @@ Json to_json(const std::vector<DecodeBenchmarkRow>& rows) {
                   {"bytes_per_event", row.bytes_per_event},
                   {"one_thread", rate_json(row.one_thread, row.reference)},
                   {"all_threads", rate_json(row.all_threads, row.reference)}};
+    if (row.skipping > 0) {
+      entry["skipping"] = {{"events", row.skipping}, {"ratio_to_one_thread", row.skipping / row.one_thread}};
+    }
     if (row.reference > 0) entry["reference"] = rate_json(row.reference, 0);
     json["streams"].push_back(std::move(entry));
   }
@@ -81,17 +84,21 @@ BenchReport decode_report(const std::vector<DecodeBenchmarkRow>& rows,
                        {"ratio", true, false, "one thread ratio"},
                        {"all threads", true},
                        {"ratio", true, false, "all threads ratio"},
+                       {"skipping", true},
+                       {"ratio", true, false, "skipping to one thread"},
                        {"reference", true}},
                       {}};
   report::BarChart chart{
       "M events/s", true, 0, {}, {{"one thread", {}}, {"all threads", {}}, {"scalar reference", {}}}};
   for (const DecodeBenchmarkRow& row : rows) {
     const auto known = [&](double value) { return row.reference > 0 ? std::optional(value) : std::nullopt; };
+    const auto skipped = [&](double value) { return row.skipping > 0 ? std::optional(value) : std::nullopt; };
     table.rows.push_back(
         {report::text_cell(row.shape), report::text_cell(row.source),
          report::number_cell(static_cast<double>(row.events) * 1e-6, 1), report::number_cell(row.bytes_per_event, 2),
          report::number_cell(row.one_thread, 0), report::number_cell(known(row.one_thread / row.reference), 1),
          report::number_cell(row.all_threads, 0), report::number_cell(known(row.all_threads / row.reference), 1),
+         report::number_cell(skipped(row.skipping), 0), report::number_cell(skipped(row.skipping / row.one_thread), 1),
          report::number_cell(known(row.reference), 0)});
     chart.groups.push_back(row.shape);
     chart.series[0].values.emplace_back(row.one_thread);

@@ -45,13 +45,18 @@ report::Cell number_of(const Json& row, const char* name, int decimals, double f
 }
 
 BenchReport reconstruct_report(const Json& json) {
-  report::Table table{
-      "Medians. GFLOP/s count the network's multiplications and additions.",
-      {{"arithmetic"}, {"seconds", true}, {"GFLOP/s", true}, {"of the peak, %", true}, {"times the peer", true}},
-      {}};
+  report::Table table{"Medians. GFLOP/s count the network's multiplications and additions.",
+                      {{"arithmetic"},
+                       {"seconds", true},
+                       {"GFLOP/s", true},
+                       {"of the peak, %", true},
+                       {"times the peer", true},
+                       {"times ONNX Runtime", true}},
+                      {}};
   const auto add = [&](const std::string& name, const Json& row) {
     table.rows.push_back({report::text_cell(name), number_of(row, "seconds", 3), number_of(row, "gflops", 0),
-                          number_of(row, "share_of_peak", 0, 100), number_of(row, "ratio_to_peer", 1)});
+                          number_of(row, "share_of_peak", 0, 100), number_of(row, "ratio_to_peer", 1),
+                          number_of(row, "ratio_to_onnx_runtime", 1)});
   };
   for (const char* precision : {"float32", "bfloat16"}) {
     if (json.contains(precision)) add(precision, json[precision]);
@@ -59,12 +64,15 @@ BenchReport reconstruct_report(const Json& json) {
   const Json& peer = json["peer"];
   const bool has_peer = peer.contains("name");
   if (has_peer) add("peer: " + peer["name"].get<std::string>(), peer);
+  const Json onnx = json.value("onnx_runtime", Json::object());
+  if (onnx.contains("name")) add("peer: " + onnx["name"].get<std::string>(), onnx);
   BenchReport found{"Speed of reconstruction",
                     cat(json["network"].get<std::string>(), ", ", json_line(json["image"]), " px, ",
                         json["threads"].get<int>(), " threads, ", json["isa"].get<std::string>()),
                     {table},
                     {bars_of(table, 1, "seconds")}};
   found.note = cat(has_peer ? "" : cat("peer: none (", peer["absent"].get<std::string>(), ")\n"),
+                   onnx.contains("absent") ? cat("ONNX Runtime: ", onnx["absent"].get<std::string>(), "\n") : "",
                    "multiply-add peak of this machine, GFLOP/s: ", json_line(json["peak_gflops"]), "; peak memory ",
                    std::lround(json["peak_memory_mib"].get<double>()), " MiB");
   return found;
@@ -90,6 +98,8 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   add_model_option(verb.app(), "-m,--model", model,
                    "model file or bundled model; default: the paper's network with random weights");
+  verb.app().add_option("--onnx", options.onnx_packages,
+                        "measure ONNX Runtime, too: a folder in which npm has installed onnxruntime-node");
   add_report_option(verb.app(), report_names);
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sys/resource.h>
 
+#include "bench/peers/onnx_runtime.h"
 #include "bench/peers/torch_recnet.h"
 #include "bench/program/parts.h"
 #include "e2lf/base/isa.h"
@@ -74,6 +75,7 @@ class Bench {
       report_["bfloat16"]["snr_to_float32_db"] = snr_db(exact, output_);
     }
     if (options_.with_peer) run_peer(exact);
+    if (!options_.onnx_packages.empty()) compare_with_onnx_runtime();
     return std::move(report_);
   }
 
@@ -98,6 +100,27 @@ class Bench {
                                                   {"share_of_peak", operations_ / timing.median / peak_flops},
                                                   {"kernels", engine.describe()}};
     return {};
+  }
+
+  void compare_with_onnx_runtime() {
+    Json& peer = report_["onnx_runtime"];
+    const auto ran =
+        run_onnx_runtime(model_, options_.height, options_.width, options_.runs, num_threads(), options_.onnx_packages);
+    if (!ran) {
+      peer["absent"] = ran.error().text();
+      return;
+    }
+    const Timing timing = timing_of(ran->seconds);
+    peer = {{"name", ran->name}, {"seconds", to_json(timing)}, {"gflops", operations_ / timing.median / 1e9}};
+    add_ratios("ratio_to_onnx_runtime", timing);
+  }
+
+  void add_ratios(const char* name, const Timing& peer) {
+    for (const char* precision : {"float32", "bfloat16"}) {
+      if (!report_.contains(precision)) continue;
+      Json& own = report_[precision];
+      own[name] = peer.median / own["seconds"]["median"].get<double>();
+    }
   }
 
   std::string peer_refusal() const {
@@ -157,11 +180,7 @@ class Bench {
                        {"seconds", to_json(timing)},
                        {"gflops", operations_ / timing.median / 1e9},
                        {"largest_difference", largest}};
-    for (const char* precision : {"float32", "bfloat16"}) {
-      if (!report_.contains(precision)) continue;
-      Json& own = report_[precision];
-      own["ratio_to_peer"] = timing.median / own["seconds"]["median"].get<double>();
-    }
+    add_ratios("ratio_to_peer", timing);
   }
 
   const ReconstructBench& options_;

@@ -19,6 +19,7 @@ struct ReconstructBench {
   bool with_peer = true;              ///< libtorch; needs the paper's network
   /// The module with the peer; empty = e2lf_torch_peer.so beside this program.
   std::filesystem::path peer_module;
+  std::filesystem::path onnx_packages;  ///< with the npm package onnxruntime-node, the second peer; empty = without it
 };
 
 /// Measures the speed of the reconstruction network on an image of noise: every precision the CPU has, beside it the
@@ -32,7 +33,9 @@ struct ReconstructBench {
 ///  "float32": {"seconds": {"median", "min", "max"}, "gflops", "share_of_peak", "ratio_to_peer", "kernels": [..]},
 ///  "bfloat16": {.., "snr_to_float32_db"},
 ///  "peak_memory_mib": of the process after the float32 runs,
-///  "peer": {"name", "seconds": {..}, "gflops", "largest_difference"} or {"absent": "why"}}
+///  "onnx_runtime": {"name", "seconds": {..}, "gflops"} or {"absent": "why"}, if it is asked for; the precisions then
+///  have "ratio_to_onnx_runtime", "peer": {"name", "seconds": {..}, "gflops", "largest_difference"} or {"absent":
+///  "why"}}
 [[nodiscard]] Result<Json> bench_reconstruct(const ReconstructBench& options, const ProgressFn& progress = {});
 
 }  // namespace e2lf::bench

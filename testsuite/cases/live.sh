@@ -43,6 +43,18 @@ assert all(f["size"] == "half" for f in fields) and fields[-1]["cycles"] == 3, f
 assert np.load("half.npy").shape == (8, 8, 24, 32)
 PY
 
+# Twice the recording at four times its speed, and a quarter of the size.
+"$E2LF" live 'replay:six.raw?repeat=2&speed=4' -m "$model" --no-page --json --size quarter --last quarter.npy >twice.json
+py - <<'PY'
+import json
+import numpy as np
+*fields, totals = [json.loads(line) for line in open("twice.json")]
+assert all(f["size"] == "quarter" for f in fields), fields
+assert 10 <= totals["totals"]["cycles"] <= 12, totals
+assert np.load("quarter.npy").shape == (8, 8, 12, 16)
+PY
+fails 1 "says nothing about a replay" "$E2LF" live 'replay:six.raw?faster=2' --no-page
+
 # It ends after the time that is given, though the source goes on, and says what went wrong.
 mkfifo pipe
 (cat six.raw; exec sleep 60) >pipe 2>/dev/null &

@@ -1,32 +1,41 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+#include <span>
+
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/lightfield/light_field.h"
-#include "e2lf/recon/input.h"
 #include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::live {
 
-/// Reconstructs a sequence of light fields with one network and reuses the memory that the first one allocated.
+/// Reconstructs a sequence of light fields with one network. Each count of a measurement is a sum over `samples`
+/// values: cycles of a static scene times pixels of a block. Networks that are not conditioned on the sensor profile
+/// receive the mean.
 class FieldMaker {
  public:
   /// The input of the network must be event images.
   explicit FieldMaker(recon::Reconstructor reconstructor) : reconstructor_(std::move(reconstructor)) {}
 
-  /// Computes the same values as one pass of recon::Reconstructor::reconstruct() and stores them in `field`. Each count
-  /// of `measurement` is a sum over `samples` values: cycles of a static scene times pixels of a block. Networks that
-  /// are not conditioned on the sensor profile receive the mean. Fails as recon::Reconstructor::reconstruct() does.
+  /// Computes the values of one pass of recon::Reconstructor::reconstruct(), except for rounding, into `field`, and
+  /// reuses the memory that the first call allocated. The network may compute only the given views; see
+  /// reconstruct_into(). Fails as that function does.
   [[nodiscard]] Result<void> make(const capture::Measurement& measurement, size_t samples,
-                                  lightfield::LightField& field);
+                                  std::span<const size_t> views, lightfield::LightField& field);
+
+  /// Computes all views to the bit as reconstruct() does. Any thread may call it.
+  [[nodiscard]] Result<void> make_exactly(const capture::Measurement& measurement, size_t samples,
+                                          lightfield::LightField& field) const;
 
   [[nodiscard]] const recon::Reconstructor& reconstructor() const { return reconstructor_; }
 
  private:
   recon::Reconstructor reconstructor_;
-  recon::InputPlanes input_;
-  std::vector<float> uncropped_;  ///< for image sizes that are not a multiple of the network's block size
+  std::optional<recon::Reconstructor> fast_;  ///< the network prepared for samples_
+  size_t samples_ = 0;
+  recon::ReconstructionMemory memory_;
 };
 
 }  // namespace e2lf::live

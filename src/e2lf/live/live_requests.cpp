@@ -62,7 +62,7 @@ Answer picture(Session& session, const Parameters& parameters) {
                        {"field", field.serial},
                        {"cycle", field.cycle},
                        {"cycles", field.cycles},
-                       {"size", size_name(field.size)},
+                       {"size", size_name(field.gait.size)},
                        {"latency_s", field.latency_s},
                        {"reconstruct_s", field.reconstruct_s}};
   return framed(header, {&seen.image, &seen.row_epi, &seen.column_epi});
@@ -101,7 +101,7 @@ std::optional<Answer> command(Session& session, const std::string& name, const P
     const auto to = parameters.find("to");
     const auto size = size_from_name(to == parameters.end() ? "" : to->second);
     if (!size) return refuse(size.error());
-    session.set_size(SizeChoice(*size));
+    session.set_size(*size);
   } else if (name == "brightness") {
     session.measure_tone();
   } else {

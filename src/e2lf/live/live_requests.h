@@ -25,8 +25,8 @@ using Parameters = std::map<std::string, std::string>;
 ///   events                                              the newest events, or 204
 ///   statistics                                          Session::json() and "recording": Recorder::json()
 ///   disparity?x=&y=                                     {"disparity"}: Session::disparity_at(), or 204
-/// The commands (POST) are record?on=1|0, average?cycles=K, size?to=auto|full|half, and brightness. Returns nothing for
-/// any other request.
+/// The commands (POST) are record?on=1|0, average?cycles=K, size?to=auto|full|half|quarter, and brightness. Returns
+/// nothing for any other request.
 [[nodiscard]] std::optional<Answer> answer(Session& session, bool is_command, const std::string& name,
                                            const Parameters& parameters);
 

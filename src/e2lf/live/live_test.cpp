@@ -7,13 +7,13 @@
 #include <thread>
 
 #include "e2lf/live/arrival_clock.h"
+#include "e2lf/live/block_sums.h"
 #include "e2lf/live/cycle_sum.h"
 #include "e2lf/live/event_preview.h"
-#include "e2lf/live/half_size.h"
 #include "e2lf/live/look.h"
 #include "e2lf/live/newest_slot.h"
+#include "e2lf/live/pace.h"
 #include "e2lf/live/recorder.h"
-#include "e2lf/live/size_choice.h"
 #include "e2lf/live/statistics.h"
 #include "testing/test_streams.h"
 
@@ -68,14 +68,14 @@ TEST(HalfSize, SumsBlocksOfTwoByTwoAndLeavesOutAnOddLastRowAndColumn) {
   capture::EventImages images(2, 3, 5);
   for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i);
   capture::EventImages half;
-  sum_blocks(images, half);
+  sum_blocks(images, 2, half);
   EXPECT_EQ(half.height, 1u);
   EXPECT_EQ(half.width, 2u);
   const std::vector<int16_t> expected = {0 + 1 + 5 + 6, 2 + 3 + 7 + 8, 15 + 16 + 20 + 21, 17 + 18 + 22 + 23};
   EXPECT_EQ(half.counts, expected);
   const int16_t* const memory = half.counts.data();
   images.counts.assign(images.counts.size(), INT16_MIN);
-  sum_blocks(images, half);
+  sum_blocks(images, 2, half);
   EXPECT_EQ(half.counts.front(), INT16_MIN) << "sums are limited";
   EXPECT_EQ(half.counts.data(), memory);
 }
@@ -107,31 +107,38 @@ TEST(CycleSum, SumsTheLastCyclesAndBeginsAnewWhenOneIsWanted) {
   EXPECT_EQ(more.counts[1], INT16_MIN);
 }
 
-TEST(SizeChoice, GoesToHalfWhenFullDoesNotKeepPaceAndBackWhenItWould) {
-  SizeChoice choice;
-  EXPECT_EQ(choice.size(), PictureSize::kFull);
-  EXPECT_FALSE(choice.add(9.0, 0.1)) << "the first one prepares memory";
-  EXPECT_FALSE(choice.add(0.5, 0.1));
-  EXPECT_TRUE(choice.add(0.5, 0.1));
-  EXPECT_EQ(choice.size(), PictureSize::kHalf);
-  for (int i = 0; i < 100; ++i) EXPECT_FALSE(choice.add(0.05, 0.1)) << "four times that is no pace";
-  SizeChoice fast;
+TEST(Pace, TakesWhatKeepsPaceAndGoesBackWhenTheBetterOneWould) {
+  Pace pace({50, 10});
+  const Gait full{1, PictureSize::kFull}, half{1, PictureSize::kHalf}, quarter{1, PictureSize::kQuarter};
+  EXPECT_EQ(pace.gait(), full) << "the fastest network begins";
+  EXPECT_FALSE(pace.add(9.0, 0.1)) << "the first one prepares memory";
+  EXPECT_FALSE(pace.add(0.5, 0.1));
+  EXPECT_TRUE(pace.add(0.5, 0.1));
+  EXPECT_EQ(pace.gait(), half);
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(pace.add(0.05, 0.1)) << "four times that is no pace";
+  for (int i = 0; i < 100; ++i) pace.add(0.4, 0.1);
+  EXPECT_EQ(pace.gait(), quarter) << "and nothing is faster";
+  Pace fast({50, 10});
   for (int i = 0; i < 3; ++i) fast.add(0.5, 0.1);
-  ASSERT_EQ(fast.size(), PictureSize::kHalf);
+  ASSERT_EQ(fast.gait(), half);
   int added = 0;
   while (!fast.add(0.01, 0.1)) ASSERT_LT(++added, 100);
-  EXPECT_EQ(fast.size(), PictureSize::kFull);
+  EXPECT_EQ(fast.gait(), full);
+  while (!fast.add(0.01, 0.1)) ASSERT_LT(++added, 100);
+  EXPECT_EQ(fast.gait(), (Gait{0, PictureSize::kFull})) << "five times that is a pace, too";
 }
 
-TEST(SizeChoice, KeepsANamedSizeAndAPaceThatHolds) {
-  SizeChoice named(PictureSize::kFull);
-  SizeChoice keeps;
+TEST(Pace, KeepsANamedSizeAndAPaceThatHolds) {
+  Pace named({1}, PictureSize::kFull), keeps;
   for (int i = 0; i < 50; ++i) {
     EXPECT_FALSE(named.add(5, 0.1));
     EXPECT_FALSE(keeps.add(0.09, 0.1));
     EXPECT_FALSE(keeps.add(0.2, 0)) << "nothing is known of the cycle";
   }
-  EXPECT_EQ(keeps.size(), PictureSize::kFull);
+  EXPECT_EQ(keeps.gait().size, PictureSize::kFull);
+  Pace better({50, 10}, PictureSize::kHalf);
+  for (int i = 0; i < 50; ++i) better.add(0.01, 0.1);
+  EXPECT_EQ(better.gait(), (Gait{0, PictureSize::kHalf}));
   EXPECT_FALSE(size_from_name("auto").value().has_value());
   EXPECT_EQ(size_from_name("half").value(), PictureSize::kHalf);
   EXPECT_FALSE(size_from_name("Half").ok());
@@ -237,7 +244,7 @@ TEST(Look, AWideApertureIsTheRefocusedSum) {
   const auto aperture = lightfield::round_aperture(field.light_field.shape(), {.radius = 3});
   EXPECT_EQ(picture.image, lightfield::to_bytes(lightfield::refocus(field.light_field, 1.25F, aperture)));
   LiveField half = demo_field();
-  half.size = PictureSize::kHalf;
+  half.gait.size = PictureSize::kHalf;
   EXPECT_EQ(render(half, {.x = 0, .y = 0, .focus = 2.5F, .radius = 3}).image, picture.image)
       << "disparities are those of the full size";
 }
@@ -256,7 +263,7 @@ TEST(Look, TheFocusOfAPointIsTheDisparityOfWhatIsSeenThere) {
     }
   }
   EXPECT_NEAR(disparity_at(field, 30.5F, 20), kDisparity, 0.02F);
-  field.size = PictureSize::kHalf;
+  field.gait.size = PictureSize::kHalf;
   EXPECT_NEAR(disparity_at(field, 61, 40), 2 * kDisparity, 0.04F) << "of the full size";
 }
 

@@ -18,13 +18,19 @@ float limited(float value, float most) {
   return std::isnan(value) ? 0.0F : std::clamp(value, -most, most);
 }
 
+/// Returns the number of the view of a row or column that is nearest to an offset from the middle.
+size_t nearest_view(float offset, size_t count) {
+  const float place = limited(offset, static_cast<float>(count)) + static_cast<float>(count - 1) / 2;
+  return static_cast<size_t>(std::clamp(std::round(place), 0.0F, static_cast<float>(count - 1)));
+}
+
 lightfield::ByteImage toned(lightfield::Image image, const LiveField& field) {
   for (float& value : image.pixels) value = field.gain * (value - field.black);
   return lightfield::to_bytes(image);
 }
 
 float scale_of(const LiveField& field) {
-  return field.size == PictureSize::kHalf ? 0.5F : 1.0F;
+  return 1.0F / static_cast<float>(block_side(field.gait.size));
 }
 
 /// Returns the value at a position between four pixels; outside of the view, that of its border.
@@ -81,6 +87,21 @@ lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& loo
   return aperture;
 }
 
+std::vector<size_t> views_of(const lightfield::Shape& shape, const Look& look) {
+  const lightfield::Aperture aperture = aperture_of(shape, look);
+  const size_t row = nearest_view(look.y, shape.views_y), column = nearest_view(look.x, shape.views_x);
+  std::vector<size_t> views;
+  for (size_t view = 0; view < shape.num_views(); ++view) {
+    const bool is_cut = (look.row && view / shape.views_x == row) || (look.column && view % shape.views_x == column);
+    if (is_cut || aperture.weights[view] > 0) views.push_back(view);
+  }
+  return views.size() == shape.num_views() ? std::vector<size_t>() : views;
+}
+
+bool has_views(const LiveField& field, const std::vector<size_t>& views) {
+  return field.views.empty() || (!views.empty() && std::ranges::includes(field.views, views));
+}
+
 Picture render(const LiveField& field, const Look& look) {
   constexpr float kMostDisparity = 32;
   const lightfield::Shape& shape = field.light_field.shape();
@@ -89,22 +110,18 @@ Picture render(const LiveField& field, const Look& look) {
   picture.image = toned(
       lightfield::refocus(field.light_field, scale * limited(look.focus, kMostDisparity), aperture_of(shape, look)),
       field);
-  const auto nearest = [](float offset, size_t count) {
-    const float place = limited(offset, static_cast<float>(count)) + static_cast<float>(count - 1) / 2;
-    return static_cast<size_t>(std::clamp(std::round(place), 0.0F, static_cast<float>(count - 1)));
-  };
   const auto cut = [scale](uint32_t px, size_t count) {
     return std::min(static_cast<size_t>(scale * static_cast<float>(px)), count - 1);
   };
   if (look.row) {
-    picture.row_epi = toned(
-        lightfield::horizontal_epi(field.light_field, nearest(look.y, shape.views_y), cut(*look.row, shape.height)),
-        field);
+    picture.row_epi = toned(lightfield::horizontal_epi(field.light_field, nearest_view(look.y, shape.views_y),
+                                                       cut(*look.row, shape.height)),
+                            field);
   }
   if (look.column) {
-    picture.column_epi = toned(
-        lightfield::vertical_epi(field.light_field, nearest(look.x, shape.views_x), cut(*look.column, shape.width)),
-        field);
+    picture.column_epi = toned(lightfield::vertical_epi(field.light_field, nearest_view(look.x, shape.views_x),
+                                                        cut(*look.column, shape.width)),
+                               field);
   }
   return picture;
 }

@@ -3,22 +3,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/refocus.h"
 #include "e2lf/live/live_cycle.h"
 
 namespace e2lf::live {
-
-/// The parameters for rendering a light field. Viewpoints are in view steps from the centre of the grid, as in the
-/// viewer.
-struct Look {
-  float x = 0.5F, y = 0.5F;  ///< viewpoint, to the right and downwards; by default one of the four central views
-  float focus = 0;           ///< disparity of the plane in focus, in px of the full resolution per view step
-  float radius = 0;          ///< radius of the round aperture, in view steps; 0 = only the viewpoint
-  std::optional<uint32_t> row = {}, column = {};  ///< EPIs to cut, in px of the full resolution; empty = none
-  bool operator==(const Look&) const = default;
-};
 
 /// The images of a light field that are sent to the browser.
 struct Picture {
@@ -30,6 +21,12 @@ struct Picture {
 /// lightfield::round_aperture(); for smaller radii, they blend into the interpolation of the viewpoint from its
 /// neighbouring views.
 [[nodiscard]] lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& look);
+
+/// Returns the numbers of the views that render() needs, in order; empty = all.
+[[nodiscard]] std::vector<size_t> views_of(const lightfield::Shape& shape, const Look& look);
+
+/// Returns whether a light field contains these views, given as by views_of().
+[[nodiscard]] bool has_views(const LiveField& field, const std::vector<size_t>& views);
 
 /// Renders the light field with the parameters `look` to 8 bits: round(255 * clamp(gain * (value - black))).
 [[nodiscard]] Picture render(const LiveField& field, const Look& look);

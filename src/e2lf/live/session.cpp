@@ -5,7 +5,7 @@
 
 #include "e2lf/capture/measurement/plausible_events.h"
 #include "e2lf/lightfield/orient.h"
-#include "e2lf/live/half_size.h"
+#include "e2lf/live/block_sums.h"
 #include "e2lf/recon/gain.h"
 
 namespace e2lf::live {
@@ -17,16 +17,22 @@ double seconds_since(Clock::time_point begin) {
 
 }  // namespace
 
-Session::Session(std::unique_ptr<LiveReader> reader, FieldMaker maker, SessionOptions options)
+Session::Session(std::unique_ptr<LiveReader> reader, std::vector<FieldMaker> makers, SessionOptions options)
     : reader_(std::move(reader)),
-      maker_(std::move(maker)),
+      makers_(std::move(makers)),
       options_(std::move(options)),
-      size_(options_.size),
+      pace_(pace_of(options_.size)),
+      named_size_(options_.size),
       gain_(options_.gain),
       black_(options_.black) {}
 
 Session::~Session() {
-  if (wait()) {
+  join();
+}
+
+void Session::join() {
+  for (std::thread* thread : {&reading_, &reconstructing_, &showing_}) {
+    if (thread->joinable()) thread->join();
   }
 }
 
@@ -37,9 +43,7 @@ void Session::start() {
 }
 
 Result<void> Session::wait() {
-  for (std::thread* thread : {&reading_, &reconstructing_, &showing_}) {
-    if (thread->joinable()) thread->join();
-  }
+  join();
   const std::lock_guard lock(settings_mutex_);
   if (error_) return *error_;
   return {};
@@ -93,29 +97,53 @@ void Session::reconstruct() {
 
 Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const Clock::time_point begin = Clock::now();
+  const bool has_events = !capture::is_without_events(cycle.counts.events);
+  bool finds_tone = false;
   {
     const std::lock_guard lock(settings_mutex_);
-    field.size = size_.size();
+    field.gait = pace_.gait();
+    finds_tone = has_events && (!gain_ || !black_);
   }
-  const bool is_half = field.size == PictureSize::kHalf;
-  if (is_half) sum_blocks(cycle.counts.events, half_.events);
-  E2LF_RETURN_IF_ERROR(
-      maker_.make(is_half ? half_ : cycle.counts, cycle.cycles * (is_half ? kPixelsPerBlock : 1), field.light_field));
-  const bool has_events = !capture::is_without_events(cycle.counts.events);
+  choose_views(field);
+  // The tone is that of the exact values.
+  if (finds_tone) field.views.clear();
+  E2LF_RETURN_IF_ERROR(make_views(cycle, finds_tone, field));
   const double cycle_s = cycle.cycle_s;
   std::swap(field.cycle, cycle);
   field.reconstruct_s = seconds_since(begin);
   field.serial = ++made_;
 
   std::unique_lock lock(settings_mutex_);
-  const bool changes = size_.add(field.reconstruct_s, cycle_s);
-  const PictureSize size = size_.size();
-  if (has_events && (!gain_ || !black_)) find_tone(field);
+  const bool changes = field.gait == pace_.gait() && pace_.add(field.reconstruct_s, cycle_s);
+  const Gait gait = pace_.gait();
+  if (finds_tone) find_tone(field);
   field.black = black_.value_or(0.0F);
   field.gain = gain_.value_or(1.0F);
   lock.unlock();
+  if (changes && options_.on_gait) options_.on_gait(gait);
+  return {};
+}
+
+/// While the look changes, all views are made, so that the next look need not wait for another light field.
+void Session::choose_views(LiveField& field) {
+  constexpr std::chrono::seconds kStill{1};
+  const lightfield::Shape grid{model().views_y, model().views_x, 1, 1};
+  const std::lock_guard lock(field_mutex_);
+  field.look = look_;
+  const bool needs_all = !options_.views.is_upright() || Clock::now() - look_since_ < kStill;
+  field.views = needs_all ? std::vector<size_t>() : views_of(grid, look_);
+}
+
+/// Makes field.views of a cycle.
+Result<void> Session::make_views(const LiveCycle& cycle, bool exactly, LiveField& field) {
+  const std::lock_guard lock(maker_mutex_);
+  FieldMaker& maker = makers_[field.gait.network];
+  const size_t side = block_side(field.gait.size), samples = cycle.cycles * side * side;
+  if (side > 1) sum_blocks(cycle.counts.events, side, sums_.events);
+  const capture::Measurement& counts = side > 1 ? sums_ : cycle.counts;
+  E2LF_RETURN_IF_ERROR(exactly ? maker.make_exactly(counts, samples, field.light_field)
+                               : maker.make(counts, samples, field.views, field.light_field));
   if (!options_.views.is_upright()) lightfield::orient(field.light_field, options_.views);
-  if (changes && options_.on_size) options_.on_size(size);
   return {};
 }
 
@@ -141,12 +169,15 @@ void Session::show() {
       if (is_last_ && !is_new_) break;
       is_new = std::exchange(is_new_, false);
       look_changed_ = false;
-      next->look = look_;
-      next->picture = render(shown_, look_);
+      const bool can_look = has_views(shown_, views_of(shown_.light_field.shape(), look_));
+      // The next light field has the views.
+      if (!can_look && !is_new) continue;
+      next->look = can_look ? look_ : shown_.look;
+      next->picture = render(shown_, next->look);
       latency_s = seconds_since(shown_.cycle.last_event);
       const LiveCycle& cycle = shown_.cycle;
       next->field = {shown_.serial,    cycle.number, cycle.begin_us,       cycle.cycles, cycle.events,
-                     cycle.confidence, shown_.size,  shown_.reconstruct_s, latency_s};
+                     cycle.confidence, shown_.gait,  shown_.reconstruct_s, latency_s};
     }
     next->serial = ++serial;
     const FieldReport report = next->field;
@@ -168,6 +199,7 @@ std::shared_ptr<const ShownPicture> Session::picture(const Look& look, uint64_t 
     const std::lock_guard lock(field_mutex_);
     if (!(look == look_)) {
       look_ = look;
+      look_since_ = Clock::now();
       look_changed_ = true;
     }
   }
@@ -176,9 +208,15 @@ std::shared_ptr<const ShownPicture> Session::picture(const Look& look, uint64_t 
   std::unique_lock lock(picture_mutex_);
   if (!has_ended_) picture_changed_.wait_for(lock, patience, is_wanted);
   if (is_wanted()) return picture_;
-  if (!has_ended_ || !picture_ || picture_->look == look) return nullptr;
-  // The threads have ended, so the picture is rendered here.
+  if (!picture_ || picture_->look == look) return nullptr;
   const std::lock_guard field_lock(field_mutex_);
+  if (!has_views(shown_, views_of(shown_.light_field.shape(), look)) && !complete()) return nullptr;
+  if (!has_ended_) {
+    look_changed_ = true;
+    field_changed_.notify_one();
+    return nullptr;
+  }
+  // The threads have ended: this one makes the picture.
   auto next = std::make_shared<ShownPicture>(*picture_);
   ++next->serial;
   next->look = look;
@@ -189,8 +227,21 @@ std::shared_ptr<const ShownPicture> Session::picture(const Look& look, uint64_t 
 
 std::optional<float> Session::disparity_at(float x, float y) {
   const std::lock_guard lock(field_mutex_);
-  if (shown_.serial == 0) return std::nullopt;
+  if (shown_.serial == 0 || (!shown_.views.empty() && !complete())) return std::nullopt;
   return live::disparity_at(shown_, x, y);
+}
+
+/// Computes the missing views of the displayed light field, unless the next one is being reconstructed. field_mutex_
+/// must be locked.
+bool Session::complete() {
+  {
+    const std::unique_lock idle(maker_mutex_, std::try_to_lock);
+    if (!idle.owns_lock()) return false;
+  }
+  shown_.views.clear();
+  const Result<void> made = make_views(shown_.cycle, false, shown_);
+  if (!made) fail(made.error());
+  return made.ok();
 }
 
 std::optional<LiveField> Session::freeze() {
@@ -198,16 +249,33 @@ std::optional<LiveField> Session::freeze() {
   {
     const std::lock_guard lock(field_mutex_);
     if (shown_.serial == 0) return frozen;
-    frozen = shown_;
+    frozen.emplace();
+    frozen->cycle = shown_.cycle;
+    frozen->gait = shown_.gait;
+    frozen->black = shown_.black;
+    frozen->gain = shown_.gain;
+    frozen->reconstruct_s = shown_.reconstruct_s;
+    frozen->serial = shown_.serial;
+  }
+  if (const Result<void> made = make_views(frozen->cycle, true, *frozen); !made) {
+    fail(made.error());
+    return std::nullopt;
   }
   recon::apply_tone(frozen->light_field, frozen->black, 1.0F);
   recon::apply_tone(frozen->light_field, 0.0F, frozen->gain);
   return frozen;
 }
 
-void Session::set_size(const SizeChoice& size) {
+Pace Session::pace_of(std::optional<PictureSize> size) const {
+  std::vector<double> macs;
+  for (const FieldMaker& maker : makers_) macs.push_back(model::macs_per_pixel(maker.reconstructor().model().network));
+  return Pace(macs, size);
+}
+
+void Session::set_size(std::optional<PictureSize> size) {
   const std::lock_guard lock(settings_mutex_);
-  size_ = size;
+  named_size_ = size;
+  pace_ = pace_of(size);
 }
 
 void Session::measure_tone() {
@@ -223,9 +291,9 @@ Json Session::json() {
   const cycles::Schedule& schedule = reader_->cycles().schedule();
   json["schedule"] = {{"patterns", schedule.size()}, {"cycle_us", schedule.cycle_us()}};
   const std::lock_guard lock(settings_mutex_);
-  json["size"] = size_name(size_.size());
-  json["size_choice"] = size_.name();
-  json["network"] = model().name;
+  json["size"] = size_name(pace_.gait().size);
+  json["size_choice"] = named_size_ ? size_name(*named_size_) : "auto";
+  json["network"] = model(pace_.gait().network).name;
   json["gain"] = gain_ ? Json(*gain_) : Json();
   json["black"] = black_ ? Json(*black_) : Json();
   json["error"] = error_ ? Json(error_->text()) : Json();

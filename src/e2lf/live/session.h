@@ -14,7 +14,7 @@
 #include "e2lf/live/live_reader.h"
 #include "e2lf/live/look.h"
 #include "e2lf/live/newest_slot.h"
-#include "e2lf/live/size_choice.h"
+#include "e2lf/live/pace.h"
 
 namespace e2lf::live {
 
@@ -26,17 +26,17 @@ struct FieldReport {
   size_t cycles = 1;  ///< number of cycles that were summed
   uint64_t events = 0;
   float confidence = 1;
-  PictureSize size = PictureSize::kFull;
+  Gait gait;
   double reconstruct_s = 0;
   double latency_s = 0;  ///< from the arrival of the last event of the cycle to the completion of the picture
 };
 
 struct SessionOptions {
-  SizeChoice size = SizeChoice();
+  std::optional<PictureSize> size = {};        ///< empty = selected by the pace
   std::optional<float> gain = {}, black = {};  ///< empty = determined from the first cycle that has events
   capture::Orientation views = {};             ///< orientation in which the views are reconstructed
   std::function<void(const FieldReport&)> on_field = {};
-  std::function<void(PictureSize)> on_size = {};  ///< called after the resolution was changed automatically
+  std::function<void(const Gait&)> on_gait = {};  ///< called after the size or the network was changed automatically
 };
 
 /// A picture of the newest light field, as requested by the browser.
@@ -53,7 +53,8 @@ struct ShownPicture {
 /// counted.
 class Session {
  public:
-  Session(std::unique_ptr<LiveReader> reader, FieldMaker maker, SessionOptions options);
+  /// `makers` are of one or more networks for the same patterns, from the best one to the fastest.
+  Session(std::unique_ptr<LiveReader> reader, std::vector<FieldMaker> makers, SessionOptions options);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -66,23 +67,28 @@ class Session {
   [[nodiscard]] bool has_ended() const;
 
   [[nodiscard]] LiveReader& reader() { return *reader_; }
-  [[nodiscard]] const model::Model& model() const { return maker_.reconstructor().model(); }
-  void set_size(const SizeChoice& size);
+  /// Returns the model of the fastest network, or of network `number`.
+  [[nodiscard]] const model::Model& model() const { return model(makers_.size() - 1); }
+  [[nodiscard]] const model::Model& model(size_t number) const { return makers_[number].reconstructor().model(); }
+  /// Fixes the size, or, if it is empty, lets the pace determine it.
+  void set_size(std::optional<PictureSize> size);
   /// Determines gain and black level again from the next light field.
   void measure_tone();
   /// Returns Statistics::json() and, among others, "size", "average", "has_ended" and the schedule.
   [[nodiscard]] Json json();
 
   /// Sets the rendering parameters to `look`, and waits up to `patience` for a picture that was rendered with them and
-  /// is newer than `after`. Returns null if there is none by then. Does not delay the reconstruction.
+  /// is newer than `after`. Returns null if there is none by then. Does not delay the reconstruction. If `look` has not
+  /// changed for a second, only the views that it needs are computed.
   [[nodiscard]] std::shared_ptr<const ShownPicture> picture(const Look& look, uint64_t after,
                                                             std::chrono::milliseconds patience);
 
-  /// Returns disparity_at() of the newest light field, or nothing if there is none yet.
+  /// Returns disparity_at() of the newest light field, or nothing if there is none or if its views are not computed
+  /// yet.
   [[nodiscard]] std::optional<float> disparity_at(float x, float y);
 
-  /// Returns a copy of the newest light field with the brightness in which it is shown, or nothing if there is none
-  /// yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
+  /// Computes all views of the newest light field and returns it with the brightness in which it is shown, or nothing
+  /// if there is none yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
   [[nodiscard]] std::optional<LiveField> freeze();
 
  private:
@@ -90,18 +96,25 @@ class Session {
   void reconstruct();
   void show();
   [[nodiscard]] Result<void> make(LiveCycle& cycle, LiveField& field);
+  [[nodiscard]] Result<void> make_views(const LiveCycle& cycle, bool exactly, LiveField& field);
+  [[nodiscard]] Pace pace_of(std::optional<PictureSize> size) const;
+  void choose_views(LiveField& field);
+  [[nodiscard]] bool complete();
   void find_tone(LiveField& field);
+  void join();
   void fail(const Error& error);
 
   std::unique_ptr<LiveReader> reader_;
-  FieldMaker maker_;
+  std::mutex maker_mutex_;
+  std::vector<FieldMaker> makers_;
+  capture::Measurement sums_;  ///< of blocks of the cycle that is being made
   SessionOptions options_;
   NewestSlot<LiveCycle> slot_;
-  capture::Measurement half_;  ///< used only by the reconstruction thread
   uint64_t made_ = 0;
 
   mutable std::mutex settings_mutex_;
-  SizeChoice size_;
+  Pace pace_;
+  std::optional<PictureSize> named_size_;  ///< empty = the pace determines the size
   std::optional<float> gain_, black_;
   std::optional<Error> error_;
 
@@ -110,6 +123,7 @@ class Session {
   std::condition_variable field_changed_;
   LiveField shown_;
   Look look_;
+  Clock::time_point look_since_{};
   bool is_new_ = false, is_last_ = false, look_changed_ = false;
 
   std::mutex picture_mutex_;

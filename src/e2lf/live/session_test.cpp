@@ -5,7 +5,7 @@
 
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/live/half_size.h"
+#include "e2lf/live/block_sums.h"
 #include "e2lf/live/live_requests.h"
 #include "e2lf/pipeline/field_sequence.h"
 #include "e2lf/recordings/live/camera.h"
@@ -24,6 +24,12 @@ model::Model camera_model() {
 
 recon::Reconstructor reconstructor() {
   return recon::Reconstructor::create(camera_model()).value();
+}
+
+std::vector<FieldMaker> one_maker() {
+  std::vector<FieldMaker> makers;
+  makers.emplace_back(reconstructor());
+  return makers;
 }
 
 capture::EventImages cycle_images(uint64_t number) {
@@ -60,23 +66,55 @@ std::unique_ptr<LiveReader> open_replay(const std::filesystem::path& path, const
   return LiveReader::open(open, options).value();
 }
 
+void expect_near(const lightfield::LightField& field, const lightfield::LightField& expected) {
+  ASSERT_EQ(field.shape(), expected.shape());
+  float largest = 0;
+  for (size_t i = 0; i < field.data().size(); ++i) {
+    largest = std::max(largest, std::abs(field.data()[i] - expected.data()[i]));
+  }
+  EXPECT_LT(largest, 1e-4);
+}
+
 TEST(FieldMaker, MakesTheLightFieldOfTheReconstructorInTheSameMemory) {
-  FieldMaker maker(reconstructor());
+  // This network ends in one convolution, so that it makes single views.
+  FieldMaker maker(
+      recon::Reconstructor::create(model::read_model(*bundled_file("models/e2lf-n4-live.safetensors")).value())
+          .value());
   lightfield::LightField field;
   const float* memory = nullptr;
   for (const uint64_t number : {0, 1}) {
     const capture::Measurement counts(cycle_images(number));
-    ASSERT_TRUE(maker.make(counts, 2, field).ok());
+    ASSERT_TRUE(maker.make(counts, 2, {}, field).ok());
     const auto expected = maker.reconstructor().reconstruct(counts, {}, 1, 2).value();
-    EXPECT_TRUE(std::ranges::equal(field.data(), expected.data()));
+    lightfield::LightField exact;
+    ASSERT_TRUE(maker.make_exactly(counts, 2, exact).ok());
+    EXPECT_TRUE(std::ranges::equal(exact.data(), expected.data()));
+    expect_near(field, expected);
+    // Some views are made alone, and the others stay.
+    const lightfield::LightField all = field;
+    const lightfield::LightField& made = field;
+    std::ranges::fill(field.data(), 7.0F);
+    const std::vector<size_t> views = {3, 41};
+    ASSERT_TRUE(maker.make(counts, 2, views, field).ok());
+    for (size_t view = 0; view < 64; ++view) {
+      const auto now = made.view(view / 8, view % 8), of_all = all.view(view / 8, view % 8);
+      const bool is_asked = view == 3 || view == 41;
+      EXPECT_TRUE(is_asked ? std::ranges::equal(now, of_all) : std::ranges::all_of(now, [](float value) {
+        return value == 7.0F;
+      })) << view;
+    }
     EXPECT_TRUE(memory == nullptr || field.data().data() == memory);
     memory = field.data().data();
   }
   capture::EventImages odd(3, 13, 17);
   odd.counts.assign(odd.counts.size(), 1);
-  ASSERT_TRUE(maker.make(capture::Measurement(odd), 1, field).ok());
-  EXPECT_TRUE(std::ranges::equal(field.data(), maker.reconstructor().reconstruct(odd).value().data()));
-  EXPECT_FALSE(maker.make(capture::Measurement(capture::EventImages(2, 16, 16)), 1, field).ok());
+  const std::vector<size_t> one = {9};
+  ASSERT_TRUE(maker.make(capture::Measurement(odd), 1, one, field).ok());
+  const auto expected = maker.reconstructor().reconstruct(odd).value();
+  for (size_t i = 0; i < field.shape().view_size(); ++i) {
+    EXPECT_NEAR(field.view(1, 1)[i], expected.view(1, 1)[i], 1e-4) << "pixel " << i;
+  }
+  EXPECT_FALSE(maker.make(capture::Measurement(capture::EventImages(2, 16, 16)), 1, {}, field).ok());
 }
 
 TEST(Session, EachCycleIsShownOrCountedAndTheLastOneIsShown) {
@@ -85,9 +123,9 @@ TEST(Session, EachCycleIsShownOrCountedAndTheLastOneIsShown) {
   write_recording(folder / "a.raw", kCycles);
   std::vector<FieldReport> reports;
   SessionOptions options;
-  options.size = SizeChoice(PictureSize::kFull);
+  options.size = PictureSize::kFull;
   options.on_field = [&](const FieldReport& report) { reports.push_back(report); };
-  Session session(open_replay(folder / "a.raw"), FieldMaker(reconstructor()), options);
+  Session session(open_replay(folder / "a.raw"), one_maker(), options);
   session.start();
   ASSERT_TRUE(session.wait().ok());
   const Json json = session.json();
@@ -102,8 +140,8 @@ TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   const TestFolder folder;
   write_recording(folder / "a.raw", 1);
   SessionOptions options;
-  options.size = SizeChoice(PictureSize::kFull);
-  Session session(open_replay(folder / "a.raw"), FieldMaker(reconstructor()), options);
+  options.size = PictureSize::kFull;
+  Session session(open_replay(folder / "a.raw"), one_maker(), options);
   EXPECT_FALSE(session.freeze().has_value());
   session.start();
   ASSERT_TRUE(session.wait().ok());
@@ -118,6 +156,28 @@ TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   EXPECT_EQ(frozen->gain, expected.gain);
   EXPECT_EQ(frozen->black, expected.black);
   EXPECT_TRUE(std::ranges::equal(frozen->light_field.data(), expected.light_field.data()));
+}
+
+TEST(Session, AStillLookIsGivenItsViewsAloneAndANewOneTheOthers) {
+  const TestFolder folder;
+  write_recording(folder / "a.raw", 3);
+  SessionOptions options;
+  options.gain = 1.0F;
+  options.black = 0.0F;
+  options.size = PictureSize::kFull;
+  Session session(open_replay(folder / "a.raw"), one_maker(), options);
+  session.start();
+  ASSERT_TRUE(session.wait().ok());
+  const LiveField frozen = *session.freeze();
+  for (const Look& look : {Look(), Look{.x = -2, .y = 1}, Look{.x = 0, .y = 0, .focus = 0.5F, .radius = 3}}) {
+    const auto shown = session.picture(look, 0, std::chrono::milliseconds(0));
+    ASSERT_TRUE(shown);
+    const Picture expected = render(frozen, look);
+    ASSERT_EQ(shown->picture.image.pixels.size(), expected.image.pixels.size());
+    for (size_t i = 0; i < expected.image.pixels.size(); ++i) {
+      ASSERT_NEAR(shown->picture.image.pixels[i], expected.image.pixels[i], 1);
+    }
+  }
 }
 
 TEST(LiveReader, RecordsWhatWasSentAndStopsAfterTheCyclesThatAreWanted) {
@@ -144,23 +204,23 @@ TEST(Session, HalfSizeTakesTheSumsOfBlocksAsFourCycles) {
   const TestFolder folder;
   write_recording(folder / "a.raw", 1);
   SessionOptions options;
-  options.size = SizeChoice(PictureSize::kHalf);
+  options.size = PictureSize::kHalf;
   options.gain = 1.0F;
   options.black = 0.0F;
-  Session session(open_replay(folder / "a.raw"), FieldMaker(reconstructor()), options);
+  Session session(open_replay(folder / "a.raw"), one_maker(), options);
   session.start();
   ASSERT_TRUE(session.wait().ok());
   const auto frozen = session.freeze();
   capture::EventImages half;
-  sum_blocks(cycle_images(0), half);
-  const auto expected = reconstructor().reconstruct(half, {}, 1, kPixelsPerBlock).value();
+  sum_blocks(cycle_images(0), 2, half);
+  const auto expected = reconstructor().reconstruct(half, {}, 1, 4).value();
   EXPECT_TRUE(std::ranges::equal(frozen->light_field.data(), expected.data()));
 }
 
 TEST(LiveRequests, GiveThePictureThatIsAskedForAndHeedCommands) {
   const TestFolder folder;
   write_recording(folder / "a.raw", 1);
-  Session session(open_replay(folder / "a.raw"), FieldMaker(reconstructor()), {});
+  Session session(open_replay(folder / "a.raw"), one_maker(), {});
   EXPECT_EQ(answer(session, false, "picture", {})->status, 204) << "there is none yet";
   session.start();
   ASSERT_TRUE(session.wait().ok());

@@ -35,10 +35,8 @@ void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, c
       break;
     case model::InputKind::kIntensity:
       for (size_t x = 0; x < counts.size(); ++x) {
-        const float intensity = cycles == 1
-                                    ? table.at_half_steps(2 * state.total[x] + state.last_change[x])
-                                    : table.at_steps(static_cast<float>(state.total[x]) / static_cast<float>(cycles) +
-                                                     0.5F * static_cast<float>(state.last_change[x]));
+        const float intensity = cycles == 1 ? table.at_half_steps(2 * state.total[x] + state.last_change[x])
+                                            : table.at_mean(state.total[x], state.last_change[x]);
         row[x] = scale * std::min(intensity, 1.0F);
       }
       break;
@@ -78,7 +76,7 @@ void fill_traits(std::span<const float> conditioning, float scale, size_t first_
 /// Fills the planes of all groups that are made from event counts.
 void fill_counts(const capture::EventImages& images, std::span<const model::InputGroup> groups,
                  std::span<const size_t> first_channels, const InputConditions& conditions, InputPlanes& planes) {
-  const IntensityTable table(conditions.constants);
+  const IntensityTable table(conditions.constants, conditions.cycles);
   parallel_for(planes.height, 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {
       RowState state{std::vector<int>(images.width), std::vector<int>(images.width)};

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/profile/sensor_constants.h"
@@ -22,8 +24,14 @@ class IntensityTable {
     return Error{ErrorCode::kInvalidValue, "eps and tau of the sensor must be positive; give its constants", ""};
   }
 
-  explicit IntensityTable(const capture::SensorConstants& constants) : constants_(constants) {
+  /// at_mean() needs the number of cycles over which counts are summed.
+  explicit IntensityTable(const capture::SensorConstants& constants, size_t cycles = 1)
+      : constants_(constants), cycles_(cycles) {
     for (int h = -kRange; h <= kRange; ++h) table_[static_cast<size_t>(h + kRange)] = compute(h);
+    if (cycles == 1) return;
+    for (int total = -kMeanRange; total <= kMeanRange; ++total) {
+      for (int last = -1; last <= 1; ++last) means_.push_back(compute_mean(total, last));
+    }
   }
 
   /// Returns the intensity at h half thresholds. The exponent is limited to 80, so that damaged counts give finite
@@ -32,11 +40,19 @@ class IntensityTable {
     return h >= -kRange && h <= kRange ? table_[static_cast<size_t>(h + kRange)] : compute(h);
   }
 
-  /// Returns the intensity at any number of thresholds.
-  [[nodiscard]] float at_steps(float steps) const { return compute(2.0 * double{steps}); }
+  /// Returns the intensity at total / cycles thresholds and half a threshold with the sign `last` (-1, 0 or 1).
+  [[nodiscard]] float at_mean(int total, int last) const {
+    if (means_.empty() || std::abs(total) > kMeanRange) return compute_mean(total, last);
+    return means_[static_cast<size_t>(3 * (total + kMeanRange) + last + 1)];
+  }
 
  private:
-  static constexpr int kRange = 127;
+  static constexpr int kRange = 127, kMeanRange = 511;
+
+  [[nodiscard]] float compute_mean(int total, int last) const {
+    const float steps = static_cast<float>(total) / static_cast<float>(cycles_) + 0.5F * static_cast<float>(last);
+    return compute(2.0 * double{steps});
+  }
 
   [[nodiscard]] float compute(double h) const {
     const double level = std::min(0.5 * h * double{constants_.tau}, 80.0);
@@ -44,6 +60,8 @@ class IntensityTable {
   }
 
   capture::SensorConstants constants_;
+  size_t cycles_;
+  std::vector<float> means_;  ///< [total, last]
   std::array<float, 2 * kRange + 1> table_;
 };
 

@@ -2,10 +2,12 @@
 #include "e2lf/recon/reconstruct.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/model/constant_inputs.h"
 #include "e2lf/recon/grid_shift.h"
-#include "e2lf/recon/input.h"
 
 namespace e2lf::recon {
 
@@ -34,19 +36,47 @@ Result<Reconstructor> Reconstructor::create(model::Model model, const engine::En
   E2LF_RETURN_IF_ERROR(model::validate(model, model.name));
   E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model.network, model.weights, options));
   if (!model.camera) model.camera.emplace().constants = model.constants;
-  model.weights.clear();
-  return Reconstructor(std::move(model), std::move(engine));
+  auto weights = std::make_shared<const model::Weights>(std::exchange(model.weights, {}));
+  Reconstructor reconstructor(std::move(model), std::move(engine));
+  reconstructor.weights_ = std::move(weights);
+  return reconstructor;
+}
+
+Result<Reconstructor> Reconstructor::with_constant_camera(size_t cycles) const {
+  size_t first = 0, group = 0;
+  for (; group < model_.input.size() && model_.input[group].kind != model::InputKind::kCamera; ++group) {
+    first += model::num_input_channels(model_.input[group].kind, model_.num_patterns);
+  }
+  if (group == model_.input.size() || constant_cycles_) return *this;
+  std::vector<float> told = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
+  for (float& value : told) value *= model_.input[group].scale;
+  auto built = model::with_constant_inputs(model_.network, *weights_, first, told);
+  if (!built) return *this;
+  E2LF_ASSIGN_OR_RETURN(engine::Engine engine,
+                        engine::Engine::create(built->network, built->weights, {engine_->precision()}));
+  Reconstructor other(model_, std::move(engine));
+  other.model_.network = std::move(built->network);
+  other.model_.input[group].scale = 1.0F;
+  other.constant_cycles_ = cycles;
+  return other;
+}
+
+Result<void> Reconstructor::fill_input(const capture::Measurement& measurement, size_t cycles,
+                                       InputPlanes& planes) const {
+  E2LF_REQUIRE(!constant_cycles_ || *constant_cycles_ == cycles, "the number of cycles is built into the network");
+  InputConditions conditions{model_.camera->constants, {}, cycles};
+  if (constant_cycles_) {
+    conditions.conditioning = {1.0F};
+  } else if (model::is_told_the_camera(model_)) {
+    conditions.conditioning = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
+  }
+  return network_input(measurement, model_.input, conditions, model::size_multiple(model_.network), planes);
 }
 
 Result<lightfield::LightField> Reconstructor::run(const capture::Measurement& measurement, size_t cycles,
                                                   const ProgressFn& progress) const {
-  InputConditions conditions{model_.camera->constants, {}, cycles};
-  if (model::is_told_the_camera(model_)) {
-    conditions.conditioning = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
-  }
-
-  E2LF_ASSIGN_OR_RETURN(const InputPlanes input,
-                        network_input(measurement, model_.input, conditions, model::size_multiple(model_.network)));
+  InputPlanes input;
+  E2LF_RETURN_IF_ERROR(fill_input(measurement, cycles, input));
   auto field = lightfield::LightField::unset({model_.views_y, model_.views_x, input.height, input.width});
   E2LF_RETURN_IF_ERROR(engine_->run(input.values, input.height, input.width, field.data(), progress));
   return field;
@@ -95,6 +125,33 @@ Result<void> Reconstructor::check(const capture::Measurement& measurement) const
                cat("an image of ", images.width, "x", images.height,
                    " does not consist of complete lenses; crop it to multiples of ", capture::kLensPixels, " pixels"),
                ""};
+}
+
+Result<void> Reconstructor::reconstruct_into(const capture::Measurement& measurement, size_t cycles,
+                                             std::span<const size_t> views, ReconstructionMemory& memory,
+                                             lightfield::LightField& field) const {
+  E2LF_RETURN_IF_ERROR(check(measurement));
+  E2LF_RETURN_IF_ERROR(fill_input(measurement, cycles, memory.input));
+  const lightfield::Shape shape{model_.views_y, model_.views_x, measurement.height(), measurement.width()};
+  if (!(field.shape() == shape)) field = lightfield::LightField::unset(shape);
+  if (!std::ranges::equal(memory.views, views)) {
+    memory.views.assign(views.begin(), views.end());
+    memory.some = views.empty() ? std::nullopt : engine_->with_outputs(memory.views);
+  }
+  const engine::Engine& engine = memory.some ? *memory.some : *engine_;
+  const size_t height = memory.input.height, width = memory.input.width;
+  if (height == shape.height && width == shape.width) {
+    return engine.run_frame(memory.input.values, height, width, memory.rows, field.data());
+  }
+  memory.uncropped.resize(shape.num_views() * height * width);
+  E2LF_RETURN_IF_ERROR(engine.run_frame(memory.input.values, height, width, memory.rows, memory.uncropped));
+  for (size_t row = 0; row < shape.num_views() * shape.height; ++row) {
+    const size_t view = row / shape.height, y = row % shape.height;
+    if (memory.some && !std::ranges::binary_search(views, view)) continue;
+    const float* const from = memory.uncropped.data() + (view * height + y) * width;
+    std::copy_n(from, shape.width, field.data().data() + row * shape.width);
+  }
+  return {};
 }
 
 Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measurement& measurement,

@@ -11,8 +11,18 @@
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/gain.h"
+#include "e2lf/recon/input.h"
 
 namespace e2lf::recon {
+
+/// Memory that one reconstruction after the other uses again. It belongs to one Reconstructor.
+struct ReconstructionMemory {
+  InputPlanes input;
+  std::vector<float> uncropped;  ///< for images whose size is no multiple of the network's
+  engine::FrameState rows;
+  std::vector<size_t> views;              ///< of `some`
+  std::optional<engine::Engine> some = {};  ///< computes these views alone
+};
 
 /// Reconstructs light fields from measurements with one model. It is made once and used for every cycle, by any number
 /// of threads at once. Copies share the engine and its weights.
@@ -33,6 +43,18 @@ class Reconstructor {
                                                            const ProgressFn& progress = {}, size_t passes = 1,
                                                            size_t cycles = 1) const;
 
+  /// Computes the same in one pass into `field`, whose memory is used again if it has the shape. Only the views with
+  /// these numbers, in order, are computed if the network can do so, and the others are left as they are; without numbers, all
+  /// are. Networks that are not told the camera take the mean of the `cycles`. Fails as reconstruct() does.
+  [[nodiscard]] Result<void> reconstruct_into(const capture::Measurement& measurement, size_t cycles,
+                                              std::span<const size_t> views, ReconstructionMemory& memory,
+                                              lightfield::LightField& field) const;
+
+  /// Returns the same network for measurements of so many cycles alone, with what it is told of the camera built into
+  /// its weights: it is faster, and its results differ by rounding. Networks that are not told the camera, or do not
+  /// read it with convolutions, are returned as they are.
+  [[nodiscard]] Result<Reconstructor> with_constant_camera(size_t cycles) const;
+
   /// Returns the number of passes that are made if `wanted` are requested: at least one and at most
   /// model::size_multiple() squared, or one if there is a lens array.
   [[nodiscard]] size_t num_passes(size_t wanted) const;
@@ -40,7 +62,7 @@ class Reconstructor {
   /// Returns the same network, conditioned on another sensor profile.
   [[nodiscard]] Reconstructor with_camera(const capture::SensorProfile& camera) const;
 
-  /// Returns the model without its weights, which are the engine's.
+  /// Returns the model without its weights.
   [[nodiscard]] const model::Model& model() const { return model_; }
   [[nodiscard]] const engine::Engine& engine() const { return *engine_; }
 
@@ -49,11 +71,15 @@ class Reconstructor {
   [[nodiscard]] Result<lightfield::LightField> run(const capture::Measurement& measurement, size_t cycles,
                                                    const ProgressFn& progress) const;
   [[nodiscard]] Result<void> check(const capture::Measurement& measurement) const;
+  [[nodiscard]] Result<void> fill_input(const capture::Measurement& measurement, size_t cycles,
+                                        InputPlanes& planes) const;
 
   Reconstructor(model::Model model, engine::Engine engine)
       : model_(std::move(model)), engine_(std::make_shared<const engine::Engine>(std::move(engine))) {}
   model::Model model_;
   std::shared_ptr<const engine::Engine> engine_;
+  std::shared_ptr<const model::Weights> weights_;
+  std::optional<size_t> constant_cycles_;  ///< the camera and so many cycles are built into the weights
 };
 
 }  // namespace e2lf::recon

@@ -51,7 +51,7 @@ export class LiveFieldScreen implements Screen {
     this.fineButton = panel.button('Reconstruct this one well', () => this.tell('freeze', 'fine'));
     const average = element('input', { type: 'range', min: '1', max: '16', step: '1', name: 'average', 'aria-label': 'Cycles of a still scene' });
     this.average = new SettingControl(average, (cycles) => this.tell(`average?cycles=${cycles}`));
-    const size = element('select', { name: 'resolution' }, ...['auto', 'full', 'half'].map((name) => element('option', { value: name }, name)));
+    const size = element('select', { name: 'resolution' }, ...['auto', 'full', 'half', 'quarter'].map((name) => element('option', { value: name }, name)));
     this.size = new SettingControl(size, (to) => this.tell(`size?to=${to}`));
     panel.group('Light field', this.figures.root, this.problem,
       panel.button('Freeze', () => this.tell('freeze')), this.fineButton, panel.button('Brightness anew', () => this.tell('brightness')));

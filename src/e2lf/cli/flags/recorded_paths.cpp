@@ -6,6 +6,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/option_types.h"
+#include "e2lf/recordings/live/replay_address.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -22,8 +23,10 @@ struct Place {
 /// Returns the current location of a path of a run that was started in `folder`.
 Place place_of(const std::string& recorded, const fs::path& folder) {
   if (recorded.starts_with(kReplay)) {
-    Place place = place_of(recorded.substr(kReplay.size()), folder);
-    place.path.insert(0, kReplay);
+    const std::string address = recorded.substr(kReplay.size());
+    const size_t size = fs::exists(folder / address) ? address.size() : recordings::replay_path_size(address);
+    Place place = place_of(address.substr(0, size), folder);
+    place.path = cat(kReplay, place.path, address.substr(size));
     return place;
   }
   std::error_code error;

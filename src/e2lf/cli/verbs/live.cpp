@@ -78,7 +78,7 @@ class Deadline {
 /// The parts from which a session is created.
 struct Instrument {
   std::unique_ptr<live::LiveReader> reader;
-  std::optional<recon::Reconstructor> network;
+  std::vector<live::FieldMaker> makers;  ///< from the best network to the fastest
   FineMethod fine;
   live::SessionOptions options;
 };
@@ -157,12 +157,15 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
   tone = method.complete(tone);
   E2LF_ASSIGN_OR_RETURN(const auto size, live::size_from_name(arguments.size));
-  instrument.options.size = live::SizeChoice(size);
+  instrument.options.size = size;
   instrument.options.gain = tone.gain;
   instrument.options.black = tone.black;
   instrument.options.views = arguments.orientation.after(method.views).value_or(capture::Orientation{});
   instrument.reader->set_average(arguments.average);
-  instrument.network = *method.network;
+  if (arguments.codes.model.empty() && best.network->model().name != method.network->model().name) {
+    instrument.makers.emplace_back(*best.network);
+  }
+  instrument.makers.emplace_back(*method.network);
   instrument.fine = fine_method(*best.network, instrument.options.views);
   return instrument;
 }
@@ -174,7 +177,7 @@ Json field_json(const live::FieldReport& field) {
           {"cycles", field.cycles},
           {"events", field.events},
           {"confidence", field.confidence},
-          {"size", live::size_name(field.size)},
+          {"size", live::size_name(field.gait.size)},
           {"reconstruct_s", field.reconstruct_s},
           {"latency_s", field.latency_s}};
 }
@@ -184,7 +187,7 @@ void print_field(const live::FieldReport& field, const CommonOptions& common) {
     std::printf("%s\n", field_json(field).dump().c_str());
   } else if (!common.quiet) {
     std::printf("light field %zu of cycle %zu: %s size, reconstructed in %.3f s, latency %.3f s\n",
-                static_cast<size_t>(field.serial), static_cast<size_t>(field.cycle), live::size_name(field.size),
+                static_cast<size_t>(field.serial), static_cast<size_t>(field.cycle), live::size_name(field.gait.size),
                 field.reconstruct_s, field.latency_s);
   }
   std::fflush(stdout);
@@ -214,14 +217,16 @@ Result<void> write_last(live::Session& session, OutputFile& output, const RunRec
 Result<void> run_session(const LiveArguments& arguments, Instrument instrument, const Verb& verb, RunRecord& record,
                          OutputFile* last) {
   const CommonOptions& common = verb.common();
-  instrument.options.on_size = [](live::PictureSize size) {
-    log_info(cat("the light fields now have ", live::size_name(size), " size, to keep pace with the cycles"));
+  std::vector<std::string> networks;
+  for (const live::FieldMaker& maker : instrument.makers) networks.push_back(maker.reconstructor().model().name);
+  instrument.options.on_gait = [networks](const live::Gait& gait) {
+    log_info(cat("the light fields now have ", live::size_name(gait.size), " size and are reconstructed by ",
+                 networks[gait.network], ", to keep pace with the cycles"));
   };
   if (arguments.has_no_page || common.json) {
     instrument.options.on_field = [&common](const live::FieldReport& field) { print_field(field, common); };
   }
-  live::Session session(std::move(instrument.reader), live::FieldMaker(std::move(*instrument.network)),
-                        std::move(instrument.options));
+  live::Session session(std::move(instrument.reader), std::move(instrument.makers), std::move(instrument.options));
   std::optional<LivePage> page;
   if (!arguments.has_no_page) {
     E2LF_ASSIGN_OR_RETURN(LivePage started, LivePage::start(session, std::move(instrument.fine), arguments.port));
@@ -304,9 +309,11 @@ int run_live(const std::vector<std::string>& arguments) {
   add_camera_option(app, live_arguments.camera,
                     "the camera, for networks conditioned on the sensor profile; default: the one that the source "
                     "states, or else the one for which the model was trained");
-  app.add_option("--size", live_arguments.size,
-                 "full, half (each pixel is the sum of a block of 2x2), or auto (full if that keeps pace)")
-      ->check(CLI::IsMember({"auto", "full", "half"}))
+  app.add_option(
+         "--size", live_arguments.size,
+         "full; half or quarter (each pixel is the sum of a block of 2x2 or 4x4); auto selects the largest that "
+         "keeps pace, and a better network if it does so, too")
+      ->check(CLI::IsMember({"auto", "full", "half", "quarter"}))
       ->capture_default_str();
   app.add_option("--average", live_arguments.average, "number of the last cycles that are summed, for static scenes")
       ->check(whole_number(1, static_cast<int64_t>(live::kMostCycles)))

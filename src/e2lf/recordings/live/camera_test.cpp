@@ -363,6 +363,36 @@ TEST(ReplayCamera, DeliversARawRecordingByteForByteAtRecordedSpeed) {
   EXPECT_EQ(read_all(*reader).value().events, all.events);
 }
 
+TEST(ReplayCamera, GoesOnInTimeWhenItIsRepeatedAndAtAnotherSpeed) {
+  const TestFolder folder;
+  cycles::SynthesisOptions synthesis;
+  synthesis.schedule = cycles::plain_schedule(4, 10000);
+  const EventBatch all = write_cycles(folder / "a.raw", 1, synthesis, "evt3");
+  const auto begin = Clock::now();
+  // More often than the 4096 steps of TIME_HIGH go.
+  constexpr size_t kRepeats = 600;
+  auto reader = open_camera("replay:" + (folder / "a.raw").string() + "?repeat=600&speed=500").value();
+  const EventBatch played = read_all(*reader).value();
+  const auto duration_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin).count();
+  EXPECT_TRUE(reader->summary().restarts.empty());
+  ASSERT_EQ(played.events.size(), kRepeats * all.events.size());
+  ASSERT_EQ(played.triggers.size(), kRepeats * all.triggers.size());
+  const size_t once = all.events.size();
+  const int64_t period_us = played.events.t[once] - played.events.t[0];
+  const int64_t length_us = all.events.t.back() - all.events.t.front();
+  EXPECT_GT(period_us, length_us);
+  EXPECT_LT(period_us, length_us + 3 * 4096);
+  for (size_t i = 0; i < played.events.size(); ++i) {
+    const auto repeat = static_cast<int64_t>(i / once);
+    ASSERT_EQ(played.events.t[i] - repeat * period_us, all.events.t[i % once]);
+    ASSERT_EQ(played.events.x[i], all.events.x[i % once]);
+  }
+  EXPECT_GE(duration_us, length_us * static_cast<int64_t>(kRepeats) / 500);
+  for (const char* wrong : {"?speed=0", "?repeat=0", "?repeat=x", "?faster=2", "?speed=nan"}) {
+    EXPECT_EQ(open_camera("replay:" + (folder / "a.raw").string() + wrong).error().code, ErrorCode::kInvalidValue);
+  }
+}
+
 TEST(ReplayCamera, CyclesCarryTheirArrival) {
   const TestFolder folder;
   cycles::SynthesisOptions synthesis;

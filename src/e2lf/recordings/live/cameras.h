@@ -10,9 +10,9 @@
 namespace e2lf::recordings {
 
 /// Opens a recording of any readable format and delivers it as EVT3 words at the times of its events, as a camera
-/// would. A RAW recording in EVT3 is delivered byte for byte. Fails as open_recording() does, and with kInvalidValue
-/// (the sensor is too large for EVT3).
-[[nodiscard]] Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path);
+/// would. A RAW recording in EVT3 is delivered byte for byte. Fails as open_recording() and parse_replay_address() do,
+/// with kInvalidValue (the sensor is too large for EVT3), and with kUnsupported (another format is to be repeated).
+[[nodiscard]] Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& address);
 
 /// Opens the named pipe at `address`, or standard input if it is empty, and waits for the first byte. Fails with
 /// kCancelled if a stop is requested before, and with kNotFound or kIo if it cannot be opened.

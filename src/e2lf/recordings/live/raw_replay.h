@@ -5,6 +5,7 @@
 
 #include "e2lf/recordings/io/byte_source.h"
 #include "e2lf/recordings/live/camera.h"
+#include "e2lf/recordings/live/replay_address.h"
 
 namespace e2lf::recordings {
 
@@ -12,7 +13,8 @@ namespace e2lf::recordings {
 [[nodiscard]] Result<bool> is_evt3_recording(ByteSource& source);
 
 /// Makes a camera that delivers the bytes of a RAW recording in EVT3 as they are, each when its time has come. A step
-/// of the clock by more than a quarter of a second, where data is missing or damaged, takes no time.
-[[nodiscard]] std::unique_ptr<Camera> make_raw_replay(std::unique_ptr<ByteSource> source);
+/// of the clock by more than a quarter of a second, where data is missing or damaged, takes no time. When it is played
+/// again, the clock goes on: its TIME_HIGH words are moved. `source` must then be seekable.
+[[nodiscard]] std::unique_ptr<Camera> make_raw_replay(std::unique_ptr<ByteSource> source, const ReplayAddress& replay);
 
 }  // namespace e2lf::recordings

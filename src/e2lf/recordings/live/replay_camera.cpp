@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 #include <thread>
 
@@ -19,7 +20,7 @@ constexpr size_t kBatchEvents = size_t{1} << 16;
 
 class ReplayCamera final : public Camera {
  public:
-  explicit ReplayCamera(std::unique_ptr<RecordingReader> reader) : reader_(std::move(reader)) {}
+  ReplayCamera(std::unique_ptr<RecordingReader> reader, double speed) : reader_(std::move(reader)), speed_(speed) {}
 
   /// Creates the encoder, whose header is delivered first.
   Result<void> open() {
@@ -86,11 +87,13 @@ class ReplayCamera final : public Camera {
   /// Sleeps until a time of the recording is reached, in steps that are short enough to be stopped.
   void wait_until(int64_t t_us) const {
     constexpr auto kNap = std::chrono::milliseconds(50);
-    const Clock::time_point due = begin_ + std::chrono::microseconds(t_us - origin_us_);
+    const Clock::time_point due =
+        begin_ + std::chrono::microseconds(std::llround(static_cast<double>(t_us - origin_us_) / speed_));
     while (!is_stopped_ && Clock::now() < due) std::this_thread::sleep_until(std::min(due, Clock::now() + kNap));
   }
 
   std::unique_ptr<RecordingReader> reader_;
+  double speed_;
   std::unique_ptr<RecordingWriter> writer_;
   std::vector<uint8_t> encoded_;
   EventBatch batch_, stretch_;
@@ -105,13 +108,19 @@ class ReplayCamera final : public Camera {
 
 }  // namespace
 
-Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path) {
+Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& address) {
+  E2LF_ASSIGN_OR_RETURN(const ReplayAddress replayed, parse_replay_address(address));
+  const std::string& path = replayed.path;
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
   E2LF_ASSIGN_OR_RETURN(const bool is_evt3, is_evt3_recording(*source));
-  if (is_evt3) return make_raw_replay(std::move(source));
+  if (is_evt3) return make_raw_replay(std::move(source), replayed);
+  if (replayed.repeat > 1) {
+    return Error{ErrorCode::kUnsupported,
+                 "only RAW recordings in EVT3 are replayed several times; make one with e2lf convert", path};
+  }
   // The reader of the camera reports what is left out.
   E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(std::filesystem::path(path), {.policy = DecodePolicy::kSkip}));
-  auto replay = std::make_unique<ReplayCamera>(std::move(reader));
+  auto replay = std::make_unique<ReplayCamera>(std::move(reader), replayed.speed);
   E2LF_RETURN_IF_ERROR(replay->open());
   std::unique_ptr<Camera> camera = std::move(replay);
   return camera;

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/live/block_sums.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "e2lf/base/contract.h"
+
+namespace e2lf::live {
+
+void sum_blocks(const capture::EventImages& images, size_t side, capture::EventImages& sums) {
+  const size_t height = images.height / side, width = images.width / side;
+  E2LF_REQUIRE(height > 0 && width > 0, "the sums of blocks need a block");
+  if (sums.transitions != images.transitions || sums.height != height || sums.width != width) {
+    sums = capture::EventImages(images.transitions, height, width);
+  }
+  std::vector<int> column(images.width);
+  int16_t* to = sums.counts.data();
+  for (size_t row = 0; row < images.transitions * height; ++row) {
+    const int16_t* from = images.image(row / height).data() + row % height * side * images.width;
+    std::fill(column.begin(), column.end(), 0);
+    for (size_t y = 0; y < side; ++y, from += images.width) {
+      for (size_t x = 0; x < images.width; ++x) column[x] += from[x];
+    }
+    for (size_t x = 0; x < width; ++x) {
+      int sum = 0;
+      for (size_t i = 0; i < side; ++i) sum += column[x * side + i];
+      *to++ = static_cast<int16_t>(std::clamp(sum, INT16_MIN, INT16_MAX));
+    }
+  }
+}
+
+}  // namespace e2lf::live

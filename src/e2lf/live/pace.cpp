@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/live/pace.h"
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::live {
+namespace {
+
+constexpr PictureSize kSizes[] = {PictureSize::kFull, PictureSize::kHalf, PictureSize::kQuarter};
+
+}  // namespace
+
+const char* size_name(PictureSize size) {
+  return size == PictureSize::kFull ? "full" : size == PictureSize::kHalf ? "half" : "quarter";
+}
+
+Result<std::optional<PictureSize>> size_from_name(const std::string& name) {
+  if (name == "auto") return std::optional<PictureSize>();
+  for (const PictureSize size : kSizes) {
+    if (name == size_name(size)) return std::optional(size);
+  }
+  return Error{ErrorCode::kInvalidValue, cat("\"", name, "\" is no size; give auto, full, half or quarter"), "size"};
+}
+
+size_t block_side(PictureSize size) {
+  return size_t{1} << static_cast<size_t>(size);
+}
+
+Pace::Pace(const std::vector<double>& macs_per_pixel, std::optional<PictureSize> named) {
+  E2LF_REQUIRE(!macs_per_pixel.empty(), "without a network there is no pace");
+  // Better networks are for the first size alone: a sharper picture is worth more than a better one that is coarser.
+  for (const PictureSize size : kSizes) {
+    if (named && size != *named) continue;
+    const auto side = static_cast<double>(block_side(size));
+    const size_t first = steps_.empty() ? 0 : macs_per_pixel.size() - 1;
+    for (size_t network = first; network < macs_per_pixel.size(); ++network) {
+      steps_.push_back({{network, size}, macs_per_pixel[network] / (side * side)});
+    }
+  }
+  step_ = macs_per_pixel.size() - 1;
+}
+
+bool Pace::add(double field_s, double cycle_s) {
+  // The first field of a step also prepares its memory.
+  constexpr size_t kFewest = 2, kBeforeRise = 20;
+  // A reserve, so that the step does not change to and fro.
+  constexpr double kReserve = 0.8;
+  constexpr int kMostFalls = 3;
+  if (cycle_s <= 0 || measured_++ == 0) return false;
+  sum_s_ += field_s;
+  const double mean_s = sum_s_ / static_cast<double>(measured_ - 1);
+  const auto rises = [&] {
+    if (step_ == 0 || measured_ <= kBeforeRise || steps_[step_ - 1].falls >= kMostFalls) return false;
+    return mean_s * steps_[step_ - 1].cost / steps_[step_].cost <= kReserve * cycle_s;
+  };
+  if (measured_ > kFewest && mean_s > cycle_s && step_ + 1 < steps_.size()) {
+    ++steps_[step_++].falls;
+  } else if (rises()) {
+    --step_;
+  } else {
+    return false;
+  }
+  measured_ = 0;
+  sum_s_ = 0;
+  return true;
+}
+
+}  // namespace e2lf::live

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+
+namespace e2lf::live {
+
+enum class PictureSize {
+  kFull,     ///< a pixel of the light field for each pixel of the sensor
+  kHalf,     ///< one for each block of 2x2: see sum_blocks()
+  kQuarter,  ///< one for each block of 4x4
+};
+[[nodiscard]] const char* size_name(PictureSize size);  ///< "full", "half", "quarter"
+/// Nothing for "auto". Fails with kInvalidValue.
+[[nodiscard]] Result<std::optional<PictureSize>> size_from_name(const std::string& name);
+/// Returns the number of pixels along the side of a block: 1, 2 or 4.
+[[nodiscard]] size_t block_side(PictureSize size);
+
+/// How light fields are made.
+struct Gait {
+  size_t network = 0;  ///< number of the FieldMaker
+  PictureSize size = PictureSize::kFull;
+  bool operator==(const Gait&) const = default;
+};
+
+/// Chooses network and resolution by the pace: the best ones with which a light field is finished before the next cycle
+/// ends.
+class Pace {
+ public:
+  /// `macs_per_pixel` are the multiply-adds of the networks, from the best one to the fastest. It begins with the
+  /// fastest one in the first size, and keeps a size that is named.
+  explicit Pace(const std::vector<double>& macs_per_pixel = {1}, std::optional<PictureSize> named = {});
+
+  [[nodiscard]] Gait gait() const { return steps_[step_].gait; }
+
+  /// Adds how long a light field took that was made so, and how long a cycle takes. Returns true if that changes.
+  bool add(double field_s, double cycle_s);
+
+ private:
+  struct Step {
+    Gait gait;
+    double cost = 1;  ///< multiply-adds per pixel of the sensor
+    int falls = 0;    ///< how often this step was too slow
+  };
+  std::vector<Step> steps_;  ///< from the best one to the fastest
+  size_t step_ = 0;
+  size_t measured_ = 0;  ///< light fields of this step
+  double sum_s_ = 0;
+};
+
+}  // namespace e2lf::live
