@@ -101,7 +101,9 @@ std::optional<OrderGuess> find_order(std::span<const std::vector<double>> column
     return rows > 0 && (!is_polarity[order[of(Field::kP)]] || !fits(order, 0, 0));
   });
   if (orders.empty()) return std::nullopt;
-  narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, kWidestSensor, kWidestSensor); });
+  std::erase_if(orders,
+                [&](const ColumnsOfFields& order) { return rows > 0 && !fits(order, kWidestSensor, kWidestSensor); });
+  if (orders.empty()) return std::nullopt;
   // If the sensor is too small for every order, events are left out, which is reported elsewhere.
   narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, width, height); });
 
