@@ -176,6 +176,12 @@ void check_round_trip(Decoded decoded, const std::string& format) {
     if (decoded.info.height == 0) decoded.info.height = 2048;
     decoded.info.format = format;
   }
+  // Text does not name its columns: those that exceed any sensor are not taken for coordinates.
+  const auto most_of = [](const auto& column) {
+    return column.empty() ? 0 : *std::max_element(column.begin(), column.end());
+  };
+  const bool is_text = format == "csv" || format == "txt";
+  if (is_text && decoded.info.width == 0 && std::max(most_of(all.events.x), most_of(all.events.y)) >= 8192) return;
   const Codec& codec = **find_codec(format);
   std::vector<uint8_t> written;
   const std::filesystem::path path =

@@ -99,3 +99,26 @@ fails 1 "this is JSON" "$E2LF" convert list.json out2.npz
 fails 1 "Feather" "$E2LF" convert table.feather out2.npz
 fails 1 "images.txt" "$E2LF" convert other out2.npz
 absent out2.npz
+# Units as people write them, and what they would hide.
+py - <<'PY'
+import numpy as np
+a = np.load("truth.npz")
+rows = list(zip(a["t"], a["x"], a["y"], a["p"]))
+def text(name, head, per_us):
+    open(name, "w").write(head + "\n" + "".join("%d,%d,%d,%d\n" % (t * per_us, x, y, p) for t, x, y, p in rows))
+text("nanosec.csv", "t_nanosec,x,y,p", 1000)
+text("power6.csv", "Timestamp [10^-6 s],x,y,p", 1)
+text("power9.csv", "time (1e-9 s),x,y,p", 1000)
+text("micro.csv", "t_micro,x,y,p", 1)
+open("split.csv", "w").write("ts.sec,ts.nsec,x,y,p\n" + "".join("17,%d,%d,%d,%d\n" % (1000 * t, x, y, p) for t, x, y, p in rows))
+np.save("txpy.npy", np.stack([a[k] for k in "txpy"], 1).astype(np.int64))
+head = b"% evt 2.0\n% format EVT2;height=48;width=64\n% end\n"
+open("wrong.raw", "wb").write(head + np.full(4000, 0x6FFF6FFF, np.uint32).tobytes())
+PY
+for input in nanosec.csv power6.csv power9.csv micro.csv; do
+  "$E2LF" convert "$input" out.npz --overwrite --strict 2>stderr.txt || fail "$input: $(cat stderr.txt)"
+  py -c 'import numpy as n; assert (n.load("truth.npz")["t"] == n.load("out.npz")["t"]).all()' || fail "$input was read differently"
+done
+fails 1 "the times are in two columns" "$E2LF" convert split.csv out2.npz
+fails 1 "--columns" "$E2LF" convert txpy.npy out2.npz
+fails 1 "--event-format" "$E2LF" convert wrong.raw out2.npz

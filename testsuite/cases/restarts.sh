@@ -47,3 +47,9 @@ for part in (np.load("part.npz"), np.load("part_2.npz")):
     assert all(np.array_equal(one[k], part[k]) for k in "xypt"), "$input"
 PY
 done
+# The header of a recording without events lies between them: the times still go on.
+py -c 'd = open("evt3.raw", "rb").read(); i = d.index(b"% end\n") + 6; open("headers.raw", "wb").write(d + d[:i] + d)'
+"$E2LF" convert headers.raw out.npz --overwrite --quiet 2>stderr.txt || fail "$(cat stderr.txt)"
+grep -q "clock starts again once" stderr.txt || fail "$(cat stderr.txt)"
+py -c 'import numpy as n; a, b = n.load("truth.npz"), n.load("out.npz"); assert all(n.array_equal(a[k], b[k]) for k in "xypt")' ||
+  fail "the events differ"

@@ -23,7 +23,10 @@ Error nothing_to_convert(const RecordingReader& reader) {
   if (options.from_us != INT64_MIN || options.to_us != INT64_MAX) {
     message += options.range == TimeOrigin::kZero ? " in this time after the first one" : " in this time on its clock";
   }
-  message += left_out.empty() ? "" : cat(" (left out: ", loss_text(left_out), ")");
+  if (!left_out.empty()) {
+    message += cat(" (left out: ", loss_text(left_out), "); if its header states a wrong format, name the right one");
+    return {ErrorCode::kInvalidValue, std::move(message), reader.name(), Setting::kInputFormat};
+  }
   return {ErrorCode::kInvalidValue, message + "; `e2lf info` shows the content and the time range of the recording",
           reader.name()};
 }

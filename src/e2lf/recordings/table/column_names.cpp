@@ -41,6 +41,23 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+/// Returns the unit in the last of the words; "10^-6 s" and "1e-6 s" are microseconds. The words of a power are
+/// removed, and the unit is unknown if there is another number.
+TimeUnit take_unit_from(std::vector<std::string>& words) {
+  const TimeUnit unit = parse_time_unit(words.back());
+  const auto number = std::find_if(words.begin(), words.end(), [](const std::string& word) {
+    return std::isdigit(static_cast<unsigned char>(word.front())) != 0;
+  });
+  if (number == words.end()) return unit;
+  const bool is_power = (*number == "10" || *number == "1e") && words.end() - number == 3 && unit == TimeUnit::kSeconds;
+  const std::string power = is_power ? *(number + 1) : "";
+  words.erase(number, words.end());
+  return power == "9"   ? TimeUnit::kNanoseconds
+         : power == "6" ? TimeUnit::kMicroseconds
+         : power == "3" ? TimeUnit::kMilliseconds
+                        : TimeUnit::kAuto;
+}
+
 struct KnownName {
   Field field;
   std::string_view name;
@@ -75,9 +92,14 @@ constexpr KnownName kNames[] = {{Field::kT, "t"},
 
 TimeUnit parse_time_unit(std::string_view word) {
   if (is_one_of(word, {"s", "sec", "secs", "second", "seconds"})) return TimeUnit::kSeconds;
-  if (is_one_of(word, {"ms", "msec", "msecs", "millis", "millisecond", "milliseconds"})) return TimeUnit::kMilliseconds;
-  if (is_one_of(word, {"us", "usec", "usecs", "micros", "microsecond", "microseconds"})) return TimeUnit::kMicroseconds;
-  if (is_one_of(word, {"ns", "nsec", "nsecs", "nanos", "nanosecond", "nanoseconds"})) return TimeUnit::kNanoseconds;
+  if (is_one_of(word,
+                {"ms", "msec", "msecs", "milli", "millis", "millisec", "millisecs", "millisecond", "milliseconds"}))
+    return TimeUnit::kMilliseconds;
+  if (is_one_of(word,
+                {"us", "usec", "usecs", "micro", "micros", "microsec", "microsecs", "microsecond", "microseconds"}))
+    return TimeUnit::kMicroseconds;
+  if (is_one_of(word, {"ns", "nsec", "nsecs", "nano", "nanos", "nanosec", "nanosecs", "nanosecond", "nanoseconds"}))
+    return TimeUnit::kNanoseconds;
   return TimeUnit::kAuto;
 }
 
@@ -110,7 +132,7 @@ ColumnName parse_column_name(std::string_view name) {
   }
   ColumnName result;
   // A name in another language may still say the unit.
-  if (words.size() > 1) result.unit = parse_time_unit(words.back());
+  if (words.size() > 1) result.unit = take_unit_from(words);
   if (words.empty() || words.size() > 2) return result;
   if (words.size() == 1 && words[0] == "xy") result.is_xy = true;
   for (const KnownName& known : kNames) {

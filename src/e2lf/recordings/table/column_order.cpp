@@ -101,7 +101,13 @@ std::optional<OrderGuess> find_order(std::span<const std::vector<double>> column
     return rows > 0 && (!is_polarity[order[of(Field::kP)]] || !fits(order, 0, 0));
   });
   if (orders.empty()) return std::nullopt;
-  narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, kWidestSensor, kWidestSensor); });
+  // Larger coordinates are likely those of another column, unless the format says where they are.
+  const auto fits_a_sensor = [&](const ColumnsOfFields& order) { return fits(order, kWidestSensor, kWidestSensor); };
+  if (rows > 0 && std::none_of(orders.begin(), orders.end(), fits_a_sensor)) {
+    std::erase_if(orders, [&](const ColumnsOfFields& order) { return letters_of(order) != hints.usual; });
+    if (orders.empty()) return std::nullopt;
+  }
+  narrow(orders, fits_a_sensor);
   // If the sensor is too small for every order, events are left out, which is reported elsewhere.
   narrow(orders, [&](const ColumnsOfFields& order) { return fits(order, width, height); });
 

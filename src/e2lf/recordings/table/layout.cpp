@@ -64,6 +64,27 @@ std::string names_text(const TableSample& sample) {
   return cat(" (", join(names), sample.columns.size() > kMost ? ", ...)" : ")");
 }
 
+/// Fails if times are in two columns, as ROS has them: whole seconds, and the nanoseconds after them.
+Result<void> refuse_split_times(const TableSample& sample, std::optional<size_t> times, const std::string& location) {
+  if (!times || parse_column_name(sample.columns[*times].name).unit != TimeUnit::kSeconds) return {};
+  const auto are_whole = [](const TableSample::Column& column, double most) {
+    return std::all_of(column.values.begin(), column.values.end(),
+                       [most](double value) { return value == std::trunc(value) && value < most; });
+  };
+  for (const TableSample::Column& column : sample.columns) {
+    const ColumnName name = parse_column_name(column.name);
+    if (name.unit != TimeUnit::kNanoseconds || !are_whole(column, 1e9) || !are_whole(sample.columns[*times], 1e18)) {
+      continue;
+    }
+    return undecided(cat("the times are in two columns, seconds (", printable(sample.columns[*times].name),
+                         ") and the nanoseconds after them (", printable(column.name),
+                         "); join them to one of "
+                         "nanoseconds, or name a column that holds the whole time"),
+                     location, Setting::kColumns);
+  }
+  return {};
+}
+
 struct Columns {
   ColumnsOfFields columns = {};
   Reason reason = Reason::kFile;
@@ -85,6 +106,7 @@ Result<Columns> decide_columns(const TableSample& sample, const OpenOptions& opt
     named[field] = i;
     ranks[field] = name.rank;
   }
+  E2LF_RETURN_IF_ERROR(refuse_split_times(sample, named[of(Field::kT)], location));
   if (std::all_of(named.begin(), named.end(), [](const auto& column) { return column.has_value(); })) {
     return Columns{{*named[0], *named[1], *named[2], *named[3]}, Reason::kFile};
   }

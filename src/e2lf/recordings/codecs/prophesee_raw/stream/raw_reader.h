@@ -87,7 +87,8 @@ class RawReader final : public RecordingReader {
   Result<void> begin_again() {
     restart_ = false;
     const uint64_t byte = source_->position();
-    begin_part(byte, latest_us_);
+    // A part without events does not separate those around it.
+    if (latest_us_ != INT64_MIN) begin_part(byte, latest_us_);
     OpenOptions options = options_;
     options.format = info_.format;
     options.width = info_.width;
