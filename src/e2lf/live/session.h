@@ -32,7 +32,7 @@ struct FieldReport {
 };
 
 struct SessionOptions {
-  std::optional<PictureSize> size = {};                ///< nothing = as the pace demands
+  std::optional<PictureSize> size = {};        ///< nothing = as the pace demands
   std::optional<float> gain = {}, black = {};  ///< nothing = found at the first light field of a cycle with events
   capture::Orientation views = {};             ///< how the views come out
   std::function<void(const FieldReport&)> on_field = {};
