@@ -7,6 +7,7 @@ grep -q '^\[2\.[5-9], [7-9]\.[0-9], 0\.9, 4\.[0-4], 0\.[5-7]\]$' bytes.txt || fa
 for part in one_thread all_threads reference; do
   json synthesised.json "all(s['$part'][k] > 0 for s in j['streams'] for k in ('columns',))" | grep -q True || fail "no rates of $part"
 done
+check "$(json synthesised.json "j['streams'][0]['skipping']['ratio_to_one_thread'] > 0 and 'skipping' not in j['streams'][3]")"
 json synthesised.json "len(j['published_on_another_machine'])" | grep -q '^6$' || fail "published figures"
 
 # A recording is repeated to the wanted length, with its clock going on.

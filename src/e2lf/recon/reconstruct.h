@@ -20,7 +20,7 @@ struct ReconstructionMemory {
   InputPlanes input;
   std::vector<float> uncropped;  ///< for images whose size is no multiple of the network's
   engine::FrameState rows;
-  std::vector<size_t> views;              ///< of `some`
+  std::vector<size_t> views;                ///< of `some`
   std::optional<engine::Engine> some = {};  ///< computes these views alone
 };
 
@@ -44,8 +44,9 @@ class Reconstructor {
                                                            size_t cycles = 1) const;
 
   /// Computes the same in one pass into `field`, whose memory is used again if it has the shape. Only the views with
-  /// these numbers, in order, are computed if the network can do so, and the others are left as they are; without numbers, all
-  /// are. Networks that are not told the camera take the mean of the `cycles`. Fails as reconstruct() does.
+  /// these numbers, in order, are computed if the network can do so, and the others are left as they are; without
+  /// numbers, all are. Networks that are not told the camera take the mean of the `cycles`. Fails as reconstruct()
+  /// does.
   [[nodiscard]] Result<void> reconstruct_into(const capture::Measurement& measurement, size_t cycles,
                                               std::span<const size_t> views, ReconstructionMemory& memory,
                                               lightfield::LightField& field) const;
