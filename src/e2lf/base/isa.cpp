@@ -32,8 +32,13 @@ constexpr int64_t kAvx512 = kAvx2 | (2 * HWY_AVX3 - 1);  // and all better targe
 constexpr const char* kAmx = "amx";                      // not a Highway target
 
 const std::vector<Isa>& isas() {
+#if HWY_ARCH_ARM
+  // NEON is the baseline of 64-bit ARM: kernels use it under the cap "scalar", too.
+  static const std::vector<Isa> list = {{"scalar", kScalar}, {"neon", kScalar | HWY_NEON}};
+#else
   static const std::vector<Isa> list = {
       {"scalar", kScalar}, {"sse4", kSse4}, {"avx2", kAvx2}, {"avx512", kAvx512}, {kAmx, kAvx512}};
+#endif
   return list;
 }
 
