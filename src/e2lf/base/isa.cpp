@@ -26,19 +26,15 @@ struct Isa {
 };
 
 constexpr int64_t kScalar = HWY_SCALAR | HWY_EMU128;
-constexpr int64_t kSse4 = kScalar | HWY_SSSE3 | HWY_SSE4;
+constexpr int64_t kNeon = kScalar | HWY_NEON;  // on 64-bit ARM, where kernels use it under the cap "scalar", too
+constexpr int64_t kSse4 = kNeon | HWY_SSSE3 | HWY_SSE4;
 constexpr int64_t kAvx2 = kSse4 | HWY_AVX2;
 constexpr int64_t kAvx512 = kAvx2 | (2 * HWY_AVX3 - 1);  // and all better targets; later Highways have more
 constexpr const char* kAmx = "amx";                      // not a Highway target
 
 const std::vector<Isa>& isas() {
-#if HWY_ARCH_ARM
-  // NEON is the baseline of 64-bit ARM: kernels use it under the cap "scalar", too.
-  static const std::vector<Isa> list = {{"scalar", kScalar}, {"neon", kScalar | HWY_NEON}};
-#else
-  static const std::vector<Isa> list = {
-      {"scalar", kScalar}, {"sse4", kSse4}, {"avx2", kAvx2}, {"avx512", kAvx512}, {kAmx, kAvx512}};
-#endif
+  static const std::vector<Isa> list = {{"scalar", kScalar}, {"neon", kNeon},     {"sse4", kSse4},
+                                        {"avx2", kAvx2},     {"avx512", kAvx512}, {kAmx, kAvx512}};
   return list;
 }
 
