@@ -12,8 +12,8 @@ namespace e2lf::engine {
 /// + c of `row`. The padding channels become zero.
 void read_planes(const float* from, size_t plane, size_t channels, size_t width, ElementType type, std::byte* row);
 
-/// Does the inverse: element x * padded channels + c of `row` is copied to to[planes[c] * plane + x], or, if `planes` is
-/// empty, to to[c * plane + x].
+/// Does the inverse: element x * padded channels + c of `row` is copied to to[planes[c] * plane + x], or, if `planes`
+/// is empty, to to[c * plane + x].
 void write_planes(const std::byte* row, size_t channels, size_t width, ElementType type, float* to, size_t plane,
                   std::span<const size_t> planes);
 

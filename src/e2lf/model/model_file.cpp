@@ -48,10 +48,11 @@ Result<void> check_all_used(const Model& model, const Safetensors& tensors, cons
 Result<Json> header_of(const Safetensors& tensors, const std::string& file) {
   const auto metadata = tensors.metadata.find(kMetadataKey);
   if (metadata == tensors.metadata.end()) {
-    return Error{ErrorCode::kFormat,
-                 "not an e2lf model (its metadata has no \"e2lf\"); `e2lf model import` creates one from the weights of "
-                 "the paper (--release FOLDER) or of a published network (--checkpoint FILE)",
-                 file};
+    return Error{
+        ErrorCode::kFormat,
+        "not an e2lf model (its metadata has no \"e2lf\"); `e2lf model import` creates one from the weights of "
+        "the paper (--release FOLDER) or of a published network (--checkpoint FILE)",
+        file};
   }
   return parse_json(metadata->second, cat(file, ": ", kMetadataKey));
 }

@@ -38,7 +38,8 @@ struct DescribeOptions {
 /// Describes a folder with several parts: a training run, the images for a display, or results of a verb.
 [[nodiscard]] Result<Description> describe_folder(FileKind kind, const std::filesystem::path& path);
 
-/// Describes a file of settings: a camera, a schedule, patterns, the record of a run, settings of a training, or biases.
+/// Describes a file of settings: a camera, a schedule, patterns, the record of a run, settings of a training, or
+/// biases.
 [[nodiscard]] Result<Description> describe_settings(const std::filesystem::path& path);
 
 /// Returns counts, times, and the data that were dropped.

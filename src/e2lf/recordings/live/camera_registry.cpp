@@ -19,7 +19,8 @@ struct Registry {
   std::mutex mutex;
   bool has_loaded = false;  ///< whether those of E2LF_CAMERA_PLUGINS were loaded
   std::vector<CameraPlugin> plugins = {
-      {"replay", "a recording at the speed it was recorded with; ADDRESS is its path, or PATH?speed=S&repeat=N", open_replay_camera},
+      {"replay", "a recording at the speed it was recorded with; ADDRESS is its path, or PATH?speed=S&repeat=N",
+       open_replay_camera},
       {"pipe", "standard input; ADDRESS is the path of a named pipe or nothing", open_pipe_camera},
       {"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", open_tcp_camera},
       {"v4l2", "an event sensor behind a Linux driver; ADDRESS is its device, e.g. video0", open_v4l2_camera,
