@@ -46,9 +46,9 @@ plugin_with null 'return nullptr;'
 plugin_with builtin 'f.version = 1; f.name = "replay"; return &f;'
 "$E2LF" camera list 2>log.txt >list.txt
 grep -qx "camera://edge/edge" list.txt || fail "$(cat list.txt log.txt)"
-for said in "another one with the name edge" "text.so: cannot be loaded" "symbol.so: is no camera plugin" \
-  "version.so: the camera plugin has version 99" "nameless.so: the camera plugin needs a name" "slash.so: the camera plugin needs a name" \
-  "empty.so: the camera plugin lacks one of" "null.so: the camera plugin gives no functions"; do
+for said in "another one with the name edge" "text.so: cannot be loaded" "symbol.so: is not a camera plugin" \
+  "version.so: the camera plugin has version 99" "nameless.so: the name of a camera plugin consists" "slash.so: the name of a camera plugin consists" \
+  "empty.so: the camera plugin lacks one of" "null.so: the camera plugin returns no functions"; do
   grep -q "$said" log.txt || fail "\"$said\" is not in $(cat log.txt)"
 done
 E2LF_CAMERA_PLUGINS=nowhere.so:$PWD/plugins/edge.so fails 1 "nowhere.so" "$E2LF" record camera://nosuch -o x.raw
@@ -94,7 +94,7 @@ fails 1 "sent nothing" "$E2LF" record camera://odd/never -o x.raw --seconds 0.5
 absent x.raw
 # The record says where data are missing.
 "$E2LF" record camera://odd/gap -o gap.raw --seconds 1 --quiet 2>log.txt
-grep -q "gap.raw: data are missing at 1 place; its record says where" log.txt || fail "$(cat log.txt)"
+grep -q "gap.raw: data are missing at 1 place; its record lists them" log.txt || fail "$(cat log.txt)"
 grep -q "the camera or its driver lost 2 buffers" log.txt || fail "$(cat log.txt)"
 [ "$(json gap.raw.run.json 'j["notes"]["live"]["gaps"]')" = "[{'byte': $(($(wc -c <gap.raw) - 16)), 'dropped_bytes': 0, 'lost_buffers': 2}]" ] || fail "$(cat gap.raw.run.json)"
 "$E2LF" convert camera://odd/gap gap.csv --quiet 2>log.txt &

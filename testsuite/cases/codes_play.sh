@@ -4,7 +4,7 @@
   skip "this build has no display"
 }
 command -v Xvfb >/dev/null && command -v import >/dev/null || skip "no Xvfb or ImageMagick"
-fails 1 "there is no display" env -u DISPLAY SDL_VIDEODRIVER=x11 "$E2LF" codes play -o x
+fails 1 "no display is available" env -u DISPLAY SDL_VIDEODRIVER=x11 "$E2LF" codes play -o x
 absent x
 Xvfb -displayfd 3 -screen 0 640x512x24 -screen 1 320x256x24 -nolisten tcp 3>number 2>xvfb.txt &
 server=$!

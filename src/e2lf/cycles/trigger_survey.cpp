@@ -77,6 +77,31 @@ std::vector<double> without_bounces(const std::vector<int64_t>& times_us, double
   return intervals_of(kept);
 }
 
+/// Returns how many triggers are missing if each interval is one of the schedule or the sum of several consecutive
+/// ones, for the best phase; 0 if intervals are left unexplained, or if fewer than half of them are single ones.
+size_t missing_triggers(const std::vector<double>& intervals, const std::vector<double>& expected) {
+  for (size_t phase = 0; phase < expected.size(); ++phase) {
+    size_t place = phase, single = 0, explained = 0, missing = 0;
+    for (const double interval : intervals) {
+      double sum = 0, tolerance = 0;
+      size_t steps = 0;
+      while (sum + tolerance < interval && steps < 2 * expected.size()) {
+        const double next = expected[(place + steps++) % expected.size()];
+        sum += next;
+        tolerance = kTolerance * next;
+      }
+      place += std::max<size_t>(steps, 1);
+      if (std::abs(sum - interval) > tolerance) continue;
+      ++explained;
+      single += steps == 1 ? 1 : 0;
+      missing += steps - 1;
+    }
+    const auto most = kMost * static_cast<double>(intervals.size());
+    if (static_cast<double>(explained) >= most && 2 * single >= intervals.size()) return missing;
+  }
+  return 0;
+}
+
 /// Returns an explanation based on the times of one edge of one input, the most certain one first.
 std::string advice_of_times(const std::vector<int64_t>& times_us, const Schedule& schedule, bool one_per_cycle) {
   const std::vector<double> intervals = intervals_of(times_us), expected = intervals_of(schedule);
@@ -120,6 +145,11 @@ std::string advice_of_times(const std::vector<int64_t>& times_us, const Schedule
         fit(intervals, intervals_of(other), 1.0) >= kMost) {
       return cat("the intervals are those of ", codes, " coding patterns; give --patterns ", codes);
     }
+  }
+  if (const size_t missing = missing_triggers(intervals, expected); missing > 0) {
+    return cat(missing, " of ", times_us.size() + missing,
+               " triggers are missing, and the others match the schedule; "
+               "check the wire, the level and the length of the trigger pulses, or use --source bursts");
   }
   return cat("a trigger comes every ", ms(usual_us), " and the schedule has ", schedule.size(), " patterns in ",
              ms(cycle_us), "; give the display's --schedule");

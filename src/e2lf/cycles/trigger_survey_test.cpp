@@ -75,6 +75,15 @@ TEST(TriggerAdvice, TellsSlowerSchedulesOtherPatternsAndMissingEdgesApart) {
   EXPECT_THAT(advice_for(bouncing), HasSubstr("bounces"));
 }
 
+TEST(TriggerAdvice, CountsMissingTriggers) {
+  // Each trigger has two edges; the 5th, 11th, 12th, 20th ... are lost.
+  const auto some = kept(triggers_of(paper_schedule()), [](size_t i) {
+    const size_t trigger = i / 2 % 20;
+    return trigger != 5 && trigger != 11 && trigger != 12;
+  });
+  EXPECT_THAT(advice_for(some), HasSubstr("9 of 60 triggers are missing"));
+}
+
 TEST(TriggerAdvice, SaysThatThereAreNoneOrThatTheyEnd) {
   EXPECT_THAT(advice_for({}), HasSubstr("no triggers"));
   TriggerSurvey survey;

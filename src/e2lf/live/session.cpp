@@ -226,9 +226,20 @@ std::shared_ptr<const ShownPicture> Session::picture(const Look& look, uint64_t 
 }
 
 std::optional<float> Session::disparity_at(float x, float y) {
-  const std::lock_guard lock(field_mutex_);
-  if (shown_.serial == 0 || (!shown_.views.empty() && !complete())) return std::nullopt;
-  return live::disparity_at(shown_, x, y);
+  LiveField field;
+  {
+    const std::lock_guard lock(field_mutex_);
+    if (shown_.serial == 0) return std::nullopt;
+    if (shown_.views.empty()) return live::disparity_at(shown_, x, y);
+    field.cycle = shown_.cycle;
+    field.gait = shown_.gait;
+  }
+  // The comparison needs all views of the same cycle.
+  if (const Result<void> made = make_views(field.cycle, false, field); !made) {
+    fail(made.error());
+    return std::nullopt;
+  }
+  return live::disparity_at(field, x, y);
 }
 
 /// Computes the missing views of the displayed light field, unless the next one is being reconstructed. field_mutex_

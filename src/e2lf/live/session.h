@@ -83,8 +83,7 @@ class Session {
   [[nodiscard]] std::shared_ptr<const ShownPicture> picture(const Look& look, uint64_t after,
                                                             std::chrono::milliseconds patience);
 
-  /// Returns disparity_at() of the newest light field, or nothing if there is none or if its views are not computed
-  /// yet.
+  /// Returns disparity_at() of the newest light field, or nothing if there is none yet. Computes its missing views.
   [[nodiscard]] std::optional<float> disparity_at(float x, float y);
 
   /// Computes all views of the newest light field and returns it with the brightness in which it is shown, or nothing

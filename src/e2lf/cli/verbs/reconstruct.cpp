@@ -100,9 +100,9 @@ void print_result(const ReconstructArguments& arguments, const CommonOptions& co
     std::printf("%s", json_text(result).c_str());
   } else if (!common.quiet) {
     const std::string where = place_of_views(arguments.output, input.has_one_field(), cycles.size());
-    std::printf("%zu light field%s in %s (black %.3g, gain %.3g): views, contact_sheet.png, epi.png, run.json\n",
+    std::printf("%zu light field%s in %s (black %.3g, gain %.3g): %s, contact_sheet.png, epi.png, run.json\n",
                 cycles.size(), cycles.size() == 1 ? "" : "s", where.c_str(), cycles.front()["black"].get<double>(),
-                cycles.front()["gain"].get<double>());
+                cycles.front()["gain"].get<double>(), arguments.format == "npy" ? "lightfield.npy" : "views");
     if (cycles.front().contains("event_error")) print_event_error(cycles.front());
     if (!arguments.view) print_next_step(next_step(arguments, input.has_one_field()), common);
   }
