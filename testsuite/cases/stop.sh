@@ -141,7 +141,7 @@ mkfifo unread.svg unread.csv unwritten
 for command in "info rec.raw --plot unread.svg" "convert rec.raw unread.csv" "info unwritten"; do
   # shellcheck disable=SC2086
   ended TERM 143 'catches_term && sleep 1' "$E2LF" $command
-  grep -q "nobody" stderr.txt || fail "$command: $(cat stderr.txt)"
+  grep -q "no program" stderr.txt || fail "$command: $(cat stderr.txt)"
 done
 ended KILL 137 'grown taken.raw 20000' "$E2LF" convert "$address" taken.raw --event-format evt3
 "$E2LF" convert rec.raw taken.raw 2>stderr.txt
