@@ -199,7 +199,7 @@ TEST(Npy, A13A15WhatIsNotInTheRangeIsNamedWithIt) {
   EXPECT_THAT(negative.text(), testing::AllOf(testing::HasSubstr("-1..1"), testing::HasSubstr("(x + 1) / 2")));
   EXPECT_EQ(negative.setting, Setting::kNone);
   const Error words = error_of({0, 900, 1000, 0, 0, 0});
-  EXPECT_THAT(words.text(), testing::AllOf(testing::HasSubstr("0..1000"), testing::HasSubstr("as 1023")));
+  EXPECT_THAT(words.text(), testing::AllOf(testing::HasSubstr("0..1000"), testing::HasSubstr("e.g. 1023")));
   EXPECT_EQ(words.setting, Setting::kWhite);
   const Error nan = error_of({0, 0.5F, 1, 0, std::nanf(""), 0});
   EXPECT_THAT(nan.text(), testing::AllOf(testing::HasSubstr("NaN"), testing::HasSubstr("view column 1, y 0, x 1")));

@@ -14,7 +14,7 @@ constexpr size_t kHeight = 64, kWidth = 80, kCodes = 4;
 
 /// The share of the light that pattern `code` lets through; a1 is black.
 double share(size_t code, double x, double y) {
-  return code == 0 ? 0.0 : 0.5 + 0.4 * std::sin(0.31 * x + 0.2 * y + static_cast<double>(code));
+  return code == 0 ? 0.0 : 0.12 + 0.08 * std::sin(0.31 * x + 0.2 * y + static_cast<double>(code));
 }
 
 double scene(double x, double y) {
