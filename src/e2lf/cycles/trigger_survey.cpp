@@ -80,6 +80,8 @@ std::vector<double> without_bounces(const std::vector<int64_t>& times_us, double
 /// Returns how many triggers are missing if each interval is one of the schedule or the sum of several consecutive
 /// ones, for the best phase; 0 if intervals are left unexplained, or if fewer than half of them are single ones.
 size_t missing_triggers(const std::vector<double>& intervals, const std::vector<double>& expected) {
+  auto most_explained = static_cast<size_t>(std::ceil(kMost * static_cast<double>(intervals.size())));
+  size_t found = 0;
   for (size_t phase = 0; phase < expected.size(); ++phase) {
     size_t place = phase, single = 0, explained = 0, missing = 0;
     for (const double interval : intervals) {
@@ -96,10 +98,11 @@ size_t missing_triggers(const std::vector<double>& intervals, const std::vector<
       single += steps == 1 ? 1 : 0;
       missing += steps - 1;
     }
-    const auto most = kMost * static_cast<double>(intervals.size());
-    if (static_cast<double>(explained) >= most && 2 * single >= intervals.size()) return missing;
+    if (explained < most_explained || 2 * single < intervals.size()) continue;
+    most_explained = explained + 1;
+    found = missing;
   }
-  return 0;
+  return found;
 }
 
 /// Returns an explanation based on the times of one edge of one input, the most certain one first.
