@@ -44,3 +44,14 @@ PY
 [ "$(json whole.json "len(j['cycles'])")/$(json lit.json "len(j['cycles'])")" = 3/4 ] || fail "cycles: $(cat whole.json lit.json)"
 "$E2LF" codes render --codes whole.npy -o display --quiet
 [ "$(ls display/frame_*.png | wc -l)" = 8 ] || fail "$(ls display)"
+# A cycle during which the scene moves too much is reconstructed from its lit transitions, unless all are wanted.
+transitions_of() { json "$1/run.json" "' '.join(c.get('transitions', '-') for c in j['notes']['cycles'])"; }
+for rpm in 1 100; do
+  "$E2LF" simulate --turntable $rpm --width 160 --height 120 -m e2lf-n4-cycle-camera --camera evk4-lcos --cycles 2 -o turn.npz --overwrite --quiet
+  "$E2LF" reconstruct turn.npz -m e2lf-n4-cycle-camera -o turn$rpm >out.txt 2>err.txt
+done
+[ "$(transitions_of turn1)" = "all all" ] || fail "slow: $(cat turn1/run.json)"
+[ "$(transitions_of turn100)" = "lit lit" ] || fail "moving: $(cat turn100/run.json)"
+grep -q "the scene moved during 2 of 2 cycles" err.txt || fail "$(cat err.txt)"
+"$E2LF" reconstruct turn.npz -m e2lf-n4-cycle-camera --transitions all -o whole_of_moving --quiet
+[ "$(transitions_of whole_of_moving)" = "- -" ] || fail "$(cat whole_of_moving/run.json)"

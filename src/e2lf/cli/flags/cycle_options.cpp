@@ -82,8 +82,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
          "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
          "then uses the lit ones in cycles during which the scene moves too much")
       ->check(CLI::IsMember({"auto", "lit", "all"}))
-      ->capture_default_str()
-      ->group(group);
+      ->capture_default_str();
   app.add_option("--edge", flags.edge, "trigger edge: rising, falling, both")
       ->check(CLI::IsMember({"rising", "falling", "both"}))
       ->capture_default_str()

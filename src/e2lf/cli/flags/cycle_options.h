@@ -39,7 +39,7 @@ struct CycleObserver {
 /// The help group of the options that only apply to recordings.
 inline constexpr const char* kCycleOptions = "Pattern cycles of a recording";
 
-/// Declares all of CycleFlags; --max-cycles also applies to event images.
+/// Declares all of CycleFlags; --transitions and --max-cycles also apply to event images.
 void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
 /// Converts the flags to the options of a reader of cycles with this schedule, ignoring --schedule, --patterns and the

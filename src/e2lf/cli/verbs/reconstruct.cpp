@@ -164,6 +164,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                  "there are no events to reconstruct from: all counts are 0; check how they were accumulated",
                  arguments.input.string()};
   }
+  if (!input.is_recording() && arguments.cycles.transitions == "lit") {
+    return Error{ErrorCode::kInvalidValue, "does nothing for event images; leave it out", "--transitions lit"};
+  }
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_method(arguments, input, std::move(choice), record));
   const std::string recorded_filter = pipeline::recorded_colour_filter(arguments.input);
   const pipeline::MethodUse use{
