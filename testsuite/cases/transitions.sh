@@ -55,3 +55,6 @@ done
 grep -q "the scene moved during 2 of 2 cycles" err.txt || fail "$(cat err.txt)"
 "$E2LF" reconstruct turn.npz -m e2lf-n4-cycle-camera --transitions all -o whole_of_moving --quiet
 [ "$(transitions_of whole_of_moving)" = "- -" ] || fail "$(cat whole_of_moving/run.json)"
+# Another camera is compared with the network's own by the whole cycle alone.
+"$E2LF" reconstruct turn.npz -m e2lf-n4-cycle-camera --camera ideal -o other --quiet
+[ "$(transitions_of other)" = "lit lit" ] || fail "$(cat other/run.json)"

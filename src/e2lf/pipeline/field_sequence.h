@@ -69,7 +69,8 @@ class FieldSequence {
 
  private:
   [[nodiscard]] Result<void> compare(const recon::EventCheck& check, const recon::Method& method,
-                                     const capture::Measurement& measurement, Field& field);
+                                     const std::optional<recon::Rival>& rival, const capture::Measurement& measurement,
+                                     Field& field);
 
   recon::Method method_;
   Tone tone_;
