@@ -43,17 +43,17 @@ class Reconstructor {
                                                            const ProgressFn& progress = {}, size_t passes = 1,
                                                            size_t cycles = 1) const;
 
-  /// Computes the same in one pass into `field`, whose memory is used again if it has the shape. Only the views with
-  /// these numbers, in order, are computed if the network can do so, and the others are left as they are; without
-  /// numbers, all are. Networks that are not told the camera take the mean of the `cycles`. Fails as reconstruct()
-  /// does.
+  /// Computes one pass of reconstruct() into `field`, whose memory is reused if it has the right shape. If the network
+  /// permits it, only the views with the numbers `views`, in ascending order, are computed and the others are not
+  /// changed; if `views` is empty, all are computed. Networks that are not conditioned on the sensor profile receive
+  /// the mean of the `cycles`. Fails as reconstruct() does.
   [[nodiscard]] Result<void> reconstruct_into(const capture::Measurement& measurement, size_t cycles,
                                               std::span<const size_t> views, ReconstructionMemory& memory,
                                               lightfield::LightField& field) const;
 
-  /// Returns the same network for measurements of so many cycles alone, with what it is told of the camera built into
-  /// its weights: it is faster, and its results differ by rounding. Networks that are not told the camera, or do not
-  /// read it with convolutions, are returned as they are.
+  /// Returns the same network for measurements of exactly `cycles` cycles, with the sensor profile built into its
+  /// weights. It is faster, and its results differ by rounding. Networks that are not conditioned on the sensor
+  /// profile, or that do not process it by convolutions, are returned unchanged.
   [[nodiscard]] Result<Reconstructor> with_constant_camera(size_t cycles) const;
 
   /// Returns the number of passes that are made if `wanted` are requested: at least one and at most
@@ -80,7 +80,7 @@ class Reconstructor {
   model::Model model_;
   std::shared_ptr<const engine::Engine> engine_;
   std::shared_ptr<const model::Weights> weights_;
-  std::optional<size_t> constant_cycles_;  ///< the camera and so many cycles are built into the weights
+  std::optional<size_t> constant_cycles_;  ///< number of cycles that is built into the weights
 };
 
 }  // namespace e2lf::recon

@@ -21,7 +21,7 @@ double scene(double x, double y) {
   return 0.5 + 0.35 * std::sin(0.7 * x) * std::cos(0.5 * y);
 }
 
-/// The counts of a whole cycle of a scene that moves by so many pixels from pattern to pattern, with noise of the log
+/// The counts of a whole cycle of a scene that moves by `px_per_pattern` from pattern to pattern, with noise of the log
 /// intensity at each.
 capture::EventImages play(double px_per_pattern, double noise) {
   constexpr double kEps = 0.02, kTau = 0.3;
