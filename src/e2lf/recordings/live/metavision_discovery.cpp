@@ -82,7 +82,10 @@ std::string hal_text(const std::exception& error) {
 
 Result<std::vector<std::string>> list_metavision_cameras() try {
   prepare_hal();
-  const auto names = Metavision::DeviceDiscovery::list();
+  // A plugin that the HAL finds in two folders lists its cameras twice.
+  auto names = Metavision::DeviceDiscovery::list();
+  names.sort();
+  names.unique();
   return std::vector<std::string>(names.begin(), names.end());
 } catch (const std::exception& error) {
   return Error{ErrorCode::kIo, cat("the HAL cannot list cameras (", hal_text(error), "); check its plugins"), ""};

@@ -175,6 +175,7 @@ std::string device_header(Metavision::Device& device) {
   auto known = identity.get_header().get_header_map();
   const std::string format = identity.get_current_data_encoding_format();
   known.emplace("sensor_name", identity.get_sensor_info().name_);
+  known.emplace("serial_number", identity.get_serial());
   known.emplace("evt", evt_version(format));
   known.emplace("format", format.substr(0, format.find(';')));
   if (const auto* const geometry = device.get_facility<Metavision::I_Geometry>()) {
