@@ -17,7 +17,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/recon/reconstruct.h"
-#include "e2lf/streams/camera_stream.h"
+#include "e2lf/streams/stream_options.h"
 #include "e2lf/streams/virtual_rig.h"
 #include "e2lf/terminal/progress_bar.h"
 

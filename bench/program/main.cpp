@@ -28,9 +28,9 @@
 #include "e2lf/cli/output/next_step.h"
 #include "e2lf/cli/program.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/model/model.h"
-#include "e2lf/streams/camera_stream.h"
+#include "e2lf/streams/stream_options.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {

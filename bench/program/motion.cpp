@@ -9,7 +9,7 @@
 #include "bench/program/moving_scene.h"
 #include "bench/program/report.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/model_option.h"
 #include "e2lf/cli/flags/number_check.h"
@@ -19,7 +19,7 @@
 #include "e2lf/lightfield/turntable_scene.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
-#include "e2lf/streams/camera_stream.h"
+#include "e2lf/streams/stream_options.h"
 #include "e2lf/streams/virtual_rig.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
-#include "e2lf/eval/best_gain.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/lightfield/crop.h"
 

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::bench {
 using namespace cli;

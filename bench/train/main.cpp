@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "bench/train/benchmark.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/learn/run/guarded.h"
 #include "e2lf/terminal/progress_bar.h"
 

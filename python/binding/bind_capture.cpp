@@ -11,7 +11,7 @@
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cli/output/pictures.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/pipeline/patterns.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"

@@ -2,7 +2,7 @@
 // The module e2lf._e2lf; python/e2lf/__init__.py lists its public names.
 #include "python/binding/module.h"
 
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "python/binding/errors.h"
 
 namespace e2lf::python {

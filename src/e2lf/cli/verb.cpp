@@ -18,7 +18,7 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/program.h"
 #include "e2lf/cli/version.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/files/workspace.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -8,7 +8,7 @@
 
 #include "e2lf/compare/config_fields.h"
 #include "e2lf/compare/metrics.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::compare {
 namespace {

@@ -10,7 +10,6 @@
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
-#include "e2lf/eval/best_gain.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/lightfield/crop.h"

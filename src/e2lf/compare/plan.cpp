@@ -10,7 +10,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/video/video_model.h"
 #include "e2lf/pipeline/method.h"

@@ -2,7 +2,7 @@
 #include "e2lf/compare/store.h"
 
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::compare {
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 #include <charconv>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 
 namespace e2lf::cycles {
 namespace {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <mutex>
 
+#include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/eval/ssim.h"
@@ -125,6 +126,17 @@ Result<LightFieldMetrics> compare(const LightField& truth, const LightField& rec
   result.mean = mean_of(result.views);
   result.epi = epi_error(truth, reconstruction, options.clamp);
   return result;
+}
+
+float best_gain(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {
+  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields of different shapes have no best gain");
+  double products = 0, squares = 0;
+  for (size_t i = 0; i < truth.data().size(); ++i) {
+    const double value = double{reconstruction.data()[i]};
+    products += value * double{truth.data()[i]};
+    squares += value * value;
+  }
+  return squares > 0 ? static_cast<float>(products / squares) : 0.0F;
 }
 
 }  // namespace e2lf::eval

@@ -51,4 +51,9 @@ struct LightFieldMetrics {
                                                 const lightfield::LightField& reconstruction,
                                                 const MetricOptions& options = {}, const ProgressFn& progress = {});
 
+/// Returns the factor g that minimises the squared error between the truth and g times the reconstruction, so that a
+/// method made for another brightness is not penalised for that alone. It is 0 for a black reconstruction. Different
+/// shapes break the contract.
+[[nodiscard]] float best_gain(const lightfield::LightField& truth, const lightfield::LightField& reconstruction);
+
 }  // namespace e2lf::eval

@@ -111,4 +111,10 @@ class OptionReader {
   std::optional<Error> error_;
 };
 
+/// Formats a JSON value as text: json_text() indents it and ends it with a new line, json_line() writes one line
+/// without a new line. They never throw: bytes that are not valid UTF-8, which names of files may contain, become
+/// U+FFFD.
+[[nodiscard]] std::string json_text(const Json& json);
+[[nodiscard]] std::string json_line(const Json& json);
+
 }  // namespace e2lf

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/files/json_text.h"
 #include "testing/test_files.h"
 
 namespace e2lf {

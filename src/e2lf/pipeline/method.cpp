@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/recon/linear_estimate.h"
 #include "e2lf/recon/regularised.h"

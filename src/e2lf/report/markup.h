@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,5 +19,8 @@ namespace e2lf::report {
 
 /// Returns the number of characters in a UTF-8 text, i.e. of the bytes that are not continuation bytes.
 [[nodiscard]] size_t num_characters(std::string_view text);
+
+/// Encodes bytes in Base64 (RFC 4648), padded with "=".
+[[nodiscard]] std::string base64(std::span<const uint8_t> bytes);
 
 }  // namespace e2lf::report

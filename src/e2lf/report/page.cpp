@@ -3,7 +3,6 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
-#include "e2lf/report/base64.h"
 #include "e2lf/report/markup.h"
 
 namespace e2lf::report {

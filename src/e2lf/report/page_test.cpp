@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/report/base64.h"
 #include "e2lf/report/markup.h"
 
 namespace e2lf::report {

@@ -8,7 +8,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/report/markup.h"
 
 namespace e2lf::report {

@@ -11,7 +11,7 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/pixel_thresholds.h"

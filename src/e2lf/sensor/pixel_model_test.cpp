@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/event_model.h"
 #include "testing/pixel_levels.h"
 

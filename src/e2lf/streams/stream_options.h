@@ -71,4 +71,8 @@ struct StreamOptions {
 /// Checks the options. Fails with kInvalidValue, naming the one that is not finite or out of range.
 [[nodiscard]] Result<void> validate(const StreamOptions& options);
 
+/// Returns the stream options for a camera file: its event model and constants. `seed` identifies a capture and also
+/// selects the map of pixel properties.
+[[nodiscard]] StreamOptions camera_stream(const capture::SensorProfile& camera, uint64_t seed);
+
 }  // namespace e2lf::streams

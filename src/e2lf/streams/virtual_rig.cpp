@@ -6,7 +6,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 
 namespace e2lf::streams {
 namespace {

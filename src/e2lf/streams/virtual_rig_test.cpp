@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 #include <map>
 
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
-#include "e2lf/streams/camera_stream.h"
+#include "e2lf/streams/stream_options.h"
 #include "testing/test_light.h"
 
 namespace e2lf::streams {

@@ -2,7 +2,7 @@
 #include "e2lf/capture/patterns/codes_io.h"
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::capture {
 namespace {

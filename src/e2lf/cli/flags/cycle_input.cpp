@@ -2,7 +2,7 @@
 #include "e2lf/cli/flags/cycle_input.h"
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/flags/file_kind.h"
 
 namespace e2lf::cli {

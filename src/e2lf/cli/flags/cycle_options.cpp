@@ -7,7 +7,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/flags/number_check.h"
 #include "e2lf/cli/flags/option_types.h"
 #include "e2lf/files/npy.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/flags/display_flags.h"
 
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/flags/number_check.h"
 
 namespace e2lf::cli {

@@ -10,7 +10,7 @@
 #include "e2lf/cli/flags/option_types.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/turntable_scene.h"
-#include "e2lf/streams/camera_stream.h"
+#include "e2lf/streams/stream_options.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

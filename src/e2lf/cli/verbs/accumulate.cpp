@@ -19,7 +19,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/verbs/rate_plot.h"
 #include "e2lf/eval/event_statistics.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/recordings/event_rate.h"
 #include "e2lf/terminal/progress_bar.h"

@@ -13,7 +13,7 @@
 #include "e2lf/cli/output/screen.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

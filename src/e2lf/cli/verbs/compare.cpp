@@ -19,7 +19,7 @@
 #include "e2lf/compare/result_page.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/terminal/progress_bar.h"
 

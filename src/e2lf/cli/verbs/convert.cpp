@@ -14,7 +14,7 @@
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/open/open_named_recording.h"

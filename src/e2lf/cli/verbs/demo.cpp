@@ -14,7 +14,7 @@
 #include "e2lf/cli/verbs/live_view.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"

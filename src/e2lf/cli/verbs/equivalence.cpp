@@ -13,7 +13,7 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"
 #include "e2lf/terminal/progress_bar.h"

@@ -9,7 +9,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/verbs/describe.h"
 #include "e2lf/cli/verbs/rate_plot.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/recordings/event_rate.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -11,7 +11,7 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/model/onnx/onnx_export.h"
 #include "e2lf/model/summary.h"
 #include "e2lf/model/video/import_event_video.h"

@@ -21,7 +21,7 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/verbs/live_view.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/pipeline/method.h"
 
 namespace e2lf::cli {

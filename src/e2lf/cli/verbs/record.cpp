@@ -13,7 +13,7 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/recordings/io/byte_sink.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/terminal/progress_bar.h"

@@ -23,7 +23,7 @@
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/recordings/open/recording_place.h"

@@ -5,7 +5,7 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_writer.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/recordings/recording.h"
 #include "e2lf/terminal/progress_bar.h"

@@ -17,7 +17,7 @@
 #include "e2lf/cycles/event_windows.h"
 #include "e2lf/cycles/voxelise.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/recon/video/event_video.h"
 #include "e2lf/recon/video/frame_tone.h"

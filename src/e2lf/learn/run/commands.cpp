@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/files/workspace.h"
 #include "e2lf/learn/run/device.h"
 #include "e2lf/learn/run/guarded.h"

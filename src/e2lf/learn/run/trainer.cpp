@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/patterns/whole_cycle.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/learn/data/draws.h"
 #include "e2lf/learn/events/input_form.h"
 #include "e2lf/learn/network/centring.h"

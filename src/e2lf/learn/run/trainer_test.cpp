@@ -10,7 +10,7 @@
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/learn/events/input_form.h"
 #include "e2lf/learn/run/commands.h"
 #include "e2lf/model/unet.h"

@@ -3,7 +3,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/model/onnx/onnx_graph.h"
 #include "e2lf/model/onnx/onnx_layers.h"
 

@@ -7,7 +7,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/json_text.h"
+#include "e2lf/files/options.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
