@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/files/zip_format.h"
 
 namespace e2lf {
 
@@ -52,9 +53,8 @@ class ZipWriter {
 
  private:
   uint64_t zip64_from_;
-  size_t count_ = 0;
+  std::vector<zip::Member> members_;
   std::vector<uint8_t> archive_;
-  std::vector<uint8_t> directory_;
 };
 
 }  // namespace e2lf

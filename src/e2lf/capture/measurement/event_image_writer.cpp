@@ -17,100 +17,17 @@ namespace e2lf::capture {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr char kEvents[] = "events.npy";
 constexpr size_t kHeaderSize = 128;  ///< of the .npy member: its size is known first, its shape last
 
-template <typename T>
-void put(std::vector<uint8_t>& bytes, T value) {
-  for (size_t i = 0; i < sizeof(T); ++i) bytes.push_back(static_cast<uint8_t>(value >> (8 * i)));
+/// The local header of the events is rewritten when their size is known, so its length must not depend on the size.
+constexpr uint64_t kAlwaysZip64 = 0;
+
+std::vector<uint8_t> local_header(const zip::Member& member) {
+  return zip::local_header(member, kAlwaysZip64);
 }
 
-/// A member as the directory of the archive describes it.
-struct Member {
-  std::string name = kEvents;
-  uint16_t method = zip::kDeflated;
-  uint32_t crc = 0;
-  uint64_t packed = 0, size = 0;
-  uint64_t offset = 0;  ///< position of its local header
-};
-
-void put_name(std::vector<uint8_t>& bytes, const Member& member) {
-  bytes.insert(bytes.end(), member.name.begin(), member.name.end());
-}
-
-/// Appends the fields that the local header and the directory entry share, from "version needed" to the length of the
-/// name.
-void put_common(std::vector<uint8_t>& bytes, const Member& member) {
-  put<uint16_t>(bytes, zip::kVersion64);
-  put<uint16_t>(bytes, zip::kUtf8Names);
-  put<uint16_t>(bytes, member.method);
-  put<uint32_t>(bytes, 0x00210000);  // 1980-01-01 00:00
-  put<uint32_t>(bytes, member.crc);
-  put<uint32_t>(bytes, zip::kIn64);
-  put<uint32_t>(bytes, zip::kIn64);
-  put<uint16_t>(bytes, static_cast<uint16_t>(member.name.size()));
-}
-
-void put_extra(std::vector<uint8_t>& bytes, const Member& member, bool with_offset) {
-  put<uint16_t>(bytes, zip::kExtra64);
-  put<uint16_t>(bytes, with_offset ? 24 : 16);
-  put<uint64_t>(bytes, member.size);
-  put<uint64_t>(bytes, member.packed);
-  if (with_offset) put<uint64_t>(bytes, member.offset);
-}
-
-std::vector<uint8_t> local_header(const Member& member) {
-  std::vector<uint8_t> bytes;
-  put<uint32_t>(bytes, zip::kLocalHeader);
-  put_common(bytes, member);
-  put<uint16_t>(bytes, 20);  // length of the extra field
-  put_name(bytes, member);
-  put_extra(bytes, member, /*with_offset=*/false);
-  return bytes;
-}
-
-void put_directory_entry(std::vector<uint8_t>& bytes, const Member& member) {
-  put<uint32_t>(bytes, zip::kDirectoryEntry);
-  put<uint16_t>(bytes, zip::kVersion64);  // made by
-  put_common(bytes, member);
-  put<uint16_t>(bytes, 28);  // length of the extra field
-  put<uint16_t>(bytes, 0);   // comment length
-  put<uint16_t>(bytes, 0);   // disk
-  put<uint16_t>(bytes, 0);   // internal attributes
-  put<uint32_t>(bytes, 0);   // external attributes
-  put<uint32_t>(bytes, zip::kIn64);
-  put_name(bytes, member);
-  put_extra(bytes, member, /*with_offset=*/true);
-}
-
-/// Returns the directory, which begins at `offset`, and its two end records (zip64 and plain).
-std::vector<uint8_t> directory(const std::vector<Member>& members, uint64_t offset) {
-  std::vector<uint8_t> bytes;
-  for (const Member& member : members) put_directory_entry(bytes, member);
-  const uint64_t size = bytes.size();
-
-  put<uint32_t>(bytes, zip::kDirectoryEnd64);
-  put<uint64_t>(bytes, zip::kDirectoryEnd64Size - 12);
-  put<uint16_t>(bytes, zip::kVersion64);
-  put<uint16_t>(bytes, zip::kVersion64);
-  put<uint64_t>(bytes, 0);               // this disk, the directory's disk
-  put<uint64_t>(bytes, members.size());  // entries on this disk
-  put<uint64_t>(bytes, members.size());  // entries
-  put<uint64_t>(bytes, size);
-  put<uint64_t>(bytes, offset);
-  put<uint32_t>(bytes, zip::kLocator64);
-  put<uint32_t>(bytes, 0);
-  put<uint64_t>(bytes, offset + size);
-  put<uint32_t>(bytes, 1);  // disks
-
-  put<uint32_t>(bytes, zip::kDirectoryEnd);
-  put<uint32_t>(bytes, 0);  // this disk, the directory's disk
-  put<uint16_t>(bytes, static_cast<uint16_t>(members.size()));
-  put<uint16_t>(bytes, static_cast<uint16_t>(members.size()));
-  put<uint32_t>(bytes, zip::kIn64);
-  put<uint32_t>(bytes, zip::kIn64);
-  put<uint16_t>(bytes, 0);  // comment length
-  return bytes;
+zip::Member events_member() {
+  return {.name = "events.npy", .method = zip::kDeflated};
 }
 
 /// Returns the .npy header with its text padded to a fixed size, as numpy also pads it.
@@ -132,8 +49,10 @@ std::vector<uint8_t> npy_header(uint64_t cycles, const EventImages& shape) {
 /// Returns the header as a separate uncompressed deflate block, so that it can be rewritten when the shape is known.
 std::vector<uint8_t> stored_block(const std::vector<uint8_t>& header) {
   std::vector<uint8_t> bytes = {0};  // not the last block, stored
-  put<uint16_t>(bytes, static_cast<uint16_t>(header.size()));
-  put<uint16_t>(bytes, static_cast<uint16_t>(~header.size()));
+  for (const size_t word : {header.size(), ~header.size()}) {
+    bytes.push_back(static_cast<uint8_t>(word));
+    bytes.push_back(static_cast<uint8_t>(word >> 8U));
+  }
   bytes.insert(bytes.end(), header.begin(), header.end());
   return bytes;
 }
@@ -181,14 +100,14 @@ class EventImageWriter::Impl {
     E2LF_RETURN_IF_ERROR(pack({}, Z_FINISH));
     const std::vector<uint8_t> header = npy_header(cycles_, shape_);
     const auto header_crc = crc32_z(0, header.data(), header.size());
-    Member events;
+    zip::Member events = events_member();
     events.crc = static_cast<uint32_t>(crc32_combine(header_crc, data_crc_, static_cast<z_off_t>(data_size_)));
     events.size = header.size() + data_size_;
     events.packed = stored_block(header).size() + packed_size_;
     events.offset = end_of_members();
     const std::vector<uint8_t> local = local_header(events);
     members_.push_back(events);
-    E2LF_RETURN_IF_ERROR(write(directory(members_, events.offset + local.size() + events.packed)));
+    E2LF_RETURN_IF_ERROR(write(zip::directory(members_, events.offset + local.size() + events.packed, kAlwaysZip64)));
     if (std::fseek(stream_, static_cast<long>(events.offset), SEEK_SET) != 0) return io_error();  // NOLINT: C's type
     E2LF_RETURN_IF_ERROR(write(local));
     E2LF_RETURN_IF_ERROR(write(stored_block(header)));
@@ -206,19 +125,19 @@ class EventImageWriter::Impl {
     E2LF_REQUIRE(status == Z_OK, "zlib did not start");
     // They are written first, so that an unfinished file contains them.
     for (const auto& [name, array] : known_) E2LF_RETURN_IF_ERROR(write_known(name + ".npy", array));
-    E2LF_RETURN_IF_ERROR(write(local_header({})));
+    E2LF_RETURN_IF_ERROR(write(local_header(events_member())));
     return write(stored_block(npy_header(0, shape_)));
   }
 
   /// Writes codes, camera or views, uncompressed.
   Result<void> write_known(const std::string& name, const NpyArray& array) {
     const std::vector<uint8_t> bytes = encode_npy(array);
-    const Member member{.name = name,
-                        .method = zip::kStored,
-                        .crc = static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())),
-                        .packed = bytes.size(),
-                        .size = bytes.size(),
-                        .offset = end_of_members()};
+    const zip::Member member{.name = name,
+                             .method = zip::kStored,
+                             .crc = static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())),
+                             .packed = bytes.size(),
+                             .size = bytes.size(),
+                             .offset = end_of_members()};
     members_.push_back(member);
     E2LF_RETURN_IF_ERROR(write(local_header(member)));
     return write(bytes);
@@ -226,7 +145,7 @@ class EventImageWriter::Impl {
 
   [[nodiscard]] uint64_t end_of_members() const {
     uint64_t end = 0;
-    for (const Member& member : members_) end += local_header(member).size() + member.packed;
+    for (const zip::Member& member : members_) end += local_header(member).size() + member.packed;
     return end;
   }
 
@@ -268,8 +187,8 @@ class EventImageWriter::Impl {
   EventImages shape_;  ///< without counts
   uint64_t cycles_ = 0, data_size_ = 0, packed_size_ = 0;
   uLong data_crc_ = 0;
-  NpzArrays known_;              ///< the setup
-  std::vector<Member> members_;  ///< the complete ones
+  NpzArrays known_;                   ///< the setup
+  std::vector<zip::Member> members_;  ///< the complete ones
 };
 
 EventImageWriter::EventImageWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
