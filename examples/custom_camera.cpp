@@ -45,7 +45,7 @@ Result<size_t> count_cycles(const std::string& camera) {
   for (;; ++count) {
     E2LF_ASSIGN_OR_RETURN(const auto cycle, cycles.next());
     if (!cycle) return count;
-    std::printf("cycle %zu: %zu event images of %zux%zu px\n", count, cycle->images.transitions, cycle->images.width,
+    std::printf("cycle %zu: %zu event images of %zux%zu px\n", count, cycle->images.count, cycle->images.width,
                 cycle->images.height);
   }
 }

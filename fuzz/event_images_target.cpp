@@ -41,8 +41,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto file = capture::read_event_images(choice == 2 ? folder.path() : path);
   if (!file) return 0;
   for (const capture::EventImages& images : file->cycles) {
-    require(images.counts.size() == images.transitions * images.image_size(), "images have all their pixels");
-    require(images.transitions == file->cycles[0].transitions, "cycles have one shape");
+    require(images.values.size() == images.count * images.image_size(), "images have all their pixels");
+    require(images.count == file->cycles[0].count, "cycles have one shape");
   }
   const auto npz = folder.path() / "again.npz", mat = folder.path() / "again.mat";
   require(capture::write_event_images(npz, *file).ok(), "they can be written");

@@ -15,6 +15,7 @@
 #include "reader_seeds.h"
 #include "testing/test_aedat.h"
 #include "testing/test_aedat4.h"
+#include "testing/test_evt4.h"
 #include "testing/test_gzip.h"
 #include "testing/test_rosbag.h"
 #include "testing/test_streams.h"
@@ -127,6 +128,7 @@ Result<void> write_recordings(const fs::path& folder) {
       E2LF_ASSIGN_OR_RETURN(const Bytes bytes, written(format, stream));
       E2LF_RETURN_IF_ERROR(write_file(folder / format / name, bytes));
     }
+    E2LF_RETURN_IF_ERROR(write_file(folder / "evt4" / name, ev::evt4_file(stream)));
     using ev::aedat4::Compression;
     for (const Compression compression : {Compression::kNone, Compression::kLz4, Compression::kZstd}) {
       const std::string file = cat(name, "_", static_cast<int>(compression));

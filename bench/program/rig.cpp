@@ -130,7 +130,7 @@ Result<Json> measure(const RigBench& options, const capture::SensorProfile& came
   E2LF_ASSIGN_OR_RETURN(const LightField field, network.reconstruct(images));
   stages.end("reconstruct");
   uint64_t in_images = 0;
-  for (const int16_t count : images.counts) in_images += static_cast<uint64_t>(std::abs(count));
+  for (const int16_t count : images.values) in_images += static_cast<uint64_t>(std::abs(count));
   return Json{{"image", {options.height, options.width}},
               {"threads", num_threads()},
               {"events", batch.events.size()},

@@ -94,9 +94,9 @@ py::array to_array(lightfield::LightField light_field) {
 }
 
 py::array to_array(capture::EventImages images) {
-  const Extents sizes = extents(images.transitions, images.height, images.width);
+  const Extents sizes = extents(images.count, images.height, images.width);
   auto owner = std::make_unique<capture::EventImages>(std::move(images));
-  int16_t* values = owner->counts.data();
+  int16_t* values = owner->values.data();
   return own(std::move(owner), kEventImagesName, sizes, values);
 }
 
@@ -140,15 +140,15 @@ Borrowed<capture::EventImages> event_images_of(const py::array& array, const cha
     throw ResultError(shape_error(array, name, "[transition, y, x] of one cycle"));
   }
   const auto* owner = find_owner<capture::EventImages>(array, kEventImagesName);
-  if (owner != nullptr && array.data() == owner->counts.data() && is_row_major(array) &&
-      sizes == std::vector{owner->transitions, owner->height, owner->width}) {
+  if (owner != nullptr && array.data() == owner->values.data() && is_row_major(array) &&
+      sizes == std::vector{owner->count, owner->height, owner->width}) {
     return {array, owner};
   }
   capture::EventImages images;
-  images.transitions = sizes[0];
+  images.count = sizes[0];
   images.height = sizes[1];
   images.width = sizes[2];
-  images.counts = counts_of(array, name);
+  images.values = counts_of(array, name);
   return Borrowed<capture::EventImages>(std::move(images));
 }
 

@@ -251,7 +251,7 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
   for (const py::array& each : images_of_cycles) images.push_back(event_images_of(each, "cycles"));
   if (images.empty()) throw py::value_error("at least one cycle is required");
   cycles::SynthesisOptions options;
-  options.schedule = schedule_of(schedule, images.front()->transitions + 1);
+  options.schedule = schedule_of(schedule, images.front()->count + 1);
   if (!triggers) options.trigger_channel.reset();
   options.begin_us = begin_us;
   options.seed = seed;
@@ -263,7 +263,7 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
   if (camera != nullptr) setup.camera = *camera;
   info.header = pipeline::header_of(setup);
   for (const auto& each : images) {
-    if (each->transitions == options.schedule.num_images() && each->width == info.width && each->height == info.height)
+    if (each->count == options.schedule.num_images() && each->width == info.width && each->height == info.height)
       continue;
     throw ResultError({ErrorCode::kShape,
                        "the cycles differ in size, or their number of images differs from that of the schedule",

@@ -107,7 +107,7 @@ std::vector<std::string> undetermined(std::vector<Parameter> parameters, Eigen::
 Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& codes,
                    const capture::SensorProfile& start) {
   E2LF_RETURN_IF_ERROR(check_scenes(scenes));
-  const size_t transitions = scenes.front().cycles.front().transitions;
+  const size_t transitions = scenes.front().cycles.front().count;
   if (codes.num_patterns != transitions + 1) {
     return Error{ErrorCode::kShape,
                  cat(codes.num_patterns, " patterns do not make ", transitions,

@@ -169,12 +169,12 @@ std::vector<Area> collect_areas(const StillScene& scene, size_t scene_number, co
       area.row = key / (kFieldColumns * kFieldRows);
       area.cell = key % (kFieldColumns * kFieldRows);
       area.scene = scene_number;
-      area.histogram.resize(histogram_size(first.transitions));
+      area.histogram.resize(histogram_size(first.count));
     }
     const float half_width = 0.5F * static_cast<float>(first.width);
     for (const capture::EventImages& cycle : scene.cycles) {
       size_t place = 0;
-      for (size_t n = 0; n < cycle.transitions; ++n) place = place * kNumCounts + count_place(cycle.image(n)[p]);
+      for (size_t n = 0; n < cycle.count; ++n) place = place * kNumCounts + count_place(cycle.image(n)[p]);
       area.histogram[place] += 1.0F;
       area.samples += 1.0;
       area.x += (static_cast<float>(x) + 0.5F) / half_width - 1.0F;

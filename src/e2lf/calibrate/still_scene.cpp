@@ -27,9 +27,9 @@ struct NeighbourSums {
 NeighbourSums sums_of(const StillScene& scene) {
   const capture::EventImages& first = scene.cycles.front();
   NeighbourSums sums{first.height, first.width, scene.cycles.size(), {}, std::vector<int32_t>(first.image_size())};
-  sums.counts.assign(first.transitions, std::vector<int32_t>(first.image_size()));
+  sums.counts.assign(first.count, std::vector<int32_t>(first.image_size()));
   for (const capture::EventImages& cycle : scene.cycles) {
-    for (size_t n = 0; n < cycle.transitions; ++n) {
+    for (size_t n = 0; n < cycle.count; ++n) {
       const auto image = cycle.image(n);
       for (size_t p = 0; p < image.size(); ++p) {
         sums.counts[n][p] += image[p];
@@ -111,9 +111,9 @@ Result<void> check_scenes(const std::vector<StillScene>& scenes) {
     return Error{ErrorCode::kShape, "the calibration needs at least one cycle; give event images or a recording", ""};
   }
   const capture::EventImages& first = scenes.front().cycles.front();
-  if (first.transitions < 1 || first.transitions > kMostTransitions) {
+  if (first.count < 1 || first.count > kMostTransitions) {
     return Error{ErrorCode::kShape,
-                 cat(first.transitions, " transitions are not 1 to ", kMostTransitions,
+                 cat(first.count, " transitions are not 1 to ", kMostTransitions,
                      "; calibrate with a sequence of two to four patterns"),
                  ""};
   }
@@ -125,8 +125,7 @@ Result<void> check_scenes(const std::vector<StillScene>& scenes) {
   }
   for (const StillScene& scene : scenes) {
     for (const capture::EventImages& cycle : scene.cycles) {
-      if (cycle.transitions == first.transitions && cycle.height == first.height && cycle.width == first.width)
-        continue;
+      if (cycle.count == first.count && cycle.height == first.height && cycle.width == first.width) continue;
       return Error{ErrorCode::kShape,
                    "the cycles differ in size or in their number of transitions; give scenes of one camera with the "
                    "same patterns",

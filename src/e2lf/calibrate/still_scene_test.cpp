@@ -22,7 +22,7 @@ std::set<size_t> draw_pixels(const StillScene& scene, size_t number, uint64_t st
 void make_hot(StillScene& scene, const std::set<size_t>& pixels) {
   uint64_t draw = 0;
   for (auto& cycle : scene.cycles) {
-    for (size_t n = 0; n < cycle.transitions; ++n) {
+    for (size_t n = 0; n < cycle.count; ++n) {
       for (const size_t p : pixels) {
         for (int chance = 0; chance < 104; ++chance) {
           cycle.image(n)[p] =
@@ -52,7 +52,7 @@ TEST(BadPixels, DeadOnesAreFoundWhereThereIsLight) {
   StillScene scene = simulate(plain_camera(), patches(1.0F, 3.0F), 2);
   const auto dead = draw_pixels(scene, 300, 2);
   for (auto& cycle : scene.cycles) {
-    for (size_t n = 0; n < cycle.transitions; ++n) {
+    for (size_t n = 0; n < cycle.count; ++n) {
       for (const size_t p : dead) cycle.image(n)[p] = 0;
     }
   }
@@ -67,8 +67,8 @@ TEST(BadPixels, DeadOnesAreFoundWhereThereIsLight) {
 
 TEST(BadPixels, TakeTheMedianOfTheirNeighboursInMeans) {
   StillScene scene{{capture::EventImages(1, 64, 64)}};
-  std::fill(scene.cycles[0].counts.begin(), scene.cycles[0].counts.end(), 2);
-  scene.cycles[0].counts[130] = 90;
+  std::fill(scene.cycles[0].values.begin(), scene.cycles[0].values.end(), 2);
+  scene.cycles[0].values[130] = 90;
   const auto states = find_bad_pixels({scene});
   EXPECT_EQ(states[130], PixelState::kHot);
   EXPECT_EQ(mean_counts(scene, states)[0].values[130], 2.0F);

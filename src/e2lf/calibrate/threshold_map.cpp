@@ -63,7 +63,7 @@ void add_scene(const StillScene& scene, const FlatAreas& flat, const std::vector
     is_known[p] = true;
     for (const capture::EventImages& cycle : scene.cycles) {
       size_t place = 0;
-      for (size_t n = 0; n < cycle.transitions; ++n) place = place * kNumCounts + count_place(cycle.image(n)[p]);
+      for (size_t n = 0; n < cycle.count; ++n) place = place * kNumCounts + count_place(cycle.image(n)[p]);
       for (size_t f = 0; f < kFactors; ++f) evidence[p][f] += (*found->second)[f][place];
     }
   }

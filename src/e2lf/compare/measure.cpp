@@ -86,7 +86,7 @@ double measured_us(const ComparedMethod& method, const cycles::Schedule& schedul
 /// Adds the mean events of each transition over the cycles, and the total cost of all cycles.
 void add_costs(const ComparedMethod& method, const std::vector<capture::Measurement>& cycles, Json& figures) {
   const auto count = static_cast<double>(cycles.size());
-  std::vector<double> per_transition(cycles.front().events.transitions);
+  std::vector<double> per_transition(cycles.front().events.count);
   double total = 0;
   for (const capture::Measurement& measured : cycles) {
     if (per_transition.empty()) break;

@@ -456,7 +456,7 @@ TEST(CycleReader, BurstsInNoiseAreFoundAndOnlyNoiseIsAdded) {
   for (const Cycle& cycle : outcome.cycles) {
     const capture::EventImages truth = images_of(true_number(cycle, synthesis));
     int difference = 0;
-    for (size_t i = 0; i < truth.counts.size(); ++i) difference += std::abs(truth.counts[i] - cycle.images.counts[i]);
+    for (size_t i = 0; i < truth.values.size(); ++i) difference += std::abs(truth.values[i] - cycle.images.values[i]);
     // 5 events per pixel and second in 31.8 ms, and few of a burst on the wrong side.
     const double noise = 5 * 0.0318 * kWidth * kHeight;
     EXPECT_LT(difference, 1.6 * noise);

@@ -35,7 +35,7 @@ void PixelFilter::add_quiet_time(int64_t duration_us) {
 void PixelFilter::apply(capture::EventImages& images) const {
   E2LF_REQUIRE(images.image_size() == counts_.size(), "images of another size than the sensor's");
   for (const size_t pixel : silenced_) {
-    for (size_t k = 0; k < images.transitions; ++k) images.image(k)[pixel] = 0;
+    for (size_t k = 0; k < images.count; ++k) images.image(k)[pixel] = 0;
   }
 }
 

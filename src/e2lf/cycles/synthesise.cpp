@@ -138,7 +138,7 @@ class SpreadCycle {
 
 SynthesisedCycle synthesise_cycle(const capture::EventImages& images, uint64_t number,
                                   const SynthesisOptions& options) {
-  E2LF_REQUIRE(images.transitions == options.schedule.num_images(), "one image for each used pattern");
+  E2LF_REQUIRE(images.count == options.schedule.num_images(), "one image for each used pattern");
   E2LF_REQUIRE(options.latency_us >= options.jitter_us, "events may not come before their cycle");
   for (const ScheduledPattern& pattern : options.schedule.patterns) {
     E2LF_REQUIRE(options.burst_us + 2 * options.jitter_us <= pattern.interval_us(), "a burst is longer than a pattern");

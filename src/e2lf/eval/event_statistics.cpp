@@ -30,7 +30,7 @@ EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions
 EventStatistics event_statistics(const capture::EventImages& images, const EventRateOptions& options) {
   E2LF_REQUIRE(images.image_size() > 0, "event images need pixels");
   std::vector<double> events_per_pixel;
-  for (size_t transition = 0; transition < images.transitions; ++transition) {
+  for (size_t transition = 0; transition < images.count; ++transition) {
     uint64_t events = 0;
     for (int16_t count : images.image(transition)) events += static_cast<uint64_t>(std::abs(int{count}));
     events_per_pixel.push_back(static_cast<double>(events) / static_cast<double>(images.image_size()));
@@ -41,13 +41,13 @@ EventStatistics event_statistics(const capture::EventImages& images, const Event
 }
 
 double mean_event_difference(const capture::EventImages& a, const capture::EventImages& b) {
-  E2LF_REQUIRE(a.transitions == b.transitions && a.height == b.height && a.width == b.width && !a.counts.empty(),
+  E2LF_REQUIRE(a.count == b.count && a.height == b.height && a.width == b.width && !a.values.empty(),
                "event images of one shape");
   uint64_t sum = 0;
-  for (size_t i = 0; i < a.counts.size(); ++i) {
-    sum += static_cast<uint64_t>(std::abs(int{a.counts[i]} - int{b.counts[i]}));
+  for (size_t i = 0; i < a.values.size(); ++i) {
+    sum += static_cast<uint64_t>(std::abs(int{a.values[i]} - int{b.values[i]}));
   }
-  return static_cast<double>(sum) / static_cast<double>(a.counts.size());
+  return static_cast<double>(sum) / static_cast<double>(a.values.size());
 }
 
 }  // namespace e2lf::eval

@@ -10,7 +10,7 @@ namespace {
 
 TEST(EventStatistics, CountsBothSignsInEachTransition) {
   capture::EventImages images(2, 2, 2);
-  images.counts = {3, -1, 0, 2, /**/ 0, 0, -2, 0};
+  images.values = {3, -1, 0, 2, /**/ 0, 0, -2, 0};
   const EventStatistics statistics = event_statistics(images);
   EXPECT_EQ(statistics.events_per_pixel, (std::vector<double>{1.5, 0.5}));
   EXPECT_DOUBLE_EQ(statistics.total_events_per_pixel, 2.0);
@@ -18,7 +18,7 @@ TEST(EventStatistics, CountsBothSignsInEachTransition) {
 
 TEST(EventStatistics, CountsTheExtremesOfInt16) {
   capture::EventImages images(1, 1, 2);
-  images.counts = {-32768, 32767};
+  images.values = {-32768, 32767};
   EXPECT_DOUBLE_EQ(event_statistics(images).total_events_per_pixel, 32767.5);
 }
 
@@ -42,8 +42,8 @@ TEST(EventStatistics, RefusesImagesWithoutPixels) {
 
 TEST(MeanEventDifference, CountsOverPixelsAndTransitions) {
   capture::EventImages a(2, 1, 2), b(2, 1, 2);
-  a.counts = {3, -1, 0, 5};
-  b.counts = {1, 1, 0, 5};
+  a.values = {3, -1, 0, 5};
+  b.values = {1, 1, 0, 5};
   EXPECT_DOUBLE_EQ(mean_event_difference(a, b), 1.0);
   EXPECT_DOUBLE_EQ(mean_event_difference(a, a), 0.0);
 }

@@ -11,12 +11,12 @@ namespace e2lf::live {
 void sum_blocks(const capture::EventImages& images, size_t side, capture::EventImages& sums) {
   const size_t height = images.height / side, width = images.width / side;
   E2LF_REQUIRE(height > 0 && width > 0, "the sums of blocks need a block");
-  if (sums.transitions != images.transitions || sums.height != height || sums.width != width) {
-    sums = capture::EventImages(images.transitions, height, width);
+  if (sums.count != images.count || sums.height != height || sums.width != width) {
+    sums = capture::EventImages(images.count, height, width);
   }
   std::vector<int> column(images.width);
-  int16_t* to = sums.counts.data();
-  for (size_t row = 0; row < images.transitions * height; ++row) {
+  int16_t* to = sums.values.data();
+  for (size_t row = 0; row < images.count * height; ++row) {
     const int16_t* from = images.image(row / height).data() + row % height * side * images.width;
     std::fill(column.begin(), column.end(), 0);
     for (size_t y = 0; y < side; ++y, from += images.width) {

@@ -66,25 +66,25 @@ TEST(NewestSlot, EveryValueIsEitherTakenOrCountedAndTheyComeInOrder) {
 
 TEST(HalfSize, SumsBlocksOfTwoByTwoAndLeavesOutAnOddLastRowAndColumn) {
   capture::EventImages images(2, 3, 5);
-  for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i);
+  for (size_t i = 0; i < images.values.size(); ++i) images.values[i] = static_cast<int16_t>(i);
   capture::EventImages half;
   sum_blocks(images, 2, half);
   EXPECT_EQ(half.height, 1u);
   EXPECT_EQ(half.width, 2u);
   const std::vector<int16_t> expected = {0 + 1 + 5 + 6, 2 + 3 + 7 + 8, 15 + 16 + 20 + 21, 17 + 18 + 22 + 23};
-  EXPECT_EQ(half.counts, expected);
-  const int16_t* const memory = half.counts.data();
-  images.counts.assign(images.counts.size(), INT16_MIN);
+  EXPECT_EQ(half.values, expected);
+  const int16_t* const memory = half.values.data();
+  images.values.assign(images.values.size(), INT16_MIN);
   sum_blocks(images, 2, half);
-  EXPECT_EQ(half.counts.front(), INT16_MIN) << "sums are limited";
-  EXPECT_EQ(half.counts.data(), memory);
+  EXPECT_EQ(half.values.front(), INT16_MIN) << "sums are limited";
+  EXPECT_EQ(half.values.data(), memory);
 }
 
 TEST(CycleSum, SumsTheLastCyclesAndBeginsAnewWhenOneIsWanted) {
   CycleSum sum;
   const auto images = [](int16_t count) {
     capture::EventImages made(1, 1, 2);
-    made.counts = {count, static_cast<int16_t>(-count)};
+    made.values = {count, static_cast<int16_t>(-count)};
     return made;
   };
   for (const auto& [added, wanted, cycles, expected] : std::vector<std::array<int, 4>>{{1, 1, 1, 1},
@@ -97,14 +97,14 @@ TEST(CycleSum, SumsTheLastCyclesAndBeginsAnewWhenOneIsWanted) {
                                                                                        {8, 2, 1, 8}}) {
     capture::EventImages next = images(static_cast<int16_t>(added));
     EXPECT_EQ(sum.add(next, static_cast<size_t>(wanted)), static_cast<size_t>(cycles));
-    EXPECT_EQ(next.counts[0], expected);
-    EXPECT_EQ(next.counts[1], -expected);
+    EXPECT_EQ(next.values[0], expected);
+    EXPECT_EQ(next.values[1], -expected);
   }
   capture::EventImages many = images(INT16_MAX), more = images(INT16_MAX);
   (void)sum.add(many, 2);
   (void)sum.add(more, 2);
-  EXPECT_EQ(more.counts[0], INT16_MAX) << "sums are limited, and do not wrap";
-  EXPECT_EQ(more.counts[1], INT16_MIN);
+  EXPECT_EQ(more.values[0], INT16_MAX) << "sums are limited, and do not wrap";
+  EXPECT_EQ(more.values[1], INT16_MIN);
 }
 
 TEST(Pace, TakesWhatKeepsPaceAndGoesBackWhenTheBetterOneWould) {

@@ -34,8 +34,8 @@ std::vector<FieldMaker> one_maker() {
 
 capture::EventImages cycle_images(uint64_t number) {
   capture::EventImages images(3, kHeight, kWidth);
-  for (size_t i = 0; i < images.counts.size(); ++i) {
-    images.counts[i] = static_cast<int16_t>((i * (number + 3)) % 5) - 2;
+  for (size_t i = 0; i < images.values.size(); ++i) {
+    images.values[i] = static_cast<int16_t>((i * (number + 3)) % 5) - 2;
   }
   return images;
 }
@@ -107,7 +107,7 @@ TEST(FieldMaker, MakesTheLightFieldOfTheReconstructorInTheSameMemory) {
     memory = field.data().data();
   }
   capture::EventImages odd(3, 13, 17);
-  odd.counts.assign(odd.counts.size(), 1);
+  odd.values.assign(odd.values.size(), 1);
   const std::vector<size_t> one = {9};
   ASSERT_TRUE(maker.make(capture::Measurement(odd), 1, one, field).ok());
   const auto expected = maker.reconstructor().reconstruct(odd).value();
@@ -147,7 +147,7 @@ TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   ASSERT_TRUE(session.wait().ok());
   const auto frozen = session.freeze();
   ASSERT_TRUE(frozen.has_value());
-  EXPECT_EQ(frozen->cycle.counts.events, cycle_images(0));
+  EXPECT_EQ(frozen->cycle.values.events, cycle_images(0));
   const recon::Reconstructor network = reconstructor();
   pipeline::FieldSequence sequence([&](const capture::Measurement& measured,
                                        const ProgressFn& progress) { return network.reconstruct(measured, progress); },

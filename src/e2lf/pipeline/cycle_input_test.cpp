@@ -11,7 +11,7 @@ capture::MeasurementFile file_of(const std::vector<int16_t>& counts) {
   capture::MeasurementFile file;
   for (const int16_t count : counts) {
     capture::EventImages images(1, 1, 1);
-    images.counts[0] = count;
+    images.values[0] = count;
     file.cycles.emplace_back(std::move(images));
   }
   return file;
@@ -20,22 +20,22 @@ capture::MeasurementFile file_of(const std::vector<int16_t>& counts) {
 TEST(CycleInput, SumsTheCyclesOfALightFieldAndLeavesFewerOut) {
   CycleInput input = CycleInput::create(file_of({1, 2, 3, 4, 5}), {.cycles_per_field = 2}).value();
   EXPECT_FALSE(input.has_one_field());
-  EXPECT_EQ(input.next().value()->images.events.counts[0], 3);
-  EXPECT_EQ(input.next().value()->images.events.counts[0], 7);
+  EXPECT_EQ(input.next().value()->images.events.values[0], 3);
+  EXPECT_EQ(input.next().value()->images.events.values[0], 7);
   EXPECT_FALSE(input.next().value());
   EXPECT_TRUE(CycleInput::create(file_of({1, 2, 3}), {.cycles_per_field = 2})->has_one_field());
 }
 
 TEST(CycleInput, CountsWhatSumsHaveNoRoomFor) {
   CycleInput input = CycleInput::create(file_of({INT16_MAX, 2}), {.cycles_per_field = 2}).value();
-  EXPECT_EQ(input.next().value()->images.events.counts[0], INT16_MAX);
+  EXPECT_EQ(input.next().value()->images.events.values[0], INT16_MAX);
   EXPECT_EQ(input.summary().saturated, 2U);
   EXPECT_FALSE(CycleInput::create(file_of({INT16_MAX, 2}), {.cycles_per_field = 2, .is_strict = true})->next());
 }
 
 TEST(CycleInput, InvertsAndEndsAfterAsManyCyclesAsAskedFor) {
   CycleInput input = CycleInput::create(file_of({INT16_MIN, 5}), {.max_cycles = 1, .invert_polarity = true}).value();
-  EXPECT_EQ(input.next().value()->images.events.counts[0], INT16_MAX);
+  EXPECT_EQ(input.next().value()->images.events.values[0], INT16_MAX);
   EXPECT_FALSE(input.next().value());
 }
 

@@ -13,15 +13,15 @@ namespace {
 /// Returns a method whose light field is constant: the first count divided by 100.
 Result<lightfield::LightField> constant_field(const capture::Measurement& measurement, const ProgressFn&) {
   const capture::EventImages& images = measurement.events;
-  if (images.counts[0] < 0) return Error{ErrorCode::kInvalidValue, "no light", ""};
+  if (images.values[0] < 0) return Error{ErrorCode::kInvalidValue, "no light", ""};
   lightfield::LightField field({8, 8, images.height, images.width});
-  for (float& value : field.data()) value = static_cast<float>(images.counts[0]) / 100;
+  for (float& value : field.data()) value = static_cast<float>(images.values[0]) / 100;
   return field;
 }
 
 capture::EventImages images_of(int16_t count) {
   capture::EventImages images(3, 4, 5);
-  images.counts[0] = count;
+  images.values[0] = count;
   return images;
 }
 
@@ -62,14 +62,14 @@ TEST(FieldSequence, ComparesWithTheEventsWhereTheCameraIsKnown) {
 TEST(FieldSequence, TakesTheLitTransitionsOfCyclesInWhichTheSceneMoves) {
   const recon::Method lit = [](const capture::Measurement& measured,
                                const ProgressFn&) -> Result<lightfield::LightField> {
-    EXPECT_EQ(measured.events.transitions, 3U);
+    EXPECT_EQ(measured.events.count, 3U);
     return lightfield::LightField({8, 8, measured.events.height, measured.events.width});
   };
   FieldSequence sequence(constant_field, {.gain = 1.0F}, {}, {}, Judging::kNone, LitMethod{lit});
   // The second of the two last patterns is brighter on the left, its inverse is not darker there.
   capture::EventImages moving(8, 32, 32), still(8, 32, 32);
   for (size_t i = 0; i < moving.image_size(); ++i) moving.image(2)[i] = i % 8 < 4 ? 5 : 0;
-  moving.counts[0] = still.counts[0] = 30;
+  moving.values[0] = still.values[0] = 30;
   const Field of_whole = sequence.next(still).value();
   EXPECT_FALSE(of_whole.is_of_lit);
   EXPECT_LT(*of_whole.motion, recon::kMuchMotion);
@@ -83,7 +83,7 @@ TEST(FieldSequence, TakesTheLitTransitionsOfCyclesInWhichTheSceneMoves) {
 TEST(ColourMethod, EachColourComesFromThePixelsBehindItsFilter) {
   capture::EventImages images(3, 4, 6);
   const std::array<int16_t, 4> counts = {10, 20, 40, 70};  // for the four pixels of each block
-  for (size_t place = 0; place < 4; ++place) images.counts[place / 2 * 6 + place % 2] = counts[place];
+  for (size_t place = 0; place < 4; ++place) images.values[place / 2 * 6 + place % 2] = counts[place];
   const recon::Method colour = colour_method(constant_field, capture::colour_filter_from_name("rggb").value());
   const auto field = colour(images, {});
   ASSERT_TRUE(field) << field.error().text();

@@ -24,7 +24,7 @@ capture::SensorProfile pixel_camera() {
 /// Returns the events of a step of the light on a few pixels.
 capture::EventImages some_events() {
   capture::EventImages images(3, 16, 24);
-  for (size_t i = 0; i < images.counts.size(); i += 3) images.counts[i] = static_cast<int16_t>(i % 7) - 2;
+  for (size_t i = 0; i < images.values.size(); i += 3) images.values[i] = static_cast<int16_t>(i % 7) - 2;
   return images;
 }
 

@@ -14,9 +14,9 @@ TEST(SimulatedCycles, EachCycleHasNoiseOfItsOwnAndCanBeMadeAgain) {
   const SimulatedCamera camera{.codes = capture::default_codes(), .profile = {}, .seed = 5};
   const auto second = simulate_cycle(camera, scene, 1).value();
   sensor::EventModelOptions options{.constants = camera.profile.constants, .seed = cycle_seed(5, 1)};
-  EXPECT_EQ(second.events.counts, sensor::simulate_events(camera.codes, scene, options).value().counts);
-  EXPECT_NE(second.events.counts, simulate_cycle(camera, scene, 0)->events.counts);
-  EXPECT_EQ(second.events.counts, simulate_cycle(camera, scene, 1)->events.counts);
+  EXPECT_EQ(second.events.values, sensor::simulate_events(camera.codes, scene, options).value().values);
+  EXPECT_NE(second.events.values, simulate_cycle(camera, scene, 0)->events.values);
+  EXPECT_EQ(second.events.values, simulate_cycle(camera, scene, 1)->events.values);
 }
 
 TEST(SimulatedCycles, AHybridHasEventsAndOneImage) {
@@ -24,7 +24,7 @@ TEST(SimulatedCycles, AHybridHasEventsAndOneImage) {
   const SimulatedCamera camera{
       .measurement = capture::MeasurementKind::kHybrid, .codes = capture::default_codes(), .profile = {}};
   const auto measured = simulate_cycle(camera, scene, 0).value();
-  EXPECT_EQ(measured.events.transitions, 3U);
+  EXPECT_EQ(measured.events.count, 3U);
   EXPECT_EQ(measured.images.count, 1U);
 }
 

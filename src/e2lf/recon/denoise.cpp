@@ -61,9 +61,9 @@ std::vector<float> box_sums(std::span<const float> values, size_t height, size_t
 
 void denoise_intensities(capture::CodedIntensities& intensities, const capture::EventImages& images,
                          const capture::SensorConstants& constants, size_t radius) {
-  E2LF_REQUIRE(intensities.count == images.transitions + 1 && intensities.image_size() == images.image_size(),
+  E2LF_REQUIRE(intensities.count == images.count + 1 && intensities.image_size() == images.image_size(),
                "coded intensities and event images must belong together");
-  for (size_t k = 0; k < images.transitions; ++k) {
+  for (size_t k = 0; k < images.count; ++k) {
     denoise_image(intensities.image(k + 1), images.image(k), images, constants, radius);
   }
 }

@@ -31,13 +31,13 @@ double relative_error(const capture::CodedIntensities& found, const capture::Cod
 
 double difference(const capture::EventImages& a, const capture::EventImages& b) {
   double sum = 0;
-  for (size_t i = 0; i < a.counts.size(); ++i) sum += std::pow(a.counts[i] - b.counts[i], 2);
-  return std::sqrt(sum / static_cast<double>(a.counts.size()));
+  for (size_t i = 0; i < a.values.size(); ++i) sum += std::pow(a.values[i] - b.values[i], 2);
+  return std::sqrt(sum / static_cast<double>(a.values.size()));
 }
 
 double events_per_pixel(const capture::EventImages& images) {
   double sum = 0;
-  for (const int16_t count : images.counts) sum += std::abs(count);
+  for (const int16_t count : images.values) sum += std::abs(count);
   return sum / static_cast<double>(images.image_size());
 }
 

@@ -68,10 +68,10 @@ Result<EventError> pixel_error(const EventCheck& check, const lightfield::LightF
       const capture::EventImages counted,
       sensor::simulate_pixel_events(check.codes, light_field, average_pixels(*check.pixels), {.gain = 1.0F / gain}));
   uint64_t sum = 0;
-  for (size_t i = 0; i < given.counts.size(); ++i) {
-    sum += static_cast<uint64_t>(std::abs(int{counted.counts[i]} - int{given.counts[i]}));
+  for (size_t i = 0; i < given.values.size(); ++i) {
+    sum += static_cast<uint64_t>(std::abs(int{counted.values[i]} - int{given.values[i]}));
   }
-  const double mean = static_cast<double>(sum) / static_cast<double>(given.counts.size());
+  const double mean = static_cast<double>(sum) / static_cast<double>(given.values.size());
   return EventError{.at_first = mean, .least = mean};
 }
 
@@ -79,9 +79,9 @@ Result<EventError> pixel_error(const EventCheck& check, const lightfield::LightF
 
 Result<EventError> event_error(const EventCheck& check, const lightfield::LightField& light_field, float gain,
                                const capture::EventImages& given) {
-  if (check.codes.num_patterns != given.transitions + 1) {
+  if (check.codes.num_patterns != given.count + 1) {
     return Error{ErrorCode::kShape,
-                 cat("the codes have ", check.codes.num_patterns, " patterns, the events ", given.transitions,
+                 cat("the codes have ", check.codes.num_patterns, " patterns, the events ", given.count,
                      " transitions; give the codes with which the events were recorded"),
                  ""};
   }
@@ -101,7 +101,7 @@ Result<EventError> event_error(const EventCheck& check, const lightfield::LightF
     for (size_t part = 0; part < kResidueParts; ++part) differences[part] += own[part];
   });
 
-  const auto mean = [&](uint64_t sum) { return static_cast<double>(sum) / static_cast<double>(given.counts.size()); };
+  const auto mean = [&](uint64_t sum) { return static_cast<double>(sum) / static_cast<double>(given.values.size()); };
   const auto least = std::min_element(differences.begin(), differences.end());
   return EventError{mean(differences[0]), mean(*least),
                     static_cast<double>(least - differences.begin()) / static_cast<double>(kResidueParts - 1)};

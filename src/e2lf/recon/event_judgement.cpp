@@ -28,8 +28,8 @@ lightfield::CropRegion middle_of(const capture::EventImages& events, size_t most
 }
 
 capture::EventImages crop(const capture::EventImages& events, const lightfield::CropRegion& region) {
-  capture::EventImages part(events.transitions, region.height, region.width);
-  for (size_t k = 0; k < events.transitions; ++k) {
+  capture::EventImages part(events.count, region.height, region.width);
+  for (size_t k = 0; k < events.count; ++k) {
     for (size_t y = 0; y < region.height; ++y) {
       const auto row = events.image(k).subspan((region.y + y) * events.width + region.x, region.width);
       std::copy(row.begin(), row.end(), part.image(k).begin() + static_cast<std::ptrdiff_t>(y * region.width));
@@ -88,8 +88,8 @@ std::vector<Change> possible_changes(size_t transitions) {
 }
 
 capture::EventImages changed(const capture::EventImages& events, const Change& change) {
-  capture::EventImages result(events.transitions, events.height, events.width);
-  for (size_t k = 0; k < events.transitions; ++k) {
+  capture::EventImages result(events.count, events.height, events.width);
+  for (size_t k = 0; k < events.count; ++k) {
     const auto image = events.image(change.order[k]);
     std::transform(image.begin(), image.end(), result.image(k).begin(), [&](int count) {
       return static_cast<int16_t>(change.inverts ? std::min(-count, INT16_MAX) : count);
@@ -111,7 +111,7 @@ Result<void> compare_with_changed(const EventCheck& check, const Method& method,
   const EventCheck own = in_window(check, static_cast<double>(region.width) / static_cast<double>(events.width));
   const capture::EventImages given = crop(events, region);
   E2LF_ASSIGN_OR_RETURN(judgement.unchanged_error, error_of(own, method, given));
-  for (const Change& change : possible_changes(events.transitions)) {
+  for (const Change& change : possible_changes(events.count)) {
     E2LF_ASSIGN_OR_RETURN(const double error, error_of(own, method, changed(given, change)));
     if (!judgement.change.empty() && error >= judgement.changed_error) continue;
     judgement.changed_error = error;

@@ -46,7 +46,7 @@ TEST_F(Judgements, CallTheLightFieldItselfGoodInBrightAndDarkScenes) {
 }
 
 TEST_F(Judgements, CallInvertedPolarityWrong) {
-  for (int16_t& count : events_.counts) count = static_cast<int16_t>(-count);
+  for (int16_t& count : events_.values) count = static_cast<int16_t>(-count);
   EXPECT_EQ(judge(check_, truth_, events_, {}).value().verdict, Verdict::kWrong);
 }
 

@@ -5,10 +5,11 @@
 
 namespace e2lf::recon {
 
-/// Returns the factor that makes a light field well exposed: it maps a robust bright level (the 99.5 % quantile over
-/// the views, of a regular subset if there are many values) to 0.9. Real scenes can be far darker relative to the
-/// sensor's dark level than the training data of the model. The gain is 1 if the level is already bright (0.7..1) or if
-/// there is no light. It is always in [0.25, 64]. Brightness counts from `black`, which is still to be subtracted.
+/// Returns the factor that makes a light field well exposed: it maps a robust bright level (the 99.5 % quantile of
+/// all views; large light fields are sampled at regular intervals) to 0.9. Real scenes can be far darker relative to
+/// the sensor's dark level than the training data of the model. The gain is 1 if the level is already bright (0.7..1)
+/// or if there is no light. It is always in [0.25, 64]. Brightness is measured above `black`, which the caller
+/// subtracts afterwards.
 [[nodiscard]] float auto_gain(const lightfield::LightField& light_field, float black = 0.0F);
 
 /// Returns the brightness that should become black: the 0.5 % quantile over the views, limited to between 0 and 0.15 of

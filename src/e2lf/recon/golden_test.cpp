@@ -38,7 +38,7 @@ class OfficialSoftware : public testing::Test {
     const auto counts =
         read_npy(folder_ / "golden_noisefree_events_3x512x512_i8.npy").value().to_int32("golden").value();
     capture::EventImages images(3, kSide, kSide);
-    images.counts.assign(counts.begin(), counts.end());
+    images.values.assign(counts.begin(), counts.end());
     return images;
   }
 
@@ -53,8 +53,8 @@ class OfficialSoftware : public testing::Test {
     const size_t top = y0 - std::min(y0, reach), left = x0 - std::min(x0, reach);
     const size_t bottom = std::min(y0 + kGolden + reach, images.height);
     const size_t right = std::min(x0 + kGolden + reach, images.width);
-    capture::EventImages part(images.transitions, bottom - top, right - left);
-    for (size_t k = 0; k < part.transitions; ++k) {
+    capture::EventImages part(images.count, bottom - top, right - left);
+    for (size_t k = 0; k < part.count; ++k) {
       for (size_t y = 0; y < part.height; ++y) {
         const auto row = images.image(k).subspan((top + y) * images.width + left, part.width);
         std::copy(row.begin(), row.end(), part.image(k).begin() + static_cast<ptrdiff_t>(y * part.width));

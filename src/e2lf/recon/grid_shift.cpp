@@ -48,13 +48,13 @@ capture::Measurement extend(const capture::Measurement& measurement, const GridS
                "lenses cannot be shifted");
   capture::Measurement extended;
   extended.kind = measurement.kind;
-  if (events.transitions > 0) {
-    extended.events = capture::EventImages(events.transitions, events.height + shift.y, events.width + shift.x);
+  if (events.count > 0) {
+    extended.events = capture::EventImages(events.count, events.height + shift.y, events.width + shift.x);
   }
   if (images.count > 0) {
     extended.images = capture::CodedIntensities(images.count, images.height + shift.y, images.width + shift.x);
   }
-  for (size_t k = 0; k < events.transitions; ++k) {
+  for (size_t k = 0; k < events.count; ++k) {
     extend_image(events.image(k), events.width, shift, extended.events.image(k));
   }
   for (size_t n = 0; n < images.count; ++n) {

@@ -80,7 +80,7 @@ void fill_counts(const capture::EventImages& images, std::span<const model::Inpu
   parallel_for(planes.height, 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {
       RowState state{std::vector<int>(images.width), std::vector<int>(images.width)};
-      for (size_t k = 0; k < images.transitions; ++k) {
+      for (size_t k = 0; k < images.count; ++k) {
         const auto counts = images.image(k).subspan(std::min(y, images.height - 1) * images.width, images.width);
         add_counts(counts, state);
         for (size_t g = 0; g < groups.size(); ++g) {
@@ -158,7 +158,7 @@ Result<void> network_input(const capture::Measurement& measurement, std::span<co
     E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
   }
   const std::vector<size_t> first_channels =
-      group_begins(groups, measurement.events.transitions, conditions.conditioning.size(), measurement.images.count);
+      group_begins(groups, measurement.events.count, conditions.conditioning.size(), measurement.images.count);
   planes.resize(first_channels.back(), round_up(measurement.height(), size_multiple),
                 round_up(measurement.width(), size_multiple));
   if (std::any_of(groups.begin(), groups.end(), is_of_counts)) {

@@ -16,7 +16,7 @@ using model::InputKind;
 /// One pixel with the given counts.
 capture::EventImages pixel(const std::vector<int16_t>& counts) {
   capture::EventImages images(counts.size(), 1, 1);
-  images.counts = counts;
+  images.values = counts;
   return images;
 }
 
@@ -55,7 +55,7 @@ TEST(NetworkInput, ImagesFollowCountsAndAreExtendedAlike) {
   capture::Measurement measured;
   measured.kind = capture::MeasurementKind::kHybrid;
   measured.events = capture::EventImages(1, 1, 3);
-  measured.events.counts = {4, 8, 16};
+  measured.events.values = {4, 8, 16};
   measured.images = capture::CodedIntensities(1, 1, 3);
   measured.images.values = {0.5F, 1.0F, 2.0F};
   const std::vector<model::InputGroup> groups = {{InputKind::kImageSum, 2.0F}, {InputKind::kCounts, 0.25F}};
@@ -81,7 +81,7 @@ TEST(NetworkInput, LensesAreJoinedInStraightLines) {
 
 TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
   capture::EventImages images(2, 3, 2);
-  images.counts[0] = 5;
+  images.values[0] = 5;
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1.0F}, {InputKind::kCamera, 2.0F}, {InputKind::kCumulative, 1.0F}};
   const std::vector<float> conditioning = {0.5F, -1.0F, 3.0F};
@@ -98,7 +98,7 @@ TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
 
 TEST(NetworkInput, SumsOverCyclesBecomeMeans) {
   capture::EventImages sums(1, 1, 1);
-  sums.counts[0] = 5;
+  sums.values[0] = 5;
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1.0F}, {InputKind::kCumulative, 2.0F}, {InputKind::kIntensity, 1.0F}};
   const auto planes = network_input(sums, groups, {.constants = {.eps = 0.01F, .tau = 0.3F}, .cycles = 4});
@@ -110,7 +110,7 @@ TEST(NetworkInput, SumsOverCyclesBecomeMeans) {
 
 TEST(NetworkInput, PaddingRepeatsTheLastRowAndColumn) {
   capture::EventImages images(1, 2, 3);
-  images.counts = {1, 2, 3, 4, 5, 6};
+  images.values = {1, 2, 3, 4, 5, 6};
   const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, 4);
   ASSERT_TRUE(planes);
   EXPECT_EQ(planes->height, 4U);
@@ -120,7 +120,7 @@ TEST(NetworkInput, PaddingRepeatsTheLastRowAndColumn) {
 
 TEST(NetworkInput, IsTheSameForAnyThreadCount) {
   capture::EventImages images(3, 37, 29);
-  for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i * 7 % 19) - 9;
+  for (size_t i = 0; i < images.values.size(); ++i) images.values[i] = static_cast<int16_t>(i * 7 % 19) - 9;
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1}, {InputKind::kCumulative, 1}, {InputKind::kIntensity, 1}};
   set_num_threads(1);

@@ -20,9 +20,9 @@ int sign(int value) {
 
 Result<void> check(const capture::EventImages& images, const InversionOptions& options) {
   E2LF_RETURN_IF_ERROR(IntensityTable::check(options.constants));
-  if (options.black <= images.transitions) return {};
+  if (options.black <= images.count) return {};
   return Error{ErrorCode::kInvalidValue,
-               cat("the black pattern is number ", options.black, " but there are ", images.transitions + 1,
+               cat("the black pattern is number ", options.black, " but there are ", images.count + 1,
                    " patterns; count from 0"),
                ""};
 }
@@ -67,13 +67,13 @@ void pixel_intervals(std::span<const int> counts, size_t black, Counting countin
 Result<capture::CodedIntensities> invert_events(const capture::EventImages& images, const InversionOptions& options) {
   E2LF_RETURN_IF_ERROR(check(images, options));
   const IntensityTable table(options.constants);
-  const size_t num_patterns = images.transitions + 1;
+  const size_t num_patterns = images.count + 1;
   capture::CodedIntensities intensities(num_patterns, images.height, images.width);
   parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
     std::vector<int> levels(num_patterns);  // in half thresholds, relative to the first pattern
     for (size_t pixel = begin; pixel < end; ++pixel) {
       int total = 0, last_change = 0;
-      for (size_t k = 0; k < images.transitions; ++k) {
+      for (size_t k = 0; k < images.count; ++k) {
         const int count = images.image(k)[pixel];
         total += count;
         if (count != 0) last_change = sign(count);
@@ -91,14 +91,14 @@ Result<IntensityBounds> intensity_bounds(const capture::EventImages& images, con
                                          Counting counting) {
   E2LF_RETURN_IF_ERROR(check(images, options));
   const IntensityTable table(options.constants);
-  const size_t num_patterns = images.transitions + 1;
+  const size_t num_patterns = images.count + 1;
   IntensityBounds bounds;
   bounds.lower = bounds.upper = capture::CodedIntensities(num_patterns, images.height, images.width);
   parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
-    std::vector<int> counts(images.transitions);
+    std::vector<int> counts(images.count);
     std::vector<Interval> intervals(num_patterns);
     for (size_t pixel = begin; pixel < end; ++pixel) {
-      for (size_t k = 0; k < images.transitions; ++k) counts[k] = images.image(k)[pixel];
+      for (size_t k = 0; k < images.count; ++k) counts[k] = images.image(k)[pixel];
       pixel_intervals(counts, options.black, counting, intervals);
       for (size_t n = 0; n < num_patterns; ++n) {
         bounds.lower.image(n)[pixel] = std::max(0.0F, table.at_half_steps(2 * intervals[n].lower));
@@ -112,15 +112,15 @@ Result<IntensityBounds> intensity_bounds(const capture::EventImages& images, con
 capture::EventImages permute_events(const capture::EventImages& images, std::span<const size_t> order) {
   std::vector<size_t> sorted(order.begin(), order.end());
   std::sort(sorted.begin(), sorted.end());
-  E2LF_REQUIRE(sorted.size() == images.transitions + 1, "an order must hold every pattern");
+  E2LF_REQUIRE(sorted.size() == images.count + 1, "an order must hold every pattern");
   for (size_t n = 0; n < sorted.size(); ++n) E2LF_REQUIRE(sorted[n] == n, "an order must hold every pattern once");
 
-  capture::EventImages permuted(images.transitions, images.height, images.width);
+  capture::EventImages permuted(images.count, images.height, images.width);
   parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
     std::vector<int> levels(order.size());
     for (size_t pixel = begin; pixel < end; ++pixel) {
-      for (size_t k = 0; k < images.transitions; ++k) levels[k + 1] = levels[k] + images.image(k)[pixel];
-      for (size_t k = 0; k < images.transitions; ++k) {
+      for (size_t k = 0; k < images.count; ++k) levels[k + 1] = levels[k] + images.image(k)[pixel];
+      for (size_t k = 0; k < images.count; ++k) {
         const int count = levels[order[k + 1]] - levels[order[k]];
         permuted.image(k)[pixel] = static_cast<int16_t>(
             std::clamp<int>(count, std::numeric_limits<int16_t>::min(), std::numeric_limits<int16_t>::max()));

@@ -16,7 +16,7 @@ capture::EventImages count_events(const capture::CodedIntensities& intensities, 
   capture::EventImages images(intensities.count - 1, intensities.height, intensities.width);
   for (size_t pixel = 0; pixel < images.image_size(); ++pixel) {
     double reference = std::log(double{intensities.image(0)[pixel]} + kEps);
-    for (size_t k = 0; k < images.transitions; ++k) {
+    for (size_t k = 0; k < images.count; ++k) {
       const double now = std::log(double{intensities.image(k + 1)[pixel]} + kEps);
       const double count = std::trunc((now - reference) / kTau);
       images.image(k)[pixel] = static_cast<int16_t>(count);
@@ -43,7 +43,7 @@ double violation(float intensity, float lower, float upper) {
 
 TEST(Inversion, ClosedFormHoldsOnBothSidesOfTheBlackPattern) {
   capture::EventImages images(3, 1, 1);
-  images.counts = {-4, 7, -2};
+  images.values = {-4, 7, -2};
   const auto intensities = invert_events(images, {.black = 1});
   ASSERT_TRUE(intensities);
   const auto expected = [](int level) { return kEps * (std::exp(kTau * level) - 1); };
@@ -55,7 +55,7 @@ TEST(Inversion, ClosedFormHoldsOnBothSidesOfTheBlackPattern) {
 
 TEST(Inversion, CentringAddsHalfAThresholdTowardTheLastChange) {
   capture::EventImages images(4, 1, 1);
-  images.counts = {0, 3, 0, -1};
+  images.values = {0, 3, 0, -1};
   const auto intensities = invert_events(images, {.black = 0, .centred = true});
   ASSERT_TRUE(intensities);
   const double levels[] = {0, 0, 3.5, 3.5, 1.5};
@@ -80,7 +80,7 @@ TEST(Inversion, ReferenceAwareBoundsAfterAFirstBlackPatternAreOneThresholdWide) 
   const auto images = count_events(truth, Counting::kReferenceAware);
   const auto bounds = intensity_bounds(images, {}, Counting::kReferenceAware);
   ASSERT_TRUE(bounds);
-  for (size_t k = 0; k < images.transitions; ++k) {
+  for (size_t k = 0; k < images.count; ++k) {
     for (size_t i = 0; i < images.image_size(); ++i) {
       const double width =
           std::log((double{bounds->upper.image(k + 1)[i]} + kEps) / (double{bounds->lower.image(k + 1)[i]} + kEps)) /
@@ -103,10 +103,10 @@ TEST(Inversion, WrongInputsAreRefused) {
 
 TEST(PermutedEvents, AreSumsAlongTheWayBetweenPatterns) {
   capture::EventImages images(3, 1, 1);
-  images.counts = {-4, 7, -2};
+  images.values = {-4, 7, -2};
   const std::vector<size_t> order = {1, 0, 3, 2};
   const auto permuted = permute_events(images, order);
-  EXPECT_EQ(permuted.counts, (std::vector<int16_t>{4, 1, 2}));  // 1 to 0, 0 to 3, 3 to 2
+  EXPECT_EQ(permuted.values, (std::vector<int16_t>{4, 1, 2}));  // 1 to 0, 0 to 3, 3 to 2
 }
 
 TEST(PermutedEvents, InverseOrderBringsThemBack) {

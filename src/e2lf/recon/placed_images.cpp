@@ -50,9 +50,9 @@ Result<size_t> black_pattern(const capture::EventImages& images, const capture::
     return Error{ErrorCode::kInvalidValue,
                  "no pattern is black, so events do not determine intensities; use a trained model", ""};
   }
-  if (images.transitions + 1 != codes.num_patterns) {
+  if (images.count + 1 != codes.num_patterns) {
     return Error{ErrorCode::kShape,
-                 cat(images.transitions, " event images do not fit ", codes.num_patterns,
+                 cat(images.count, " event images do not fit ", codes.num_patterns,
                      " patterns; use the patterns that the events were recorded with"),
                  ""};
   }

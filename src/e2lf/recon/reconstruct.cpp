@@ -104,9 +104,9 @@ Result<void> Reconstructor::check(const capture::Measurement& measurement) const
         ""};
   }
   const capture::EventImages& events = measurement.events;
-  if (capture::has_events(wanted) && (events.transitions + 1 != model_.num_patterns || events.image_size() == 0)) {
+  if (capture::has_events(wanted) && (events.count + 1 != model_.num_patterns || events.image_size() == 0)) {
     return Error{ErrorCode::kShape,
-                 cat("there are ", events.transitions, " event images of ", events.width, "x", events.height,
+                 cat("there are ", events.count, " event images of ", events.width, "x", events.height,
                      " but the model was trained for ", model_.num_patterns - 1,
                      "; use the model that belongs to the patterns of the recording"),
                  ""};

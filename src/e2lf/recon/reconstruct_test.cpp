@@ -33,7 +33,7 @@ model::Model toy_model() {
 /// One image of 5x7 whose counts are -9, -8, ...
 capture::EventImages numbered_images() {
   capture::EventImages images(1, 5, 7);
-  std::iota(images.counts.begin(), images.counts.end(), int16_t{-9});
+  std::iota(images.values.begin(), images.values.end(), int16_t{-9});
   return images;
 }
 
@@ -46,7 +46,7 @@ TEST(Reconstructor, OddSizesAreExtendedAndCropped) {
   ASSERT_EQ(light_field->shape(), (lightfield::Shape{8, 8, 5, 7}));
   for (size_t view = 0; view < 64; ++view) {
     for (size_t i = 0; i < 35; ++i) {
-      ASSERT_NEAR(light_field->view(view / 8, view % 8)[i], static_cast<float>(view) * images.counts[i], 1e-3);
+      ASSERT_NEAR(light_field->view(view / 8, view % 8)[i], static_cast<float>(view) * images.values[i], 1e-3);
     }
   }
 }
@@ -74,7 +74,7 @@ TEST(Reconstructor, TellsTheNetworkTheCameraAndTheCycles) {
   const auto reconstructor = Reconstructor::create(model, {engine::Precision::kFloat32});
   ASSERT_TRUE(reconstructor) << reconstructor.error().text();
   capture::EventImages images(1, 2, 2);
-  images.counts.assign(4, 2);
+  images.values.assign(4, 2);
   const auto once = reconstructor->reconstruct(images).value();
   EXPECT_NEAR(once.view(0, 0)[0], 0.02 * std::expm1(0.4 * 2.5), 1e-6);
   EXPECT_NEAR(once.view(0, 1)[0], 1.0, 1e-6);
@@ -125,8 +125,8 @@ TEST(Reconstructor, PassesAverageOverTheGrid) {
   ASSERT_EQ(mean->shape(), (lightfield::Shape{8, 8, 5, 7}));
   for (size_t i = 0; i < 35; ++i) {
     const auto factor = static_cast<float>(1 + 2 * (i / 7 % 2) + i % 7 % 2);
-    ASSERT_NEAR(once->view(3, 5)[i], factor * images.counts[i], 1e-4);
-    ASSERT_NEAR(mean->view(3, 5)[i], 2.5F * images.counts[i], 1e-4);
+    ASSERT_NEAR(once->view(3, 5)[i], factor * images.values[i], 1e-4);
+    ASSERT_NEAR(mean->view(3, 5)[i], 2.5F * images.values[i], 1e-4);
   }
 }
 

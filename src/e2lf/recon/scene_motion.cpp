@@ -17,7 +17,7 @@ constexpr float kTau = capture::SensorConstants{}.tau;
 /// Returns the sum of the intensities of a pattern and its inverse, [y, x], relative to the intensity of black; `code`
 /// is 0 for a1.
 std::vector<float> intensity_of_both(const capture::EventImages& whole_cycle, size_t code) {
-  const size_t num_codes = whole_cycle.transitions / 2;
+  const size_t num_codes = whole_cycle.count / 2;
   std::vector<float> log_intensity(whole_cycle.image_size(), 0.0F), sum(whole_cycle.image_size(), 0.0F);
   for (size_t n = 0; n < num_codes + code; ++n) {
     const auto image = whole_cycle.image(n);
@@ -62,8 +62,8 @@ double neighbour_correlation(const std::vector<float>& plane, size_t height, siz
 }  // namespace
 
 double scene_motion(const capture::EventImages& whole_cycle) {
-  const size_t num_codes = whole_cycle.transitions / 2;
-  if (whole_cycle.transitions % 2 != 0 || num_codes < 3) return 0;
+  const size_t num_codes = whole_cycle.count / 2;
+  if (whole_cycle.count % 2 != 0 || num_codes < 3) return 0;
   std::vector<float> difference = intensity_of_both(whole_cycle, num_codes - 2);
   const std::vector<float> last = intensity_of_both(whole_cycle, num_codes - 1);
   for (size_t i = 0; i < last.size(); ++i) difference[i] = std::log(difference[i] / last[i]);
@@ -73,8 +73,8 @@ double scene_motion(const capture::EventImages& whole_cycle) {
 }
 
 capture::EventImages lit_transitions(const capture::EventImages& whole_cycle) {
-  capture::EventImages lit(whole_cycle.transitions / 2 - 1, whole_cycle.height, whole_cycle.width);
-  std::copy_n(whole_cycle.counts.begin(), lit.counts.size(), lit.counts.begin());
+  capture::EventImages lit(whole_cycle.count / 2 - 1, whole_cycle.height, whole_cycle.width);
+  std::copy_n(whole_cycle.values.begin(), lit.values.size(), lit.values.begin());
   return lit;
 }
 

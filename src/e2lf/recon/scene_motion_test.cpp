@@ -30,7 +30,7 @@ capture::EventImages play(double px_per_pattern, double noise) {
   for (size_t y = 0; y < kHeight; ++y) {
     for (size_t x = 0; x < kWidth; ++x) {
       double reference = std::log(kEps);
-      for (size_t n = 0; n < images.transitions; ++n) {
+      for (size_t n = 0; n < images.count; ++n) {
         const size_t shown = (n + 1) % (2 * kCodes), code = shown % kCodes;
         const double place = static_cast<double>(x) + px_per_pattern * static_cast<double>(n);
         const double open = share(code, place, static_cast<double>(y));
@@ -67,8 +67,8 @@ TEST(SceneMotion, IsZeroWhereNothingTellsOfIt) {
 
 TEST(SceneMotion, TheLitTransitionsAreTheFirstOfTheCycle) {
   const capture::EventImages whole = play(0, 0.1), lit = lit_transitions(whole);
-  ASSERT_EQ(lit.transitions, kCodes - 1);
-  for (size_t n = 0; n < lit.transitions; ++n) {
+  ASSERT_EQ(lit.count, kCodes - 1);
+  for (size_t n = 0; n < lit.count; ++n) {
     EXPECT_TRUE(std::ranges::equal(lit.image(n), whole.image(n))) << n;
   }
 }

@@ -39,13 +39,13 @@ capture::EventImages simulate_blocks(const ImageSize& size, const EventModelOpti
   std::atomic<bool> saturated = false;
   for_block_ranges(num_pixels, [&](size_t begin, size_t end) {
     std::vector<float> intensities(size.num_patterns * kBlockPixels);
-    std::vector<int16_t> counts(images.transitions * kBlockPixels);
+    std::vector<int16_t> counts(images.count * kBlockPixels);
     for (size_t block = begin; block < end; ++block) {
       const size_t first = block * kBlockPixels, count = std::min(kBlockPixels, num_pixels - first);
       load(first, count, intensities.data());
       const EventBlock task = {size.num_patterns, static_cast<uint32_t>(first), intensities.data(), counts.data()};
       if (simulate_block(task, count, options)) saturated = true;
-      for (size_t k = 0; k < images.transitions; ++k) {
+      for (size_t k = 0; k < images.count; ++k) {
         std::memcpy(images.image(k).data() + first, counts.data() + k * kBlockPixels, count * sizeof(int16_t));
       }
     }

@@ -72,34 +72,34 @@ TEST(EventModel, FirstTransitionFromBlackHasAClosedForm) {
     intensities.values[0] = 0;
     const auto expected = std::floor(std::log((double{intensity} + 0.01) / 0.01) / 0.3);
     for (const EventModel model : {EventModel::kQuantised, EventModel::kReferenceAware}) {
-      EXPECT_EQ(simulate(intensities, noise_free(model)).counts[0], expected) << intensity;
+      EXPECT_EQ(simulate(intensities, noise_free(model)).values[0], expected) << intensity;
     }
   }
 }
 
 TEST(EventModel, SceneThatDoesNotChangeMakesNoEvents) {
   for (const EventModel model : {EventModel::kQuantised, EventModel::kReferenceAware}) {
-    for (const int16_t count : simulate(constant(4, 3, 7, 0.25F), noise_free(model)).counts) EXPECT_EQ(count, 0);
+    for (const int16_t count : simulate(constant(4, 3, 7, 0.25F), noise_free(model)).values) EXPECT_EQ(count, 0);
   }
 }
 
 TEST(EventModel, TruncatesTowardZero) {
   const auto up = simulate(pixel_with_logs({-4, -4 + 2.9 * 0.3}), noise_free());
   const auto down = simulate(pixel_with_logs({-2, -2 - 2.9 * 0.3}), noise_free());
-  EXPECT_EQ(up.counts[0], 2);
-  EXPECT_EQ(down.counts[0], -2);
+  EXPECT_EQ(up.values[0], 2);
+  EXPECT_EQ(down.values[0], -2);
 }
 
 TEST(EventModel, OnlyTheReferenceAwareModelRemembersWhatWasLeftOver) {
   // Three rises of 0.6 thresholds: 0.6, 1.2 (one event), 0.2 + 0.6 = 0.8.
   const auto intensities = pixel_with_logs({-4, -4 + 0.6 * 0.3, -4 + 1.2 * 0.3, -4 + 1.8 * 0.3});
-  EXPECT_EQ(simulate(intensities, noise_free(EventModel::kQuantised)).counts, (std::vector<int16_t>{0, 0, 0}));
-  EXPECT_EQ(simulate(intensities, noise_free(EventModel::kReferenceAware)).counts, (std::vector<int16_t>{0, 1, 0}));
+  EXPECT_EQ(simulate(intensities, noise_free(EventModel::kQuantised)).values, (std::vector<int16_t>{0, 0, 0}));
+  EXPECT_EQ(simulate(intensities, noise_free(EventModel::kReferenceAware)).values, (std::vector<int16_t>{0, 1, 0}));
 }
 
 TEST(EventModel, WithoutBlackFirstTheReferenceIsTheFirstIntensity) {
   const auto images = simulate(pixel_with_logs({-1, -1 - 3.5 * 0.3, -1 + 0.2 * 0.3}), noise_free());
-  EXPECT_EQ(images.counts, (std::vector<int16_t>{-3, 3}));
+  EXPECT_EQ(images.values, (std::vector<int16_t>{-3, 3}));
 }
 
 TEST(EventModel, ResidueTakesItsShareOfTheFirstCountsOnly) {
@@ -147,7 +147,7 @@ TEST(EventModel, LogIntensityNoiseHasItsDeviation) {
   options.constants = {.eps = 0.01F, .tau = 0.01F, .sigma_w = 0.5F, .sigma_z = 0};
   const auto images = simulate(constant(4, 200, 200, 0.5F), options);
   std::vector<double> previous;
-  for (size_t k = 0; k < images.transitions; ++k) {
+  for (size_t k = 0; k < images.count; ++k) {
     std::vector<double> noise, product;
     for (const int16_t count : images.image(k)) noise.push_back(0.01 * count);
     const Moments m = moments(noise);
@@ -168,7 +168,7 @@ TEST(EventModel, ThresholdNoiseHasItsDeviation) {
   CodedIntensities intensities = constant(2, 200, 200, 1.0F);
   for (float& value : intensities.image(0)) value = 0;
   std::vector<double> thresholds;
-  for (const int16_t count : simulate(intensities, options).counts)
+  for (const int16_t count : simulate(intensities, options).values)
     thresholds.push_back(std::log(1e30) / (count + 0.5));
   const Moments m = moments(thresholds);
   EXPECT_NEAR(m.mean, 0.30, 0.001);
@@ -182,7 +182,7 @@ TEST(EventModel, ThresholdNeverFallsBelowItsFloor) {
   for (float& value : intensities.image(0)) value = 0;
   const auto limit = static_cast<int16_t>(std::log(1e30) / double{kMinThreshold});
   int16_t largest = 0;
-  for (const int16_t count : simulate(intensities, options).counts) {
+  for (const int16_t count : simulate(intensities, options).values) {
     EXPECT_GT(count, 0);
     largest = std::max(largest, count);
   }
@@ -232,10 +232,10 @@ TEST(EventModel, AgreesWithTheReference) {
     const auto expected = reference_simulate_events(intensities, options);
     ASSERT_TRUE(expected);
     size_t different = 0;
-    for (size_t i = 0; i < images.counts.size(); ++i) {
-      if (images.counts[i] != expected->counts[i]) ++different;
+    for (size_t i = 0; i < images.values.size(); ++i) {
+      if (images.values[i] != expected->values[i]) ++different;
     }
-    EXPECT_LE(different, 6U) << "of " << images.counts.size();
+    EXPECT_LE(different, 6U) << "of " << images.values.size();
   }
 }
 
@@ -262,8 +262,8 @@ TEST(EventModel, CountsBeyondInt16AreSaturatedWithAWarning) {
   simulate(constant(2, 10, 10, 0.5F), {});
   EXPECT_EQ(warnings, 1);
   set_log_sink(previous);
-  EXPECT_EQ(*std::max_element(images.counts.begin(), images.counts.end()), std::numeric_limits<int16_t>::max());
-  EXPECT_EQ(*std::min_element(images.counts.begin(), images.counts.end()), std::numeric_limits<int16_t>::min());
+  EXPECT_EQ(*std::max_element(images.values.begin(), images.values.end()), std::numeric_limits<int16_t>::max());
+  EXPECT_EQ(*std::min_element(images.values.begin(), images.values.end()), std::numeric_limits<int16_t>::min());
 }
 
 TEST(EventModel, UnusableOptionsAreRefused) {

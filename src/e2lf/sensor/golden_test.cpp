@@ -53,9 +53,9 @@ TEST_F(OfficialSoftware, NoiseFreeEventsAgree) {
   options.constants.sigma_w = options.constants.sigma_z = 0;
   const auto images = simulate_events(codes_, light_field_, options);
   ASSERT_TRUE(images);
-  ASSERT_EQ(golden.size(), images->counts.size());
+  ASSERT_EQ(golden.size(), images->values.size());
   int different = 0;
-  for (size_t i = 0; i < golden.size(); ++i) different += golden[i] != images->counts[i] ? 1 : 0;
+  for (size_t i = 0; i < golden.size(); ++i) different += golden[i] != images->values[i] ? 1 : 0;
   RecordProperty("different", different);
   EXPECT_LE(different, 10);
 }
@@ -64,7 +64,7 @@ TEST_F(OfficialSoftware, NoisyEventDensityAgrees) {
   const auto images = simulate_events(codes_, light_field_, {});
   ASSERT_TRUE(images);
   double events = 0;
-  for (const int16_t count : images->counts) events += std::abs(count);
+  for (const int16_t count : images->values) events += std::abs(count);
   EXPECT_NEAR(events / (512 * 512), 8.48, 0.02);  // the release's figure at its default noise
 }
 

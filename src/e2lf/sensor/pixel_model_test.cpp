@@ -53,8 +53,8 @@ TEST(PixelModel, IsEquations9And10WithoutLagAndMismatch) {
   const auto found = simulate_pixel_events(codes, field, ideal_camera(), {});
   ASSERT_TRUE(expected && found);
   size_t different = 0;
-  for (size_t i = 0; i < expected->counts.size(); ++i) different += expected->counts[i] != found->counts[i] ? 1 : 0;
-  EXPECT_LE(different, expected->counts.size() / 500);  // quotients within rounding of a whole number
+  for (size_t i = 0; i < expected->values.size(); ++i) different += expected->values[i] != found->values[i] ? 1 : 0;
+  EXPECT_LE(different, expected->values.size() / 500);  // quotients within rounding of a whole number
 }
 
 TEST(PixelModel, WholeCycleIsEquations9And10WithoutLagAndMismatch) {
@@ -65,7 +65,7 @@ TEST(PixelModel, WholeCycleIsEquations9And10WithoutLagAndMismatch) {
   const auto expected = simulate_events(codes, field, paper);
   const auto found = simulate_pixel_events(codes, field, ideal_camera(), {});
   ASSERT_TRUE(expected && found);
-  ASSERT_EQ(found->transitions, 6U);
+  ASSERT_EQ(found->count, 6U);
   size_t different = 0;
   for (size_t k = 0; k < 6; ++k) {
     for (size_t p = 0; p < expected->image_size(); ++p) {
@@ -75,7 +75,7 @@ TEST(PixelModel, WholeCycleIsEquations9And10WithoutLagAndMismatch) {
       if (k < 5) different += difference != 0 ? 1 : 0;
     }
   }
-  EXPECT_LE(different, expected->counts.size() / 300);  // quotients within rounding of a whole number
+  EXPECT_LE(different, expected->values.size() / 300);  // quotients within rounding of a whole number
 }
 
 TEST(PixelModel, InverseLetsThroughWhatItsCodeHoldsBack) {
@@ -107,7 +107,7 @@ TEST(PixelModel, AgreesWithTheOtherFormsOfThePhysicalPixel) {
   ASSERT_TRUE(images) << images.error().text();
   const auto levels = capture::pixel_levels(camera.pixel);
   for (size_t n = 1; n < 4; ++n) {
-    EXPECT_NEAR(images->counts[n - 1] * kThreshold, levels[n] - levels[n - 1], 2 * kThreshold) << n;
+    EXPECT_NEAR(images->values[n - 1] * kThreshold, levels[n] - levels[n - 1], 2 * kThreshold) << n;
   }
 }
 
@@ -118,7 +118,7 @@ TEST(PixelModel, ThresholdsStayFromCycleToCycleAndNoiseDoesNot) {
   lightfield::LightField field({8, 8, 64, 64});
   std::fill(field.data().begin(), field.data().end(), 0.5F);
   const auto images_of = [&](uint64_t seed, uint64_t map_seed) {
-    return simulate_pixel_events(codes, field, camera, {.seed = seed, .map_seed = map_seed}).value().counts;
+    return simulate_pixel_events(codes, field, camera, {.seed = seed, .map_seed = map_seed}).value().values;
   };
   EXPECT_EQ(images_of(1, 7), images_of(2, 7));
   EXPECT_NE(images_of(1, 7), images_of(1, 8));
@@ -137,7 +137,7 @@ TEST(PixelModel, IsTheSameForAnyNumberOfThreads) {
   const auto three = simulate_pixel_events(half_codes(), field, camera, {.seed = 3});
   set_num_threads(threads);
   ASSERT_TRUE(one && three);
-  EXPECT_EQ(one->counts, three->counts);
+  EXPECT_EQ(one->values, three->values);
 }
 
 TEST(PixelModel, TransmissionChangesOverThePicture) {

@@ -12,8 +12,8 @@ struct PixelThresholds {
   float on = 0.0F, off = 0.0F;
 };
 
-/// Draws the thresholds of a pixel from CounterRng(map_seed, 2^33), where `map_seed` identifies one camera with its
-/// mismatched pixels.
+/// Draws the thresholds of a pixel from CounterRng(map_seed, 2^33), where `map_seed` selects one camera, i.e. one set
+/// of mismatched pixels.
 [[nodiscard]] PixelThresholds draw_thresholds(const capture::PixelConstants& constants, uint64_t map_seed,
                                               uint64_t pixel);
 

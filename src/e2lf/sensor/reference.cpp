@@ -56,7 +56,7 @@ Result<capture::EventImages> reference_simulate_events(const CodedIntensities& i
       const float thresholds = options.residue * uniform(CounterRng(options.seed, kResidueStream).bits(pixel)[0]);
       reference += tau * thresholds;
     }
-    for (size_t step = 0; step < images.transitions; ++step) {
+    for (size_t step = 0; step < images.count; ++step) {
       const auto words = CounterRng(options.seed, step / 2).bits(pixel);
       const auto [w, z] = box_muller(words[2 * (step % 2)], words[2 * (step % 2) + 1]);
       const float now = log_intensity(step + 1);

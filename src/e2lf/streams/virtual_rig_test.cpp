@@ -75,7 +75,7 @@ TEST(VirtualRig, CarriesReferencesFromCycleToCycle) {
     sums[batch.events.y[i] * kWidth + batch.events.x[i]] += batch.events.p[i] != 0 ? 1 : -1;
   }
   EXPECT_EQ(sums, std::vector<int>(sums.size()));
-  EXPECT_GT(*std::max_element(first.counts.begin(), first.counts.end()), 3);
+  EXPECT_GT(*std::max_element(first.values.begin(), first.values.end()), 3);
 }
 
 TEST(VirtualRig, ACycleThatBeginsWithBlackHasTheCountsOfEquations9And10) {
@@ -188,12 +188,12 @@ void expect_counts_of_closed_form(const capture::SensorProfile& camera, const ca
   ASSERT_TRUE(rig.play_cycle());
   const auto found = rig.sum_windows(rig.play_cycle().value());
   const auto expected = sensor::simulate_pixel_events(codes, field, camera, {.seed = 9, .map_seed = 9}).value();
-  ASSERT_EQ(found.transitions, expected.transitions);
+  ASSERT_EQ(found.count, expected.count);
   // The closed form begins each cycle at rest and compares once a pattern. It draws references after black evenly,
   // which they are not where the scene is so dark that no event comes on the way down.
   constexpr double kMeanTolerance = 0.1, kDeviationTolerance = 0.12, kMostVariation = 0.1;
   for (size_t level = 0; level < kLevels; ++level) {
-    for (size_t k = 0; k < found.transitions; ++k) {
+    for (size_t k = 0; k < found.count; ++k) {
       const BandCounts a = counts_of(found, k, level), b = counts_of(expected, k, level);
       double variation = 0;
       for (int count = -20; count <= 20; ++count) {

@@ -93,12 +93,12 @@ void Document::add_event_images(const std::string& name, const std::vector<captu
                                 const capture::Codes* codes) {
   Json described = Json::array();
   for (size_t cycle = 0; cycle < cycles.size(); ++cycle) {
-    described.push_back({{"label", cat("cycle ", cycle)}, {"counts", add_part(counts_part(cycles[cycle].counts))}});
+    described.push_back({{"label", cat("cycle ", cycle)}, {"counts", add_part(counts_part(cycles[cycle].values))}});
   }
   const capture::EventImages& first = cycles.front();
-  Json item = {{"kind", "event_images"}, {"name", name},         {"transitions", first.transitions},
+  Json item = {{"kind", "event_images"}, {"name", name},         {"transitions", first.count},
                {"height", first.height}, {"width", first.width}, {"cycles", std::move(described)}};
-  if (codes != nullptr && codes->num_patterns == first.transitions + 1) item["codes"] = codes_json(*codes);
+  if (codes != nullptr && codes->num_patterns == first.count + 1) item["codes"] = codes_json(*codes);
   add_item(std::move(item));
 }
 

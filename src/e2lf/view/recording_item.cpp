@@ -66,7 +66,7 @@ class Frames {
     for (size_t i = 0; i < events.size(); ++i) {
       while (events.t[i] - begin_us_ >= edge_us(frame_ + 1)) finish();
       if (events.x[i] >= image_.width || events.y[i] >= image_.height) continue;
-      int16_t& count = image_.counts[events.y[i] * image_.width + events.x[i]];
+      int16_t& count = image_.values[events.y[i] * image_.width + events.x[i]];
       const int changed = count + (events.p[i] != 0 ? 1 : -1);
       count = static_cast<int16_t>(std::clamp<int>(changed, INT16_MIN, INT16_MAX));
     }
@@ -85,8 +85,8 @@ class Frames {
   void finish() {
     frames_.push_back({{"begin_us", edge_us(frame_)},
                        {"end_us", edge_us(frame_ + 1)},
-                       {"counts", document_.add_part(counts_part(image_.counts))}});
-    std::fill(image_.counts.begin(), image_.counts.end(), int16_t{0});
+                       {"counts", document_.add_part(counts_part(image_.values))}});
+    std::fill(image_.values.begin(), image_.values.end(), int16_t{0});
     ++frame_;
   }
 

@@ -13,12 +13,13 @@
 
 namespace e2lf::view {
 
-/// A request that a server passes to its user, and the answer.
+/// A request that the server passes to the calling code.
 struct Question {
   bool is_command = false;  ///< POST instead of GET
   std::string name;         ///< path after the secret
   std::map<std::string, std::string> parameters;
 };
+/// The reply to a Question.
 struct Answer {
   int status = 200;  ///< HTTP status code
   std::string type, body;
@@ -28,8 +29,8 @@ using Answerer = std::function<std::optional<Answer>(const Question&)>;
 
 /// Serves a document and its page to browsers on this computer, and nothing else: it never opens a file named by a
 /// request. It listens on 127.0.0.1 only. Every address contains a secret of 128 random bits. A request is refused
-/// (403) unless its Host is this server's own, since a page of another site that resolves its name to 127.0.0.1 has
-/// another Host, and if its Origin or Sec-Fetch-Site shows that it comes from another site.
+/// (403) unless its Host is this server's own: a page of another site that resolves its name to 127.0.0.1 has another
+/// Host. It is also refused if its Origin or Sec-Fetch-Site shows that it comes from another site.
 class Server {
  public:
   /// Binds the port; 0 selects any free one. `answerer` receives commands and the requests that the document does not
@@ -40,7 +41,8 @@ class Server {
   Server& operator=(Server&&) noexcept;
   ~Server();
 
-  /// Shows another document from now on. Parts of the previous one that are being made are finished. It may be called
+  /// Shows another document from now on. Requests for parts of the previous one that have already begun are
+  /// completed. It may be called
   /// from any thread.
   void replace(Document document);
 

@@ -24,8 +24,8 @@ Result<ColourFilter> colour_filter_from_name(const std::string& name) {
 
 EventImages behind_filter(const EventImages& images, size_t place) {
   E2LF_REQUIRE(images.height % 2 == 0 && images.width % 2 == 0 && place < 4, "filters cover blocks of 2x2 pixels");
-  EventImages part(images.transitions, images.height / 2, images.width / 2);
-  for (size_t k = 0; k < images.transitions; ++k) {
+  EventImages part(images.count, images.height / 2, images.width / 2);
+  for (size_t k = 0; k < images.count; ++k) {
     const auto from = images.image(k);
     const auto to = part.image(k);
     for (size_t y = 0; y < part.height; ++y) {

@@ -97,11 +97,11 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
   const size_t cycle_size = counts.size() / num_cycles;
   for (size_t i = 0; i < num_cycles; ++i) {
     EventImages& cycle = cycles[i];
-    cycle.transitions = shape[axis];
+    cycle.count = shape[axis];
     cycle.height = shape[axis + 1];
     cycle.width = shape[axis + 2];
     const auto begin = counts.begin() + static_cast<ptrdiff_t>(i * cycle_size);
-    cycle.counts.assign(begin, begin + static_cast<ptrdiff_t>(cycle_size));
+    cycle.values.assign(begin, begin + static_cast<ptrdiff_t>(cycle_size));
   }
   return cycles;
 }
@@ -124,7 +124,7 @@ Result<EventImageFile> from_arrays(const NpzArrays& arrays, const fs::path& path
   E2LF_ASSIGN_OR_RETURN(file.cycles, cycles_from_array(found->second, path.string() + ": events"));
   E2LF_ASSIGN_OR_RETURN(file.setup, setup_from_arrays(arrays, path.string()));
   if (file.setup.codes) {
-    E2LF_RETURN_IF_ERROR(check_codes(*file.setup.codes, file.cycles.front().transitions, path.string() + ": codes"));
+    E2LF_RETURN_IF_ERROR(check_codes(*file.setup.codes, file.cycles.front().count, path.string() + ": codes"));
   }
   return file;
 }
@@ -170,7 +170,7 @@ Result<std::vector<fs::path>> list_images(const fs::path& folder) {
 Result<EventImageFile> read_folder(const fs::path& folder) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> paths, list_images(folder));
   EventImages cycle;
-  cycle.transitions = paths.size();
+  cycle.count = paths.size();
   for (const fs::path& path : paths) {
     E2LF_ASSIGN_OR_RETURN(NpyArray array, read_npy(path));
     std::vector<size_t>& shape = array.shape;
@@ -179,7 +179,7 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
       return Error{ErrorCode::kShape, cat("an event image has shape ", shape_text(shape), "; expected [y, x]"),
                    path.string()};
     }
-    if (cycle.counts.empty()) {
+    if (cycle.values.empty()) {
       cycle.height = shape[0];
       cycle.width = shape[1];
     } else if (shape[0] != cycle.height || shape[1] != cycle.width) {
@@ -189,7 +189,7 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
                    path.string()};
     }
     E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, path.string()));
-    cycle.counts.insert(cycle.counts.end(), counts.begin(), counts.end());
+    cycle.values.insert(cycle.values.end(), counts.begin(), counts.end());
   }
   return EventImageFile{{std::move(cycle)}};
 }
@@ -198,14 +198,14 @@ NpzArrays to_arrays(const EventImageFile& file) {
   E2LF_REQUIRE(!file.cycles.empty(), "writing event images needs at least one cycle");
   const EventImages& first = file.cycles.front();
   std::vector<int16_t> counts;
-  counts.reserve(file.cycles.size() * first.counts.size());
+  counts.reserve(file.cycles.size() * first.values.size());
   for (const EventImages& cycle : file.cycles) {
-    E2LF_REQUIRE(cycle.transitions == first.transitions && cycle.height == first.height && cycle.width == first.width,
+    E2LF_REQUIRE(cycle.count == first.count && cycle.height == first.height && cycle.width == first.width,
                  "all cycles of a file must have one shape");
-    counts.insert(counts.end(), cycle.counts.begin(), cycle.counts.end());
+    counts.insert(counts.end(), cycle.values.begin(), cycle.values.end());
   }
   NpzArrays arrays;
-  arrays["events"] = make_npy(std::vector<size_t>{file.cycles.size(), first.transitions, first.height, first.width},
+  arrays["events"] = make_npy(std::vector<size_t>{file.cycles.size(), first.count, first.height, first.width},
                               std::span<const int16_t>(counts));
   setup_to_arrays(file.setup, arrays);
   return arrays;

@@ -43,7 +43,7 @@ class EventImageFiles : public testing::Test {
 
 EventImages ramp(int16_t first) {
   EventImages images(2, 3, 5);
-  for (auto& count : images.counts) count = first++;
+  for (auto& count : images.values) count = first++;
   return images;
 }
 
@@ -102,7 +102,7 @@ TEST_F(EventImageFiles, MatlabFileOfOneImageHasTwoAxes) {
   const auto read = read_event_images(folder_ / "one.mat");
   ASSERT_TRUE(read) << read.error().text();
   EventImages expected(1, 2, 3);
-  expected.counts = {1, 3, 5, -2, 4, 6};
+  expected.values = {1, 3, 5, -2, 4, 6};
   EXPECT_EQ(read->cycles, std::vector<EventImages>{expected});
 }
 
@@ -117,7 +117,7 @@ TEST_F(EventImageFiles, MatlabFileWithoutEventsIsAnError) {
 
 TEST_F(EventImageFiles, ThreeAxesAreOneCycleOfAnyNumericType) {
   EventImages expected(1, 2, 2);
-  expected.counts = {1, -2, 3, 0};
+  expected.values = {1, -2, 3, 0};
   for (const auto& path :
        {write<float>("f.npy", {1, 2, 2}, {1, -2, 3, 0}), write<int32_t>("i.npy", {1, 1, 2, 2}, {1, -2, 3, 0})}) {
     const auto read = read_event_images(path);
@@ -153,7 +153,7 @@ TEST_F(EventImageFiles, FolderIsReadInNumberOrder) {
   ASSERT_TRUE(read) << read.error().text();
   ASSERT_EQ(read->cycles.size(), 1U);
   const EventImages& cycle = read->cycles[0];
-  EXPECT_EQ(cycle.transitions, 11U);
+  EXPECT_EQ(cycle.count, 11U);
   EXPECT_EQ(cycle.height, 1U);
   EXPECT_EQ(cycle.width, 2U);
   for (int16_t i = 0; i < 11; ++i) {
@@ -222,11 +222,11 @@ TEST_F(EventImageFiles, ReleasedCaptureIsReadWhole) {
   ASSERT_TRUE(read) << read.error().text();
   ASSERT_EQ(read->cycles.size(), 1U);
   const EventImages& cycle = read->cycles[0];
-  EXPECT_EQ(cycle.transitions, 3U);
+  EXPECT_EQ(cycle.count, 3U);
   EXPECT_EQ(cycle.height, 720U);
   EXPECT_EQ(cycle.width, 1280U);
   double events = 0;
-  for (const int16_t count : cycle.counts) events += std::abs(count);
+  for (const int16_t count : cycle.values) events += std::abs(count);
   EXPECT_NEAR(events / (720 * 1280), 1.9, 0.05);  // the documented density of this capture
 }
 

@@ -35,7 +35,7 @@ std::vector<uint8_t> npy_header(uint64_t cycles, const EventImages& shape) {
   NpyArray array;
   array.type = "i2";
   array.item_size = 2;
-  array.shape = {cycles, shape.transitions, shape.height, shape.width};
+  array.shape = {cycles, shape.count, shape.height, shape.width};
   std::vector<uint8_t> bytes = npy_header_bytes(array);
   E2LF_REQUIRE(bytes.size() <= kHeaderSize && bytes[6] == 1, "an .npy header of version 1 must fit its place");
   bytes.back() = ' ';
@@ -77,18 +77,17 @@ class EventImageWriter::Impl {
   Result<void> add(const EventImages& images) {
     if (cycles_ == 0) {
       shape_ = EventImages();
-      shape_.transitions = images.transitions;
+      shape_.count = images.count;
       shape_.height = images.height;
       shape_.width = images.width;
       E2LF_RETURN_IF_ERROR(begin());
     }
-    E2LF_REQUIRE(
-        images.transitions == shape_.transitions && images.height == shape_.height && images.width == shape_.width,
-        "all cycles of a file have one shape");
+    E2LF_REQUIRE(images.count == shape_.count && images.height == shape_.height && images.width == shape_.width,
+                 "all cycles of a file have one shape");
     ++cycles_;
-    const auto* bytes = reinterpret_cast<const uint8_t*>(images.counts.data());
+    const auto* bytes = reinterpret_cast<const uint8_t*>(images.values.data());
     // The whole cycle is flushed to the file, so that it can be recovered.
-    E2LF_RETURN_IF_ERROR(pack({bytes, images.counts.size() * sizeof(int16_t)}, Z_SYNC_FLUSH));
+    E2LF_RETURN_IF_ERROR(pack({bytes, images.values.size() * sizeof(int16_t)}, Z_SYNC_FLUSH));
     return std::fflush(stream_) == 0 ? Result<void>() : io_error();
   }
 

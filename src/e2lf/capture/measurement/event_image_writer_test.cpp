@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 EventImages random_images(uint64_t seed) {
   EventImages images(3, 17, 29);
   const CounterRng rng(seed, 0);
-  for (size_t i = 0; i < images.counts.size(); ++i) {
-    images.counts[i] = static_cast<int16_t>(static_cast<int>(rng.below(i, 4001)) - 2000);
+  for (size_t i = 0; i < images.values.size(); ++i) {
+    images.values[i] = static_cast<int16_t>(static_cast<int>(rng.below(i, 4001)) - 2000);
   }
   return images;
 }

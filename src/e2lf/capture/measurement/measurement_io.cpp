@@ -38,7 +38,7 @@ Result<void> check_hybrid(const EventImages& events, const CodedIntensities& ima
   return Error{
       ErrorCode::kShape,
       cat("the intensity images of a cycle have shape ", shape_text({images.count, images.height, images.width}),
-          ", the event images ", shape_text({events.transitions, events.height, events.width}),
+          ", the event images ", shape_text({events.count, events.height, events.width}),
           "; beside events there is one image of their size"),
       location};
 }
@@ -100,17 +100,17 @@ Result<void> write_measurements(const fs::path& path, const MeasurementFile& fil
   std::vector<int16_t> counts;
   std::vector<float> values;
   for (const Measurement& cycle : file.cycles) {
-    E2LF_REQUIRE(cycle.kind == first.kind && cycle.events.counts.size() == first.events.counts.size() &&
+    E2LF_REQUIRE(cycle.kind == first.kind && cycle.events.values.size() == first.events.values.size() &&
                      cycle.images.values.size() == first.images.values.size(),
                  "all cycles of a file must have one kind and shape");
-    counts.insert(counts.end(), cycle.events.counts.begin(), cycle.events.counts.end());
+    counts.insert(counts.end(), cycle.events.values.begin(), cycle.events.values.end());
     values.insert(values.end(), cycle.images.values.begin(), cycle.images.values.end());
   }
   NpzArrays arrays;
   const size_t cycles = file.cycles.size();
   if (has_events(first.kind)) {
     const EventImages& events = first.events;
-    arrays["events"] = make_npy(std::vector<size_t>{cycles, events.transitions, events.height, events.width},
+    arrays["events"] = make_npy(std::vector<size_t>{cycles, events.count, events.height, events.width},
                                 std::span<const int16_t>(counts));
   }
   const CodedIntensities& images = first.images;

@@ -20,7 +20,7 @@ MeasurementFile two_cycles(MeasurementKind kind) {
     Measurement measurement;
     measurement.kind = kind;
     if (has_events(kind)) measurement.events = EventImages(2, 8, 16);
-    for (int16_t& count : measurement.events.counts) count = static_cast<int16_t>(++value);
+    for (int16_t& count : measurement.events.values) count = static_cast<int16_t>(++value);
     if (const size_t images = num_images(kind, 3); images > 0) measurement.images = CodedIntensities(images, 8, 16);
     for (float& intensity : measurement.images.values) intensity = ++value / 1024;
     file.cycles.push_back(std::move(measurement));

@@ -43,14 +43,14 @@ int sign_of_change(const Codes& codes, size_t transition) {
 }  // namespace
 
 bool is_without_events(const EventImages& images) {
-  return std::all_of(images.counts.begin(), images.counts.end(), [](int16_t count) { return count == 0; });
+  return std::all_of(images.values.begin(), images.values.end(), [](int16_t count) { return count == 0; });
 }
 
 bool is_polarity_inverted(const EventImages& images, const Codes& codes) {
   constexpr uint64_t kEnoughEvents = 1000;
-  if (codes.num_patterns != images.transitions + 1) return false;
+  if (codes.num_patterns != images.count + 1) return false;
   uint64_t right = 0, wrong = 0;
-  for (size_t transition = 0; transition < images.transitions; ++transition) {
+  for (size_t transition = 0; transition < images.count; ++transition) {
     const int sign = sign_of_change(codes, transition);
     if (sign == 0) continue;
     const Counts counts = counts_of(images.image(transition));
@@ -66,7 +66,7 @@ std::vector<std::string> event_doubts(const EventImages& images, const Codes* co
   constexpr uint64_t kEnough = 1000;
   std::vector<std::string> doubts, empty, beyond;
   Counts sum;
-  for (size_t transition = 0; transition < images.transitions; ++transition) {
+  for (size_t transition = 0; transition < images.count; ++transition) {
     const Counts counts = counts_of(images.image(transition));
     if (counts.all() == 0) empty.push_back(std::to_string(transition));
     if (2 * counts.beyond > images.image_size()) beyond.push_back(std::to_string(transition));
@@ -93,7 +93,7 @@ std::vector<std::string> event_doubts(const EventImages& images, const Codes* co
         "--invert-polarity, or leave it out if it was given");
   }
   // The change from black to the first pattern alone only causes ON events.
-  if (images.transitions > 1 && sum.all() >= kEnough && (sum.on == 0 || sum.off == 0)) {
+  if (images.count > 1 && sum.all() >= kEnough && (sum.on == 0 || sum.off == 0)) {
     doubts.push_back(cat("there are ", sum.all(), sum.on == 0 ? " OFF events and no ON" : " ON events and no OFF",
                          " events: was the sign lost, as in unsigned numbers?"));
   }

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 /// Counts of both signs in all three images.
 EventImages usual_images() {
   EventImages images(3, 40, 50);
-  for (size_t i = 0; i < images.counts.size(); ++i) images.counts[i] = static_cast<int16_t>(i % 7) - 3;
+  for (size_t i = 0; i < images.values.size(); ++i) images.values[i] = static_cast<int16_t>(i % 7) - 3;
   return images;
 }
 
@@ -41,10 +41,10 @@ TEST(EventDoubts, A14AlmostNoEventsAreCounted) {
 
 TEST(EventDoubts, A14SaturatedPixelsAndALostSignAreNamed) {
   EventImages images(2, 40, 50);
-  std::ranges::fill(images.counts, int16_t{32767});
+  std::ranges::fill(images.values, int16_t{32767});
   EXPECT_THAT(event_doubts(images), ElementsAre(HasSubstr("most pixels of event images 0, 1"), HasSubstr("no OFF")));
   images = usual_images();
-  for (int16_t& count : images.counts) count = static_cast<int16_t>(-std::abs(count));
+  for (int16_t& count : images.values) count = static_cast<int16_t>(-std::abs(count));
   EXPECT_THAT(event_doubts(images), ElementsAre(HasSubstr("no ON events")));
 }
 
@@ -57,7 +57,7 @@ TEST(EventDoubts, B3InvertedPolarityAfterBlackIsNamed) {
   for (int16_t& count : images.image(2)) count = static_cast<int16_t>(count + 2);
   EXPECT_FALSE(is_polarity_inverted(images, codes));
   EXPECT_TRUE(event_doubts(images, &codes).empty());
-  for (int16_t& count : images.counts) count = static_cast<int16_t>(-count);
+  for (int16_t& count : images.values) count = static_cast<int16_t>(-count);
   EXPECT_TRUE(is_polarity_inverted(images, codes));
   EXPECT_THAT(event_doubts(images, &codes), ElementsAre(HasSubstr("polarity is inverted")));
   // Without the patterns, and with those of another cycle, nothing tells.

@@ -55,9 +55,9 @@ class UnfinishedFile {
 
   /// Returns the next complete cycle, or null.
   const EventImages* next() {
-    std::vector<uint8_t> bytes(images_.counts.size() * sizeof(int16_t));
+    std::vector<uint8_t> bytes(images_.values.size() * sizeof(int16_t));
     if (!unpack(bytes)) return nullptr;
-    std::memcpy(images_.counts.data(), bytes.data(), bytes.size());
+    std::memcpy(images_.values.data(), bytes.data(), bytes.size());
     return &images_;
   }
 

@@ -63,7 +63,7 @@ struct Codes {
 [[nodiscard]] Codes default_codes();
 
 /// Returns the patterns that a display shows in a whole cycle, [2N + 1, view_y, view_x]: a_1 to a_N, the inverses of
-/// a_1 to a_N, and a_1 again. Their 2N transitions are those of the cycle.
+/// a_1 to a_N, and a_1 again. They have 2N transitions.
 [[nodiscard]] Codes whole_cycle(const Codes& codes);
 
 /// Returns the patterns a_1 to a_N from which whole_cycle() made `codes`, for N of at least 2; nothing if `codes` do

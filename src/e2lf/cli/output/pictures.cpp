@@ -10,7 +10,7 @@ namespace e2lf::cli {
 namespace {
 
 float bright_count(const capture::EventImages& images) {
-  std::vector<int16_t> counts = images.counts;
+  std::vector<int16_t> counts = images.values;
   for (int16_t& count : counts) count = static_cast<int16_t>(std::min(std::abs(int{count}), 32767));
   const auto quantile = counts.begin() + static_cast<ptrdiff_t>((counts.size() - 1) * 99 / 100);
   std::nth_element(counts.begin(), quantile, counts.end());
@@ -28,10 +28,10 @@ std::array<float, 3> colour_of(float value) {
 
 lightfield::Image event_picture(const capture::EventImages& images) {
   constexpr size_t kGap = 4;
-  lightfield::Image picture(images.transitions * (images.width + kGap) - kGap, images.height, 3);
+  lightfield::Image picture(images.count * (images.width + kGap) - kGap, images.height, 3);
   std::fill(picture.pixels.begin(), picture.pixels.end(), 1.0F);
   const float scale = 1.0F / bright_count(images);
-  for (size_t k = 0; k < images.transitions; ++k) {
+  for (size_t k = 0; k < images.count; ++k) {
     const auto image = images.image(k);
     for (size_t y = 0; y < images.height; ++y) {
       float* row = picture.pixels.data() + (y * picture.width + k * (images.width + kGap)) * 3;

@@ -165,7 +165,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     if (!cycle) break;
     confidence.add(*cycle, reader.source());
     if (reports.is_wanted() && !first) first = cycle->images;
-    if (writer.cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.transitions, writer);
+    if (writer.cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.count, writer);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
     if (cycle->arrival) {

@@ -93,7 +93,7 @@ void keep_first_transitions(capture::Codes& codes, std::vector<calibrate::StillS
   constexpr size_t kKept = calibrate::kMostTransitions;
   const auto is_longer = [&](const calibrate::StillScene& scene) {
     return std::ranges::all_of(scene.cycles, [&](const capture::EventImages& cycle) {
-      return cycle.transitions > kKept && cycle.transitions + 1 == codes.num_patterns;
+      return cycle.count > kKept && cycle.count + 1 == codes.num_patterns;
     });
   };
   if (!std::ranges::all_of(scenes, is_longer)) return;
@@ -101,8 +101,8 @@ void keep_first_transitions(capture::Codes& codes, std::vector<calibrate::StillS
   codes.num_patterns = kKept + 1;
   for (calibrate::StillScene& scene : scenes) {
     for (capture::EventImages& cycle : scene.cycles) {
-      cycle.counts.resize(kKept * cycle.image_size());
-      cycle.transitions = kKept;
+      cycle.values.resize(kKept * cycle.image_size());
+      cycle.count = kKept;
     }
   }
 }

@@ -249,14 +249,12 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
   E2LF_RETURN_IF_ERROR(output.commit());
   const capture::EventImages& first = file.cycles.front();
   if (common.json) {
-    const Json json = {{"cycles", file.cycles.size()},
-                       {"transitions", first.transitions},
-                       {"height", first.height},
-                       {"width", first.width}};
+    const Json json = {
+        {"cycles", file.cycles.size()}, {"transitions", first.count}, {"height", first.height}, {"width", first.width}};
     std::printf("%s", json_text(json).c_str());
   } else if (!common.quiet) {
-    std::printf("%zu cycles of %zu event images of %zux%zu px in %s\n", file.cycles.size(), first.transitions,
-                first.width, first.height, arguments.output.c_str());
+    std::printf("%zu cycles of %zu event images of %zux%zu px in %s\n", file.cycles.size(), first.count, first.width,
+                first.height, arguments.output.c_str());
   }
   return {};
 }

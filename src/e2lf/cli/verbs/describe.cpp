@@ -54,7 +54,7 @@ Result<void> show(const capture::EventImageFile& file, report::Page& page) {
   E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(first), "event images"}}, 1600, page));
   page.drawing(transition_bars(eval::event_statistics(first).events_per_pixel));
   constexpr float kMost = 16.5F;
-  const std::vector<float> counts(first.counts.begin(), first.counts.end());
+  const std::vector<float> counts(first.values.begin(), first.values.end());
   page.drawing(histogram("ON minus OFF events of a pixel in a transition; values beyond 16 are counted at the ends",
                          counts, -kMost, kMost, 33));
   if (!file.setup.codes) return {};
@@ -128,14 +128,14 @@ Result<Description> describe_event_images(const fs::path& path) {
   const eval::EventStatistics statistics = eval::event_statistics(first);
   Json json = {{"kind", "event images"},
                {"cycles", file.cycles.size()},
-               {"transitions", first.transitions},
+               {"transitions", first.count},
                {"height", first.height},
                {"width", first.width},
                {"codes", setup.codes.has_value()},
                {"orientation", orientation_text(setup.views)},
                {"first_cycle", eval::to_json(statistics)}};
   std::string text =
-      cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ", first.transitions,
+      cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ", first.count,
           " transitions, ", first.width, "x", first.height, " px, codes ", setup.codes ? "included" : "not included",
           ", views ", orientation_text(setup.views), "\nevents per pixel in the first cycle:");
   for (const double count : statistics.events_per_pixel) text += cat(" ", count);
@@ -151,7 +151,7 @@ Result<Description> describe_images(const fs::path& path) {
   Json json = {{"kind", "measurement"},
                {"measurement", capture::measurement_name(first.kind)},
                {"cycles", file.cycles.size()},
-               {"transitions", first.events.transitions},
+               {"transitions", first.events.count},
                {"images", first.images.count},
                {"height", first.height()},
                {"width", first.width()},
@@ -161,10 +161,10 @@ Result<Description> describe_images(const fs::path& path) {
   std::string text = cat("measurement (", capture::measurement_name(first.kind), "): ", file.cycles.size(), " cycle",
                          file.cycles.size() == 1 ? "" : "s", " of ", first.images.count, " intensity image",
                          first.images.count == 1 ? "" : "s");
-  if (first.events.transitions > 0) text += cat(" and ", first.events.transitions, " event images");
+  if (first.events.count > 0) text += cat(" and ", first.events.count, " event images");
   text += cat(", ", first.width(), "x", first.height(), " px, intensities ", *low, "..", *high, ", codes ",
               file.setup.codes ? "included" : "not included", "\n");
-  if (first.events.transitions > 0) {
+  if (first.events.count > 0) {
     const eval::EventStatistics statistics = eval::event_statistics(first.events);
     json["first_cycle"] = eval::to_json(statistics);
     text += cat("events per pixel in the first cycle: ", statistics.total_events_per_pixel, "\n");

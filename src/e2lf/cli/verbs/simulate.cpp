@@ -59,7 +59,7 @@ capture::SensorConstants constants_of(const SimulateArguments& arguments, const 
 void print_images(const capture::Measurement& measured, const CommonOptions& common) {
   const capture::CodedIntensities& images = measured.images;
   if (images.count == 0) return;
-  if (common.json && measured.events.transitions == 0) {
+  if (common.json && measured.events.count == 0) {
     const Json json = {{"measurement", capture::measurement_name(measured.kind)},
                        {"images", images.count},
                        {"height", images.height},
@@ -72,15 +72,14 @@ void print_images(const capture::Measurement& measured, const CommonOptions& com
 }
 
 void print_statistics(const capture::EventImages& images, const CommonOptions& common) {
-  if (images.transitions == 0) return;
+  if (images.count == 0) return;
   const eval::EventStatistics statistics = eval::event_statistics(images);
   if (common.json) {
     std::printf("%s", json_text(eval::to_json(statistics)).c_str());
   } else if (!common.quiet) {
     std::printf(
         "%zu transitions of %zux%zu px, %.2f events per pixel; a sensor of 1.066 G events/s needs at least %.1f ms\n",
-        images.transitions, images.width, images.height, statistics.total_events_per_pixel,
-        statistics.min_measurement_ms);
+        images.count, images.width, images.height, statistics.total_events_per_pixel, statistics.min_measurement_ms);
   }
 }
 

@@ -168,10 +168,10 @@ TEST_P(SensorParity, CountsTheSameEventsAsTheSensorWithoutNoise) {
   const auto events =
       simulate_events(intensities, noise_free(1), draw_noise_like(intensities), event_model).contiguous();
 
-  ASSERT_EQ(static_cast<size_t>(events.numel()), expected->counts.size());
+  ASSERT_EQ(static_cast<size_t>(events.numel()), expected->values.size());
   size_t different = 0;
-  for (size_t i = 0; i < expected->counts.size(); ++i) {
-    different += std::lround(events.data_ptr<float>()[i]) != expected->counts[i] ? 1 : 0;
+  for (size_t i = 0; i < expected->values.size(); ++i) {
+    different += std::lround(events.data_ptr<float>()[i]) != expected->values[i] ? 1 : 0;
   }
   EXPECT_LE(different, 3U);  // quotients within float rounding of a whole number
   EXPECT_GT(events.abs().sum().item<float>(), 100.0F);

@@ -42,8 +42,8 @@ class Peers {
   /// Replaces a tensor by its sum over all processes.
   [[nodiscard]] Result<void> sum(const torch::Tensor& tensor) const;
 
-  /// Starts the same sum and returns at once; the returned function waits for it and throws where sum() would fail.
   using Finish = std::function<void()>;
+  /// Starts the same sum and returns at once. The returned function waits for it and throws where sum() would fail.
   [[nodiscard]] Finish begin_sum(const torch::Tensor& tensor) const;
 
   /// Replaces a tensor by that of process 0.

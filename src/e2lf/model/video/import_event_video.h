@@ -17,12 +17,12 @@ namespace e2lf::model {
 
 /// Imports a published checkpoint as a model. `path` is its state dictionary as a .safetensors file with unchanged
 /// tensor names. The layers follow from these names and shapes. Batch normalisation is folded into the preceding
-/// convolutions, and of several output channels only the first, which is the picture, is kept. Properties that no
+/// convolutions, and if there are several output channels, only the first (the picture) is kept. Properties that no
 /// tensor determines (normalisation of the voxels, padding, a final sigmoid, the tone of the frames) follow the EVREAL
 /// protocol (Ercan et al., CVPRW 2023) for the network `as`. If it is empty, the network is determined from the tensor
-/// names; of two with the same names, it is "e2vid" if there is batch normalisation and "e2vid+" otherwise. Fails with
-/// kUnsupported (unknown tensor names, or transposed convolutions), kNotFound, kShape, kFormat (a tensor that is not
-/// used) and kInvalidValue (`as` is unknown or has other layers).
+/// names; if two networks share the names, it is "e2vid" if there is batch normalisation and "e2vid+" otherwise. Fails
+/// with kUnsupported (unknown tensor names, or transposed convolutions), kNotFound, kShape, kFormat (a tensor that is
+/// not used) and kInvalidValue (`as` is unknown or has other layers).
 [[nodiscard]] Result<VideoModel> import_event_video(const std::filesystem::path& path, const std::string& as = "");
 
 }  // namespace e2lf::model

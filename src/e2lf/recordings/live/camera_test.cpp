@@ -320,7 +320,7 @@ EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, cons
   EventBatch all;
   for (uint64_t number = 0; number < cycles; ++number) {
     capture::EventImages images(synthesis.schedule.num_images(), 48, 64);
-    for (int16_t& count : images.counts) count = 2;
+    for (int16_t& count : images.values) count = 2;
     const cycles::SynthesisedCycle cycle = synthesise_cycle(images, number, synthesis);
     all.events.append(cycle.batch.events);
     all.triggers.insert(all.triggers.end(), cycle.batch.triggers.begin(), cycle.batch.triggers.end());

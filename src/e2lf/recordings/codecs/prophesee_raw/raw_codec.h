@@ -7,7 +7,8 @@
 
 namespace e2lf::recordings {
 
-/// Opens a Prophesee RAW recording: EVT2, EVT2.1 (either byte order) or EVT3, as its header or options.format states.
+/// Opens a Prophesee RAW recording: EVT2, EVT2.1 (either byte order), EVT3 or EVT4, as its header or options.format
+/// states.
 [[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> source,
                                                                 const OpenOptions& options);
 
