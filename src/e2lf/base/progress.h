@@ -10,4 +10,10 @@ namespace e2lf {
 /// function reports nothing.
 using ProgressFn = std::function<void(size_t done, size_t total)>;
 
+/// Returns the function that reports the progress of one pass as part of several equal passes.
+[[nodiscard]] inline ProgressFn progress_of_pass(const ProgressFn& progress, size_t pass, size_t passes) {
+  if (!progress) return {};
+  return [=](size_t done, size_t total) { progress(pass * total + done, passes * total); };
+}
+
 }  // namespace e2lf

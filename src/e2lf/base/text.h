@@ -19,6 +19,9 @@ template <typename... Args>
 /// Joins the parts with the separator between them: "a, b, c".
 [[nodiscard]] std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
 
+/// Returns the text with the letters A to Z in lower case, independently of the locale.
+[[nodiscard]] std::string lower_case(std::string_view text);
+
 /// Formats a shape as "[3, 720, 1280]".
 [[nodiscard]] std::string shape_text(const std::vector<size_t>& shape);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "e2lf/base/median.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/calibrate/count_distribution.h"
@@ -150,9 +151,7 @@ std::vector<Plane> mean_counts(const StillScene& scene, const std::vector<PixelS
         if (states[neighbour] == PixelState::kGood) around.push_back(mean(neighbour));
       });
       if (around.empty()) continue;
-      const auto middle = around.begin() + static_cast<ptrdiff_t>(around.size() / 2);
-      std::nth_element(around.begin(), middle, around.end());
-      plane.values[p] = *middle;
+      plane.values[p] = median(std::move(around));
     }
   }
   return planes;

@@ -12,6 +12,7 @@
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
+#include "e2lf/files/options.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
@@ -24,10 +25,6 @@ namespace {
 using lightfield::LightField;
 
 constexpr double kViewsOfPaper = 64;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
 
 /// The sum of the events and the mean of the images of several cycles.
 struct Sum {
@@ -51,10 +48,7 @@ Result<LightField> reconstruct_each(const recon::Method& method, const std::vect
                                     const ProgressFn& progress) {
   LightField mean;
   for (size_t i = 0; i < cycles.size(); ++i) {
-    const ProgressFn part = [&](size_t done, size_t total) {
-      if (progress) progress(i * total + done, cycles.size() * total);
-    };
-    E2LF_ASSIGN_OR_RETURN(LightField field, method(cycles[i], part));
+    E2LF_ASSIGN_OR_RETURN(LightField field, method(cycles[i], progress_of_pass(progress, i, cycles.size())));
     if (i == 0) {
       mean = std::move(field);
       continue;
@@ -105,12 +99,12 @@ void add_costs(const ComparedMethod& method, const std::vector<capture::Measurem
 }
 
 void add_quality(const eval::LightFieldMetrics& quality, Json& figures) {
-  figures["psnr_db"] = number(quality.mean.psnr_db);
-  figures["ssim"] = number(quality.mean.ssim_uniform7);
-  figures["ssim_gaussian"] = number(quality.mean.ssim_gaussian);
-  figures["epi_error"] = number(quality.epi.relative);
+  figures["psnr_db"] = finite_or_null(quality.mean.psnr_db);
+  figures["ssim"] = finite_or_null(quality.mean.ssim_uniform7);
+  figures["ssim_gaussian"] = finite_or_null(quality.mean.ssim_gaussian);
+  figures["epi_error"] = finite_or_null(quality.epi.relative);
   figures["views_psnr_db"] = Json::array();
-  for (const auto& view : quality.views) figures["views_psnr_db"].push_back(number(view.metrics.psnr_db));
+  for (const auto& view : quality.views) figures["views_psnr_db"].push_back(finite_or_null(view.metrics.psnr_db));
 }
 
 }  // namespace

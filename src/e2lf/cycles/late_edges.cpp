@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "e2lf/base/median.h"
+
 namespace e2lf::cycles {
 namespace {
 
@@ -19,10 +21,7 @@ LateEdgeFinder::LateEdgeFinder(const Schedule& schedule) : schedule_(schedule), 
 double LateEdgeFinder::expected_us(size_t pattern) const {
   const auto& known = intervals_us_[pattern];
   if (known.size() < kEnough) return static_cast<double>(schedule_.patterns[pattern].interval_us());
-  std::vector<double> sorted(known.begin(), known.end());
-  const auto middle = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
+  return median(std::vector<double>(known.begin(), known.end()));
 }
 
 void LateEdgeFinder::learn(size_t pattern, double interval_us) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "e2lf/base/median.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::cycles {
@@ -16,13 +17,6 @@ std::string ms(double us) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g ms", us / 1000);
   return text;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 std::vector<double> intervals_of(const std::vector<int64_t>& times_us) {

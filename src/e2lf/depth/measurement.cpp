@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/median.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/shift_filter.h"
@@ -92,10 +93,8 @@ class Measurer {
       }
     }
     if (residuals.empty()) return kLeastNoise;
-    const auto median = residuals.begin() + static_cast<ptrdiff_t>(residuals.size() / 2);
-    std::nth_element(residuals.begin(), median, residuals.end());
     constexpr float kDeviationsPerMedian = 1.48F;
-    return std::max(kDeviationsPerMedian * *median, kLeastNoise);
+    return std::max(kDeviationsPerMedian * median(std::move(residuals)), kLeastNoise);
   }
 
   void measure_rows(size_t begin, size_t end, Measurements& out) const {

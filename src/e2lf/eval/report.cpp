@@ -7,6 +7,8 @@
 #include <sstream>
 #include <vector>
 
+#include "e2lf/files/options.h"
+
 namespace e2lf::eval {
 namespace {
 
@@ -16,14 +18,10 @@ std::string fixed(double value, int decimals) {
   return std::move(out).str();
 }
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 void add_metrics(const Metrics& metrics, Json& json) {
-  json["psnr_db"] = number(metrics.psnr_db);
-  json["ssim_uniform7"] = number(metrics.ssim_uniform7);
-  json["ssim_gaussian"] = number(metrics.ssim_gaussian);
+  json["psnr_db"] = finite_or_null(metrics.psnr_db);
+  json["ssim_uniform7"] = finite_or_null(metrics.ssim_uniform7);
+  json["ssim_gaussian"] = finite_or_null(metrics.ssim_gaussian);
 }
 
 report::Cell quality_cell(double value, int decimals) {
@@ -35,8 +33,8 @@ report::Cell quality_cell(double value, int decimals) {
 Json to_json(const LightFieldMetrics& quality) {
   Json json;
   add_metrics(quality.mean, json);
-  json["epi_rms_error"] = number(quality.epi.rms);
-  json["epi_relative_error"] = number(quality.epi.relative);
+  json["epi_rms_error"] = finite_or_null(quality.epi.rms);
+  json["epi_relative_error"] = finite_or_null(quality.epi.relative);
   json["views"] = Json::array();
   for (const ViewMetrics& view : quality.views) {
     Json entry{{"view_y", view.view_y}, {"view_x", view.view_x}};

@@ -111,6 +111,9 @@ class OptionReader {
   std::optional<Error> error_;
 };
 
+/// Returns a number as JSON, or null if it is not finite, which JSON cannot express.
+[[nodiscard]] Json finite_or_null(double value);
+
 /// Formats a JSON value as text: json_text() indents it and ends it with a new line, json_line() writes one line
 /// without a new line. They never throw: bytes that are not valid UTF-8, which names of files may contain, become
 /// U+FFFD.

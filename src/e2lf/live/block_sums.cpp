@@ -25,7 +25,7 @@ void sum_blocks(const capture::EventImages& images, size_t side, capture::EventI
     for (size_t x = 0; x < width; ++x) {
       int sum = 0;
       for (size_t i = 0; i < side; ++i) sum += column[x * side + i];
-      *to++ = static_cast<int16_t>(std::clamp(sum, INT16_MIN, INT16_MAX));
+      *to++ = capture::saturated(sum);
     }
   }
 }

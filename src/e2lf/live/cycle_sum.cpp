@@ -21,9 +21,7 @@ size_t CycleSum::add(capture::EventImages& images, size_t wanted) {
   for (; last_.size() >= wanted; last_.pop_front()) apply(last_.front(), -1);
   apply(images, 1);
   last_.push_back(images);
-  for (size_t i = 0; i < sum_.size(); ++i) {
-    images.values[i] = static_cast<int16_t>(std::clamp(sum_[i], INT16_MIN, INT16_MAX));
-  }
+  for (size_t i = 0; i < sum_.size(); ++i) images.values[i] = capture::saturated(sum_[i]);
   return last_.size();
 }
 

@@ -11,7 +11,7 @@ namespace e2lf::pipeline {
 namespace {
 
 void invert(capture::EventImages& images) {
-  for (int16_t& count : images.values) count = static_cast<int16_t>(std::min(-count, INT16_MAX));
+  for (int16_t& count : images.values) count = capture::saturated(-count);
 }
 
 Result<void> check(const CycleInputOptions& options) {
@@ -50,7 +50,7 @@ uint64_t add_counts(const capture::EventImages& more, capture::EventImages& sum)
   uint64_t saturated = 0;
   for (size_t i = 0; i < sum.values.size(); ++i) {
     const int count = sum.values[i] + more.values[i];
-    sum.values[i] = static_cast<int16_t>(std::clamp(count, INT16_MIN, INT16_MAX));
+    sum.values[i] = capture::saturated(count);
     saturated += static_cast<uint64_t>(std::abs(count - sum.values[i]));
   }
   return saturated;

@@ -28,11 +28,9 @@ recon::Method colour_method(recon::Method grey, const capture::ColourFilter& fil
     lightfield::LightField colour;
     for (size_t place = 0; place < 4; ++place) {
       const size_t channel = filter.channels[place];
-      const ProgressFn part = [&](size_t done, size_t total) {
-        if (progress) progress(place * total + done, 4 * total);
-      };
-      E2LF_ASSIGN_OR_RETURN(const lightfield::LightField one,
-                            grey(capture::Measurement(capture::behind_filter(images, place)), part));
+      E2LF_ASSIGN_OR_RETURN(
+          const lightfield::LightField one,
+          grey(capture::Measurement(capture::behind_filter(images, place)), progress_of_pass(progress, place, 4)));
       if (place == 0) {
         lightfield::Shape shape = one.shape();
         shape.channels = 3;

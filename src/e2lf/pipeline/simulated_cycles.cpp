@@ -8,8 +8,9 @@
 namespace e2lf::pipeline {
 namespace {
 
-Result<capture::EventImages> simulate_events(const SimulatedCamera& camera, const lightfield::LightField& scene,
-                                             uint64_t seed) {
+/// Simulates the events with the model of the camera.
+Result<capture::EventImages> events_of(const SimulatedCamera& camera, const lightfield::LightField& scene,
+                                       uint64_t seed) {
   const capture::SensorProfile& profile = camera.profile;
   if (profile.is_pixel()) {
     return sensor::simulate_pixel_events(camera.codes, scene, profile,
@@ -29,7 +30,7 @@ Result<capture::Measurement> simulate_cycle(const SimulatedCamera& camera, const
   capture::Measurement measured;
   measured.kind = camera.measurement;
   if (capture::has_events(measured.kind)) {
-    E2LF_ASSIGN_OR_RETURN(measured.events, simulate_events(camera, scene, seed));
+    E2LF_ASSIGN_OR_RETURN(measured.events, events_of(camera, scene, seed));
   }
   if (measured.kind == capture::MeasurementKind::kEventImages) return measured;
   const sensor::ImageOptions options{camera.profile.constants.sigma_i, camera.gain, seed};

@@ -91,9 +91,8 @@ capture::EventImages changed(const capture::EventImages& events, const Change& c
   capture::EventImages result(events.count, events.height, events.width);
   for (size_t k = 0; k < events.count; ++k) {
     const auto image = events.image(change.order[k]);
-    std::transform(image.begin(), image.end(), result.image(k).begin(), [&](int count) {
-      return static_cast<int16_t>(change.inverts ? std::min(-count, INT16_MAX) : count);
-    });
+    std::transform(image.begin(), image.end(), result.image(k).begin(),
+                   [&](int count) { return capture::saturated(change.inverts ? -count : count); });
   }
   return result;
 }

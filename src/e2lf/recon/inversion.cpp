@@ -121,9 +121,7 @@ capture::EventImages permute_events(const capture::EventImages& images, std::spa
     for (size_t pixel = begin; pixel < end; ++pixel) {
       for (size_t k = 0; k < images.count; ++k) levels[k + 1] = levels[k] + images.image(k)[pixel];
       for (size_t k = 0; k < images.count; ++k) {
-        const int count = levels[order[k + 1]] - levels[order[k]];
-        permuted.image(k)[pixel] = static_cast<int16_t>(
-            std::clamp<int>(count, std::numeric_limits<int16_t>::min(), std::numeric_limits<int16_t>::max()));
+        permuted.image(k)[pixel] = capture::saturated(levels[order[k + 1]] - levels[order[k]]);
       }
     }
   });

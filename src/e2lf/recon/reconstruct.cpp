@@ -24,12 +24,6 @@ void add_crop(const lightfield::LightField& larger, const GridShift& shift, ligh
   }
 }
 
-/// Reports the progress of one pass as part of several passes.
-ProgressFn part_of(const ProgressFn& progress, size_t pass, size_t passes) {
-  if (!progress) return {};
-  return [=](size_t done, size_t total) { progress(pass * total + done, passes * total); };
-}
-
 }  // namespace
 
 Result<Reconstructor> Reconstructor::create(model::Model model, const engine::EngineOptions& options) {
@@ -165,8 +159,8 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measure
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
     const bool is_shifted = shifts[pass] != GridShift();
     const capture::Measurement extended = is_shifted ? extend(measurement, shifts[pass]) : capture::Measurement();
-    E2LF_ASSIGN_OR_RETURN(lightfield::LightField field,
-                          run(is_shifted ? extended : measurement, cycles, part_of(progress, pass, shifts.size())));
+    E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, run(is_shifted ? extended : measurement, cycles,
+                                                            progress_of_pass(progress, pass, shifts.size())));
     if (shifts.size() == 1 && field.shape() == shape) return field;
     if (pass == 0) mean = lightfield::LightField(shape);  // a single uncropped pass needs no second field
     add_crop(field, shifts[pass], mean);

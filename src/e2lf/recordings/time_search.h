@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "e2lf/base/median.h"
 #include "e2lf/base/result.h"
 
 namespace e2lf::recordings {
@@ -15,9 +16,7 @@ inline constexpr size_t kTimesPerProbe = 5;
 
 /// Returns the median of the times.
 [[nodiscard]] inline int64_t median_time(std::vector<int64_t> times_us) {
-  const auto middle = times_us.begin() + static_cast<ptrdiff_t>(times_us.size() / 2);
-  std::nth_element(times_us.begin(), middle, times_us.end());
-  return *middle;
+  return median(std::move(times_us));
 }
 
 /// Finds a position in [0, count) after which no event at or after t_us is missed, near the first of them, by bisecting

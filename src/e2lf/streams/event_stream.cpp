@@ -40,9 +40,11 @@ std::unique_ptr<StreamPixels> EventStream::make_pixels(const LightSegment& first
       return make_v2e_pixels(options_, first);
     case StreamModel::kPixel:
       return uses_reference_ ? make_reference_physical_pixels(options_, first) : make_physical_pixels(options_, first);
-    default:
-      return make_step_pixels(options_, first);
+    case StreamModel::kQuantised:
+    case StreamModel::kReferenceAware:
+      break;
   }
+  return make_step_pixels(options_, first);
 }
 
 void EventStream::rest(const LightSegment& segment) {

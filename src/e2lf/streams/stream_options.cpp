@@ -123,7 +123,8 @@ Result<void> validate(const StreamOptions& options) {
     case StreamModel::kEsim:
       E2LF_RETURN_IF_ERROR(Checks().in("refractory_us", options.esim_refractory_us, 0, kMost).result());
       break;
-    default:
+    case StreamModel::kQuantised:
+    case StreamModel::kReferenceAware:
       break;
   }
   sensor::EventModelOptions constants;
@@ -133,9 +134,8 @@ Result<void> validate(const StreamOptions& options) {
 
 StreamOptions camera_stream(const capture::SensorProfile& camera, uint64_t seed) {
   StreamOptions options;
-  options.model = camera.is_pixel()                   ? StreamModel::kPixel
-                  : camera.event_model == "quantised" ? StreamModel::kQuantised
-                                                      : StreamModel::kReferenceAware;
+  // The names of camera files are those of the models here; read_camera() has checked them.
+  options.model = stream_model_from_name(camera.event_model).value();
   options.constants = camera.constants;
   options.pixel = camera.pixel;
   options.seed = options.map_seed = seed;

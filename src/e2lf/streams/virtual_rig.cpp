@@ -95,9 +95,7 @@ capture::EventImages VirtualRig::sum_windows(const recordings::EventBatch& batch
     for (auto event = static_cast<size_t>(first - times.begin()); event < static_cast<size_t>(last - times.begin());
          ++event) {
       int16_t& count = image[batch.events.y[event] * width_ + batch.events.x[event]];
-      const bool is_on = batch.events.p[event] != 0;
-      const int16_t limit = is_on ? std::numeric_limits<int16_t>::max() : std::numeric_limits<int16_t>::min();
-      if (count != limit) count = static_cast<int16_t>(count + (is_on ? 1 : -1));
+      count = capture::saturated(count + (batch.events.p[event] != 0 ? 1 : -1));
     }
   }
   return images;

@@ -67,8 +67,7 @@ class Frames {
       while (events.t[i] - begin_us_ >= edge_us(frame_ + 1)) finish();
       if (events.x[i] >= image_.width || events.y[i] >= image_.height) continue;
       int16_t& count = image_.values[events.y[i] * image_.width + events.x[i]];
-      const int changed = count + (events.p[i] != 0 ? 1 : -1);
-      count = static_cast<int16_t>(std::clamp<int>(changed, INT16_MIN, INT16_MAX));
+      count = capture::saturated(count + (events.p[i] != 0 ? 1 : -1));
     }
   }
 

@@ -123,18 +123,11 @@ Result<void> write_images(const SimulateArguments& arguments, const fs::path& pa
 Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path,
                              const capture::RecordedSetup& setup, const lightfield::Shape& shape,
                              const ImagesOf& images_of) {
-  recordings::RecordingInfo info;
-  info.width = shape.width;
-  info.height = shape.height;
-  info.header = pipeline::header_of(setup);
-  E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(path, "", info));
+  E2LF_ASSIGN_OR_RETURN(const auto writer, create_simulated_recording(path, arguments.output, setup, shape.height,
+                                                                      shape.width, !arguments.no_triggers));
   cycles::SynthesisOptions synthesis;
   synthesis.schedule = cycles::paper_schedule_of(*setup.codes);
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
-  if (!arguments.no_triggers && !writer->holds_triggers()) {
-    log_warning(cat(arguments.output.string(), ": this format cannot hold triggers, so they are left out; write .raw, ",
-                    ".hdf5 or .dat for them"));
-  }
   E2LF_RETURN_IF_ERROR(cycles::synthesise_recording(*writer, arguments.cycles, synthesis, images_of));
   return writer->finish();
 }
@@ -210,8 +203,9 @@ capture::RecordedSetup recorded_setup(const SimulateArguments& arguments, const 
 /// Returns true if events must be simulated one by one. Recordings of the paper's models are otherwise generated from
 /// counts per pattern.
 bool is_stream(const SimulateArguments& arguments, const Setup& setup, bool as_images) {
+  if (need_stream(arguments.stream) || (setup.is_pixel() && !as_images)) return true;
   const std::string& model = setup.known.event_model;
-  return need_stream(arguments.stream) || (setup.is_pixel() && !as_images) || model == "esim" || model == "v2e";
+  return !sensor::event_model_from_name(model) && streams::stream_model_from_name(model);
 }
 
 Result<capture::Measurement> run_stream(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,

@@ -52,14 +52,28 @@ Result<capture::EventImages> play(const StreamRun& run, streams::VirtualRig& rig
 
 }  // namespace
 
+Result<std::unique_ptr<recordings::RecordingWriter>> create_simulated_recording(const fs::path& place,
+                                                                                const fs::path& output,
+                                                                                const capture::RecordedSetup& setup,
+                                                                                size_t height, size_t width,
+                                                                                bool has_triggers) {
+  recordings::RecordingInfo info;
+  info.height = height;
+  info.width = width;
+  info.header = pipeline::header_of(setup);
+  E2LF_ASSIGN_OR_RETURN(auto writer, recordings::create_recording(place, "", info));
+  if (has_triggers && !writer->holds_triggers()) {
+    log_warning(cat(output.string(), ": this format cannot hold triggers, so they are left out; write .raw, .hdf5 or ",
+                    ".dat for them"));
+  }
+  return writer;
+}
+
 Result<capture::EventImages> simulate_stream(const StreamRun& run, const fs::path& place, const fs::path& output,
                                              RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(StreamScene scene,
                         open_stream_scene(run.input, run.flags, run.scene, run.stream.map_seed, run.is_quiet));
-  recordings::RecordingInfo info;
-  info.width = scene.width;
-  info.height = scene.height;
-  info.header = pipeline::header_of(run.recorded);
+  const size_t height = scene.height, width = scene.width;
   E2LF_ASSIGN_OR_RETURN(streams::VirtualRig rig, make_rig(run, std::move(scene)));
   record.end_step("read");
   if (output.extension() == ".npz") {
@@ -71,11 +85,8 @@ Result<capture::EventImages> simulate_stream(const StreamRun& run, const fs::pat
     E2LF_RETURN_IF_ERROR(writer.finish());
     return first;
   }
-  E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(place, "", info));
-  if (run.has_triggers && !writer->holds_triggers()) {
-    log_warning(cat(output.string(), ": this format cannot hold triggers, so they are left out; write .raw, .hdf5 or ",
-                    ".dat for them"));
-  }
+  E2LF_ASSIGN_OR_RETURN(const auto writer,
+                        create_simulated_recording(place, output, run.recorded, height, width, run.has_triggers));
   E2LF_ASSIGN_OR_RETURN(capture::EventImages first, play(run, rig, record, [&](const recordings::EventBatch& batch) {
                           return writer->write(batch);
                         }));

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
 // e2lf train, e2lf resume: joint training of patterns and network
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <unistd.h>
+
+#include "e2lf/base/text.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/trainer_program.h"
 
 namespace e2lf::cli {
 namespace {
@@ -16,6 +22,25 @@ struct ReportArguments {
 void add_report_options(CLI::App& app, ReportArguments& reports) {
   add_report_option(app, reports.names);
   app.add_flag("--overwrite", reports.overwrite, "replace the files of --report");
+}
+
+/// Replaces this process by e2lf-train, the program in the same folder that contains training, so that only it loads
+/// torch. `threads` is as in CommonOptions. Returns only if that program is missing, with kMissingDependency.
+Result<void> become_trainer(std::vector<std::string> arguments, int threads) {
+  // Read by torch and its BLAS; without it, the trainer uses all cores.
+  if (threads > 0) ::setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
+  std::error_code status;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", status);
+  const std::string program = (self.parent_path() / "e2lf-train").string();
+  std::vector<char*> pointers = {const_cast<char*>(program.c_str())};
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  ::execv(program.c_str(), pointers.data());
+  return Error{
+      ErrorCode::kMissingDependency,
+      cat("cannot start it (", std::strerror(errno),
+          "); `./run train` and `./run resume` build it, or install libtorch-dev, configure again and rebuild"),
+      program};
 }
 
 /// Continues as the trainer, with the arguments that its verbs share.

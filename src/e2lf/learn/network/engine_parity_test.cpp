@@ -108,6 +108,13 @@ TEST(EngineParity, PixelsThatSeeTheWholeImageGiveTheSameFrames) {
   }
 }
 
+TEST(EngineParity, EveryKindOfLayerGivesTheSameLightField) {
+  for (const auto& test : engine::test_networks()) {
+    const auto multiple = static_cast<int64_t>(test.multiple);
+    expect_parity(test.network, 11 * multiple, 7 * multiple);
+  }
+}
+
 TEST(EngineParity, FireNetGivesTheSameFrames) {
   const auto model = imported(model::firenet_checkpoint(true));
   expect_parity_over_frames(model.network, model.weights, 21, 35);

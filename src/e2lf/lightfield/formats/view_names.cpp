@@ -12,11 +12,6 @@ namespace {
 
 constexpr size_t kMaxNumber = 9999;
 
-std::string lower_case(std::string text) {
-  for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return text;
-}
-
 bool is_image_name(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";

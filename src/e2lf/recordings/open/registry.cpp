@@ -159,15 +159,8 @@ class SharedSource final : public ByteSource {
   std::shared_ptr<ByteSource> source_;
 };
 
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return extension;
-}
-
 const Codec* codec_of_extension(const std::filesystem::path& path) {
-  const std::string extension = lower_extension(path);
+  const std::string extension = lower_case(path.extension().string());
   if (extension.empty()) return nullptr;
   for (const Codec* codec : codecs()) {
     const auto& known = codec->extensions;
@@ -197,7 +190,7 @@ Result<const Codec*> detect_codec(ByteSource& source) {
     return Error{ErrorCode::kUnsupported, cat("this is ", *text), source.name()};
   }
   if (by_extension != nullptr) return by_extension;
-  if (const auto text = foreign_records_text(head, lower_extension(path))) {
+  if (const auto text = foreign_records_text(head, lower_case(path.extension().string()))) {
     return Error{ErrorCode::kUnsupported, cat("these are ", *text), source.name()};
   }
   return Error{ErrorCode::kFormat,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "e2lf/base/log.h"
+#include "e2lf/base/median.h"
 #include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/table/column_names.h"
@@ -134,11 +135,10 @@ std::optional<TimeUnit> unit_of_fractions(const std::vector<double>& times) {
   constexpr size_t kManyEvents = 100;
   std::vector<double> sizes;
   for (const double time : times) sizes.push_back(std::fabs(time));
-  const auto middle = sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  if (*middle >= kLatestS * 1e6) return TimeUnit::kNanoseconds;
-  if (*middle >= kLatestS * 1e3) return TimeUnit::kMicroseconds;
-  if (*middle >= kLatestS) return TimeUnit::kMilliseconds;
+  const double middle = median(std::move(sizes));
+  if (middle >= kLatestS * 1e6) return TimeUnit::kNanoseconds;
+  if (middle >= kLatestS * 1e3) return TimeUnit::kMicroseconds;
+  if (middle >= kLatestS) return TimeUnit::kMilliseconds;
   const double span_s = std::fabs(times.back() - times.front());
   if (times.size() >= kManyEvents && span_s > static_cast<double>(times.size())) return std::nullopt;
   return TimeUnit::kSeconds;

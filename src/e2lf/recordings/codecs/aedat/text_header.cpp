@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "e2lf/base/text.h"
+
 namespace e2lf::recordings::aedat {
 namespace {
 
@@ -17,13 +19,6 @@ bool is_text(std::string_view line) {
 
 bool is_last(std::string_view line) {
   return line.starts_with("!END-HEADER") || line.starts_with("End Of ASCII Header");
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return result;
 }
 
 }  // namespace
@@ -74,7 +69,7 @@ std::optional<CameraModel> find_camera_model(std::string_view name) {
       {"davis346", 346, 260, true},   {"davis640", 640, 480, true},    {"davisrgb640", 640, 480, true},
       {"davis208", 208, 192, true},   {"davis128", 128, 128, true},    {"dvs240", 240, 180, true},
       {"dvxplorer", 640, 480, false}, {"dvs132", 132, 104, false}};
-  const std::string text = lower(name);
+  const std::string text = lower_case(name);
   for (const CameraModel& known : kKnown) {
     if (text.find(known.name) != std::string::npos) return known;
   }

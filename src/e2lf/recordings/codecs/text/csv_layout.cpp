@@ -60,9 +60,7 @@ bool parse_size(std::string_view word, size_t& value) {
 /// Parses the sensor size in a comment: "geometry: 640,480", "sensor size 640x480", "width 640, height 480", or width
 /// and height in comments of their own.
 void read_size(std::string_view comment, TextHead& head) {
-  std::string lower(comment);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = lower_case(comment);
   const auto has = [&](const char* word) { return lower.find(word) != std::string::npos; };
   if (!has("geometry") && !has("resolution") && !has("size") && !has("width") && !has("height")) return;
   std::vector<size_t> numbers;
