@@ -117,8 +117,8 @@ void say_motion(const fs::path& input, const Json& cycles, const std::string& ne
                " reconstructed from their lit transitions; --transitions all uses the whole cycle in every case"));
 }
 
-Result<pipeline::OpenedMethod> open_method(const ReconstructArguments& arguments, const pipeline::CycleInput& input,
-                                           pipeline::MethodChoice choice, RunRecord& record) {
+Result<pipeline::OpenedMethod> choose_method(const ReconstructArguments& arguments, const pipeline::CycleInput& input,
+                                             pipeline::MethodChoice choice, RunRecord& record) {
   choice.measurement = input.measurement();
   E2LF_ASSIGN_OR_RETURN(choice.events, input.setup(arguments.input));
   if (!arguments.camera.empty()) {
@@ -130,8 +130,8 @@ Result<pipeline::OpenedMethod> open_method(const ReconstructArguments& arguments
   return method;
 }
 
-Result<pipeline::FieldSequence> open_sequence(const ReconstructArguments& arguments,
-                                              const pipeline::OpenedMethod& method, const pipeline::MethodUse& use) {
+Result<pipeline::FieldSequence> start_sequence(const ReconstructArguments& arguments,
+                                               const pipeline::OpenedMethod& method, const pipeline::MethodUse& use) {
   pipeline::Tone tone;
   E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(arguments.gain));
   E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
@@ -167,13 +167,14 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   if (!input.is_recording() && arguments.cycles.count == "lit") {
     return Error{ErrorCode::kInvalidValue, "does nothing for event images; leave it out", "--transitions lit"};
   }
-  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_method(arguments, input, std::move(choice), record));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method,
+                        choose_method(arguments, input, std::move(choice), record));
   const std::string recorded_filter = pipeline::recorded_colour_filter(arguments.input);
   const pipeline::MethodUse use{
       .passes = arguments.passes,
       .cycles = arguments.cycles_per_field,
       .colour_filter = arguments.colour_filter.empty() ? recorded_filter : arguments.colour_filter};
-  E2LF_ASSIGN_OR_RETURN(pipeline::FieldSequence sequence, open_sequence(arguments, method, use));
+  E2LF_ASSIGN_OR_RETURN(pipeline::FieldSequence sequence, start_sequence(arguments, method, use));
   note_method(method, arguments.input, arguments.codes.model, arguments.passes, record);
   if (!use.colour_filter.empty()) record.resolve("colour-filter", use.colour_filter);
   record.end_step("open");
