@@ -221,11 +221,17 @@ Result<Outcome> JobRunner::run_scan(const Job& job, const LightField& truth, con
   return outcome;
 }
 
-Result<Outcome> JobRunner::run_any(const Job& job, const LightField& truth, const ProgressFn& progress) {
+Result<Outcome> JobRunner::run(const Job& job, const LightField& truth, const ProgressFn& progress) {
   const ComparedMethod& method = plan_.methods[job.method];
   const Sensor& sensor = plan_.sensors[job.sensor];
-  E2LF_ASSIGN_OR_RETURN(Outcome outcome,
-                        is_scan(method) ? run_scan(job, truth, progress) : run_method(job, truth, progress));
+  auto found = is_scan(method) ? run_scan(job, truth, progress) : run_method(job, truth, progress);
+  if (!found) {
+    Error error = found.error();
+    error.location = cat(method.config.name, " on ", plan_.scenes[job.scene].name, ", sensor ", sensor.config.name,
+                         error.location.empty() ? "" : ": ", error.location);
+    return error;
+  }
+  Outcome outcome = *std::move(found);
   LightField& field = outcome.light_field;
   // The frames have no absolute scale.
   const bool is_fitted = method.config.fit_gain || sensor.config.fit_gain || is_scan(method);
@@ -237,15 +243,6 @@ Result<Outcome> JobRunner::run_any(const Job& job, const LightField& truth, cons
   outcome.figures["num_patterns"] = method.codes.num_patterns;
   outcome.figures["patterns"] = capture::codes_to_json(method.codes)["patterns"];
   return outcome;
-}
-
-Result<Outcome> JobRunner::run(const Job& job, const LightField& truth, const ProgressFn& progress) {
-  auto outcome = run_any(job, truth, progress);
-  if (outcome) return outcome;
-  Error error = outcome.error();
-  error.location = cat(plan_.methods[job.method].config.name, " on ", plan_.scenes[job.scene].name, ", sensor ",
-                       plan_.sensors[job.sensor].config.name, error.location.empty() ? "" : ": ", error.location);
-  return error;
 }
 
 }  // namespace e2lf::compare

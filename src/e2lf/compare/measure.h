@@ -49,7 +49,6 @@ class JobRunner {
     Cycles cycles;
   };
 
-  Result<Outcome> run_any(const Job& job, const lightfield::LightField& truth, const ProgressFn& progress);
   Result<Outcome> run_method(const Job& job, const lightfield::LightField& truth, const ProgressFn& progress);
   Result<Outcome> run_scan(const Job& job, const lightfield::LightField& truth, const ProgressFn& progress);
   Result<const pipeline::OpenedMethod*> method_of(const Job& job);

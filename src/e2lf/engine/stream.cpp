@@ -305,7 +305,9 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
   // the round, so that no thread waits long for another.
   const size_t threads = scratch_->size();
   std::atomic<size_t> next = 0;
-  const auto run_blocks = [&](std::byte* scratch) {
+  // parallel_for() is not used, because each thread keeps its own scratch memory from round to round, in its cache.
+  run_team(threads, [&](size_t member) {
+    std::byte* const scratch = (*scratch_)[member].data();
     size_t begin = next;
     while (begin < blocks.size()) {
       const size_t end = begin + std::max<size_t>(1, (blocks.size() - begin) / (kRunsPerThread * threads));
@@ -313,9 +315,7 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
       for (size_t i = begin; i < end; ++i) blocks[i].first->run(blocks[i].second, scratch);
       begin = next;
     }
-  };
-  // parallel_for() is not used, because each thread keeps its own scratch memory from round to round, in its cache.
-  run_team(threads, [&](size_t member) { run_blocks((*scratch_)[member].data()); });
+  });
 }
 
 }  // namespace e2lf::engine

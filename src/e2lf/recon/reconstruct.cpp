@@ -67,15 +67,6 @@ Result<void> Reconstructor::fill_input(const capture::Measurement& measurement, 
   return network_input(measurement, model_.input, conditions, model::size_multiple(model_.network), planes);
 }
 
-Result<lightfield::LightField> Reconstructor::run(const capture::Measurement& measurement, size_t cycles,
-                                                  const ProgressFn& progress) const {
-  InputPlanes input;
-  E2LF_RETURN_IF_ERROR(fill_input(measurement, cycles, input));
-  auto field = lightfield::LightField::unset({model_.views_y, model_.views_x, input.height, input.width});
-  E2LF_RETURN_IF_ERROR(engine_->run(input.values, input.height, input.width, field.data(), progress));
-  return field;
-}
-
 Reconstructor Reconstructor::with_camera(const capture::SensorProfile& camera) const {
   Reconstructor other = *this;
   other.model_.camera = camera;
@@ -159,8 +150,11 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measure
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
     const bool is_shifted = shifts[pass] != GridShift();
     const capture::Measurement extended = is_shifted ? extend(measurement, shifts[pass]) : capture::Measurement();
-    E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, run(is_shifted ? extended : measurement, cycles,
-                                                            progress_of_pass(progress, pass, shifts.size())));
+    InputPlanes input;
+    E2LF_RETURN_IF_ERROR(fill_input(is_shifted ? extended : measurement, cycles, input));
+    auto field = lightfield::LightField::unset({shape.views_y, shape.views_x, input.height, input.width});
+    E2LF_RETURN_IF_ERROR(engine_->run(input.values, input.height, input.width, field.data(),
+                                      progress_of_pass(progress, pass, shifts.size())));
     if (shifts.size() == 1 && field.shape() == shape) return field;
     if (pass == 0) mean = lightfield::LightField(shape);  // a single uncropped pass needs no second field
     add_crop(field, shifts[pass], mean);

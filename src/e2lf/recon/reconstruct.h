@@ -68,9 +68,6 @@ class Reconstructor {
   [[nodiscard]] const engine::Engine& engine() const { return *engine_; }
 
  private:
-  /// Returns the output of the network, whose views may extend beyond the image at the bottom and on the right.
-  [[nodiscard]] Result<lightfield::LightField> run(const capture::Measurement& measurement, size_t cycles,
-                                                   const ProgressFn& progress) const;
   [[nodiscard]] Result<void> check(const capture::Measurement& measurement) const;
   [[nodiscard]] Result<void> fill_input(const capture::Measurement& measurement, size_t cycles,
                                         InputPlanes& planes) const;
