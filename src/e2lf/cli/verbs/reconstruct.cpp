@@ -152,7 +152,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   RunRecord record("reconstruct");
   pipeline::MethodChoice choice{.algorithm = arguments.method,
                                 .precision = arguments.precision,
-                                .lit_where_moving = arguments.cycles.count == "auto"};
+                                .lit_where_moving = arguments.cycles.transitions == "auto"};
   E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(choice.codes, read_named_codes(arguments.codes));
   ConfidenceWatch confidence;
@@ -164,7 +164,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                  "there are no events to reconstruct from: all counts are 0; check how they were accumulated",
                  arguments.input.string()};
   }
-  if (!input.is_recording() && arguments.cycles.count == "lit") {
+  if (!input.is_recording() && arguments.cycles.transitions == "lit") {
     return Error{ErrorCode::kInvalidValue, "does nothing for event images; leave it out", "--transitions lit"};
   }
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method,
