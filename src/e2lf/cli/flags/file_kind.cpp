@@ -76,11 +76,13 @@ Result<FileKind> folder_kind(const fs::path& path) {
   if (kind.error().code != ErrorCode::kUnsupported) return kind.error();
   if (is_training_run(path)) return FileKind::kTrainingRun;
   if (!verb.empty()) return FileKind::kResults;
-  return Error{ErrorCode::kFormat,
-               cat("the folder contains neither event images (event_image_00000.npy ...) nor views of a light field; "
-                   "give a file or folder in it",
-                   members_text(path)),
-               path.string()};
+  return Error{
+      ErrorCode::kFormat,
+      cat("the folder contains neither event images (event_image_00000.npy ...) nor views of a light field (PNG "
+          "or JPEG images named by row and column, such as 00_00.png or view_0_0.png, or numbered, "
+          "input_Cam000.png ...); rename the views, or give a file or folder in it",
+          members_text(path)),
+      path.string()};
 }
 
 /// Returns whether an array is a list of events: records, or rows or columns of t, x, y, p in some order.

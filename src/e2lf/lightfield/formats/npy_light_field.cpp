@@ -29,7 +29,15 @@ const NpyArray* find_light_field(const NpzArrays& arrays) {
   for (const char* name : {"light_field", "lightfield", "LF"}) {
     if (const auto found = arrays.find(name); found != arrays.end()) return &found->second;
   }
-  return arrays.size() == 1 ? &arrays.begin()->second : nullptr;
+  if (arrays.size() == 1) return &arrays.begin()->second;
+  // Beside it, there may be disparities or parameters, which have fewer axes.
+  const NpyArray* only = nullptr;
+  for (const auto& [name, array] : arrays) {
+    if (array.shape.size() < 4) continue;
+    if (only != nullptr) return nullptr;
+    only = &array;
+  }
+  return only;
 }
 
 std::optional<Shape> npy_shape(const NpyArray& array) {

@@ -20,7 +20,8 @@ namespace e2lf::lightfield {
 struct ViewFiles {
   LightFieldKind kind = LightFieldKind::kViewFolder;
   std::map<std::pair<size_t, size_t>, std::filesystem::path> files;
-  size_t others = 0;  ///< skipped images that follow another naming scheme
+  size_t others = 0;    ///< skipped images that follow another naming scheme
+  std::string reading;  ///< says how unusual names were read, if they were
 };
 
 /// Lists the images in `folder` whose names number a view. `files` is empty if there are none. Fails with kIo, and with

@@ -167,14 +167,51 @@ Result<void> read_rest(const std::vector<fs::path>& files, float white, const Pr
   return {};
 }
 
+/// The files whose names differ in two numbers only.
+struct PairFiles {
+  ViewFiles views;
+  bool is_column_first = false;
+  bool is_unique = true;  ///< no two files are the same view
+};
+
+/// Returns the views with names such as view_0_0.png, if they are a complete grid of at least 2x2.
+std::optional<ViewFiles> list_pairs(const std::vector<fs::path>& files) {
+  std::map<std::string, PairFiles> groups;
+  for (const fs::path& file : files) {
+    const auto name = parse_pair_name(file);
+    if (!name) continue;
+    PairFiles& group = groups[name->words];
+    group.is_column_first = name->is_column_first;
+    group.is_unique &= group.views.files.insert({{name->row, name->column}, file}).second;
+  }
+  for (auto& [words, group] : groups) {
+    Numbers rows, columns;
+    for (const auto& [place, file] : group.views.files) {
+      rows.add(place.first);
+      columns.add(place.second);
+    }
+    const bool is_grid =
+        std::min(rows.count(), columns.count()) >= 2 && group.views.files.size() == rows.count() * columns.count();
+    if (!is_grid || !group.is_unique) continue;
+    group.views.reading =
+        cat("the first number in names such as ", group.views.files.begin()->second.filename().string(),
+            " was taken as the ", group.is_column_first ? "column" : "row");
+    group.views.others = files.size() - group.views.files.size();
+    return std::move(group.views);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<ViewFiles> list_views(const fs::path& folder) {
   std::error_code error;
   std::map<LightFieldKind, ViewFiles> kinds;
+  std::vector<fs::path> others;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const fs::path& file = entry->path();
     const auto view = parse_view_name(file);
+    if (!view && is_image_name(file)) others.push_back(file);
     if (!view) continue;
     ViewFiles& views = kinds[view->kind];
     views.kind = view->kind;
@@ -187,6 +224,7 @@ Result<ViewFiles> list_views(const fs::path& folder) {
   }
   if (error)
     return Error{ErrorCode::kIo, cat("cannot list the folder (", error.message(), "); check it"), folder.string()};
+  if (kinds.empty()) return list_pairs(others).value_or(ViewFiles{});
   ViewFiles most;
   size_t all = 0;
   for (auto& [kind, views] : kinds) {
@@ -207,6 +245,7 @@ Result<LightField> read_view_folder(const fs::path& folder, const ReadOptions& o
                     views.files.begin()->second.filename().string(), "; left out ", views.others,
                     " with other names, give each light field its own folder"));
   }
+  if (!views.reading.empty()) log_info(cat(folder.string(), ": ", views.reading));
   ChosenGrid grid;
   E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> files, choose_files(views, options, folder, grid));
 

@@ -61,6 +61,44 @@ TEST(ViewFolder, AcceptsAnyPaddingAndIgnoresOtherFiles) {
   }
 }
 
+TEST(ViewFolder, ReadsAnyNamesThatDifferInTwoNumbers) {
+  using Name = std::function<std::string(size_t row, size_t column)>;
+  const Name names[] = {[](size_t row, size_t column) { return cat("view_", row, "_", column, ".png"); },
+                        [](size_t row, size_t column) { return cat("r0", row, "c0", column, ".png"); },
+                        [](size_t row, size_t column) { return cat("00", row, "-", column + 1, "_scene.png"); },
+                        [](size_t row, size_t column) { return cat("x", column, "_y", row, ".png"); },
+                        [](size_t row, size_t column) { return cat("col", column, "row", row, ".png"); }};
+  for (const Name& name : names) {
+    const TestFolder folder;
+    write_grid(folder, 3, 4, name);
+    const auto read = read_light_field(folder.path());
+    ASSERT_TRUE(read) << name(0, 0) << ": " << read.error().text();
+    EXPECT_EQ(read->shape(), (Shape{3, 4, 2, 3, 1})) << name(0, 0);
+    EXPECT_EQ(read->at(2, 1, 0, 0), label(2, 1)) << name(0, 0);
+  }
+}
+
+TEST(ViewFolder, TakesNumberedFramesForNoViews) {
+  const TestFolder folder;
+  write_grid(folder, 1, 8, [](size_t, size_t column) { return cat("2024_frame_", column, ".png"); });
+  EXPECT_FALSE(detect_kind(folder.path()));
+  const TestFolder incomplete;
+  write_grid(incomplete, 3, 3, [](size_t row, size_t column) {
+    return cat("a", row + (row + column == 4 ? 9 : 0), "_", column, ".png");
+  });
+  EXPECT_FALSE(detect_kind(incomplete.path()));
+}
+
+TEST(ViewFolder, SaysWhatABrokenViewIs) {
+  const TestFolder folder;
+  write_grid(folder, 2, 2, view_folder_name);
+  ASSERT_TRUE(write_file(folder / "01_01.png", std::string()));
+  EXPECT_THAT(read_light_field(folder.path()).error().message, HasSubstr("copy it again"));
+  ASSERT_TRUE(
+      write_file(folder / "01_01.png", std::string("version https://git-lfs.github.com/spec/v1\noid sha256:1")));
+  EXPECT_THAT(read_light_field(folder.path()).error().message, HasSubstr("git lfs pull"));
+}
+
 TEST(ViewFolder, ReadsJpegViews) {
   const TestFolder folder;
   for (size_t view = 0; view < 64; ++view) {

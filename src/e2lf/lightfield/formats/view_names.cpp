@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <string_view>
+#include <vector>
 
 #include "e2lf/base/text.h"
 
@@ -11,11 +12,6 @@ namespace e2lf::lightfield {
 namespace {
 
 constexpr size_t kMaxNumber = 9999;
-
-bool is_image_name(const std::filesystem::path& file) {
-  const std::string extension = lower_case(file.extension().string());
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-}
 
 /// Removes a number from the front of `text`. Returns false if there is none or if it is too large.
 bool take_number(std::string_view& text, size_t& number) {
@@ -38,6 +34,11 @@ std::string padded(size_t number, size_t digits) {
 
 }  // namespace
 
+bool is_image_name(const std::filesystem::path& file) {
+  const std::string extension = lower_case(file.extension().string());
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+}
+
 std::optional<NumberedView> parse_view_name(const std::filesystem::path& file) {
   if (!is_image_name(file)) return std::nullopt;
   const std::string stem = lower_case(file.stem().string());
@@ -53,6 +54,27 @@ std::optional<NumberedView> parse_view_name(const std::filesystem::path& file) {
   const bool position_follows = kind == LightFieldKind::kStanfordFolder && rest.starts_with("_");
   if (!rest.empty() && !position_follows) return std::nullopt;
   return NumberedView{kind, row, column};
+}
+
+std::optional<PairName> parse_pair_name(const std::filesystem::path& file) {
+  if (!is_image_name(file)) return std::nullopt;
+  const std::string stem = lower_case(file.stem().string());
+  std::string words;
+  std::vector<size_t> numbers;
+  for (std::string_view rest = stem; !rest.empty();) {
+    const bool is_digit = rest[0] >= '0' && rest[0] <= '9';
+    size_t number = 0;
+    if (is_digit && (numbers.size() == 2 || !take_number(rest, number))) return std::nullopt;
+    if (is_digit) numbers.push_back(number);
+    words += is_digit ? '#' : rest[0];
+    if (!is_digit) rest.remove_prefix(1);
+  }
+  // Adjacent numbers would be one.
+  if (numbers.size() != 2) return std::nullopt;
+  const std::string front = words.substr(0, words.find('#'));
+  const std::string word = front.substr(front.find_last_not_of("abcdefghijklmnopqrstuvwxyz") + 1);
+  const bool is_column_first = word == "x" || word == "u" || word == "c" || word.starts_with("col");
+  return PairName{words, numbers[is_column_first ? 1 : 0], numbers[is_column_first ? 0 : 1], is_column_first};
 }
 
 std::string view_name(LightFieldKind kind, size_t row, size_t column) {

@@ -17,8 +17,23 @@ struct NumberedView {
   size_t row, column;   ///< for kHciFolder, whose names hold one number: row 0 and that number
 };
 
+/// Returns whether the extension of a file is that of PNG or JPEG images.
+[[nodiscard]] bool is_image_name(const std::filesystem::path& file);
+
 /// Parses the file name of a view. Returns nothing for any other file.
 [[nodiscard]] std::optional<NumberedView> parse_view_name(const std::filesystem::path& file);
+
+/// A file name with two numbers, which may be the row and the column of a view: view_0_0.png, r00_c00.png.
+struct PairName {
+  std::string words;  ///< the name without its numbers, which all views of a light field share: "view_#_#"
+  size_t row, column;
+  /// Whether the first number is the column, as in x0_y0.png.
+  bool is_column_first;
+};
+
+/// Parses a file name with two numbers. The first one is the row, unless a letter x, u or c, or a word that begins with
+/// col, stands in front of it. Returns nothing for any other file.
+[[nodiscard]] std::optional<PairName> parse_pair_name(const std::filesystem::path& file);
 
 /// Returns the PNG name of a view. The camera position in a Stanford name is unknown here and is given as *.
 [[nodiscard]] std::string view_name(LightFieldKind kind, size_t row, size_t column);
