@@ -65,7 +65,7 @@ Result<void> check_image_size(const RawImage& image, double least_bytes, size_t 
 Result<RawImage> decode_raw_image(std::span<const uint8_t> bytes, const std::string& name) {
   if (is_png(bytes)) return decode_png(bytes, name);
   if (is_jpeg(bytes)) return decode_jpeg(bytes, name);
-  if (bytes.empty()) return Error{ErrorCode::kTruncated, "the image is empty; copy it again", name};
+  if (bytes.empty()) return Error{ErrorCode::kFormat, "the image is empty; copy it again", name};
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with("version https://git-lfs")) {
     return Error{ErrorCode::kFormat, "a pointer of Git LFS and not the image; fetch it with `git lfs pull`", name};
