@@ -61,7 +61,7 @@ TEST(ViewFolder, AcceptsAnyPaddingAndIgnoresOtherFiles) {
   }
 }
 
-ReadOptions all_views() {
+ReadOptions every_view() {
   ReadOptions options;
   options.views_y.count = options.views_x.count = 0;
   return options;
@@ -77,7 +77,7 @@ TEST(ViewFolder, ReadsAnyNamesThatDifferInTwoNumbers) {
   for (const Name& name : names) {
     const TestFolder folder;
     write_grid(folder, 3, 4, name);
-    const auto read = read_light_field(folder.path(), all_views());
+    const auto read = read_light_field(folder.path(), every_view());
     ASSERT_TRUE(read) << name(0, 0) << ": " << read.error().text();
     EXPECT_EQ(read->shape(), (Shape{3, 4, 2, 3, 1})) << name(0, 0);
     EXPECT_EQ(read->at(2, 1, 0, 0), label(2, 1)) << name(0, 0);
@@ -99,10 +99,10 @@ TEST(ViewFolder, SaysWhatABrokenViewIs) {
   const TestFolder folder;
   write_grid(folder, 2, 2, view_folder_name);
   ASSERT_TRUE(write_file(folder / "01_01.png", std::string()));
-  EXPECT_THAT(read_light_field(folder.path(), all_views()).error().message, HasSubstr("copy it again"));
+  EXPECT_THAT(read_light_field(folder.path(), every_view()).error().message, HasSubstr("copy it again"));
   ASSERT_TRUE(
       write_file(folder / "01_01.png", std::string("version https://git-lfs.github.com/spec/v1\noid sha256:1")));
-  EXPECT_THAT(read_light_field(folder.path(), all_views()).error().message, HasSubstr("git lfs pull"));
+  EXPECT_THAT(read_light_field(folder.path(), every_view()).error().message, HasSubstr("git lfs pull"));
 }
 
 TEST(ViewFolder, ReadsJpegViews) {
