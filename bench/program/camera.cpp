@@ -204,7 +204,7 @@ int run_camera(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   app.add_option("--scene-gain", options.scene_gain, "brightness of the scenes")->capture_default_str();
   app.add_option("--precision", options.precision, "arithmetic of the network")
-      ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
+      ->check(CLI::IsMember({"auto", "float32", "bfloat16", "int16"}))
       ->capture_default_str();
   add_camera_option(app, options.camera, "the camera; default: evk4-lcos");
   return verb.run(arguments, [&]() -> Result<void> {

@@ -58,7 +58,7 @@ BenchReport reconstruct_report(const Json& json) {
                           number_of(row, "share_of_peak", 0, 100), number_of(row, "ratio_to_peer", 1),
                           number_of(row, "ratio_to_onnx_runtime", 1)});
   };
-  for (const char* precision : {"float32", "bfloat16"}) {
+  for (const char* precision : {"float32", "bfloat16", "int16"}) {
     if (json.contains(precision)) add(precision, json[precision]);
   }
   const Json& peer = json["peer"];

@@ -67,12 +67,15 @@ class Bench {
                {"gmac", operations_ / 2e9}, {"peak_gflops", {{"float32", peak.float32_flops / 1e9}}}};
     E2LF_RETURN_IF_ERROR(run_engine(Precision::kFloat32, peak.float32_flops));
     report_["peak_memory_mib"] = peak_memory_mib();
-    const std::vector<float> exact =
-        options_.with_peer || engine::bfloat16_supported() ? output_ : std::vector<float>();
+    const std::vector<float> exact = options_.with_peer || num_precisions() > 1 ? output_ : std::vector<float>();
     if (engine::bfloat16_supported()) {
       report_["peak_gflops"]["bfloat16"] = peak.bfloat16_flops / 1e9;
       E2LF_RETURN_IF_ERROR(run_engine(Precision::kBfloat16, peak.bfloat16_flops));
       report_["bfloat16"]["snr_to_float32_db"] = snr_db(exact, output_);
+    }
+    if (engine::int16_supported()) {
+      E2LF_RETURN_IF_ERROR(run_engine(Precision::kInt16, peak.float32_flops));
+      report_["int16"]["snr_to_float32_db"] = snr_db(exact, output_);
     }
     if (options_.with_peer) run_peer(exact);
     if (!options_.onnx_packages.empty()) compare_with_onnx_runtime();
@@ -80,8 +83,12 @@ class Bench {
   }
 
  private:
+  static size_t num_precisions() {
+    return 1 + (engine::bfloat16_supported() ? 1 : 0) + (engine::int16_supported() ? 1 : 0);
+  }
+
   void advance() {
-    const size_t total = options_.runs * (1 + (engine::bfloat16_supported() ? 1 : 0) + (options_.with_peer ? 1 : 0));
+    const size_t total = options_.runs * (num_precisions() + (options_.with_peer ? 1 : 0));
     if (progress_) progress_(++done_, total);
   }
 
@@ -116,7 +123,7 @@ class Bench {
   }
 
   void add_ratios(const char* name, const Timing& peer) {
-    for (const char* precision : {"float32", "bfloat16"}) {
+    for (const char* precision : {"float32", "bfloat16", "int16"}) {
       if (!report_.contains(precision)) continue;
       Json& own = report_[precision];
       own[name] = peer.median / own["seconds"]["median"].get<double>();

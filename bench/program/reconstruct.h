@@ -32,6 +32,7 @@ struct ReconstructBench {
 ///  "peak_gflops": {"float32": .., "bfloat16": ..},
 ///  "float32": {"seconds": {"median", "min", "max"}, "gflops", "share_of_peak", "ratio_to_peer", "kernels": [..]},
 ///  "bfloat16": {.., "snr_to_float32_db"},
+///  "int16": the same, with its share of the peak of float32,
 ///  "peak_memory_mib": of the process after the float32 runs,
 ///  "onnx_runtime": {"name", "seconds": {..}, "gflops"} or {"absent": "why"}, if it is asked for; the precisions then
 ///  have "ratio_to_onnx_runtime", "peer": {"name", "seconds": {..}, "gflops", "largest_difference"} or {"absent":

@@ -178,7 +178,7 @@ int run_rig(const std::vector<std::string>& arguments) {
                    "model file with patterns, or bundled model; default: e2lf-n4");
   verb.app()
       .add_option("--precision", options.precision, "arithmetic of the network")
-      ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
+      ->check(CLI::IsMember({"auto", "float32", "bfloat16", "int16"}))
       ->capture_default_str();
   verb.app().add_option("--scene-gain", options.scene_gain, "brightness of the scene")->capture_default_str();
   add_camera_option(verb.app(), options.camera, "the camera that records; default: evk4-lcos");

@@ -51,6 +51,23 @@ double direct_cost(const ConvSpec& spec) {
          static_cast<double>(spec.transposed ? 1 : spec.stride * spec.stride);
 }
 
+/// Returns the transformed weights of output channel `out` and row `row` of the packed matrices at [row * out_channels
+/// + out].
+std::vector<std::array<float, kWinogradMatrices>> transform_all(const ConvSpec& spec, const WinogradParts& parts) {
+  std::vector<std::array<float, kWinogradMatrices>> transformed(parts.depth() * spec.out_channels);
+  for (size_t part = 0; part < parts.parts * parts.parts; ++part) {
+    const size_t y = part / parts.parts;
+    const size_t x = part % parts.parts;
+    for (size_t in = 0; in < spec.in_channels; ++in) {
+      const size_t row = y * parts.group + x * spec.in_channels + in;
+      for (size_t out = 0; out < spec.out_channels; ++out) {
+        transformed[row * spec.out_channels + out] = transform_part(spec, out, in, y * 3, x * 3);
+      }
+    }
+  }
+  return transformed;
+}
+
 std::string never(const ConvSpec& /*spec*/) {
   return "";
 }
@@ -64,17 +81,7 @@ WinogradParts winograd_parts(const ConvSpec& spec) {
 
 PackedMatrices pack_winograd_weights(const ConvSpec& spec, size_t panel_width) {
   const WinogradParts parts = winograd_parts(spec);
-  std::vector<std::array<float, kWinogradMatrices>> transformed(parts.depth() * spec.out_channels);
-  for (size_t part = 0; part < parts.parts * parts.parts; ++part) {
-    const size_t y = part / parts.parts;
-    const size_t x = part % parts.parts;
-    for (size_t in = 0; in < spec.in_channels; ++in) {
-      const size_t row = y * parts.group + x * spec.in_channels + in;
-      for (size_t out = 0; out < spec.out_channels; ++out) {
-        transformed[row * spec.out_channels + out] = transform_part(spec, out, in, y * 3, x * 3);
-      }
-    }
-  }
+  const auto transformed = transform_all(spec, parts);
   return {
       spec.compute,
       kWinogradMatrices,
@@ -82,6 +89,31 @@ PackedMatrices pack_winograd_weights(const ConvSpec& spec, size_t panel_width) {
       spec.out_channels,
       [&](size_t matrix, size_t row, size_t column) { return transformed[row * spec.out_channels + column][matrix]; },
       panel_width};
+}
+
+ScaledWeights pack_winograd_int16(const ConvSpec& spec, size_t panel_width) {
+  const WinogradParts parts = winograd_parts(spec);
+  const auto transformed = transform_all(spec, parts);
+  const auto element = [&](size_t matrix, size_t row, size_t column) {
+    constexpr size_t kLast = kWinogradPoints - 1;
+    const float weight = transformed[row * spec.out_channels + column][matrix];
+    return weight / (matrix / kWinogradPoints == kLast ? kInt16LastPoint : 1) /
+           (matrix % kWinogradPoints == kLast ? kInt16LastPoint : 1);
+  };
+  return pack_int16(kWinogradMatrices, parts.depth(), spec.out_channels, element, 1, panel_width);
+}
+
+std::string int16_refusal(const ConvSpec& spec) {
+  if (!spec.int16_products) return "they are not wanted";
+  return spec.in_channels < kChannelMultiple ? "too few input channels to pay for the rounding" : "";
+}
+
+std::string winograd_int16_refusal(const ConvSpec& spec) {
+  // With more inputs, the weights would have too few digits.
+  constexpr size_t kMostDepth = 256;
+  if (const std::string refusal = int16_refusal(spec); !refusal.empty()) return refusal;
+  if (winograd_parts(spec).depth() > kMostDepth) return "too many input channels";
+  return winograd_refusal(spec);
 }
 
 std::string winograd_refusal(const ConvSpec& spec) {
@@ -95,8 +127,11 @@ double conv_cost(const ConvSpec& spec) {
 }
 
 const std::vector<ConvMethod>& conv_methods() {
-  static const std::vector<ConvMethod> methods = {
-      {"amx", amx_refusal, make_amx}, {"winograd", winograd_refusal, make_winograd}, {"direct", never, make_direct}};
+  static const std::vector<ConvMethod> methods = {{"amx", amx_refusal, make_amx},
+                                                  {"winograd-int16", winograd_int16_refusal, make_winograd_int16},
+                                                  {"winograd", winograd_refusal, make_winograd},
+                                                  {"direct-int16", int16_refusal, make_direct_int16},
+                                                  {"direct", never, make_direct}};
   return methods;
 }
 

@@ -22,6 +22,7 @@ struct ConvSpec {
   bool residual = false;
   ElementType compute = ElementType::kFloat32;  ///< of the input, the weights and the residual
   ElementType output = ElementType::kFloat32;
+  bool int16_products = false;  ///< products may be of integers; needs int16_supported() and compute = kFloat32
 
   [[nodiscard]] float tap(size_t out, size_t in, size_t dy, size_t dx) const {
     return weight[((out * in_channels + in) * kernel + dy) * kernel + dx];
@@ -37,6 +38,10 @@ struct ConvSpec {
 
 /// Returns true if the CPU multiplies bfloat16 pairs (AVX512_BF16), the build supports it and E2LF_MAX_ISA allows it.
 [[nodiscard]] bool bfloat16_supported();
+
+/// Returns true if the CPU multiplies pairs of 16-bit integers faster than float32 (AVX2, or AVX-512 with VNNI) and
+/// E2LF_MAX_ISA allows it.
+[[nodiscard]] bool int16_supported();
 
 /// One method of computing convolutions. `refusal` returns why it cannot or should not compute a spec, or "" if it can.
 /// Using bfloat16 without bfloat16_supported() breaks the contract of `make`.
@@ -55,6 +60,11 @@ struct ConvMethod {
 [[nodiscard]] std::string winograd_refusal(const ConvSpec& spec);
 [[nodiscard]] std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec);
 
+// The same with products of 16-bit integers. Each tile of inputs and each output channel of the weights has a scale of
+// its own, with which sums cannot overflow.
+[[nodiscard]] std::string winograd_int16_refusal(const ConvSpec& spec);
+[[nodiscard]] std::unique_ptr<Kernel> make_winograd_int16(const ConvSpec& spec);
+
 // Direct sums over the taps on AMX tiles: bfloat16, for any convolution with more than a few channels. make_amx()
 // requires that amx_refusal() is "".
 [[nodiscard]] std::string amx_refusal(const ConvSpec& spec);
@@ -66,5 +76,10 @@ double multiply_add_in_tiles(size_t rounds);
 
 // Direct sums over the taps of the kernel, for any convolution.
 [[nodiscard]] std::unique_ptr<Kernel> make_direct(const ConvSpec& spec);
+
+// The same with products of 16-bit integers. The inputs of a few pixels and each output channel of the weights have a
+// scale of their own.
+[[nodiscard]] std::string int16_refusal(const ConvSpec& spec);
+[[nodiscard]] std::unique_ptr<Kernel> make_direct_int16(const ConvSpec& spec);
 
 }  // namespace e2lf::engine

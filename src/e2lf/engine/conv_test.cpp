@@ -11,6 +11,7 @@
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/engine/peak.h"
+#include "e2lf/engine/winograd.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::engine {
@@ -159,6 +160,50 @@ TEST_F(ConvTest, SumsOfBfloat16ProductsAreThoseOfTheRoundedNumbers) {
   }
 }
 
+TEST_F(ConvTest, Int16ProductsAreNearPlainSumsForEveryInstructionSetThatHasThem) {
+  uint64_t seed = 50;
+  for (const std::string& isa : available_isas()) {
+    set_max_isa(isa).value();
+    if (!int16_supported()) continue;
+    for (const size_t kernel : {3, 5}) {
+      for (const auto& [in, out] : std::vector<std::pair<size_t, size_t>>{{5, 16}, {17, 33}, {40, 80}}) {
+        ConvSpec spec = random_spec(in, out, kernel, ++seed);
+        spec.int16_products = true;
+        // Channels of very different size keep their digits.
+        for (size_t i = 0; i < spec.weight.size() / out; ++i) spec.weight[i] *= 1e-3F;
+        for (const size_t width : {1, 23, 101}) {
+          EXPECT_LT(error_of(*make_winograd_int16(spec), spec, 6, width), 0.1) << isa << " " << kernel << " " << in;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(ConvTest, Int16WeightsCannotOverflowTheirSums) {
+  ConvSpec spec = random_spec(96, 33, 3, 7);
+  for (float& weight : spec.weight) weight *= 1e3F;
+  const ScaledWeights scaled = pack_winograd_int16(spec, 16);
+  for (size_t point = 0; point < kWinogradMatrices; ++point) {
+    for (size_t column = 0; column < scaled.weights.columns(); ++column) {
+      const int16_t* panel = scaled.weights.panel<int16_t>(point, column / 16 * 16);
+      int64_t sum = 0;
+      for (size_t row = 0; row < 96; ++row) sum += std::abs(panel[row / 2 * 32 + column % 16 * 2 + row % 2]);
+      EXPECT_LE(sum * INT16_MAX, INT32_MAX) << point << " " << column;
+    }
+  }
+}
+
+TEST_F(ConvTest, Int16ProductsAreOnlyForThoseWhoWantThem) {
+  ConvSpec spec = random_spec(64, 64, 3, 1);
+  EXPECT_NE(winograd_int16_refusal(spec), "");
+  spec.int16_products = true;
+  EXPECT_EQ(winograd_int16_refusal(spec), "");
+  EXPECT_NE(winograd_int16_refusal(random_spec(64, 64, 1, 1)), "");
+  set_max_isa("sse4").value();
+  EXPECT_FALSE(int16_supported());
+  EXPECT_THROW((void)make_winograd_int16(spec), ContractError);
+}
+
 TEST_F(ConvTest, StridedAndTransposedConvolutionsArePlainSumsToo) {
   uint64_t seed = 100;
   for (const size_t stride : {2, 3}) {
@@ -168,6 +213,9 @@ TEST_F(ConvTest, StridedAndTransposedConvolutionsArePlainSumsToo) {
       spec.transposed = transposed;
       const size_t width = transposed ? 150 : 150 * stride;  // more than one block of sums
       EXPECT_LT(error_of(*make_direct(spec), spec, 6, width), 1e-5) << "direct " << stride << " " << transposed;
+      if (int16_supported()) {
+        EXPECT_LT(error_of(*make_direct_int16(spec), spec, 6, width), 5e-3) << "int16 " << stride << " " << transposed;
+      }
       if (!bfloat16_supported()) continue;
       spec.compute = ElementType::kBfloat16;
       EXPECT_LT(error_of(*make_direct(spec), spec, 6, width), 1e-5) << "bfloat16 " << stride << " " << transposed;

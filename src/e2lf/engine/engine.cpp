@@ -24,10 +24,11 @@ struct Engine::Impl {
 };
 
 Result<Precision> precision_from_name(const std::string& name) {
-  for (const Precision precision : {Precision::kAuto, Precision::kFloat32, Precision::kBfloat16}) {
+  for (const Precision precision : {Precision::kAuto, Precision::kFloat32, Precision::kBfloat16, Precision::kInt16}) {
     if (name == precision_name(precision)) return precision;
   }
-  return Error{ErrorCode::kInvalidValue, cat("unknown precision \"", name, "\"; use auto, float32 or bfloat16"), ""};
+  return Error{ErrorCode::kInvalidValue, cat("unknown precision \"", name, "\"; use auto, float32, bfloat16 or int16"),
+               ""};
 }
 
 const char* precision_name(Precision precision) {
@@ -38,6 +39,8 @@ const char* precision_name(Precision precision) {
       return "float32";
     case Precision::kBfloat16:
       return "bfloat16";
+    case Precision::kInt16:
+      return "int16";
   }
   return "";
 }
@@ -57,14 +60,19 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
   if (options.precision == Precision::kBfloat16 && !bfloat16_supported()) {
     return Error{ErrorCode::kUnsupported, "this CPU has no bfloat16 products; use precision float32", ""};
   }
+  if (options.precision == Precision::kInt16 && !int16_supported()) {
+    return Error{ErrorCode::kUnsupported, "this CPU has no fast products of 16-bit integers; use precision auto", ""};
+  }
   auto impl = std::make_unique<Impl>();
   impl->precision = options.precision;
   if (options.precision == Precision::kAuto) {
-    impl->precision = bfloat16_supported() ? Precision::kBfloat16 : Precision::kFloat32;
+    impl->precision = bfloat16_supported()                     ? Precision::kBfloat16
+                      : options.may_round && int16_supported() ? Precision::kInt16
+                                                               : Precision::kFloat32;
   }
   const bool narrow = impl->precision == Precision::kBfloat16;
-  E2LF_ASSIGN_OR_RETURN(impl->plan,
-                        make_plan(network, weights, narrow ? ElementType::kBfloat16 : ElementType::kFloat32));
+  E2LF_ASSIGN_OR_RETURN(impl->plan, make_plan(network, weights, narrow ? ElementType::kBfloat16 : ElementType::kFloat32,
+                                              impl->precision == Precision::kInt16));
   if (const size_t scale = impl->plan.tensors.back().scale; scale != 1) {
     return Error{ErrorCode::kShape, cat("the output is at 1/", scale, " of the resolution; end at that of the input"),
                  cat("layer \"", network.layers.back().name, "\"")};

@@ -17,13 +17,15 @@ enum class Precision {
   kAuto,  ///< the fastest that preserves the result; see Engine::precision()
   kFloat32,
   kBfloat16,  ///< bfloat16 products with float32 sums; kUnsupported if the CPU lacks them
+  kInt16,     ///< 3x3 convolutions with 16-bit integer products, all else in float32; kUnsupported if not faster
 };
 
-[[nodiscard]] Result<Precision> precision_from_name(const std::string& name);  ///< "auto", "float32", "bfloat16"
+[[nodiscard]] Result<Precision> precision_from_name(const std::string& name);  ///< "auto", "float32", ...
 [[nodiscard]] const char* precision_name(Precision precision);
 
 struct EngineOptions {
   Precision precision = Precision::kAuto;
+  bool may_round = false;  ///< kAuto may choose a precision that changes the result a little, i.e. kInt16
 };
 
 /// The memory of a recurrent network of the previous frames. It is initially empty, which means at rest. It belongs to

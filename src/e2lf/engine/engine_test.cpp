@@ -128,6 +128,33 @@ TEST_F(EngineTest, Bfloat16StaysCloseToFloat32) {
   }
 }
 
+TEST_F(EngineTest, Int16StaysCloseToFloat32) {
+  if (!int16_supported()) GTEST_SKIP() << "this CPU has no fast int16 products";
+  for (const TestNetwork& test : test_networks()) {
+    const model::Weights weights = random_weights(test.network, 9);
+    const size_t height = 24, width = 60;
+    const std::vector<float> input = random_values(test.network.input_channels * height * width, 4);
+    const auto exact = run_engine(test.network, weights, input, height, width);
+    auto rounded = run_engine(test.network, weights, input, height, width, Precision::kInt16);
+    for (size_t i = 0; i < rounded.size(); ++i) rounded[i] -= exact[i];
+    EXPECT_LT(root_mean_square(rounded), 0.05 * root_mean_square(exact)) << test.name;
+  }
+}
+
+TEST_F(EngineTest, RoundsToInt16OnlyIfThatIsAllowed) {
+  const TestNetwork test = test_networks()[0];
+  const model::Weights weights = random_weights(test.network, 1);
+  set_max_isa("sse4").value();
+  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kInt16}).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kAuto, true}).value().precision(), Precision::kFloat32);
+  set_max_isa("avx2").value();
+  if (!int16_supported()) GTEST_SKIP() << "this CPU has no fast int16 products";
+  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kAuto}).value().precision(), Precision::kFloat32);
+  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kAuto, true}).value().precision(), Precision::kInt16);
+  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kFloat32, true}).value().precision(),
+            Precision::kFloat32);
+}
+
 TEST_F(EngineTest, RefusesBfloat16WhereTheInstructionSetIsCapped) {
   set_max_isa("avx2").value();
   const TestNetwork test = test_networks()[0];

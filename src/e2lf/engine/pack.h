@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "e2lf/engine/aligned_buffer.h"
 #include "e2lf/engine/kernel.h"
@@ -12,9 +13,9 @@ namespace e2lf::engine {
 using kernels::Bfloat16, kernels::kPanelWidth, kernels::to_bfloat16, kernels::to_float;
 
 /// Matrices [depth, columns] in the order in which the multiplication reads them: panel by panel of columns, and row by
-/// row within a panel (bfloat16: by pairs of rows, with the two elements of a column side by side). Columns are padded
-/// to kChannelMultiple, and depth to an even number, with zeros. Panels that are as wide as a kernel's sums make it
-/// read the weights in the order of memory; the width must be a power of two.
+/// row within a panel (bfloat16 and int16: by pairs of rows, with the two elements of a column side by side). Columns
+/// are padded to kChannelMultiple, and depth to an even number, with zeros. Panels that are as wide as a kernel's sums
+/// make it read the weights in the order of memory; the width must be a power of two.
 class PackedMatrices {
  public:
   using Element = std::function<float(size_t matrix, size_t row, size_t column)>;
@@ -38,5 +39,16 @@ class PackedMatrices {
   size_t columns_ = 0;
   AlignedBuffer buffer_;
 };
+
+/// Weights as integers: column c of the matrices is `units[c]` times the integers.
+struct ScaledWeights {
+  PackedMatrices weights;
+  std::vector<float> units;
+};
+
+/// Packs matrices as int16, with units so that sums of products with int16 over the rows of `summed` matrices (1 or
+/// all) do not overflow int32.
+[[nodiscard]] ScaledWeights pack_int16(size_t count, size_t depth, size_t columns,
+                                       const PackedMatrices::Element& element, size_t summed, size_t panel_width);
 
 }  // namespace e2lf::engine

@@ -44,8 +44,8 @@ class PlanMaker {
   static constexpr size_t kOutput = ~size_t{0};  ///< the last tensor, whose number is not yet known
 
  public:
-  PlanMaker(const model::Network& network, const model::Weights& weights, ElementType compute)
-      : network_(network), weights_(weights), compute_(compute) {}
+  PlanMaker(const model::Network& network, const model::Weights& weights, ElementType compute, bool int16_products)
+      : network_(network), weights_(weights), compute_(compute), int16_products_(int16_products) {}
 
   Result<Plan> make() {
     E2LF_ASSIGN_OR_RETURN(const auto shapes, model::infer_shapes(network_));
@@ -342,6 +342,7 @@ class PlanMaker {
     spec.relu = layer.relu;
     spec.residual = !layer.residual.empty();
     spec.compute = compute_;
+    spec.int16_products = int16_products_;
     const size_t taps = layer.kernel * layer.kernel;
     E2LF_ASSIGN_OR_RETURN(spec.weight,
                           find_weights(weights_, layer.name + ".weight", taps * spec.in_channels * spec.out_channels));
@@ -390,6 +391,7 @@ class PlanMaker {
   const model::Network& network_;
   const model::Weights& weights_;
   ElementType compute_;
+  bool int16_products_;
   Plan plan_;
   std::map<std::string, TensorSpec> specs_;  ///< of the result of every layer
   std::map<std::string, size_t> tensor_;     ///< number in the plan
@@ -404,10 +406,11 @@ std::vector<size_t> Stage::reads() const {
   return all;
 }
 
-Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute) {
+Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute,
+                       bool int16_products) {
   if (const auto shapes = model::infer_shapes(network); !shapes) return shapes.error();
   const model::Network read = without_unread_layers(network);
-  return PlanMaker(read, weights, compute).make();
+  return PlanMaker(read, weights, compute, int16_products).make();
 }
 
 Plan with_outputs(const Plan& plan, std::span<const size_t> channels) {

@@ -49,8 +49,9 @@ struct Plan {
 
 /// Chooses kernels and packs weights. Layers on which the output does not depend are omitted. Fails as infer_shapes
 /// does, and with kNotFound or kShape for missing or wrong weights. `compute` = kBfloat16 requires
-/// bfloat16_supported().
-[[nodiscard]] Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute);
+/// bfloat16_supported(); for `int16_products` see ConvSpec.
+[[nodiscard]] Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute,
+                                     bool int16_products = false);
 
 /// Returns a plan with the same kernels that computes only some channels of the output. It must have a head.
 [[nodiscard]] Plan with_outputs(const Plan& plan, std::span<const size_t> channels);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/engine/conv.h"
@@ -12,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include "e2lf/engine/epilogue-inl.h"
+#include "e2lf/engine/factors-inl.h"
 #include "e2lf/engine/winograd.h"
 #include "e2lf/kernels/winograd-inl.h"
 
@@ -24,12 +26,26 @@ namespace {
 // Up to this many channels are copied at once.
 constexpr size_t kFewChannels = 4;
 
-constexpr size_t kBlockGroups = kWinogradBlockTiles / kGemmRows;
-static_assert(kWinogradBlockTiles % kGemmRows == 0);
+/// Packs the weights for a kind of products.
+template <class Products>
+typename Factors<Products>::Packed pack_weights(const ConvSpec& spec) {
+  if constexpr (Factors<Products>::kAreIntegers) {
+    return pack_winograd_int16(spec, kPanelColumns);
+  } else {
+    return pack_winograd_weights(spec, kPanelColumns);
+  }
+}
 
 template <class Products>
 class WinogradKernel final : public Kernel {
   using Element = typename Products::Element;
+  using Factor = typename Products::Factor;
+  using Sum = typename Products::Sum;
+  using SumElement = hn::TFromV<Sum>;
+  static constexpr bool kIsScaled = Factors<Products>::kAreIntegers;
+  static constexpr size_t kBlockTiles = kIsScaled ? kWinogradInt16Tiles : kWinogradBlockTiles;
+  static constexpr size_t kBlockGroups = kBlockTiles / kGemmRows;
+  static_assert(kBlockTiles % kGemmRows == 0);
 
  public:
   explicit WinogradKernel(const ConvSpec& spec)
@@ -39,12 +55,15 @@ class WinogradKernel final : public Kernel {
         depth_(winograd_parts(spec).depth()),
         in_channels_(spec.in_channels),
         in_stride_(padded_channels(spec.in_channels)),
-        weights_(pack_winograd_weights(spec, kPanelColumns)),
+        factors_(pack_weights<Products>(spec), spec.out_channels),
         epilogue_(spec) {}
 
   std::string describe() const override {
     return "Winograd F(4x4,3x3) for " + std::to_string(kernel_) + "x" + std::to_string(kernel_) + " " +
-           hwy::TargetName(HWY_TARGET) + (Products::kStep == 2 ? " bfloat16" : " float32");
+           hwy::TargetName(HWY_TARGET) +
+           (kIsScaled              ? " int16"
+            : Products::kStep == 2 ? " bfloat16"
+                                   : " float32");
   }
 
   Reach reach() const override { return {kernel_ / 2, parts_ * 3 - 1 - kernel_ / 2, 1, 1}; }
@@ -58,46 +77,47 @@ class WinogradKernel final : public Kernel {
     const size_t groups = num_groups(strip), blocks = num_blocks(strip);
     const size_t first = groups * block / blocks * kGemmRows;
     const size_t count = std::min(num_tiles(strip), groups * (block + 1) / blocks * kGemmRows) - first;
-    auto* transformed = reinterpret_cast<Element*>(scratch);
-    auto* sums = reinterpret_cast<float*>(scratch + transformed_bytes());
+    auto* transformed = reinterpret_cast<Factor*>(scratch);
+    auto* sums = reinterpret_cast<SumElement*>(scratch + transformed_bytes());
+    float units[kBlockTiles];  // the value of one in the integers of each tile
     auto* patch = reinterpret_cast<Element*>(scratch + transformed_bytes() + sums_bytes());
     // This clears the elements after the channels that gather_shifts() writes. Zero weights would not suppress a NaN
     // left there by an earlier stage.
     if (parts_ > 1) std::memset(patch, 0, patch_bytes());
     for (size_t tile = 0; tile < count; ++tile) {
-      transform_tile(strip, first + tile, patch, transformed + tile * kWinogradMatrices * depth_);
+      units[tile] = transform_tile(strip, first + tile, patch, transformed + tile * kWinogradMatrices * depth_);
     }
     for (size_t point = 0; point < kWinogradMatrices; ++point) {
-      const Multiply multiply{*this, transformed + point * depth_, sums + point * weights_.columns(), point, count};
-      for_column_groups(weights_.columns(), multiply);
+      const Multiply multiply{*this, transformed + point * depth_, sums + point * columns(), point, count};
+      for_column_groups(columns(), multiply);
     }
-    epilogue_.select(Finish{*this, strip, first, count, sums});
+    epilogue_.select(Finish{*this, strip, first, count, sums, units});
   }
 
  private:
   /// Computes the sums of one of the 36 points for the tiles of a block, which is a small matrix product.
   struct Multiply {
     const WinogradKernel& kernel;
-    const Element* transformed;
-    float* sums;
+    const Factor* transformed;
+    SumElement* sums;
     size_t point;
     size_t tiles;
 
     template <size_t kVectors>
     HWY_INLINE void visit(size_t column, size_t offset, size_t width) const {
-      const Element* panel = kernel.weights_.template panel<Element>(point, column) + offset * Products::kStep;
+      const PackedMatrices& weights = kernel.factors_.weights;
+      const Factor* panel = weights.template panel<Factor>(point, column) + offset * Products::kStep;
       const size_t in_step = kWinogradMatrices * kernel.depth_;
-      const size_t out_step = kWinogradMatrices * kernel.weights_.columns();
+      const size_t out_step = kWinogradMatrices * weights.columns();
       for (size_t tile = 0; tile < tiles; tile += kGemmRows) {
-        FloatVec acc[kGemmRows][kVectors];
+        Sum acc[kGemmRows][kVectors];
         clear(acc);
-        multiply_accumulate<Products>(transformed + tile * in_step, in_step, panel, width, kernel.weights_.depth(),
-                                      acc);
+        multiply_accumulate<Products>(transformed + tile * in_step, in_step, panel, width, weights.depth(), acc);
         E2LF_UNROLL
         for (size_t i = 0; i < kGemmRows; ++i) {
-          float* to = sums + (tile + i) * out_step + column + offset;
+          SumElement* to = sums + (tile + i) * out_step + column + offset;
           E2LF_UNROLL
-          for (size_t j = 0; j < kVectors; ++j) hn::Store(acc[i][j], FloatTag(), to + j * kLanes);
+          for (size_t j = 0; j < kVectors; ++j) hn::Store(acc[i][j], hn::DFromV<Sum>(), to + j * kLanes);
         }
       }
     }
@@ -108,16 +128,19 @@ class WinogradKernel final : public Kernel {
     const WinogradKernel& kernel;
     const Strip& strip;
     size_t first, count;
-    const float* sums;
+    const SumElement* sums;
+    const float* units;
 
     template <bool kResidual, class Output>
     HWY_INLINE void visit() const {
-      const size_t step = kWinogradMatrices * kernel.weights_.columns();
+      const size_t step = kWinogradMatrices * kernel.columns();
       for (size_t tile = 0; tile < count; ++tile) {
-        kernel.template finish_tile<kResidual, Output>(strip, first + tile, sums + tile * step);
+        kernel.template finish_tile<kResidual, Output>(strip, first + tile, sums + tile * step, units[tile]);
       }
     }
   };
+
+  size_t columns() const { return factors_.weights.columns(); }
 
   static size_t tiles_per_row(const Strip& strip) { return (strip.width + kTileSize - 1) / kTileSize; }
   static size_t num_tiles(const Strip& strip) {
@@ -125,29 +148,39 @@ class WinogradKernel final : public Kernel {
   }
   /// Returns the number of groups of tiles whose sums are computed together.
   static size_t num_groups(const Strip& strip) { return (num_tiles(strip) + kGemmRows - 1) / kGemmRows; }
-  size_t transformed_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * depth_ * sizeof(Element); }
-  size_t sums_bytes() const { return kWinogradMatrices * kWinogradBlockTiles * weights_.columns() * sizeof(float); }
+  size_t transformed_bytes() const { return kWinogradMatrices * kBlockTiles * depth_ * sizeof(Factor); }
+  size_t sums_bytes() const { return kWinogradMatrices * kBlockTiles * columns() * sizeof(SumElement); }
 
   size_t patch_bytes() const { return (patch_rows() * kWinogradPoints * group_ + kFewChannels) * sizeof(Element); }
 
-  /// Transforms the 6x6 input pixels of a tile. Point p is stored at `to` + p * depth_.
-  void transform_tile(const Strip& strip, size_t tile, Element* HWY_RESTRICT patch, Element* HWY_RESTRICT to) const {
+  /// Transforms the 6x6 input pixels of a tile. Point p is stored at `to` + p * depth_. If they become integers,
+  /// returns the value of one.
+  float transform_tile(const Strip& strip, size_t tile, Element* HWY_RESTRICT patch, Factor* HWY_RESTRICT to) const {
     const auto y = static_cast<ptrdiff_t>(strip.begin + tile / tiles_per_row(strip) * kTileSize);
     const auto x = static_cast<ptrdiff_t>(tile % tiles_per_row(strip) * kTileSize);
     if (parts_ > 1) gather_shifts(strip, y, x, patch);
+    const auto row = [&](size_t i) {
+      return parts_ > 1 ? patch + i * kWinogradPoints * group_
+                        : strip.inputs[0].template row<const Element>(y - 1 + static_cast<ptrdiff_t>(i)) +
+                              (x - 1) * static_cast<ptrdiff_t>(in_stride_);
+    };
+    float largest = std::numeric_limits<float>::min();
+    if constexpr (kIsScaled) {
+      for (size_t i = 0; i < patch_rows(); ++i) {
+        largest = std::max(largest, Factors<Products>::largest_of(row(i), kWinogradPoints * group_));
+      }
+    }
     for (size_t part = 0; part < parts_; ++part) {
       const Element* rows[kWinogradPoints];
-      for (size_t i = 0; i < kWinogradPoints; ++i) {
-        rows[i] = parts_ > 1 ? patch + (i + 3 * part) * kWinogradPoints * group_
-                             : strip.inputs[0].template row<const Element>(y - 1 + static_cast<ptrdiff_t>(i)) +
-                                   (x - 1) * static_cast<ptrdiff_t>(in_stride_);
-      }
-      transform_group(rows, to + part * group_);
+      for (size_t i = 0; i < kWinogradPoints; ++i) rows[i] = row(i + 3 * part);
+      transform_group(rows, hn::Set(FloatTag(), INT16_MAX / (kMostWinogradGrowth * largest)), to + part * group_);
     }
+    return largest * (kMostWinogradGrowth / INT16_MAX);
   }
 
   /// Transforms 6x6 pixels of group_ channels.
-  HWY_INLINE void transform_group(const Element* const (&rows)[kWinogradPoints], Element* HWY_RESTRICT to) const {
+  HWY_INLINE void transform_group(const Element* const (&rows)[kWinogradPoints], FloatVec scale,
+                                  Factor* HWY_RESTRICT to) const {
     const size_t group = group_;
     const size_t depth = depth_;
     for (size_t channel = 0; channel < group; channel += kLanes) {
@@ -161,13 +194,13 @@ class WinogradKernel final : public Kernel {
         E2LF_UNROLL
         for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = v[i];
       }
-      Element* out = to + channel;
+      Factor* out = to + channel;
       E2LF_UNROLL
       for (size_t i = 0; i < kWinogradPoints; ++i) {
         FloatVec v[kWinogradPoints];
         transform_input(half[i], v);
         E2LF_UNROLL
-        for (size_t j = 0; j < kWinogradPoints; ++j, out += depth) store_floats(v[j], out);
+        for (size_t j = 0; j < kWinogradPoints; ++j, out += depth) Factors<Products>::store(v[j], scale, out);
       }
     }
   }
@@ -204,25 +237,33 @@ class WinogradKernel final : public Kernel {
     }
   }
 
+  static HWY_INLINE FloatVec last_point(FloatVec value) {
+    return kIsScaled ? hn::Mul(value, hn::Set(FloatTag(), kInt16LastPoint)) : value;
+  }
+
   /// Computes the outputs of a tile that lie inside the strip. The sums of point p are at `sums` + p * columns.
   template <bool kResidual, class Output>
-  void finish_tile(const Strip& strip, size_t tile, const float* HWY_RESTRICT sums) const {
+  void finish_tile(const Strip& strip, size_t tile, const SumElement* HWY_RESTRICT sums, float tile_unit) const {
     const size_t y = strip.begin + tile / tiles_per_row(strip) * kTileSize;
     const size_t x = tile % tiles_per_row(strip) * kTileSize;
     const size_t height = std::min(kTileSize, strip.end - y);
     const size_t width = std::min(kTileSize, strip.width - x);
-    const size_t columns = weights_.columns();
+    const size_t columns = this->columns();
     typename Epilogue<Products>::Row rows[kTileSize];
     for (size_t i = 0; i < height; ++i) rows[i] = epilogue_.row(strip, y + i);
     for (size_t channel = 0; channel < columns; channel += kLanes) {
       FloatVec half[kTileSize][kWinogradPoints];
       const auto channels = epilogue_.channels(channel);
-      const float* in = sums + channel;
+      const auto unit = factors_.unit(channel, tile_unit);
+      const SumElement* in = sums + channel;
       E2LF_UNROLL
       for (size_t i = 0; i < kWinogradPoints; ++i) {
         FloatVec row[kWinogradPoints], v[kTileSize];
         E2LF_UNROLL
-        for (size_t j = 0; j < kWinogradPoints; ++j, in += columns) row[j] = hn::Load(FloatTag(), in);
+        for (size_t j = 0; j < kWinogradPoints; ++j, in += columns) {
+          row[j] = Factors<Products>::value(hn::Load(hn::DFromV<Sum>(), in));
+        }
+        row[kWinogradPoints - 1] = last_point(row[kWinogradPoints - 1]);
         transform_output(row, v);
         E2LF_UNROLL
         for (size_t j = 0; j < kTileSize; ++j) half[j][i] = v[j];
@@ -231,11 +272,13 @@ class WinogradKernel final : public Kernel {
       for (size_t j = 0; j < kTileSize; ++j) {
         if (j >= width) break;
         FloatVec v[kTileSize];
+        half[j][kWinogradPoints - 1] = last_point(half[j][kWinogradPoints - 1]);
         transform_output(half[j], v);
         E2LF_UNROLL
         for (size_t i = 0; i < kTileSize; ++i) {
           if (i < height)
-            Epilogue<Products>::template store<kResidual, Output>(v[i], channels, (x + j) * columns + channel, rows[i]);
+            Epilogue<Products>::template store<kResidual, Output>(Factors<Products>::scaled(v[i], unit), channels,
+                                                                  (x + j) * columns + channel, rows[i]);
         }
       }
     }
@@ -245,7 +288,7 @@ class WinogradKernel final : public Kernel {
   size_t parts_, group_, depth_;  ///< see WinogradParts
   size_t in_channels_;
   size_t in_stride_;
-  PackedMatrices weights_;
+  Factors<Products> factors_;
   Epilogue<Products> epilogue_;
 };
 
@@ -259,6 +302,23 @@ std::unique_ptr<Kernel> MakeWinograd(const ConvSpec& spec) {
   return std::make_unique<WinogradKernel<FloatProducts>>(spec);
 }
 
+std::unique_ptr<Kernel> MakeWinogradInt16([[maybe_unused]] const ConvSpec& spec) {
+#if E2LF_TARGET_HAS_INT16
+  E2LF_REQUIRE(spec.compute == ElementType::kFloat32, "integers are made from float32");
+  return std::make_unique<WinogradKernel<Int16Products>>(spec);
+#else
+  E2LF_REQUIRE(false, "integers need int16_supported()");
+#endif
+}
+
+bool KnowsInt16() {
+#if E2LF_TARGET_HAS_INT16
+  return HWY_TARGET == HWY_AVX2 || __builtin_cpu_supports("avx512vnni") != 0;
+#else
+  return false;
+#endif
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace e2lf::engine
 HWY_AFTER_NAMESPACE();
@@ -267,9 +327,20 @@ HWY_AFTER_NAMESPACE();
 namespace e2lf::engine {
 
 HWY_EXPORT(MakeWinograd);
+HWY_EXPORT(MakeWinogradInt16);
+HWY_EXPORT(KnowsInt16);
 
 std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec) {
   return HWY_DYNAMIC_DISPATCH(MakeWinograd)(spec);
+}
+
+std::unique_ptr<Kernel> make_winograd_int16(const ConvSpec& spec) {
+  E2LF_REQUIRE(int16_supported(), "this CPU has no int16 products that are worth it");
+  return HWY_DYNAMIC_DISPATCH(MakeWinogradInt16)(spec);
+}
+
+bool int16_supported() {
+  return HWY_DYNAMIC_DISPATCH(KnowsInt16)();
 }
 
 }  // namespace e2lf::engine

@@ -7,8 +7,9 @@
 
 namespace e2lf::kernels {
 
-/// The storage type of the elements of a tensor. Sums are float32 in any case.
-enum class ElementType { kFloat32, kBfloat16 };
+/// The storage type of elements. Tensors are float32 or bfloat16, with sums in float32; int16 is the type of
+/// transformed values and weights alone, with sums in int32.
+enum class ElementType { kFloat32, kBfloat16, kInt16 };
 
 [[nodiscard]] constexpr size_t element_size(ElementType type) {
   return type == ElementType::kFloat32 ? 4 : 2;

@@ -25,6 +25,14 @@
 #define E2LF_TARGET_HAS_BF16 0
 #endif
 
+// The same for kernels with int16 products, for which AVX-512 needs VNNI.
+#undef E2LF_TARGET_HAS_INT16
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+#define E2LF_TARGET_HAS_INT16 1
+#else
+#define E2LF_TARGET_HAS_INT16 0
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::kernels {
 namespace HWY_NAMESPACE {
@@ -69,9 +77,12 @@ HWY_INLINE void store_floats(FloatVec value, Bfloat16* to) {
 }
 #endif
 
-/// Defines how the products of one element type are computed: kStep elements of the depth per multiply-add.
+/// Defines how the products of one element type are computed: kStep elements of the depth per multiply-add. Tensors
+/// have the type Element, and what is multiplied has the type Factor.
 struct FloatProducts {
   using Element = float;
+  using Factor = float;
+  using Sum = FloatVec;
   static constexpr ElementType kType = ElementType::kFloat32;
   static constexpr size_t kStep = 1;
   using Vec = FloatVec;
@@ -84,6 +95,8 @@ struct FloatProducts {
 #if E2LF_TARGET_HAS_BF16
 struct Bfloat16Products {
   using Element = Bfloat16;
+  using Factor = Bfloat16;
+  using Sum = FloatVec;
   static constexpr ElementType kType = ElementType::kBfloat16;
   static constexpr size_t kStep = 2;
   using Vec = FloatVec;  ///< holds 32 bfloat16 numbers
@@ -104,12 +117,42 @@ struct Bfloat16Products {
 };
 #endif
 
+#if E2LF_TARGET_HAS_INT16
+using IntTag = hn::RebindToSigned<FloatTag>;
+
+struct Int16Products {
+  using Element = float;
+  using Factor = int16_t;
+  using Sum = hn::Vec<IntTag>;
+  static constexpr ElementType kType = ElementType::kInt16;
+  static constexpr size_t kStep = 2;
+  using Tag = hn::Repartition<int16_t, FloatTag>;
+  using Vec = hn::Vec<Tag>;
+
+  static HWY_INLINE Vec broadcast(const int16_t* from) {
+    int32_t pair;
+    std::memcpy(&pair, from, sizeof(pair));
+    return hn::BitCast(Tag(), hn::Set(IntTag(), pair));
+  }
+  static HWY_INLINE Vec load(const int16_t* from) { return hn::Load(Tag(), from); }
+  static HWY_INLINE Sum multiply_add(Vec a, Vec b, Sum sum) {
+#if HWY_TARGET <= HWY_AVX3
+    asm("vpdpwssd %2, %1, %0" : "+v"(sum.raw) : "v"(a.raw), "v"(b.raw));
+    return sum;
+#else
+    auto unused = sum;
+    return hn::ReorderWidenMulAccumulate(IntTag(), a, b, sum, unused);
+#endif
+  }
+};
+#endif
+
 /// Adds to sums[i][j] the product of row i of `a` (rows are `a_stride` elements apart) and column vector j of a packed
 /// panel whose rows are `width` columns wide, over `depth` elements.
 template <class Products, size_t kRows, size_t kVectors>
-HWY_INLINE void multiply_accumulate(const typename Products::Element* HWY_RESTRICT a, size_t a_stride,
-                                    const typename Products::Element* HWY_RESTRICT panel, size_t width, size_t depth,
-                                    FloatVec (&sums)[kRows][kVectors]) {
+HWY_INLINE void multiply_accumulate(const typename Products::Factor* HWY_RESTRICT a, size_t a_stride,
+                                    const typename Products::Factor* HWY_RESTRICT panel, size_t width, size_t depth,
+                                    typename Products::Sum (&sums)[kRows][kVectors]) {
   constexpr size_t kStep = Products::kStep;
   for (size_t k = 0; k < depth; k += kStep) {
     typename Products::Vec columns[kVectors];
@@ -125,12 +168,12 @@ HWY_INLINE void multiply_accumulate(const typename Products::Element* HWY_RESTRI
   }
 }
 
-template <size_t kRows, size_t kVectors>
-HWY_INLINE void clear(FloatVec (&sums)[kRows][kVectors]) {
+template <size_t kRows, size_t kVectors, class Vec>
+HWY_INLINE void clear(Vec (&sums)[kRows][kVectors]) {
   E2LF_UNROLL
   for (size_t i = 0; i < kRows; ++i) {
     E2LF_UNROLL
-    for (size_t j = 0; j < kVectors; ++j) sums[i][j] = hn::Zero(FloatTag());
+    for (size_t j = 0; j < kVectors; ++j) sums[i][j] = hn::Zero(hn::DFromV<Vec>());
   }
 }
 

@@ -6,7 +6,7 @@ namespace e2lf::live {
 Result<void> FieldMaker::make(const capture::Measurement& measurement, size_t samples, std::span<const size_t> views,
                               lightfield::LightField& field) {
   if (!fast_ || samples != samples_) {
-    E2LF_ASSIGN_OR_RETURN(fast_, reconstructor_.with_constant_camera(samples));
+    E2LF_ASSIGN_OR_RETURN(fast_, reconstructor_.prepared_for(samples));
     memory_ = {};
     samples_ = samples;
   }

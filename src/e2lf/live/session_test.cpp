@@ -66,13 +66,16 @@ std::unique_ptr<LiveReader> open_replay(const std::filesystem::path& path, const
   return LiveReader::open(open, options).value();
 }
 
+/// Expects differences by the rounding of prepared_for(), which is -35 dB at most.
 void expect_near(const lightfield::LightField& field, const lightfield::LightField& expected) {
   ASSERT_EQ(field.shape(), expected.shape());
-  float largest = 0;
+  double difference = 0, power = 0;
   for (size_t i = 0; i < field.data().size(); ++i) {
-    largest = std::max(largest, std::abs(field.data()[i] - expected.data()[i]));
+    const double error = field.data()[i] - expected.data()[i];
+    difference += error * error;
+    power += expected.data()[i] * expected.data()[i];
   }
-  EXPECT_LT(largest, 1e-4);
+  EXPECT_LT(difference, 3e-4 * power);
 }
 
 TEST(FieldMaker, MakesTheLightFieldOfTheReconstructorInTheSameMemory) {
@@ -112,7 +115,7 @@ TEST(FieldMaker, MakesTheLightFieldOfTheReconstructorInTheSameMemory) {
   ASSERT_TRUE(maker.make(capture::Measurement(odd), 1, one, field).ok());
   const auto expected = maker.reconstructor().reconstruct(odd).value();
   for (size_t i = 0; i < field.shape().view_size(); ++i) {
-    EXPECT_NEAR(field.view(1, 1)[i], expected.view(1, 1)[i], 1e-4) << "pixel " << i;
+    EXPECT_NEAR(field.view(1, 1)[i], expected.view(1, 1)[i], 0.02) << "pixel " << i;
   }
   EXPECT_FALSE(maker.make(capture::Measurement(capture::EventImages(2, 16, 16)), 1, {}, field).ok());
 }

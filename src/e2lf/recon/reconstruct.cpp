@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/model/constant_inputs.h"
@@ -33,21 +34,30 @@ Result<Reconstructor> Reconstructor::create(model::Model model, const engine::En
   auto weights = std::make_shared<const model::Weights>(std::exchange(model.weights, {}));
   Reconstructor reconstructor(std::move(model), std::move(engine));
   reconstructor.weights_ = std::move(weights);
+  reconstructor.options_ = options;
   return reconstructor;
 }
 
-Result<Reconstructor> Reconstructor::with_constant_camera(size_t cycles) const {
+Result<Reconstructor> Reconstructor::prepared_for(size_t cycles) const {
+  E2LF_REQUIRE(!constant_cycles_, "it is prepared only once");
+  const engine::EngineOptions options{options_.precision, true};
+  const auto rounded = [&]() -> Result<Reconstructor> {
+    E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model_.network, *weights_, options));
+    Reconstructor other = *this;
+    if (engine.precision() != engine_->precision())
+      other.engine_ = std::make_shared<const engine::Engine>(std::move(engine));
+    return other;
+  };
   size_t first = 0, group = 0;
   for (; group < model_.input.size() && model_.input[group].kind != model::InputKind::kCamera; ++group) {
     first += model::num_input_channels(model_.input[group].kind, model_.num_patterns);
   }
-  if (group == model_.input.size() || constant_cycles_) return *this;
+  if (group == model_.input.size()) return rounded();
   std::vector<float> told = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
   for (float& value : told) value *= model_.input[group].scale;
   auto built = model::with_constant_inputs(model_.network, *weights_, first, told);
-  if (!built) return *this;
-  E2LF_ASSIGN_OR_RETURN(engine::Engine engine,
-                        engine::Engine::create(built->network, built->weights, {engine_->precision()}));
+  if (!built) return rounded();
+  E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(built->network, built->weights, options));
   Reconstructor other(model_, std::move(engine));
   other.model_.network = std::move(built->network);
   other.model_.input[group].scale = 1.0F;

@@ -52,9 +52,9 @@ class Reconstructor {
                                               lightfield::LightField& field) const;
 
   /// Returns the same network for measurements of exactly `cycles` cycles, with the sensor profile built into its
-  /// weights. It is faster, and its results differ by rounding. Networks that are not conditioned on the sensor
-  /// profile, or that do not process it by convolutions, are returned unchanged.
-  [[nodiscard]] Result<Reconstructor> with_constant_camera(size_t cycles) const;
+  /// weights if the network is conditioned on it by convolutions, and in the precision of
+  /// engine::EngineOptions::may_round. It is faster, and its results differ by rounding.
+  [[nodiscard]] Result<Reconstructor> prepared_for(size_t cycles) const;
 
   /// Returns the number of passes that are made if `wanted` are requested: at least one and at most
   /// model::size_multiple() squared, or one if there is a lens array.
@@ -77,6 +77,7 @@ class Reconstructor {
   model::Model model_;
   std::shared_ptr<const engine::Engine> engine_;
   std::shared_ptr<const model::Weights> weights_;
+  engine::EngineOptions options_;
   std::optional<size_t> constant_cycles_;  ///< number of cycles that is built into the weights
 };
 

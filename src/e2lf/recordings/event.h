@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -91,8 +92,12 @@ struct EventColumns {
   }
   /// Appends the events [begin, end) of another set of columns.
   void append(const EventColumns& other, size_t begin, size_t end) {
+    // insert() would construct one element after the other, because of the allocator.
     const auto copy = [begin, end](auto& to, const auto& from) {
-      to.insert(to.end(), from.begin() + static_cast<ptrdiff_t>(begin), from.begin() + static_cast<ptrdiff_t>(end));
+      const size_t size = to.size();
+      to.resize(size + end - begin);
+      std::copy(from.begin() + static_cast<ptrdiff_t>(begin), from.begin() + static_cast<ptrdiff_t>(end),
+                to.begin() + static_cast<ptrdiff_t>(size));
     };
     copy(x, other.x);
     copy(y, other.y);

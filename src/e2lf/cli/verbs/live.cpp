@@ -331,8 +331,8 @@ int run_live(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   app.add_option("--port", live_arguments.port, "port of 127.0.0.1 on which the page is served; 0 = a free one")
       ->capture_default_str();
-  app.add_option("--precision", live_arguments.precision, "arithmetic of the network: auto, float32 or bfloat16")
-      ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
+  app.add_option("--precision", live_arguments.precision, "arithmetic of the network: auto, float32, bfloat16 or int16")
+      ->check(CLI::IsMember({"auto", "float32", "bfloat16", "int16"}))
       ->capture_default_str();
   app.add_option("--gain", live_arguments.gain,
                  "brightness of the output: auto (estimated from the first cycle) or a number; 1 = as computed")

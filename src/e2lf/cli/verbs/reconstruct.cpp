@@ -251,8 +251,8 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       "--colour-filter", reconstruction.colour_filter,
       "colours of each 2x2 pixels of the sensor, row by row, such as rggb: the light field has colour and half "
       "the resolution; default: as the record beside the events states");
-  app.add_option("--precision", reconstruction.precision, "arithmetic of the network: auto, float32 or bfloat16")
-      ->check(CLI::IsMember({"auto", "float32", "bfloat16"}))
+  app.add_option("--precision", reconstruction.precision, "arithmetic of the network: auto, float32, bfloat16 or int16")
+      ->check(CLI::IsMember({"auto", "float32", "bfloat16", "int16"}))
       ->capture_default_str();
   app.add_option("--passes", reconstruction.passes,
                  "number of runs of the network at shifted positions whose results are averaged: better quality, but "

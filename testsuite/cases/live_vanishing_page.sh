@@ -1,0 +1,84 @@
+# Pages that vanish: neither a killed browser nor one that stops reading disturbs the light fields, the other pages or the memory.
+"$E2LF" demo -o demo --width 320 --height 240 --quiet
+model=$TESTSUITE/../models/e2lf-n4-live.safetensors
+"$E2LF" simulate demo/scene -m "$model" --cycles 6 --seed 2 -o six.raw --quiet
+"$E2LF" live 'replay:six.raw?repeat=1000' -m "$model" --json --size full >lines.json 2>log.txt &
+instrument=$!
+trap 'kill "$instrument" 2>/dev/null || true; remove_folder' EXIT
+wait_for lines.json "$instrument"
+cat >pages.py <<'PY'
+import http.client, json, os, re, signal, socket, sys, time
+process = sys.argv[1]
+host, path = re.match("http://([^/]+)(/.*/)", json.loads(open("lines.json").readline())["url"]).groups()
+ask = f"GET {path}picture?after=0&x=0.5&y=0.5 HTTP/1.1\r\nHost: {host}\r\n\r\n".encode()
+
+def connect():
+    return http.client.HTTPConnection(host, timeout=20)
+
+def get(connection, name):
+    connection.request("GET", path + name)
+    answer = connection.getresponse()
+    return answer.status, answer.read()
+
+def fields():
+    return json.loads(get(connect(), "statistics")[1])["fields"]
+
+def memory_mib():
+    return int(re.search(r"VmRSS:\s*(\d+)", open(f"/proc/{process}/status").read())[1]) / 1024
+
+def vanish():
+    """Another process looks at two pictures and is killed while it waits for the third."""
+    child = os.fork()
+    if child == 0:
+        page = connect()
+        for _ in range(2):
+            get(page, "picture?after=0&x=0.5&y=0.5")
+        page.sock.sendall(ask)
+        os.kill(os.getpid(), signal.SIGKILL)
+    assert os.WTERMSIG(os.waitpid(child, 0)[1]) == signal.SIGKILL
+
+def stall():
+    """Asks for pictures and reads none of them."""
+    page = socket.socket()
+    page.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+    page.connect(tuple(host.split(":")[:1]) + (int(host.split(":")[1]),))
+    page.sendall(5 * ask)
+    return page
+
+def look(seconds, disturb):
+    """Returns the pictures that a page gets per second, and the light fields that are made."""
+    page, begin, before, pictures, after, turn = connect(), time.time(), fields(), 0, 0, 0
+    while time.time() - begin < seconds:
+        if time.time() - begin > turn * 0.25:
+            turn += 1
+            disturb()
+        status, body = get(page, f"picture?after={after}&x=0.5&y=0.5")
+        if status == 200:
+            head = json.loads(body[4 : 4 + int.from_bytes(body[:4], "little")])
+            assert head["serial"] > after, head
+            after, pictures = head["serial"], pictures + 1
+    passed = time.time() - begin
+    return pictures / passed, (fields() - before) / passed
+
+while fields() < 5:
+    time.sleep(0.1)
+calm = look(4, lambda: None)
+stalled = []
+def disturb():
+    vanish()
+    if len(stalled) < 10:
+        stalled.append(stall())
+look(2, disturb)
+before = memory_mib()
+disturbed = look(8, disturb)
+grown = memory_mib() - before
+print(f"calm {calm}, disturbed {disturbed}, {before:.0f} MiB and {grown:.1f} more")
+assert calm[0] > 2 and disturbed[0] > 0.6 * calm[0], "another page gets fewer pictures"
+assert disturbed[1] > 0.8 * calm[1], "fewer light fields are made"
+assert os.environ.get("E2LF_SANITIZE") or grown < 8, "the memory grows"
+PY
+py pages.py "$instrument"
+kill -INT "$instrument"
+code=0
+wait "$instrument" || code=$?
+[ "$code" -eq 130 ] || fail "exit code $code after the pages vanished: $(cat log.txt)"
