@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 #include "e2lf/base/threads.h"
@@ -16,36 +17,33 @@ namespace {
 constexpr double kLeastRowSamples = 300.0;
 constexpr double kLeastDeviation = 1e-6;
 
-size_t transitions_of(size_t cells) {
-  size_t transitions = 0;
-  for (size_t size = 1; size < cells; size *= kNumCounts) ++transitions;
-  return transitions;
-}
-
 /// The sums of a histogram from which moments are computed.
 struct Sums {
   std::vector<double> mean;
-  std::vector<double> product;  ///< transitions x transitions
+  std::vector<double> product;  ///< transitions x transitions, of those of the same group
 };
 
 template <typename Value>
 Sums sums_of(std::span<const Value> histogram, size_t transitions) {
   Sums sums{std::vector<double>(transitions), std::vector<double>(transitions * transitions)};
   std::vector<double> counts(transitions);
-  double total = 0.0;
-  for (size_t cell = 0; cell < histogram.size(); ++cell) {
-    const auto share = static_cast<double>(histogram[cell]);
-    if (share <= 0.0) continue;
-    size_t rest = cell;
-    for (size_t n = transitions; n-- > 0; rest /= kNumCounts) counts[n] = count_at(rest % kNumCounts);
-    total += share;
-    for (size_t n = 0; n < transitions; ++n) {
-      sums.mean[n] += share * counts[n];
-      for (size_t m = 0; m < transitions; ++m) sums.product[n * transitions + m] += share * counts[n] * counts[m];
+  for (const CountGroup& group : count_groups(transitions)) {
+    const auto cells = histogram.subspan(group.begin, group.size());
+    const double total = std::accumulate(cells.begin(), cells.end(), 0.0);
+    const size_t end = group.first + group.transitions;
+    for (size_t cell = 0; cell < cells.size(); ++cell) {
+      const double share = cells[cell] / total;
+      if (share <= 0.0) continue;
+      size_t rest = cell;
+      for (size_t n = end; n-- > group.first; rest /= group.num_counts) {
+        counts[n] = group.count_at(rest % group.num_counts);
+      }
+      for (size_t n = group.first; n < end; ++n) {
+        sums.mean[n] += share * counts[n];
+        for (size_t m = group.first; m < end; ++m) sums.product[n * transitions + m] += share * counts[n] * counts[m];
+      }
     }
   }
-  for (double& value : sums.mean) value /= total;
-  for (double& value : sums.product) value /= total;
   return sums;
 }
 
@@ -71,9 +69,11 @@ class MomentSum {
       return std::sqrt(std::max(covariance_[n * count + n], kLeastDeviation * kLeastDeviation));
     };
     for (size_t n = 0; n < count; ++n) result.deviation.push_back(deviation(n));
-    for (size_t apart = 1; apart < count; ++apart) {
-      for (size_t n = 0; n + apart < count; ++n) {
-        result.correlation.push_back(covariance_[n * count + n + apart] / deviation(n) / deviation(n + apart));
+    for (const CountGroup& group : count_groups(count)) {
+      for (size_t apart = 1; apart < group.transitions; ++apart) {
+        for (size_t n = group.first; n + apart < group.first + group.transitions; ++n) {
+          result.correlation.push_back(covariance_[n * count + n + apart] / deviation(n) / deviation(n + apart));
+        }
       }
     }
     return result;
@@ -86,7 +86,8 @@ class MomentSum {
 }  // namespace
 
 Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<std::vector<double>>& predictions) {
-  const size_t cells = areas.front()->histogram.size(), transitions = transitions_of(cells);
+  const size_t cells = areas.front()->histogram.size(), transitions = areas.front()->transitions;
+  const auto groups = static_cast<double>(count_groups(transitions).size());
   Agreement result;
   for (const Area* area : areas) result.samples += area->samples;
   MomentSum measured(transitions), simulated(transitions);
@@ -103,10 +104,11 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
     }
   }
   for (size_t cell = 0; cell < cells; ++cell) {
-    result.total_variation += 0.5 * std::abs(difference[cell]);
+    result.total_variation += 0.5 / groups * std::abs(difference[cell]);
     // The expected deviation of a share of this number of samples from its probability.
     const double p = std::clamp(model[cell], 0.0, 1.0);
-    result.chance += 0.5 * std::min(std::sqrt(2.0 * p * (1.0 - p) / (std::numbers::pi * result.samples)), 2.0 * p);
+    const double apart = std::min(std::sqrt(2.0 * p * (1.0 - p) / (std::numbers::pi * result.samples)), 2.0 * p);
+    result.chance += 0.5 / groups * apart;
   }
   result.measured = measured.moments();
   result.simulated = simulated.moments();
@@ -114,7 +116,7 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
   return result;
 }
 
-AgreementReport compare(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
+AgreementReport compare(const capture::SensorProfile& camera, const OpenShares& open_shares,
                         const std::vector<Area>& areas) {
   const std::vector<double> brightness = fit_brightness(camera, open_shares, areas);
   std::vector<std::vector<double>> predictions(areas.size());

@@ -12,7 +12,7 @@ namespace e2lf::calibrate {
 /// The means, standard deviations and correlations of the counts of one cycle.
 struct Moments {
   std::vector<double> mean, deviation;  ///< for each transition
-  std::vector<double> correlation;      ///< of transitions 1 and 2, 2 and 3, 1 and 3
+  std::vector<double> correlation;      ///< of transitions 1 and 2, 2 and 3, 1 and 3, then of the pairs 4 and 5, ...
 };
 
 /// How well a model predicts the counts of a set of areas.
@@ -21,7 +21,7 @@ struct Agreement {
   double x = 0.0, y = 0.0;  ///< mean position in the field
   double samples = 0.0;
   Moments measured, simulated;
-  double total_variation = 0.0;  ///< distance of the joint histograms: 0 = equal, 1 = disjoint
+  double total_variation = 0.0;  ///< mean distance of the joint histograms: 0 = equal, 1 = disjoint
   double chance = 0.0;           ///< approximately its value if the model is true, due to the number of samples
 };
 
@@ -37,7 +37,7 @@ struct AgreementReport {
 
 /// Computes the agreement of a camera with areas, each of which gets the brightness that fits it best. Rows of fewer
 /// than 300 samples are omitted.
-[[nodiscard]] AgreementReport compare(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
+[[nodiscard]] AgreementReport compare(const capture::SensorProfile& camera, const OpenShares& open_shares,
                                       const std::vector<Area>& areas);
 
 }  // namespace e2lf::calibrate

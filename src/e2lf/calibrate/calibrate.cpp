@@ -129,7 +129,7 @@ Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& 
 /// Performs one calibration.
 class Calibrator {
  public:
-  Calibrator(const FlatScene& scene, const std::vector<float>& shares, const capture::SensorProfile& start,
+  Calibrator(const FlatScene& scene, const OpenShares& shares, const capture::SensorProfile& start,
              const CalibrationOptions& options)
       : scene_(scene),
         shares_(shares),
@@ -179,7 +179,7 @@ class Calibrator {
 
  private:
   const FlatScene& scene_;
-  const std::vector<float>& shares_;
+  const OpenShares& shares_;
   const capture::SensorProfile& start_;
   const CalibrationOptions& options_;
   std::vector<Area> areas_;
@@ -280,11 +280,12 @@ void note_uncertainty(const std::vector<Parameter>& parameters, const Eigen::Vec
 Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const capture::Codes& codes,
                               const capture::SensorProfile& start, const CalibrationOptions& options) {
   E2LF_RETURN_IF_ERROR(check(scenes, codes, start));
-  E2LF_ASSIGN_OR_RETURN(const std::vector<Parameter> all, fit_parameters(codes.num_patterns - 1, start, options.held));
+  const OpenShares shares = open_shares(codes);
+  E2LF_ASSIGN_OR_RETURN(const std::vector<Parameter> all,
+                        fit_parameters(shares.of_codes.size() - 1, start, options.held));
   Calibration result;
   result.states = find_bad_pixels(scenes);
   const FlatScene scene(scenes, result.states, options.is_even);
-  const std::vector<float> shares = open_shares(codes);
   const Calibrator calibrator(scene, shares, start, options);
   result.flat_pixels = scene.num_pixels();
   if (calibrator.areas().size() < kLeastAreas) {

@@ -45,6 +45,7 @@ struct Calibration {
 /// even areas. In areas that were found by search, the receptor's rate keeps its value, and all others take their most
 /// likely values, which stay near those of `start` unless the data contradict them. The standard deviation is the
 /// larger of two: the one from the curvature, widened by the misfit, and the jackknife over eight parts of the picture.
+/// Codes of capture::whole_cycle() use the events of all transitions.
 ///
 /// Fails with kShape (scenes that do not match each other or the patterns, see check_scenes), and kInvalidValue
 /// (`start` has another event model, patterns do not begin with black, unknown keys, or too few flat areas).

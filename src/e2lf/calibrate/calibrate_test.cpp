@@ -6,6 +6,7 @@
 #include <map>
 
 #include "e2lf/base/threads.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "testing/test_still_scenes.h"
 
 namespace e2lf::calibrate {
@@ -31,6 +32,15 @@ std::map<std::string, Estimate> by_key(const Calibration& calibration) {
   std::map<std::string, Estimate> estimates;
   for (const Estimate& each : calibration.estimates) estimates[each.key] = each;
   return estimates;
+}
+
+/// Keys of all constants but some, to hold.
+std::vector<std::string> all_but(const capture::SensorProfile& camera, const std::vector<std::string>& free) {
+  std::vector<std::string> keys;
+  for (const Parameter& each : fit_parameters(3, camera, {}).value()) {
+    if (std::ranges::find(free, each.key) == free.end()) keys.push_back(each.key);
+  }
+  return keys;
 }
 
 /// Calibrates from even patches behind known open areas, and asks for the constants within the tolerances of
@@ -89,6 +99,28 @@ TEST(Calibrate, RecoversConstantsOverAGridFromKnownOpenAreas) {
   }
 }
 
+TEST(Calibrate, AllTransitionsDetermineMoreThanTheLitOnes) {
+  const auto truth = plain_camera();
+  const capture::Codes codes = known_open_areas(), whole = capture::whole_cycle(codes);
+  auto guess = truth;
+  guess.pixel[kThresholdOn] *= 1.12F;
+  guess.pixel[kReceptorRate] *= 0.75F;
+  guess.pixel[kAmplifierRate] *= 1.3F;
+  const CalibrationOptions options{.held = all_but(guess, {"threshold_on", "receptor_rate_hz", "amplifier_rate_hz"}),
+                                   .is_even = true};
+  const auto field = patches(0.01F, 0.6F);
+  const auto lit = calibrate({simulate(truth, field, 1, codes)}, codes, guess, options);
+  const auto all = calibrate({simulate(truth, field, 1, whole)}, whole, guess, options);
+  ASSERT_TRUE(lit && all);
+  for (const auto* key : {"threshold_on", "receptor_rate_hz"}) {
+    const Estimate of_lit = by_key(*lit).at(key), of_all = by_key(*all).at(key);
+    ASSERT_TRUE(of_all.is_determined) << key;
+    EXPECT_LT(of_all.high - of_all.low, of_lit.high - of_lit.low) << key;
+  }
+  EXPECT_NEAR(all->camera.pixel[kThresholdOn] / truth.pixel[kThresholdOn], 1.0, 0.02);
+  EXPECT_EQ(all->agreement.rows.front().measured.mean.size(), 8U);
+}
+
 TEST(Calibrate, SaysWhatABrightSceneDoesNotDetermineAndKeepsIt) {
   const auto truth = plain_camera();
   auto guess = truth;
@@ -115,22 +147,13 @@ TEST(Calibrate, HoldsWhatItIsToldAndRefusesUnknownKeys) {
   EXPECT_EQ(calibrate({black}, capture::Codes(3, 8, 8), guess, {}).error().code, ErrorCode::kShape);
 }
 
-/// Keys of all constants but one, to hold.
-std::vector<std::string> all_but(const capture::SensorProfile& camera, const std::string& key) {
-  std::vector<std::string> keys;
-  for (const Parameter& each : fit_parameters(3, camera, {}).value()) {
-    if (each.key != key) keys.push_back(each.key);
-  }
-  return keys;
-}
-
 TEST(Calibrate, MovesAConstantThatIsDeterminedToTheTruthAndWarnsOfTheJumpByName) {
   const auto truth = plain_camera();
   auto guess = truth;
   guess.pixel[kNoise] *= 1.5F;
   guess.uncertainty[kNoise] = 0.1F;
   const StillScene scene = simulate(truth, patches(0.1F, 2.0F), 1);
-  const CalibrationOptions options{.held = all_but(guess, "noise"), .is_even = true};
+  const CalibrationOptions options{.held = all_but(guess, {"noise"}), .is_even = true};
   const auto found = calibrate({scene}, capture::default_codes(), guess, options);
   ASSERT_TRUE(found) << found.error().text();
   EXPECT_NEAR(found->camera.pixel[kNoise] / truth.pixel[kNoise], 1.0, 0.1);

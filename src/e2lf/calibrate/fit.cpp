@@ -11,6 +11,7 @@
 
 #include "e2lf/base/threads.h"
 #include "e2lf/calibrate/count_distribution.h"
+#include "e2lf/capture/patterns/codes.h"
 
 namespace e2lf::calibrate {
 namespace {
@@ -24,13 +25,13 @@ constexpr double kMostMove = 0.5;
 
 using Shares = Eigen::VectorXd;  // of each combination of counts
 
-Shares plain_shares(const capture::SensorProfile& camera, const std::vector<float>& open_shares, const Area& area,
+Shares plain_shares(const capture::SensorProfile& camera, const OpenShares& open_shares, const Area& area,
                     double brightness) {
   const std::vector<double> model = predict(camera, open_shares, area, brightness);
   return Eigen::Map<const Eigen::VectorXd>(model.data(), static_cast<Eigen::Index>(model.size()));
 }
 
-Shares shares_of_model(const capture::SensorProfile& camera, const std::vector<float>& open_shares, const Area& area,
+Shares shares_of_model(const capture::SensorProfile& camera, const OpenShares& open_shares, const Area& area,
                        double brightness) {
   const Shares shares = plain_shares(camera, open_shares, area, brightness);
   return ((1.0 - kOther) * shares).array() + kOther / static_cast<double>(shares.size());
@@ -51,7 +52,7 @@ double deviance(const Shares& measured, const Shares& model) {
 }
 
 /// Improves one brightness by scoring, with shorter steps if a full one makes the fit worse.
-double improve_brightness(const capture::SensorProfile& camera, const std::vector<float>& open_shares, const Area& area,
+double improve_brightness(const capture::SensorProfile& camera, const OpenShares& open_shares, const Area& area,
                           const Shares& measured, double brightness, int iterations) {
   const auto shares = [&](double value) { return shares_of_model(camera, open_shares, area, value); };
   Shares model = shares(brightness);
@@ -93,11 +94,11 @@ struct Pearson {
   double distance = 0.0, freedom = 0.0;
 };
 
-Pearson pearson_of(const Shares& measured, const Shares& model, double samples) {
-  std::vector<Eigen::Index> order(static_cast<size_t>(model.size()));
-  std::iota(order.begin(), order.end(), 0);
+Pearson pearson_of_group(const Shares& measured, const Shares& model, const CountGroup& group, double samples) {
+  std::vector<Eigen::Index> order(group.size());
+  std::iota(order.begin(), order.end(), static_cast<Eigen::Index>(group.begin));
   std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return model[a] > model[b]; });
-  Pearson result{0.0, -2.0};  // the shares sum to one, and the brightness is fitted
+  Pearson result{0.0, -1.0};  // the shares sum to one
   double expected = 0.0, found = 0.0, all_expected = 0.0, all_found = 0.0;
   for (const Eigen::Index i : order) {
     expected += model[i];
@@ -110,15 +111,26 @@ Pearson pearson_of(const Shares& measured, const Shares& model, double samples) 
   }
   const double rest = std::max(1.0 - all_expected, kLeastExpected / samples), difference = 1.0 - all_found - rest;
   result.distance += difference * difference / rest;
-  result.freedom = std::max(result.freedom + 1.0, 1.0);
+  result.freedom += 1.0;
+  return result;
+}
+
+Pearson pearson_of(const Shares& measured, const Shares& model, size_t transitions, double samples) {
+  Pearson result{0.0, -1.0};  // the brightness is fitted
+  for (const CountGroup& group : count_groups(transitions)) {
+    const Pearson each = pearson_of_group(measured, model, group, samples);
+    result.distance += each.distance;
+    result.freedom += each.freedom;
+  }
+  result.freedom = std::max(result.freedom, 1.0);
   return result;
 }
 
 /// The data of a fit, and the equations at a model.
 class Fitter {
  public:
-  Fitter(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-         const std::vector<Area>& areas, const capture::SensorProfile& start, const FitOptions& options)
+  Fitter(const std::vector<Parameter>& parameters, const OpenShares& open_shares, const std::vector<Area>& areas,
+         const capture::SensorProfile& start, const FitOptions& options)
       : parameters_(parameters),
         open_shares_(open_shares),
         areas_(areas),
@@ -225,8 +237,9 @@ class Fitter {
     double weighted = 0.0, full = 0.0, freedom = -static_cast<double>(parameters_.size()), samples = 0.0;
     std::set<size_t> rows;
     for (size_t a = 0; a < areas_.size(); ++a) {
-      const Pearson pearson = pearson_of(
-          measured_[a], plain_shares(model.camera, open_shares_, areas_[a], model.brightness[a]), areas_[a].samples);
+      const Pearson pearson =
+          pearson_of(measured_[a], plain_shares(model.camera, open_shares_, areas_[a], model.brightness[a]),
+                     areas_[a].transitions, areas_[a].samples);
       weighted += misfit_ * weights_[a] * pearson.distance;
       full += areas_[a].samples * pearson.distance;
       freedom += pearson.freedom;
@@ -266,7 +279,7 @@ class Fitter {
   }
 
   const std::vector<Parameter>& parameters_;
-  const std::vector<float>& open_shares_;
+  const OpenShares& open_shares_;
   const std::vector<Area>& areas_;
   Eigen::VectorXd start_, spread_;
   double misfit_;
@@ -282,29 +295,36 @@ std::vector<Bound> fit_bounds() {
           {kDarkOff, 0.0F, 0.4F},  {kDarkOn, 0.0F, 0.4F},       {kResetSpan, 0.0F, 2.0F}};
 }
 
-std::vector<float> open_shares(const capture::Codes& codes) {
-  return capture::light_efficiency(codes);
+OpenShares open_shares(const capture::Codes& codes) {
+  const auto of_whole = capture::codes_of_whole_cycle(codes);
+  return {capture::light_efficiency(of_whole.value_or(codes)), of_whole.has_value()};
 }
 
-std::vector<double> predict(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
-                            const Area& area, double brightness) {
+std::vector<double> predict(const capture::SensorProfile& camera, const OpenShares& open_shares, const Area& area,
+                            double brightness) {
   const double full = std::exp(brightness), leak = camera.pixel[capture::PixelConstant::kLeak];
   PixelLight light;
-  double last = 0.0;
-  for (size_t n = 0; n < open_shares.size(); ++n) {
-    const double open = open_shares[n];
-    last = n == 0
-               ? open
+  light.is_whole = open_shares.is_whole;
+  std::vector<double> of_inverses;
+  for (size_t n = 0; n < open_shares.of_codes.size(); ++n) {
+    const double open = open_shares.of_codes[n];
+    const double passed =
+        n == 0 ? open
                : open * capture::transmission_at(camera, n - 1, static_cast<float>(area.x), static_cast<float>(area.y));
-    light.of_patterns.push_back(full * (last + leak * (1.0 - open)) + 1.0);
+    light.of_patterns.push_back(full * (passed + leak * (1.0 - open)) + 1.0);
+    of_inverses.push_back(full * std::max(1.0 - passed, 0.0) + 1.0);
   }
-  light.inverse = full * std::max(1.0 - last, 0.0) + 1.0;
+  light.inverse = of_inverses.back();
+  if (light.is_whole) {
+    light.of_patterns.insert(light.of_patterns.end(), of_inverses.begin(), of_inverses.end());
+    light.of_patterns.push_back(light.of_patterns.front());
+  }
   std::vector<double> result(area.histogram.size());
   count_distribution(camera.pixel, light, result);
   return result;
 }
 
-std::vector<double> fit_brightness(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
+std::vector<double> fit_brightness(const capture::SensorProfile& camera, const OpenShares& open_shares,
                                    const std::vector<Area>& areas) {
   std::vector<double> brightness(areas.size());
   parallel_for(areas.size(), 1, [&](size_t begin, size_t end) {
@@ -325,16 +345,15 @@ std::vector<double> fit_brightness(const capture::SensorProfile& camera, const s
   return brightness;
 }
 
-Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
+Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const OpenShares& open_shares,
                           const std::vector<Area>& areas, const capture::SensorProfile& start, const Model& model,
                           const FitOptions& options) {
   const Fitter fitter(parameters, open_shares, areas, start, options);
   return fitter.move_of(model, fitter.equations(model), 0.0);
 }
 
-Fit fit_camera(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
-               const std::vector<Area>& areas, const capture::SensorProfile& start, const Model& first,
-               const FitOptions& options) {
+Fit fit_camera(const std::vector<Parameter>& parameters, const OpenShares& open_shares, const std::vector<Area>& areas,
+               const capture::SensorProfile& start, const Model& first, const FitOptions& options) {
   const Fitter fitter(parameters, open_shares, areas, start, options);
   const auto cost = [&](const Model& model) { return fitter.misfit(model) + fitter.strain(fitter.values_of(model)); };
   Fit fit{first, {}, {}};

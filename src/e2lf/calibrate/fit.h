@@ -20,16 +20,22 @@ struct Model {
   std::vector<double> brightness;
 };
 
+/// The shares of the aperture that the patterns of a cycle open.
+struct OpenShares {
+  std::vector<float> of_codes;
+  bool is_whole = false;  ///< the codes are followed by their inverses and by black: see capture::whole_cycle()
+};
+
 /// Returns the probabilities of counts in an area of this brightness.
-[[nodiscard]] std::vector<double> predict(const capture::SensorProfile& camera, const std::vector<float>& open_shares,
+[[nodiscard]] std::vector<double> predict(const capture::SensorProfile& camera, const OpenShares& open_shares,
                                           const Area& area, double brightness);
 
 /// Returns the share of the aperture that each pattern opens.
-[[nodiscard]] std::vector<float> open_shares(const capture::Codes& codes);
+[[nodiscard]] OpenShares open_shares(const capture::Codes& codes);
 
 /// Returns the brightness of each area that fits a camera best.
-[[nodiscard]] std::vector<double> fit_brightness(const capture::SensorProfile& camera,
-                                                 const std::vector<float>& open_shares, const std::vector<Area>& areas);
+[[nodiscard]] std::vector<double> fit_brightness(const capture::SensorProfile& camera, const OpenShares& open_shares,
+                                                 const std::vector<Area>& areas);
 
 inline constexpr double kRowSamples = 4000.0;
 
@@ -70,12 +76,12 @@ struct Fit {
 /// The method is Fisher scoring with Levenberg damping and finite differences. The brightness of each area is
 /// eliminated from the equations (variable projection), since it affects one area only. The result is deterministic and
 /// does not depend on the number of threads.
-[[nodiscard]] Fit fit_camera(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
+[[nodiscard]] Fit fit_camera(const std::vector<Parameter>& parameters, const OpenShares& open_shares,
                              const std::vector<Area>& areas, const capture::SensorProfile& start, const Model& first,
                              const FitOptions& options);
 
 /// Returns the change of the parameters that one step of fit_camera() from `model` would make without damping.
-[[nodiscard]] Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const std::vector<float>& open_shares,
+[[nodiscard]] Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const OpenShares& open_shares,
                                         const std::vector<Area>& areas, const capture::SensorProfile& start,
                                         const Model& model, const FitOptions& options);
 

@@ -16,6 +16,7 @@ constexpr double kLocalMeanPx = 7.0, kWindowPx = 10.0, kTexturePx = 1.5, kSlopeP
 constexpr float kLeastVariance = 0.01F;  // of counts, so that a dark area without events is flat
 constexpr size_t kMarginPx = 40;
 constexpr double kLeastSamples = 150.0;
+constexpr size_t kExamined = 3;     // transitions from which flat areas are found
 constexpr float kFirstRow = -1.0F;  // the brightness at which the rows begin
 
 /// The limits for texture and slope of a transition: the ratio of variances (1 for white noise), and the gradient
@@ -117,7 +118,7 @@ FlatAreas good_areas(const Plane& like, const std::vector<PixelState>& states) {
 FlatAreas find_flat_areas(const StillScene& scene, const std::vector<PixelState>& states) {
   const std::vector<Plane> counts = mean_counts(scene, states);
   FlatAreas areas = good_areas(counts.front(), states);
-  for (size_t n = 0; n < counts.size(); ++n) {
+  for (size_t n = 0; n < std::min(counts.size(), kExamined); ++n) {
     exclude_structure(counts[n], variance_of_cycles(scene, n, states), limits_of(n), areas.is_flat);
     if (n >= 2) continue;
     const Plane mean = blurred(counts[n], kLocalMeanPx);
@@ -159,6 +160,7 @@ size_t area_key(const FlatAreas& flat, size_t pixel) {
 std::vector<Area> collect_areas(const StillScene& scene, size_t scene_number, const FlatAreas& flat,
                                 const SquareFilter& is_counted) {
   const capture::EventImages& first = scene.cycles.front();
+  const std::vector<CountGroup> groups = count_groups(first.count);
   std::map<size_t, Area> areas;
   for (size_t p = 0; p < flat.is_flat.size(); ++p) {
     const size_t y = p / first.width, x = p % first.width;
@@ -169,13 +171,14 @@ std::vector<Area> collect_areas(const StillScene& scene, size_t scene_number, co
       area.row = key / (kFieldColumns * kFieldRows);
       area.cell = key % (kFieldColumns * kFieldRows);
       area.scene = scene_number;
+      area.transitions = first.count;
       area.histogram.resize(histogram_size(first.count));
     }
     const float half_width = 0.5F * static_cast<float>(first.width);
     for (const capture::EventImages& cycle : scene.cycles) {
-      size_t place = 0;
-      for (size_t n = 0; n < cycle.count; ++n) place = place * kNumCounts + count_place(cycle.image(n)[p]);
-      area.histogram[place] += 1.0F;
+      for (const CountGroup& group : groups) {
+        area.histogram[group.cell_of([&](size_t n) { return cycle.image(n)[p]; })] += 1.0F;
+      }
       area.samples += 1.0;
       area.x += (static_cast<float>(x) + 0.5F) / half_width - 1.0F;
       area.y += (static_cast<float>(y) + 0.5F - 0.5F * static_cast<float>(first.height)) / half_width;

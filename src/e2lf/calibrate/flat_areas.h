@@ -19,7 +19,8 @@ struct FlatAreas {
 /// counts blurred by 1.5 px: relative to the variance of the counts themselves, it exceeds that of white noise. A slope
 /// shows in the gradient of counts blurred by 6 px. The first transition may have a slope, since brightness levels are
 /// separated anyway; in later ones, a spatial change means that the patterns see different things (parallax). Bad
-/// pixels and pixels closer to the edges than 40 px (or an eighth of the picture) are never flat.
+/// pixels and pixels closer to the edges than 40 px (or an eighth of the picture) are never flat. Only the first three
+/// transitions are examined.
 [[nodiscard]] FlatAreas find_flat_areas(const StillScene& scene, const std::vector<PixelState>& states);
 
 /// Returns all good pixels except those at the edges, each with the mean brightness of its cell, for a picture that is
@@ -33,9 +34,10 @@ struct Area {
   size_t row = 0;   ///< of brightness
   size_t cell = 0;  ///< of the field, kFieldColumns * field row + column
   size_t scene = 0;
-  double x = 0.0, y = 0.0;       ///< mean position, as in capture::transmission_at()
-  double samples = 0.0;          ///< pixels times cycles
-  std::vector<float> histogram;  ///< relative frequencies, of histogram_size()
+  double x = 0.0, y = 0.0;  ///< mean position, as in capture::transmission_at()
+  double samples = 0.0;     ///< pixels times cycles
+  size_t transitions = 0;
+  std::vector<float> histogram;  ///< relative frequencies of the counts of each group, of histogram_size()
 };
 
 inline constexpr size_t kFieldColumns = 5, kFieldRows = 3;

@@ -25,9 +25,12 @@ size_t count(const Calibration& calibration, PixelState state) {
   return static_cast<size_t>(std::count(calibration.states.begin(), calibration.states.end(), state));
 }
 
+/// The number of transitions in the table, and of their correlations; the JSON report contains all.
+constexpr size_t kShown = 3;
+
 std::string numbers(const std::vector<double>& values) {
   std::string text;
-  for (const double value : values) text += format("%6.2f", value);
+  for (size_t i = 0; i < std::min(values.size(), kShown); ++i) text += format("%6.2f", values[i]);
   return text;
 }
 
@@ -79,7 +82,7 @@ std::string constants_text(const Calibration& calibration) {
 std::string agreement_text(const std::vector<Agreement>& agreements, bool with_place) {
   if (agreements.empty()) return "";
   const auto column = [&](const char* title, size_t entries) {
-    const int width = static_cast<int>(6 * entries);
+    const int width = static_cast<int>(6 * std::min(entries, kShown));
     return format("  %*s |%*s", width, title, width, "model");
   };
   const Moments& moments = agreements.front().measured;
@@ -137,8 +140,10 @@ std::string report_text(const Calibration& calibration, bool with_places) {
   text += format("mean total variation %.3f (first guess: %.3f)\n", mean_total_variation(calibration.agreement),
                  mean_total_variation(calibration.first_agreement));
   text +=
-      "each row: places of one brightness (E1+E2, their mean count in the first two transitions), and of each "
-      "transition what was measured | what the constants imply; TV, the total variation, is near \"chance\" where they "
+      "each row: places of one brightness (E1+E2, their mean count in the first two transitions), and of the first "
+      "three "
+      "transitions what was measured | what the constants imply; TV, the total variation, is near \"chance\" where "
+      "they "
       "agree\n";
   if (with_places) text += "\n" + agreement_text(calibration.agreement.places, true);
   return text;

@@ -9,7 +9,6 @@
 #include "e2lf/base/median.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/calibrate/count_distribution.h"
 
 namespace e2lf::calibrate {
 namespace {
@@ -112,11 +111,8 @@ Result<void> check_scenes(const std::vector<StillScene>& scenes) {
     return Error{ErrorCode::kShape, "the calibration needs at least one cycle; give event images or a recording", ""};
   }
   const capture::EventImages& first = scenes.front().cycles.front();
-  if (first.count < 1 || first.count > kMostTransitions) {
-    return Error{ErrorCode::kShape,
-                 cat(first.count, " transitions are not 1 to ", kMostTransitions,
-                     "; calibrate with a sequence of two to four patterns"),
-                 ""};
+  if (first.count < 1) {
+    return Error{ErrorCode::kShape, "the cycles have no transitions; calibrate with at least two patterns", ""};
   }
   if (first.height < kLeastSize || first.width < kLeastSize) {
     return Error{ErrorCode::kShape,

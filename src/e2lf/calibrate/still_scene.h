@@ -26,8 +26,8 @@ enum class PixelState : uint8_t {
 /// although its neighbours have two per cycle; it is not found if all scenes are too dark for that.
 [[nodiscard]] std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes);
 
-/// Checks that there is a scene, that each has a cycle, and that all have the same shape, with 1 to kMostTransitions
-/// transitions and at least 64x64 px. Fails with kShape.
+/// Checks that there is a scene, that each has a cycle, and that all have the same shape, with at least one transition
+/// and 64x64 px. Fails with kShape.
 [[nodiscard]] Result<void> check_scenes(const std::vector<StillScene>& scenes);
 
 /// Returns the mean counts of each transition, one plane each. Bad pixels get the median of their good neighbours.

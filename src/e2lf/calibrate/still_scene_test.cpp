@@ -78,7 +78,7 @@ TEST(StillScenes, AreRefusedWhereTheyDoNotFit) {
   const StillScene good{{capture::EventImages(3, 64, 64)}};
   EXPECT_TRUE(check_scenes({good}));
   EXPECT_EQ(check_scenes({}).error().code, ErrorCode::kShape);
-  EXPECT_EQ(check_scenes({StillScene{{capture::EventImages(4, 64, 64)}}}).error().code, ErrorCode::kShape);
+  EXPECT_EQ(check_scenes({StillScene{{capture::EventImages(0, 64, 64)}}}).error().code, ErrorCode::kShape);
   EXPECT_EQ(check_scenes({StillScene{{capture::EventImages(3, 64, 63)}}}).error().code, ErrorCode::kShape);
   EXPECT_EQ(check_scenes({good, StillScene{{capture::EventImages(2, 64, 64)}}}).error().code, ErrorCode::kShape);
   EXPECT_EQ(check_scenes({good, StillScene{}}).error().code, ErrorCode::kShape);

@@ -24,7 +24,7 @@ double place_of(size_t factor) {
 /// For an area, the log probability of each combination of counts, for each factor.
 using LogTable = std::array<std::vector<float>, kFactors>;
 
-LogTable log_table(const capture::SensorProfile& camera, const std::vector<float>& shares, const Area& area,
+LogTable log_table(const capture::SensorProfile& camera, const OpenShares& shares, const Area& area,
                    double brightness) {
   LogTable table;
   const double mismatch = camera.pixel[kMismatch];
@@ -43,7 +43,7 @@ LogTable log_table(const capture::SensorProfile& camera, const std::vector<float
 }
 
 /// Adds the evidence of one scene to the log probability of each factor of each pixel.
-void add_scene(const StillScene& scene, const FlatAreas& flat, const std::vector<float>& shares,
+void add_scene(const StillScene& scene, const FlatAreas& flat, const OpenShares& shares,
                const capture::SensorProfile& camera, std::vector<std::array<float, kFactors>>& evidence,
                std::vector<bool>& is_known) {
   const std::vector<Area> areas = collect_areas(scene, 0, flat, [](size_t, size_t) { return true; });
@@ -56,15 +56,17 @@ void add_scene(const StillScene& scene, const FlatAreas& flat, const std::vector
   for (size_t a = 0; a < areas.size(); ++a) {
     table_of_key[areas[a].row * kFieldColumns * kFieldRows + areas[a].cell] = &tables[a];
   }
+  const std::vector<CountGroup> groups = count_groups(scene.cycles.front().count);
   for (size_t p = 0; p < evidence.size(); ++p) {
     if (!flat.is_flat[p]) continue;
     const auto found = table_of_key.find(area_key(flat, p));
     if (found == table_of_key.end()) continue;
     is_known[p] = true;
     for (const capture::EventImages& cycle : scene.cycles) {
-      size_t place = 0;
-      for (size_t n = 0; n < cycle.count; ++n) place = place * kNumCounts + count_place(cycle.image(n)[p]);
-      for (size_t f = 0; f < kFactors; ++f) evidence[p][f] += (*found->second)[f][place];
+      for (const CountGroup& group : groups) {
+        const size_t cell = group.cell_of([&](size_t n) { return cycle.image(n)[p]; });
+        for (size_t f = 0; f < kFactors; ++f) evidence[p][f] += (*found->second)[f][cell];
+      }
     }
   }
 }
@@ -90,7 +92,7 @@ float mean_factor(const std::array<float, kFactors>& evidence, double mismatch) 
 Plane threshold_map(const std::vector<StillScene>& scenes, const capture::Codes& codes,
                     const capture::SensorProfile& camera, const std::vector<PixelState>& states, bool is_even) {
   const capture::EventImages& first = scenes.front().cycles.front();
-  const std::vector<float> shares = open_shares(codes);
+  const OpenShares shares = open_shares(codes);
   std::vector<std::array<float, kFactors>> evidence(first.image_size());
   for (auto& each : evidence) each.fill(0.0F);
   std::vector<bool> is_known(first.image_size());

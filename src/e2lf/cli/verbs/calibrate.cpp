@@ -9,8 +9,8 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/calibrate/count_distribution.h"
 #include "e2lf/calibrate/report.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/cycle_input.h"
 #include "e2lf/cli/flags/inputs.h"
@@ -23,6 +23,7 @@
 #include "e2lf/model/model.h"
 #include "e2lf/recon/event_check.h"
 #include "e2lf/recon/reconstruct.h"
+#include "e2lf/recon/scene_motion.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -87,23 +88,20 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
   return std::move(known->codes);
 }
 
-/// Keeps the first transitions after black of longer sequences, such as whole cycles: the later ones do not affect
-/// them.
-void keep_first_transitions(capture::Codes& codes, std::vector<calibrate::StillScene>& scenes) {
-  constexpr size_t kKept = calibrate::kMostTransitions;
-  const auto is_longer = [&](const calibrate::StillScene& scene) {
-    return std::ranges::all_of(scene.cycles, [&](const capture::EventImages& cycle) {
-      return cycle.count > kKept && cycle.count + 1 == codes.num_patterns;
+/// Makes the patterns and the events those of the same transitions: patterns of a whole cycle for its events, and with
+/// --transitions lit only the lit ones of both.
+void match_transitions(const std::string& wanted, capture::Codes& codes, std::vector<calibrate::StillScene>& scenes) {
+  const auto have = [&](size_t transitions) {
+    return std::ranges::all_of(scenes, [&](const calibrate::StillScene& scene) {
+      return std::ranges::all_of(scene.cycles, [&](const auto& cycle) { return cycle.count == transitions; });
     });
   };
-  if (!std::ranges::all_of(scenes, is_longer)) return;
-  codes.values.resize((kKept + 1) * codes.pattern_size());
-  codes.num_patterns = kKept + 1;
+  if (have(2 * codes.num_patterns)) codes = capture::whole_cycle(codes);
+  const auto of_whole = capture::codes_of_whole_cycle(codes);
+  if (wanted != "lit" || !of_whole || !have(codes.num_patterns - 1)) return;
+  codes = *of_whole;
   for (calibrate::StillScene& scene : scenes) {
-    for (capture::EventImages& cycle : scene.cycles) {
-      cycle.values.resize(kKept * cycle.image_size());
-      cycle.count = kKept;
-    }
+    for (capture::EventImages& cycle : scene.cycles) cycle = recon::lit_transitions(cycle);
   }
 }
 
@@ -235,7 +233,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   E2LF_ASSIGN_OR_RETURN(capture::Codes codes, common_codes(arguments, sources, record));
   std::vector<calibrate::StillScene> scenes;
   for (Source& source : sources) scenes.push_back(std::move(source.scene));
-  keep_first_transitions(codes, scenes);
+  match_transitions(arguments.cycles.transitions, codes, scenes);
   start.name = arguments.name.empty() ? arguments.output.stem().string() : arguments.name;
   record.end_step("read");
 
