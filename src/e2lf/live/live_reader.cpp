@@ -72,8 +72,8 @@ Result<bool> LiveReader::next(LiveCycle& cycle) {
                     static_cast<double>(next->number - previous_->first);
   }
   previous_ = {next->number, next->begin_us};
-  cycle.values = std::move(next->images);
-  cycle.cycles = sum_.add(cycle.values.events, average_);
+  cycle.counts = std::move(next->images);
+  cycle.cycles = sum_.add(cycle.counts.events, average_);
   return true;
 }
 

@@ -97,7 +97,7 @@ void Session::reconstruct() {
 
 Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const Clock::time_point begin = Clock::now();
-  const bool has_events = !capture::is_without_events(cycle.values.events);
+  const bool has_events = !capture::is_without_events(cycle.counts.events);
   bool finds_tone = false;
   {
     const std::lock_guard lock(settings_mutex_);
@@ -139,8 +139,8 @@ Result<void> Session::make_views(const LiveCycle& cycle, bool exactly, LiveField
   const std::lock_guard lock(maker_mutex_);
   FieldMaker& maker = makers_[field.gait.network];
   const size_t side = block_side(field.gait.size), samples = cycle.cycles * side * side;
-  if (side > 1) sum_blocks(cycle.values.events, side, sums_.events);
-  const capture::Measurement& counts = side > 1 ? sums_ : cycle.values;
+  if (side > 1) sum_blocks(cycle.counts.events, side, sums_.events);
+  const capture::Measurement& counts = side > 1 ? sums_ : cycle.counts;
   E2LF_RETURN_IF_ERROR(exactly ? maker.make_exactly(counts, samples, field.light_field)
                                : maker.make(counts, samples, field.views, field.light_field));
   if (!options_.views.is_upright()) lightfield::orient(field.light_field, options_.views);

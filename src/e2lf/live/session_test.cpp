@@ -150,7 +150,7 @@ TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   ASSERT_TRUE(session.wait().ok());
   const auto frozen = session.freeze();
   ASSERT_TRUE(frozen.has_value());
-  EXPECT_EQ(frozen->cycle.values.events, cycle_images(0));
+  EXPECT_EQ(frozen->cycle.counts.events, cycle_images(0));
   const recon::Reconstructor network = reconstructor();
   pipeline::FieldSequence sequence([&](const capture::Measurement& measured,
                                        const ProgressFn& progress) { return network.reconstruct(measured, progress); },

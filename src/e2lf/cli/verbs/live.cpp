@@ -114,7 +114,7 @@ FineMethod fine_method(recon::Reconstructor network, const capture::Orientation&
       return network.reconstruct(counts, progress, network.num_passes(kPasses), frozen.cycle.cycles);
     };
     pipeline::FieldSequence sequence(method, {.gain = frozen.gain, .black = frozen.black}, {});
-    E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(frozen.cycle.values));
+    E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(frozen.cycle.counts));
     if (!views.is_upright()) lightfield::orient(field.light_field, views);
     return std::move(field.light_field);
   };
