@@ -111,14 +111,36 @@ text("power6.csv", "Timestamp [10^-6 s],x,y,p", 1)
 text("power9.csv", "time (1e-9 s),x,y,p", 1000)
 text("micro.csv", "t_micro,x,y,p", 1)
 open("split.csv", "w").write("ts.sec,ts.nsec,x,y,p\n" + "".join("17,%d,%d,%d,%d\n" % (1000 * t, x, y, p) for t, x, y, p in rows))
+import h5py
+def hdf5(name, group={}, times={}, file={}):
+    with h5py.File(name, "w") as f:
+        for key in "xyp":
+            f["events/" + key] = a[key]
+        f["events/t"] = a["t"] * 1000
+        f.attrs.update(file); f["events"].attrs.update(group); f["events/t"].attrs.update(times)
+hdf5("group.h5", group=dict(time_unit="ns"))
+hdf5("times.h5", times=dict(resolution="1ns"))
+hdf5("scale.h5", times=dict(scale=1e-9))
+hdf5("file.h5", file=dict(timestamp_unit="nanoseconds"))
+hdf5("ticks.h5", times=dict(unit="100 ns"))
 np.save("txpy.npy", np.stack([a[k] for k in "txpy"], 1).astype(np.int64))
 head = b"% evt 2.0\n% format EVT2;height=48;width=64\n% end\n"
 open("wrong.raw", "wb").write(head + np.full(4000, 0x6FFF6FFF, np.uint32).tobytes())
 PY
-for input in nanosec.csv power6.csv power9.csv micro.csv; do
+for input in nanosec.csv power6.csv power9.csv micro.csv group.h5 times.h5 scale.h5 file.h5; do
   "$E2LF" convert "$input" out.npz --overwrite --strict 2>stderr.txt || fail "$input: $(cat stderr.txt)"
   py -c 'import numpy as n; assert (n.load("truth.npz")["t"] == n.load("out.npz")["t"]).all()' || fail "$input was read differently"
 done
+fails 1 "give their unit" "$E2LF" convert ticks.h5 out2.npz
 fails 1 "the times are in two columns" "$E2LF" convert split.csv out2.npz
 fails 1 "--columns" "$E2LF" convert txpy.npy out2.npz
 fails 1 "--event-format" "$E2LF" convert wrong.raw out2.npz
+# Polarities of 1 and 2 are read with a word, and exchanged if asked for.
+py - <<'PY'
+import numpy as np
+a = np.load("truth.npz")
+open("two.csv", "w").write("t,x,y,p\n" + "".join("%d,%d,%d,%d\n" % (t, x, y, 2 - p) for t, x, y, p in zip(*[a[k] for k in "txyp"])))
+PY
+warns "1 = OFF, 2 = ON; --invert-polarity exchanges them" two.csv
+"$E2LF" convert two.csv out.npz --overwrite --invert-polarity --quiet 2>stderr.txt
+py -c 'import numpy as n; assert (n.load("truth.npz")["p"] == n.load("out.npz")["p"]).all()' || fail "polarities were not exchanged"

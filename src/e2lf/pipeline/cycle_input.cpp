@@ -94,7 +94,8 @@ Result<std::optional<CycleImages>> CycleInput::next_cycle() {
   E2LF_ASSIGN_OR_RETURN(next.cycle, reader_->next());
   if (!next.cycle) return std::optional<CycleImages>();
   ++taken_;
-  if (options_.on_cycle) options_.on_cycle(*next.cycle, reader_->source());
+  next.source = reader_->source();
+  if (options_.on_cycle) options_.on_cycle(*next.cycle, next.source);
   next.ready = next.cycle->arrival.value_or(CycleClock::now());
   next.behind_s = behind_s(*next.cycle);
   next.images = std::move(next.cycle->images);

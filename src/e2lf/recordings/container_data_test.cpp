@@ -55,7 +55,10 @@ std::pair<std::vector<std::pair<uint64_t, int64_t>>, std::string> read_index(con
       hdf5_events::read_elements(*shape, hdf5_events::index_type().get(), 0, records.size(), records.data(), "").ok());
   std::vector<std::pair<uint64_t, int64_t>> entries;
   for (const hdf5_events::IndexRecord& record : records) entries.emplace_back(record.id, record.ts);
-  return {entries, hdf5_events::read_text_attribute(shape->dataset.get(), "offset")};
+  for (const auto& [attribute, text] : hdf5_events::read_text_attributes(shape->dataset.get())) {
+    if (attribute == "offset") return {entries, text};
+  }
+  return {entries, ""};
 }
 
 TEST(ContainerData, WrittenIndexesAreThoseOfTheVendorsFile) {

@@ -46,6 +46,7 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, ahead.read(batch));
     if (!more) break;
+    for (uint8_t& polarity : batch.events.p) polarity ^= static_cast<uint8_t>(options.invert_polarity);
     E2LF_RETURN_IF_ERROR(writer->write(batch));
     if (!writer->holds_triggers() && has_side) E2LF_RETURN_IF_ERROR(side.write(batch.triggers));
     report.events += batch.events.size();
@@ -65,11 +66,6 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
   if (report.lost_triggers > 0) {
     warn(report, cat(name, ": the format cannot hold ", report.lost_triggers,
                      " triggers, which are lost; write to a file instead"));
-  }
-  if (!writer->holds_absolute_time()) {
-    warn(report, cat(name,
-                     ": the format does not keep the sensor's absolute time; compare it only with recordings that also "
-                     "begin at zero"));
   }
   return report;
 }

@@ -12,7 +12,8 @@
 namespace e2lf::recordings {
 
 struct ConvertOptions {
-  std::string format = {};   ///< of the output; empty = by its extension
+  std::string format = {};       ///< of the output; empty = by its extension
+  bool invert_polarity = false;  ///< whether to exchange ON and OFF
   ProgressFn progress = {};  ///< called with the number of events written so far; the total is unknown and given as 0
 };
 
@@ -26,9 +27,9 @@ struct ConvertReport {
 };
 
 /// Copies the rest of a recording to a new file, in bounded memory if the formats permit it. Triggers that the format
-/// of the output cannot hold are written to <name>_triggers.csv, with a warning; another warning states that times will
-/// not be preserved. Fails as the reader and create_recording() do, and with kInvalidValue if there is neither an event
-/// nor a trigger, in which case no output appears.
+/// of the output cannot hold are written to <name>_triggers.csv, with a warning. Fails as the reader and
+/// create_recording() do, and with kInvalidValue if there is neither an event nor a trigger, in which case no output
+/// appears.
 [[nodiscard]] Result<ConvertReport> convert_recording(RecordingReader& reader, const std::filesystem::path& output,
                                                       const ConvertOptions& options = {});
 

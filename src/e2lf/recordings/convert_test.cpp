@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/event_rate.h"
 #include "testing/test_streams.h"
@@ -82,6 +83,23 @@ TEST(Convert, TriggersBesideAreReadInAnyOrderAndDamagedLinesAreCounted) {
   EXPECT_EQ(left_out[0].first_byte, 16u);
   auto strict = open_recording(folder / "out.csv", {.policy = DecodePolicy::kStrict}).value();
   EXPECT_EQ(read_all(*strict).error().code, ErrorCode::kFormat);
+}
+
+TEST(Convert, TriggersBesideInOtherColumnsOrUnitsAreRefusedOrCounted) {
+  TestFolder folder;
+  const auto from = write_example(folder, random_stream({.trigger_every = 100}));
+  ASSERT_TRUE(convert(from, folder / "out.csv").ok());
+  const auto path = folder / "out_triggers.csv";
+  for (const char* names : {"p,t,id", "p,id,t_ns", "t,p,id"}) {
+    ASSERT_TRUE(write_file(path, cat(names, "\n1,0,3000\n")).ok());
+    const auto reader = open_recording(folder / "out.csv", {.policy = DecodePolicy::kSkip});
+    ASSERT_FALSE(reader.ok()) << names;
+    EXPECT_EQ(reader.error().location, path.string());
+  }
+  ASSERT_TRUE(write_file(path, std::string("\xEF\xBB\xBFp, id, t\r\n1, 0, 3000\r\n1,0,0.002\n")).ok());
+  auto reader = open_recording(folder / "out.csv", {.policy = DecodePolicy::kSkip}).value();
+  EXPECT_EQ(read_all(*reader)->triggers, (std::vector<Trigger>{{3000, 0, 1}}));
+  EXPECT_EQ(reader->summary().of(Violation::kBadRecord).count, 1U);
 }
 
 TEST(Convert, WhatIsLeftOutIsReportedAndNothingIsNoResult) {

@@ -49,14 +49,4 @@ void EventRateCounter::add(const EventBatch& batch) {
   }
 }
 
-Result<EventRate> measure_event_rate(RecordingReader& reader, size_t max_bins) {
-  EventRateCounter counter(max_bins);
-  EventBatch batch;
-  for (;;) {
-    E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch));
-    if (!more) return counter.rate();
-    counter.add(batch);
-  }
-}
-
 }  // namespace e2lf::recordings

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "e2lf/base/result.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
@@ -20,12 +19,8 @@ struct EventRate {
   [[nodiscard]] size_t size() const { return on.size(); }
 };
 
-/// Counts the events of a whole recording in at most max_bins (>= 2) bins, as narrow as this permits. Whenever there
-/// are too many bins, pairs are merged, so that memory does not depend on the length of the recording. Fails as the
-/// reader does.
-[[nodiscard]] Result<EventRate> measure_event_rate(RecordingReader& reader, size_t max_bins = 2000);
-
-/// Computes the same event rate from events that arrive in batches.
+/// Counts events that arrive in batches in at most max_bins (>= 2) bins, as narrow as this permits. Whenever there are
+/// too many bins, pairs are merged, so that memory does not depend on the length of the recording.
 class EventRateCounter {
  public:
   explicit EventRateCounter(size_t max_bins);

@@ -197,9 +197,6 @@ class RecordingWriter {
   /// Returns whether the format can hold triggers; otherwise write() drops them.
   [[nodiscard]] virtual bool holds_triggers() const = 0;
 
-  /// Returns whether times are preserved; false for formats that start at 0.
-  [[nodiscard]] virtual bool holds_absolute_time() const { return true; }
-
   /// Appends events and triggers. Fails with kInvalidValue (an event outside the sensor, times that decrease within the
   /// batch or since the last one, or times beyond the range of the format) and kIo.
   [[nodiscard]] virtual Result<void> write(const EventBatch& batch) = 0;

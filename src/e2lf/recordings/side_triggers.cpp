@@ -2,11 +2,13 @@
 #include "e2lf/recordings/side_triggers.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <optional>
 #include <string_view>
 
 #include "e2lf/base/log.h"
+#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 
@@ -15,36 +17,62 @@ namespace {
 
 constexpr size_t kLongestTriggerLine = 256;
 
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\"";
+  text.remove_prefix(std::min(text.size(), text.find_first_not_of(kBlanks)));
+  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
+}
+
 std::optional<Trigger> parse_line(std::string_view line) {
   int64_t values[3] = {};
-  const char* next = line.data();
-  const char* const end = next + line.size();
   for (int i = 0; i < 3; ++i) {
-    if (i > 0 && (next == end || *next++ != ',')) return std::nullopt;
-    const auto [after, error] = std::from_chars(next, end, values[i]);
-    if (error != std::errc()) return std::nullopt;
-    next = after;
+    const size_t comma = i < 2 ? std::min(line.find(','), line.size()) : line.size();
+    const std::string_view word = trimmed(line.substr(0, comma));
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), values[i]);
+    if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+    line.remove_prefix(std::min(line.size(), comma + 1));
   }
   if (values[1] < 0 || values[1] > UINT16_MAX) return std::nullopt;
   return Trigger{values[2], static_cast<uint16_t>(values[1]), static_cast<uint8_t>(values[0] > 0)};
 }
 
-/// Returns whether a line is empty, a comment, or the column names above the first trigger.
-bool is_remark(std::string_view line, uint64_t byte) {
-  return line.empty() || line == "\r" || line[0] == '#' || line[0] == '%' || (byte == 0 && line.starts_with("p,"));
+/// Returns whether a line contains the names p, id and t, and nothing else.
+bool is_usual_header(std::string_view line) {
+  std::string names;
+  for (const char c : line) {
+    if (std::string_view(" \t\r\"").find(c) == std::string_view::npos)
+      names += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return names == "p,id,t";
 }
 
-/// Returns whether a file begins like a text file of events: an independent recording with such a name.
-Result<bool> holds_events(ByteSource& source) {
+std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+}
+
+/// Returns whether a line contains names of columns.
+bool is_header(std::string_view line) {
+  line = trimmed(without_mark(line));
+  return !line.empty() && std::isalpha(static_cast<unsigned char>(line[0])) != 0;
+}
+
+/// Returns whether a line is empty, a comment, or the column names in front of the triggers.
+bool is_remark(std::string_view line) {
+  line = trimmed(without_mark(line));
+  return line.empty() || line[0] == '#' || line[0] == '%' || is_usual_header(line);
+}
+
+/// Returns the first line that is neither a comment nor the usual names of the columns.
+Result<std::string> first_line(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
   std::string_view text(reinterpret_cast<const char*>(head.data()), std::min(head.size(), kDetectBytes));
-  for (uint64_t byte = 0; !text.empty(); byte = 1) {
+  while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
-    if (line.starts_with("%geometry")) return true;
-    if (!is_remark(line, byte)) return std::count(line.begin(), line.end(), ',') == 3;
+    if (line.starts_with("%geometry") || !is_remark(line)) return std::string(line);
     text.remove_prefix(std::min(text.size(), line.size() + 1));
   }
-  return false;
+  return std::string();
 }
 
 class SideTriggerFile final : public TriggerSource {
@@ -54,8 +82,12 @@ class SideTriggerFile final : public TriggerSource {
   /// Returns all triggers at once, sorted.
   Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
     const auto begin = static_cast<ptrdiff_t>(block.size());
+    const uint64_t bad = summary.of(Violation::kBadRecord).count;
     for (bool more = true; more;) {
       E2LF_ASSIGN_OR_RETURN(more, read_lines(block, summary));
+    }
+    if (const uint64_t lost = summary.of(Violation::kBadRecord).count - bad; lost > 0) {
+      log_warning(cat(source_->name(), ": ", lost, " lines are not triggers (p,id,t with t in whole microseconds)"));
     }
     std::stable_sort(block.begin() + begin, block.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
     return false;
@@ -89,7 +121,7 @@ class SideTriggerFile final : public TriggerSource {
 
   /// A line that is too long is invalid, wherever the available bytes end.
   void add_line(std::string_view line, uint64_t byte, std::vector<Trigger>& block, DecodeSummary& summary) const {
-    if (is_within_line_ || is_remark(line, byte)) return;
+    if (is_within_line_ || is_remark(line)) return;
     const auto trigger = line.size() < kLongestTriggerLine ? parse_line(line) : std::nullopt;
     if (trigger) {
       block.push_back(*trigger);
@@ -113,11 +145,19 @@ Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
   if (recording.empty()) return TriggerFeed();
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_beside(side_trigger_path(recording)));
   if (source == nullptr) return TriggerFeed();
-  E2LF_ASSIGN_OR_RETURN(const bool is_recording, holds_events(*source));
+  E2LF_ASSIGN_OR_RETURN(const std::string first, first_line(*source));
+  // An independent recording with such a name.
+  const bool is_recording = first.starts_with("%geometry") || std::count(first.begin(), first.end(), ',') == 3;
   if (is_recording) {
     log_warning(cat(side_trigger_path(recording).string(), ": this file contains events and not the triggers of ",
                     recording.filename().string(), ", so it is left out; give one of them another name"));
     return TriggerFeed();
+  }
+  if (is_header(first)) {
+    return Error{ErrorCode::kFormat,
+                 cat("the columns of triggers are ", printable(trimmed(first)),
+                     "; write p,id,t in this order, with t in whole microseconds"),
+                 source->name()};
   }
   return make_side_trigger_feed(std::move(source));
 }

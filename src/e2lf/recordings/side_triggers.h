@@ -21,7 +21,7 @@ namespace e2lf::recordings {
 
 /// Opens the triggers beside a recording. Returns an empty feed if there is no such file, if `recording` is empty, or,
 /// with a warning, if the file contains events. Lines that cannot be read are counted in the reader's summary
-/// (kBadRecord). Fails with kIo.
+/// (kBadRecord). Fails with kIo, and with kFormat if the names of the columns are others.
 [[nodiscard]] Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording);
 
 /// Returns a feed of the triggers in the text of a source.

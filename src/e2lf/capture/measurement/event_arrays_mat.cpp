@@ -94,7 +94,15 @@ Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
   }
   // MATLAB drops trailing axes of size 1, but keeps at least two.
   if (const auto events = arrays.find("events"); events != arrays.end() && events->second.shape.size() == 2) {
-    events->second.shape.insert(events->second.shape.begin(), 1);
+    std::vector<size_t>& shape = events->second.shape;
+    constexpr size_t kFields = 5;  // of an event: t, x, y, p and perhaps another
+    if (std::min(shape[0], shape[1]) <= kFields && std::max(shape[0], shape[1]) > 16) {
+      return Error{ErrorCode::kShape,
+                   cat("an array of shape ", shape_text(shape),
+                       " is a list of events rather than an event image; save it with -v7.3 or as .csv"),
+                   cat(path.string(), ": events")};
+    }
+    shape.insert(shape.begin(), 1);
   }
   for (const char* name : {"camera", "views"}) {
     if (const auto text = arrays.find(name); text != arrays.end()) text->second.shape = {text->second.num_elements()};

@@ -100,6 +100,8 @@ TEST(CodesFiles, RefuseOtherShapesValuesAndFiles) {
   EXPECT_EQ(read_codes(folder / "none.json").error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(write_npz(folder / "e.npz", {{"events", make_npy<uint8_t>({1}, std::vector<uint8_t>{1})}}).ok());
   EXPECT_EQ(read_codes(folder / "e.npz").error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(write_npy(folder / "last.npy", make_npy<float>({8, 8, 4}, std::vector<float>(256))).ok());
+  EXPECT_EQ(read_codes(folder / "last.npy").error().code, ErrorCode::kShape);
 }
 
 TEST(CodesText, DrawsPatternsSideBySide) {

@@ -150,12 +150,16 @@ const char* source_name(cycles::CycleSource source) {
   E2LF_REQUIRE(false, "a source without a name");
 }
 
-void ConfidenceWatch::add(const cycles::Cycle& cycle, cycles::CycleSource source) {
+bool is_doubtful(const cycles::Cycle& cycle, cycles::CycleSource source) {
   // Bursts that are detected with certainty may exceed strong noise only slightly; correct times are well confirmed.
   constexpr float kDoubtfulBurst = 0.1F, kDoubtfulClaim = 0.3F;
+  return cycle.confidence < (source == cycles::CycleSource::kBursts ? kDoubtfulBurst : kDoubtfulClaim);
+}
+
+void ConfidenceWatch::add(const cycles::Cycle& cycle, cycles::CycleSource source) {
   ++cycles_;
   is_by_schedule_ = source == cycles::CycleSource::kSchedule;
-  doubtful_ += cycle.confidence < (source == cycles::CycleSource::kBursts ? kDoubtfulBurst : kDoubtfulClaim);
+  doubtful_ += is_doubtful(cycle, source);
   least_ = std::min(least_, cycle.confidence);
 }
 

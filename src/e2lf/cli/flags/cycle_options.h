@@ -52,6 +52,9 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
 
+/// Returns whether the events hardly confirm the times of a cycle.
+[[nodiscard]] bool is_doubtful(const cycles::Cycle& cycle, cycles::CycleSource source);
+
 /// Collects how well the events confirm the times of the cycles.
 class ConfidenceWatch {
  public:

@@ -38,7 +38,9 @@ Result<lightfield::LightField> CycleWriter::process(const pipeline::CycleImages&
     about["event_error"] = field.error->at_first;
     about["least_event_error"] = {{"value", field.error->least}, {"residue", field.error->residue}};
   }
-  if (field.judgement) about["check"] = check_json(*field.judgement);
+  if (field.judgement) {
+    about["check"] = check_json(*field.judgement, cycle.cycle && is_doubtful(*cycle.cycle, cycle.source));
+  }
   if (cycle.is_live()) live_log_.add(about["number"], about["events"], about["latency_s"]);
   cycles_.push_back(std::move(about));
   return std::move(field.light_field);

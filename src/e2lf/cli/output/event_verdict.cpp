@@ -9,8 +9,9 @@
 
 namespace e2lf::cli {
 
-Json check_json(const recon::EventJudgement& judgement) {
-  Json json = {{"verdict", recon::verdict_name(judgement.verdict)},
+Json check_json(const recon::EventJudgement& judgement, bool is_doubtful) {
+  const bool is_favourable = judgement.verdict == recon::Verdict::kGood || judgement.verdict == recon::Verdict::kUsual;
+  Json json = {{"verdict", is_doubtful && is_favourable ? "unconfirmed" : recon::verdict_name(judgement.verdict)},
                {"error", judgement.error},
                {"noise_error", judgement.noise_error},
                {"ratio", judgement.ratio}};
@@ -39,9 +40,10 @@ void print_event_error(const Json& cycle) {
   }
   const Json& check = cycle["check"];
   std::printf("; %.1f times the difference that noise causes: %s\n", check["ratio"].get<double>(),
-              check["verdict"] == "good"    ? "good"
-              : check["verdict"] == "usual" ? "as usual"
-                                            : "see the warning");
+              check["verdict"] == "good"          ? "good"
+              : check["verdict"] == "usual"       ? "as usual"
+              : check["verdict"] == "unconfirmed" ? "unconfirmed, because the confidence of the cycle is low"
+                                                  : "see the warning");
 }
 
 void warn_of_verdict(const Json& cycle) {

@@ -6,8 +6,10 @@
 
 namespace e2lf::cli {
 
-/// Returns the judgement of a light field for the record: {"verdict", "error", "noise_error", "ratio", ...}.
-[[nodiscard]] Json check_json(const recon::EventJudgement& judgement);
+/// Returns the judgement of a light field for the record: {"verdict", "error", "noise_error", "ratio", ...}. If the
+/// times of its cycle are doubtful, a favourable verdict is replaced by "unconfirmed": the light field may explain the
+/// events of wrong times, too.
+[[nodiscard]] Json check_json(const recon::EventJudgement& judgement, bool is_doubtful);
 
 /// Prints the difference between the events of a cycle of the record and those that its light field would cause, with
 /// the verdict.

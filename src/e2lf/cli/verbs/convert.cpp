@@ -28,7 +28,7 @@ namespace {
 struct ConvertArguments {
   fs::path input, output;
   std::string format;
-  bool shift_time = false, colour = false;
+  bool shift_time = false, invert_polarity = false, colour = false;
   RecordingFlags recording;
   LightFieldFlags light_field{.views = 0};
 };
@@ -141,9 +141,10 @@ Result<void> convert_part(const ConvertArguments& arguments, recordings::Recordi
                           const Verb& verb) {
   RunRecord record("convert");
   ProgressBar bar("convert", verb.common().quiet, "events");
-  E2LF_ASSIGN_OR_RETURN(part.report,
-                        recordings::convert_recording(reader, part.output.path(),
-                                                      {.format = arguments.format, .progress = bar.callback()}));
+  E2LF_ASSIGN_OR_RETURN(part.report, recordings::convert_recording(reader, part.output.path(),
+                                                                   {.format = arguments.format,
+                                                                    .invert_polarity = arguments.invert_polarity,
+                                                                    .progress = bar.callback()}));
   hide_progress();
   record.end_step("convert");
   return part.output.is_stream()
@@ -310,6 +311,7 @@ int run_convert(const std::vector<std::string>& arguments) {
                  "for event images; png, png16, hci, stanford, npy, lenslet, mat, h5 for light fields");
   app.add_flag("--shift-time", conversion.shift_time, "let times begin at 0 instead of the time of the sensor")
       ->group(kRecordingOptions);
+  app.add_flag("--invert-polarity", conversion.invert_polarity, "exchange ON and OFF events")->group(kRecordingOptions);
   app.add_flag("--colour", conversion.colour, "keep colour")->group(kLightFieldOptions);
   add_recording_options(app, conversion.recording, kRecordingOptions);
   add_light_field_options(app, conversion.light_field, /*has_views=*/true);

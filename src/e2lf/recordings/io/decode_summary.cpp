@@ -22,13 +22,10 @@ constexpr std::array<ViolationText, kNumViolations> kTexts = {{
     {"misaligned", "bytes are missing or inserted", "places with missing or inserted bytes"},
     {"truncated", "the data ends inside a word, record or packet", "unfinished words, records or packets at the end"},
     {"bad_record", "a record that cannot be read", "records that cannot be read"},
+    {"zero_words", "zeros in place of data", "zero words in place of data, as an interrupted copy leaves them"},
 }};
 
 }  // namespace
-
-const char* violation_name(Violation kind) {
-  return kTexts[static_cast<size_t>(kind)].name;
-}
 
 const char* violation_text(Violation kind) {
   return kTexts[static_cast<size_t>(kind)].text;

@@ -26,11 +26,9 @@ enum class Violation {
   kMisaligned,     ///< bytes were lost or inserted; words are dropped until the stream is valid again
   kTruncated,      ///< the data ends inside a word, record or packet
   kBadRecord,      ///< a record, row or packet that cannot be read; dropped
+  kZeros,          ///< a zero word of a long run of them, which is not data; dropped
 };
-inline constexpr size_t kNumViolations = 7;
-
-/// Returns the name of a violation in JSON output, e.g. "unknown_word".
-[[nodiscard]] const char* violation_name(Violation kind);
+inline constexpr size_t kNumViolations = 8;
 
 /// Returns a description of a violation for messages, e.g. "a word of unknown type".
 [[nodiscard]] const char* violation_text(Violation kind);

@@ -21,11 +21,9 @@ using e2lf::hdf5::Storage;
 /// kIo.
 [[nodiscard]] Result<Handle> open_file(ByteSource& source);
 
-/// Returns a text attribute of `object`, or "" if there is none with this name.
-[[nodiscard]] std::string read_text_attribute(hid_t object, const std::string& name);
-
-/// Returns all text attributes of `object`, by name.
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object);
+/// Returns all text attributes of `object`, by name, and if asked for also single numbers, as text.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object,
+                                                                                    bool with_numbers = false);
 
 /// Writes a variable-length ASCII attribute, as Metavision does. Fails with kIo.
 [[nodiscard]] Result<void> write_text_attribute(hid_t object, const std::string& name, const std::string& text);

@@ -59,17 +59,24 @@ class Zstd final : public Unpacker {
   Zstd& operator=(const Zstd&) = delete;
   ~Zstd() override { ZSTD_freeDCtx(context_); }
 
+  /// Provides the bytes of one block at a time: if one of several is damaged, the library returns none of them.
   State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
-    ZSTD_inBuffer in = {packed.data(), packed.size(), 0};
-    ZSTD_outBuffer out = {room.data(), room.size(), 0};
-    const size_t hint = ZSTD_decompressStream(context_, &out, &in);
-    packed = packed.subspan(in.pos);
-    room = room.subspan(out.pos);
-    if (ZSTD_isError(hint)) return State::kDamaged;
-    return hint == 0 ? State::kBetweenParts : State::kInside;
+    do {
+      ZSTD_inBuffer in = {packed.data(), std::min(packed.size(), wanted_), 0};
+      ZSTD_outBuffer out = {room.data(), room.size(), 0};
+      const size_t hint = ZSTD_decompressStream(context_, &out, &in);
+      packed = packed.subspan(in.pos);
+      room = room.subspan(out.pos);
+      if (ZSTD_isError(hint)) return State::kDamaged;
+      wanted_ = hint == 0 ? kFirstBytes : hint;
+      if (hint == 0) return State::kBetweenParts;
+    } while (!packed.empty() && !room.empty());
+    return State::kInside;
   }
 
  private:
+  static constexpr size_t kFirstBytes = 5;  ///< of a frame, which determine the size of its header
+  size_t wanted_ = kFirstBytes;
   ZSTD_DCtx* context_;
 };
 #endif

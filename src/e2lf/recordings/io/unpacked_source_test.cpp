@@ -98,6 +98,21 @@ TEST(Unpacked, CutAndDamagedFilesAreReadAsFarAsTheyGoAndCounted) {
   }
 }
 
+TEST(Unpacked, WhatStandsBeforeDamageIsTheSameFromAFileAndAPipe) {
+  const EventBatch events = random_stream({.events = 100'000, .width = 640, .height = 480});
+  for (const Pack pack : packs()) {
+    Bytes damaged = pack(written(events, "dat"));
+    for (size_t i = 0; i < 64; ++i) damaged[damaged.size() * 9 / 10 + i] ^= 0x5A;
+    const Read file = read(make_memory_source(std::span<const uint8_t>(damaged)));
+    EXPECT_GT(file.batch.events.size(), 60'000U);
+    for (const size_t step : {1U, 1000U, 300'000U}) {
+      const Read pipe = read(std::make_unique<ChunkedSource>(damaged, std::vector<size_t>(), step));
+      EXPECT_EQ(pipe.batch, file.batch) << step;
+      EXPECT_EQ(pipe.summary.num_violations(), file.summary.num_violations()) << step;
+    }
+  }
+}
+
 TEST(Unpacked, TheNameInsideTellsTheFormatAndWhatLiesBeside) {
   TestFolder folder;
   const std::string text = "1,2,1,5\n1,2,0,9\n", triggers = "p,id,t\n1,0,7\n";

@@ -42,13 +42,13 @@ class V4l2Camera final : public Camera {
     E2LF_RETURN_IF_ERROR(device_->start());
     const V4l2Encoding& encoding = device_->encoding();
     const std::string size = cat(device_->width(), "x", device_->height());
-    header_ =
-        camera_header({{"evt", encoding.version},
-                       {"format", cat(encoding.format, ";height=", device_->height(), ";width=", device_->width())},
-                       {"geometry", size},
-                       {"plugin_name", "v4l2"},
-                       {"sensor_name", device_->card()},
-                       {"driver", device_->driver()}});
+    header_ = camera_header({{"evt", encoding.raw.version},
+                             {"format", cat(encoding.raw.format, encoding.endianness, ";height=", device_->height(),
+                                            ";width=", device_->width())},
+                             {"geometry", size},
+                             {"plugin_name", "v4l2"},
+                             {"sensor_name", device_->card()},
+                             {"driver", device_->driver()}});
     return {};
   }
 

@@ -23,17 +23,17 @@ namespace {
 
 constexpr uint32_t kBuffers = 32;
 
-constexpr std::array<V4l2Encoding, 4> kEncodings = {{
-    {v4l2_fourcc('P', 'S', 'E', 'E'), "evt2", "2.0", "EVT2", 4},
-    {v4l2_fourcc('P', 'S', 'E', '1'), "evt2.1", "2.1", "EVT21;endianness=legacy", 8},
-    {v4l2_fourcc('P', 'S', 'E', '2'), "evt2.1", "2.1", "EVT21", 8},
-    {v4l2_fourcc('P', 'S', 'E', '3'), "evt3", "3.0", "EVT3", 2},
+constexpr std::array<V4l2Encoding, 4> kV4l2Encodings = {{
+    {v4l2_fourcc('P', 'S', 'E', 'E'), kRawEncodings[0], "", 4},
+    {v4l2_fourcc('P', 'S', 'E', '1'), kRawEncodings[1], ";endianness=legacy", 8},
+    {v4l2_fourcc('P', 'S', 'E', '2'), kRawEncodings[1], "", 8},
+    {v4l2_fourcc('P', 'S', 'E', '3'), kRawEncodings[2], "", 2},
 }};
 
 const V4l2Encoding* encoding_of(uint32_t fourcc) {
-  const auto found = std::find_if(kEncodings.begin(), kEncodings.end(),
+  const auto found = std::find_if(kV4l2Encodings.begin(), kV4l2Encodings.end(),
                                   [fourcc](const V4l2Encoding& one) { return one.fourcc == fourcc; });
-  return found == kEncodings.end() ? nullptr : &*found;
+  return found == kV4l2Encodings.end() ? nullptr : &*found;
 }
 
 std::string fourcc_text(uint32_t fourcc) {
@@ -200,7 +200,7 @@ Result<void> V4l2Device::select_encoding(const std::string& name) {
     return has_planes(type_) ? format.fmt.pix_mp.pixelformat : format.fmt.pix.pixelformat;
   };
   encoding_ = encoding_of(fourcc());
-  if (encoding_ == nullptr || (!name.empty() && encoding_->name != name)) {
+  if (encoding_ == nullptr || (!name.empty() && encoding_->raw.codec != name)) {
     const std::vector<const V4l2Encoding*> offered = offered_encodings(system_, descriptor_, type_);
     if (offered.empty() && encoding_ == nullptr) {
       return Error{ErrorCode::kUnsupported,
@@ -209,7 +209,7 @@ Result<void> V4l2Device::select_encoding(const std::string& name) {
                    path_};
     }
     const auto wanted = std::find_if(offered.begin(), offered.end(),
-                                     [&](const auto* one) { return name.empty() || one->name == name; });
+                                     [&](const auto* one) { return name.empty() || one->raw.codec == name; });
     if (wanted != offered.end()) {
       if (has_planes(type_)) format.fmt.pix_mp.pixelformat = (*wanted)->fourcc;
       if (!has_planes(type_)) format.fmt.pix.pixelformat = (*wanted)->fourcc;
@@ -217,7 +217,7 @@ Result<void> V4l2Device::select_encoding(const std::string& name) {
     }
     if (wanted == offered.end() || fourcc() != (*wanted)->fourcc) {
       std::vector<std::string> names;
-      for (const V4l2Encoding* const one : offered) names.emplace_back(one->name);
+      for (const V4l2Encoding* const one : offered) names.emplace_back(one->raw.codec);
       return Error{
           ErrorCode::kUnsupported,
           cat("the device cannot send ", name.empty() ? "events" : name, "; it offers ", join(names), " (--encoding)"),

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 
 namespace e2lf::recordings {
 
@@ -28,9 +29,8 @@ class V4l2System {
 /// The encoding of events that a format of a V4L2 device denotes.
 struct V4l2Encoding {
   uint32_t fourcc;
-  const char* name;     ///< as in CameraSetup::encoding
-  const char* version;  ///< value of the key `evt` of a RAW header
-  const char* format;   ///< value of the key `format` of a RAW header
+  RawEncoding raw;         ///< raw.codec as in CameraSetup::encoding
+  const char* endianness;  ///< the rest of the key `format` of a RAW header
   size_t word_bytes;
 };
 

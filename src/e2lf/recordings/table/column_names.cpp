@@ -2,61 +2,9 @@
 #include "e2lf/recordings/table/column_names.h"
 
 #include <algorithm>
-#include <cctype>
-#include <string>
-#include <vector>
 
 namespace e2lf::recordings::table {
 namespace {
-
-/// Returns the words of a text in lower case. A capital after a small letter begins a word ("timestampNs"), the Greek
-/// letter of "us" is replaced by a Latin one, and "micro seconds" becomes one word.
-std::vector<std::string> words_of(std::string_view text) {
-  std::vector<std::string> words(1);
-  for (size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    const std::string_view pair = text.substr(i, 2);
-    const bool is_hump = i > 0 && std::isupper(byte) != 0 && std::islower(static_cast<unsigned char>(text[i - 1])) != 0;
-    if (is_hump && !words.back().empty()) words.emplace_back();
-    if (pair == "\xC2\xB5" || pair == "\xCE\xBC") {
-      words.back() += 'u';
-      ++i;
-    } else if (byte >= 0x80 || std::isalnum(byte) != 0) {
-      words.back() += static_cast<char>(byte < 0x80 ? std::tolower(byte) : byte);
-    } else if (!words.back().empty()) {
-      words.emplace_back();
-    }
-  }
-  if (words.back().empty()) words.pop_back();
-  for (size_t i = 0; i + 1 < words.size(); ++i) {
-    const bool is_prefix = words[i] == "milli" || words[i] == "micro" || words[i] == "nano";
-    if (!is_prefix || !words[i + 1].starts_with("sec")) continue;
-    words[i] += words[i + 1];
-    words.erase(words.begin() + static_cast<ptrdiff_t>(i) + 1);
-  }
-  return words;
-}
-
-bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-/// Returns the unit in the last of the words; "10^-6 s" and "1e-6 s" are microseconds. The words of a power are
-/// removed, and the unit is unknown if there is another number.
-TimeUnit take_unit_from(std::vector<std::string>& words) {
-  const TimeUnit unit = parse_time_unit(words.back());
-  const auto number = std::find_if(words.begin(), words.end(), [](const std::string& word) {
-    return std::isdigit(static_cast<unsigned char>(word.front())) != 0;
-  });
-  if (number == words.end()) return unit;
-  const bool is_power = (*number == "10" || *number == "1e") && words.end() - number == 3 && unit == TimeUnit::kSeconds;
-  const std::string power = is_power ? *(number + 1) : "";
-  words.erase(number, words.end());
-  return power == "9"   ? TimeUnit::kNanoseconds
-         : power == "6" ? TimeUnit::kMicroseconds
-         : power == "3" ? TimeUnit::kMilliseconds
-                        : TimeUnit::kAuto;
-}
 
 struct KnownName {
   Field field;
@@ -73,6 +21,7 @@ constexpr KnownName kNames[] = {{Field::kT, "t"},
                                 {Field::kT, "temps", true},
                                 {Field::kT, "tiempo", true},
                                 {Field::kT, "tempo", true},
+                                {Field::kT, "时间", true},
                                 {Field::kX, "x"},
                                 {Field::kX, "xs"},
                                 {Field::kX, "col"},
@@ -88,81 +37,97 @@ constexpr KnownName kNames[] = {{Field::kT, "t"},
                                 {Field::kP, "on"},
                                 {Field::kP, "sign"}};
 
+bool says_nothing(std::string_view word) {
+  return is_one_of(word, {"event",    "events",    "ev",       "px",     "pixel",      "pixels",      "pos",
+                          "position", "positions", "coord",    "coords", "coordinate", "coordinates", "addr",
+                          "address",  "loc",       "location", "in",     "data",       "dataset",     "dvs"});
+}
+
+/// Splits a name into what stands outside and inside its first brackets.
+std::pair<std::string, std::string> at_brackets(std::string_view name) {
+  constexpr std::string_view kOpening = "([{<", kClosing = ")]}>";
+  const size_t begin = name.find_first_of(kOpening);
+  if (begin == std::string_view::npos || begin == name.find_first_not_of(" \"'#")) return {std::string(name), ""};
+  const size_t end = std::min(name.find(kClosing[kOpening.find(name[begin])], begin), name.size());
+  return {std::string(name.substr(0, begin)) + " " + std::string(name.substr(std::min(end + 1, name.size()))),
+          std::string(name.substr(begin + 1, end - begin - 1))};
+}
+
+/// Returns the words and numbers of a name without those that say nothing, up to what says since when times count.
+std::vector<Token> tokens_of_name(std::string_view name) {
+  std::vector<Token> tokens = tokens_of(name);
+  const auto is_since = [](const Token& token) {
+    return is_one_of(token.word, {"since", "from", "after", "relative"});
+  };
+  tokens.erase(std::find_if(tokens.begin(), tokens.end(), is_since), tokens.end());
+  std::erase_if(tokens, [](const Token& token) {
+    return says_nothing(token.word) || is_one_of(token.word, {"=", ":"});
+  });
+  if (tokens.size() > 1 && tokens[0].word == "time" && tokens[1].word == "stamp") {
+    tokens.erase(tokens.begin());
+    tokens[0].word = "timestamp";
+  }
+  return tokens;
+}
+
+/// Returns the first duration from token i on in seconds, or 0.
+double first_duration(const std::vector<Token>& tokens, size_t i) {
+  for (; i < tokens.size(); ++i) {
+    if (const double duration = duration_at(tokens, i); duration > 0) return duration;
+  }
+  return 0;
+}
+
 }  // namespace
 
-TimeUnit parse_time_unit(std::string_view word) {
-  if (is_one_of(word, {"s", "sec", "secs", "second", "seconds"})) return TimeUnit::kSeconds;
-  if (is_one_of(word,
-                {"ms", "msec", "msecs", "milli", "millis", "millisec", "millisecs", "millisecond", "milliseconds"}))
-    return TimeUnit::kMilliseconds;
-  if (is_one_of(word,
-                {"us", "usec", "usecs", "micro", "micros", "microsec", "microsecs", "microsecond", "microseconds"}))
-    return TimeUnit::kMicroseconds;
-  if (is_one_of(word, {"ns", "nsec", "nsecs", "nano", "nanos", "nanosec", "nanosecs", "nanosecond", "nanoseconds"}))
-    return TimeUnit::kNanoseconds;
-  return TimeUnit::kAuto;
-}
-
-const char* time_unit_name(TimeUnit unit) {
-  switch (unit) {
-    case TimeUnit::kSeconds:
-      return "s";
-    case TimeUnit::kMilliseconds:
-      return "ms";
-    case TimeUnit::kNanoseconds:
-      return "ns";
-    case TimeUnit::kAuto:
-    case TimeUnit::kMicroseconds:
-      break;
-  }
-  return "us";
-}
-
 ColumnName parse_column_name(std::string_view name) {
-  std::vector<std::string> words = words_of(name);
-  const auto is_filler = [](const std::string& word) {
-    return is_one_of(word, {"event",    "events",    "ev",       "px",     "pixel",      "pixels",      "pos",
-                            "position", "positions", "coord",    "coords", "coordinate", "coordinates", "addr",
-                            "address",  "loc",       "location", "in",     "data",       "dataset",     "dvs"});
-  };
-  words.erase(std::remove_if(words.begin(), words.end(), is_filler), words.end());
-  if (words.size() > 1 && words[0] == "time" && words[1] == "stamp") {
-    words.erase(words.begin());
-    words[0] = "timestamp";
-  }
+  const auto [outside, inside] = at_brackets(name);
+  const std::vector<Token> tokens = tokens_of_name(outside);
   ColumnName result;
-  // A name in another language may still say the unit.
-  if (words.size() > 1) result.unit = take_unit_from(words);
-  if (words.empty() || words.size() > 2) return result;
-  if (words.size() == 1 && words[0] == "xy") result.is_xy = true;
+  if (tokens.empty()) return result;
+  const std::string& main = tokens[0].word;
+  result.is_xy = tokens.size() == 1 && main == "xy";
+  // A name that is unknown may still state a unit.
+  result.tick_s = first_duration(tokens, 1);
+  if (result.tick_s == 0) result.tick_s = first_duration(tokens_of_name(inside), 0);
+  if (tokens.size() == 1 && is_one_of(main, {"tus", "tms", "tns", "tsec", "tusec", "tmsec", "tnsec"})) {
+    result.tick_s = us_per(parse_time_unit(main.substr(1))) * 1e-6;
+    result.field = Field::kT;
+  } else if (tokens.size() == 1 && result.tick_s == 0 && main != "s" && parse_time_unit(main) != TimeUnit::kAuto) {
+    result.tick_s = us_per(parse_time_unit(main)) * 1e-6;
+    result.field = Field::kT;
+    result.rank = 2 * std::size(kNames);
+  }
+  result.unit = unit_of_tick(result.tick_s);
   for (const KnownName& known : kNames) {
-    const bool fits = known.is_prefix ? words[0].starts_with(known.name) : words[0] == known.name;
-    if (!fits) continue;
+    if (known.is_prefix ? !main.starts_with(known.name) : main != known.name) continue;
     // Any other second word changes the meaning: "t_offset".
-    if (words.size() == 2 && (known.field != Field::kT || result.unit == TimeUnit::kAuto)) return result;
+    const auto is_of_unit = [&](const Token& token) {
+      return known.field == Field::kT && result.tick_s > 0 &&
+             (token.number || token.word == "/" || duration_at({token}, 0) > 0);
+    };
+    if (!std::all_of(tokens.begin() + 1, tokens.end(), is_of_unit)) return result;
     result.field = known.field;
-    result.rank = static_cast<size_t>(&known - kNames);
+    // A time whose unit is stated is preferred.
+    const bool is_vague = known.field == Field::kT && result.tick_s == 0;
+    result.rank = static_cast<size_t>(&known - kNames) + (is_vague ? std::size(kNames) : 0);
     return result;
   }
   return result;
 }
 
-TimeUnit unit_in_sentence(std::string_view text) {
-  if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; })) {
-    return TimeUnit::kAuto;
+KnownColumns find_fields(std::span<const std::string> names) {
+  KnownColumns columns;
+  std::array<size_t, kNumFields> ranks{};
+  for (size_t i = 0; i < names.size(); ++i) {
+    const ColumnName name = parse_column_name(names[i]);
+    if (!name.field) continue;
+    const size_t field = of(*name.field);
+    if (columns[field] && ranks[field] <= name.rank) continue;
+    columns[field] = i;
+    ranks[field] = name.rank;
   }
-  const std::vector<std::string> words = words_of(text);
-  const auto is_about_times = [](const std::string& word) {
-    return is_one_of(word, {"t", "time", "times", "timestamp", "timestamps", "unit", "units"});
-  };
-  if (std::none_of(words.begin(), words.end(), is_about_times)) return TimeUnit::kAuto;
-  for (size_t i = 1; i < words.size(); ++i) {
-    const TimeUnit unit = parse_time_unit(words[i]);
-    if (unit != TimeUnit::kAuto && (is_about_times(words[i - 1]) || is_one_of(words[i - 1], {"in", "are", "is"}))) {
-      return unit;
-    }
-  }
-  return TimeUnit::kAuto;
+  return columns;
 }
 
 }  // namespace e2lf::recordings::table

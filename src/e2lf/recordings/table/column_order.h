@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/recordings/table/field.h"
+#include "e2lf/recordings/table/column_names.h"
 
 namespace e2lf::recordings::table {
 

@@ -97,16 +97,9 @@ Result<Columns> decide_columns(const TableSample& sample, const OpenOptions& opt
     E2LF_ASSIGN_OR_RETURN(const ColumnsOfFields columns, order_of_option(options.columns, sample, location));
     return Columns{columns, Reason::kOption};
   }
-  std::array<std::optional<size_t>, kNumFields> named;
-  std::array<size_t, kNumFields> ranks{};
-  for (size_t i = 0; i < sample.columns.size(); ++i) {
-    const ColumnName name = parse_column_name(sample.columns[i].name);
-    if (!name.field) continue;
-    const size_t field = of(*name.field);
-    if (named[field] && ranks[field] <= name.rank) continue;
-    named[field] = i;
-    ranks[field] = name.rank;
-  }
+  std::vector<std::string> names;
+  for (const TableSample::Column& column : sample.columns) names.push_back(column.name);
+  const KnownColumns named = find_fields(names);
   E2LF_RETURN_IF_ERROR(refuse_split_times(sample, named[of(Field::kT)], location));
   if (std::all_of(named.begin(), named.end(), [](const auto& column) { return column.has_value(); })) {
     return Columns{{*named[0], *named[1], *named[2], *named[3]}, Reason::kFile};
@@ -144,14 +137,25 @@ std::optional<TimeUnit> unit_of_fractions(const std::vector<double>& times) {
   return TimeUnit::kSeconds;
 }
 
+/// Returns the first value of a column after the sample for which is_wanted() is true.
+template <typename IsWanted>
+Result<std::optional<double>> find_further(const TableSample& sample, size_t column, const IsWanted& is_wanted) {
+  for (bool is_first = true;; is_first = false) {
+    E2LF_ASSIGN_OR_RETURN(const std::vector<double> values, sample.more_values(column, is_first));
+    if (values.empty()) return std::optional<double>();
+    const auto wanted = std::find_if(values.begin(), values.end(), is_wanted);
+    if (wanted != values.end()) return std::optional<double>(*wanted);
+  }
+}
+
 /// If the times of the sample have a single value, which is not conclusive, adds a later one.
 Result<void> complete_times(TableSample& sample, size_t column) {
   TableSample::Column& times = sample.columns[column];
   const auto is_zero = [](double time) { return time == 0; };
-  if (times.is_integer || !sample.find_further || !std::all_of(times.values.begin(), times.values.end(), is_zero)) {
+  if (times.is_integer || !sample.more_values || !std::all_of(times.values.begin(), times.values.end(), is_zero)) {
     return {};
   }
-  E2LF_ASSIGN_OR_RETURN(const auto other, sample.find_further(column, [](double time) { return time != 0; }));
+  E2LF_ASSIGN_OR_RETURN(const auto other, find_further(sample, column, [](double time) { return time != 0; }));
   if (other) times.values.assign(1, *other);
   return {};
 }
@@ -162,13 +166,20 @@ struct Unit {
   const char* why = "";
 };
 
+Error odd_unit(double tick_s, const std::string& location) {
+  return undecided(cat("the file states that its times count ", tick_s * 1e6,
+                       " us, which is not a unit that is read; convert them, or give their unit"),
+                   location, Setting::kTimeUnit);
+}
+
 Result<Unit> decide_unit(TableSample& sample, size_t column, const OpenOptions& options, const std::string& location) {
   constexpr double kLatestUs = 1e17;  // 3,000 years: larger ones are nanoseconds since 1970
   if (options.time_unit != TimeUnit::kAuto) return Unit{options.time_unit, Reason::kOption};
   TableSample::Column& times = sample.columns[column];
   if (times.unit != TimeUnit::kAuto) return Unit{times.unit};
-  if (const TimeUnit named = parse_column_name(times.name).unit; named != TimeUnit::kAuto) return Unit{named};
-  if (sample.usual_unit != TimeUnit::kAuto) return Unit{sample.usual_unit, Reason::kFormat};
+  const ColumnName name = parse_column_name(times.name);
+  if (name.unit != TimeUnit::kAuto) return Unit{name.unit};
+  if (name.tick_s > 0) return odd_unit(name.tick_s, location);
   E2LF_RETURN_IF_ERROR(complete_times(sample, column));
   size_t set = 0, fractions = 0, large = 0;
   for (const double time : times.values) {
@@ -177,7 +188,13 @@ Result<Unit> decide_unit(TableSample& sample, size_t column, const OpenOptions& 
     large += std::fabs(time) >= kLatestUs;
   }
   // A few values may be damaged.
-  if (fractions > 0 && 10 * fractions >= set) {
+  const bool are_fractions = fractions > 0 && 10 * fractions >= set;
+  if (sample.tick_s > 0 && !are_fractions) {
+    if (const TimeUnit unit = unit_of_tick(sample.tick_s); unit != TimeUnit::kAuto) return Unit{unit};
+    return odd_unit(sample.tick_s, location);
+  }
+  if (sample.usual_unit != TimeUnit::kAuto) return Unit{sample.usual_unit, Reason::kFormat};
+  if (are_fractions) {
     if (const auto unit = unit_of_fractions(times.values)) return Unit{*unit, Reason::kValues, "not whole numbers"};
     return undecided("the times are not integers, but too far apart to be seconds; give their unit", location,
                      Setting::kTimeUnit);
@@ -211,17 +228,74 @@ Result<Polarity> decide_polarity(TableSample& sample, size_t column, const std::
             "; supported are 0/1, -1/1, 1/2, 0/255, true/false and on/off; check which column contains them"),
         location, Setting::kColumns);
   }
-  if (guess.has_off != guess.has_on && sample.find_further) {
+  if (guess.has_off != guess.has_on && sample.more_values) {
     const double known = guess.has_on ? guess.code.on : guess.code.off;
     const auto is_other = [known](double value) { return value != known && is_polarity(value); };
-    E2LF_ASSIGN_OR_RETURN(const auto other, sample.find_further(column, is_other));
+    E2LF_ASSIGN_OR_RETURN(const auto other, find_further(sample, column, is_other));
     // As often as the other one, so that neither is an exception.
     if (other) values.insert(values.end(), values.size(), *other);
     guess = guess_polarity(values);
   }
   Polarity polarity{guess.code, ""};
   if (guess.has_on && !guess.has_off) polarity.warning = ", and there is no other polarity";
+  PolarityCode& code = polarity.code;
+  const auto has = [&](double value) { return std::find(values.begin(), values.end(), value) != values.end(); };
+  if (code.on == 1 && has(0) && has(-1)) {
+    if (!has(1)) {
+      return undecided("the polarities are 0 and -1, of which none is known to be ON; write them as 0/1 or -1/1",
+                       location, Setting::kColumns);
+    }
+    log_warning(cat(location, ": the polarities are 0, -1 and 1; both 0 and -1 were read as OFF"));
+  }
+  const PolarityStatement& stated = sample.polarities;
+  if (stated.off == code.on || (stated.on && (*stated.on == code.off || *stated.on == code.off_too))) {
+    code = {code.on, code.on, stated.on.value_or(code.off)};
+  } else if (code.on == 2 && stated.on != 2 && stated.off != 1) {
+    // As the MATLAB functions for N-MNIST number them.
+    log_warning(
+        cat(location, ": the polarities 1 and 2 were read as 1 = OFF, 2 = ON; --invert-polarity exchanges them"));
+  }
   return polarity;
+}
+
+/// Warns if times are implausible in the unit in which they are read: if events would be too rare or too frequent, or,
+/// if the unit was assumed, if all times were whole milliseconds or times since 1970 in another unit.
+void warn_of_unit(const std::vector<double>& times, const Unit& read, const std::string& location) {
+  constexpr size_t kFewEvents = 100;
+  constexpr double kRarest_hz = 300, kRarestStated_hz = 1, kMostFrequent_hz = 2e7;
+  constexpr double kYear2001Ms = 1e12, kYear2100Ms = 4.1e12;  // since 1970
+  const TimeUnit unit = read.unit;
+  const bool is_assumed = read.reason == Reason::kValues;
+  if (times.size() < kFewEvents || read.reason == Reason::kOption) return;
+  std::vector<double> sorted(times);
+  std::sort(sorted.begin(), sorted.end());
+  const size_t damaged = sorted.size() / 20;  // at either end
+  const double middle = sorted[sorted.size() / 2];
+  const double span_s = (sorted[sorted.size() - 1 - damaged] - sorted[damaged]) * us_per(unit) * 1e-6;
+  if (!(span_s > 0)) return;
+  const double rate_hz = static_cast<double>(sorted.size() - 2 * damaged) / span_s;
+  const auto is_multiple = [unit](double time) {
+    const double ms = time * us_per(unit) * 1e-3;
+    return std::fabs(ms - std::round(ms)) < 1e-6;
+  };
+  const char* const smaller = unit == TimeUnit::kSeconds ? "ms" : unit == TimeUnit::kMilliseconds ? "us" : "ns";
+  const char* const larger = unit == TimeUnit::kNanoseconds ? "us" : unit == TimeUnit::kMicroseconds ? "ms" : "s";
+  const std::string words = cat(location, ": the times were read as ", time_unit_name(unit), " (",
+                                is_assumed ? read.why : reason_text(read.reason), ")");
+  const auto advise = [&](const std::string& why, const char* other) {
+    log_warning(cat(words, ", ", why, "; if they are ", other, ", give their unit (--time-unit)"));
+  };
+  if (rate_hz < (is_assumed ? kRarest_hz : kRarestStated_hz)) {
+    advise(cat("which makes only ", rate_hz, " events per second"), smaller);
+  } else if (rate_hz > kMostFrequent_hz) {
+    advise(cat("which makes ", rate_hz, " events per second"), larger);
+  } else if (is_assumed && unit == TimeUnit::kMicroseconds && middle >= kYear2001Ms && middle < kYear2100Ms) {
+    advise("which are also milliseconds since 1970", "ms");
+  } else if (is_assumed && unit == TimeUnit::kNanoseconds && middle < kYear2001Ms * 1e6) {
+    advise("which are not times since 1970", "us");
+  } else if (is_assumed && std::all_of(times.begin(), times.end(), is_multiple)) {
+    advise("and all of them are whole milliseconds", smaller);
+  }
 }
 
 /// Warns about values that are read unchanged but are implausible: times that 32 bits do not resolve, and coordinates
@@ -233,15 +307,13 @@ void warn_of_values(const TableSample& sample, const TableLayout& layout, const 
     return column.values.empty() ? 0 : *std::max_element(column.values.begin(), column.values.end());
   };
   const TableSample::Column& times = sample.columns[layout.columns[of(Field::kT)]];
-  const double us_per_unit = layout.unit == TimeUnit::kSeconds        ? 1e6
-                             : layout.unit == TimeUnit::kMilliseconds ? 1e3
-                             : layout.unit == TimeUnit::kNanoseconds  ? 1e-3
-                                                                      : 1;
   const double last = most_of(times);
-  const double step_us = std::ldexp(1.0, std::ilogb(std::max(last, 1e-9)) - 23) * us_per_unit;
-  if (times.is_single && step_us > kCoarseUs) {
-    log_warning(cat(location, ": the times are floating-point numbers of 32 bits, which are ", step_us, " us apart at ",
-                    last, " ", time_unit_name(layout.unit), "; store them as integers or with 64 bits"));
+  const double step = times.is_single ? std::ldexp(1.0, std::ilogb(std::max(last, 1e-9)) - 23) : times.step;
+  const double step_us = step * us_per(layout.unit);
+  if (step_us > kCoarseUs) {
+    log_warning(cat(location, ": the times are ",
+                    times.is_single ? "floating-point numbers of 32 bits, which are " : "", step_us, " us apart at ",
+                    last, " ", time_unit_name(layout.unit), "; store them as integers or with more digits"));
   }
   const double most_px = std::max(most_of(sample.columns[layout.columns[of(Field::kX)]]),
                                   most_of(sample.columns[layout.columns[of(Field::kY)]]));
@@ -250,6 +322,19 @@ void warn_of_values(const TableSample& sample, const TableLayout& layout, const 
                     " px, more than any sensor has; if they are fractions of pixels (BS-ERGB stores 1/32 px), divide "
                     "them first"));
   }
+}
+
+/// Warns if columns have names, which are unknown, and were identified by their values. These do not tell x from y.
+void warn_of_names(const TableSample& sample, const TableLayout& layout, const std::string& location) {
+  std::vector<std::string> guessed;
+  for (const Field field : {Field::kX, Field::kY, Field::kT}) {
+    const std::string& name = sample.columns[layout.columns[of(field)]].name;
+    if (name.empty() || parse_column_name(name).field) continue;
+    guessed.push_back(cat(printable(name), " as ", kFieldLetters[of(field)]));
+  }
+  if (guessed.empty()) return;
+  log_warning(cat(location, ": names of columns are unknown, which were read by their values and order: ",
+                  join(guessed), "; check this, and give the order and the unit (--columns, --time-unit)"));
 }
 
 std::string columns_text(const TableSample& sample, const ColumnsOfFields& columns) {
@@ -273,6 +358,9 @@ Result<TableLayout> decide_layout(TableSample sample, const OpenOptions& options
   E2LF_ASSIGN_OR_RETURN(const Polarity polarity, decide_polarity(sample, layout.columns[of(Field::kP)], location));
   layout.polarity = polarity.code;
   warn_of_values(sample, layout, info, location);
+  const TableSample::Column& times = sample.columns[layout.columns[of(Field::kT)]];
+  warn_of_unit(times.values, unit, location);
+  if (columns.reason != Reason::kOption) warn_of_names(sample, layout, location);
 
   info.table =
       TableReading{columns_text(sample, layout.columns), time_unit_name(layout.unit), polarity_text(layout.polarity)};
@@ -285,6 +373,31 @@ Result<TableLayout> decide_layout(TableSample sample, const OpenOptions& options
            info.table->time_unit, " (", why, "), the polarities as ", info.table->polarity, polarity.warning),
        sample.is_ordered ? Setting::kColumns : Setting::kTimeUnit});
   return layout;
+}
+
+void check_stated_size(const TableSample& sample, const TableLayout& layout, const std::string& location,
+                       RecordingInfo& info) {
+  constexpr double kMostOutside = 0.1;
+  const std::vector<double>&x = sample.columns[layout.columns[of(Field::kX)]].values,
+        &y = sample.columns[layout.columns[of(Field::kY)]].values;
+  const auto is_stated = [&](size_t width, size_t height) {
+    size_t outside = 0;
+    for (size_t i = 0; i < x.size(); ++i) {
+      outside += x[i] >= static_cast<double>(width) || y[i] >= static_cast<double>(height);
+    }
+    return static_cast<double>(outside) <= kMostOutside * static_cast<double>(x.size());
+  };
+  if (info.width == 0 || is_stated(info.width, info.height)) return;
+  const std::string stated =
+      cat(location, ": the header states ", info.width, "x", info.height, " px, but many events lie outside; ");
+  if (is_stated(info.height, info.width)) {
+    std::swap(info.width, info.height);
+    log_warning(cat(stated, "the sensor is taken to have ", info.width, "x", info.height, " px"));
+    return;
+  }
+  info.width = info.height = 0;
+  log_warning(
+      cat(stated, "this is not taken as the size of the sensor; give it with --sensor-width and --sensor-height"));
 }
 
 Result<void> refuse_table_options(const OpenOptions& options, const std::string& format, const std::string& location) {

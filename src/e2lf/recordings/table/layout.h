@@ -9,6 +9,7 @@
 #include "e2lf/recordings/recording.h"
 #include "e2lf/recordings/table/column_order.h"
 #include "e2lf/recordings/table/polarity.h"
+#include "e2lf/recordings/table/statements.h"
 
 namespace e2lf::recordings::table {
 
@@ -20,16 +21,18 @@ struct TableSample {
     std::vector<double> values = {};  ///< equally many in all columns
     bool is_integer = false;          ///< stored as integers, so that later values are integers, too
     bool is_single = false;           ///< stored as floating-point numbers of 32 bits
+    double step = 0;                  ///< smallest difference of large values as they are written; 0 = unknown
   };
+  double tick_s = 0;                  ///< duration of one count of times that are integers, if the file states it, or 0
+  PolarityStatement polarities = {};  ///< if the file states it
   std::vector<Column> columns;
   bool is_ordered = true;                 ///< whether the columns have an order that an option can name
   std::string usual_order = {};           ///< order to use if the values permit several, e.g. "xypt"; empty = none
   TimeUnit usual_unit = TimeUnit::kAuto;  ///< unit of the format if it fixes the unit
 
-  /// Returns the first value of a column after the sample for which `is_wanted` returns true, or nothing if there is
-  /// none or it cannot be looked up. May be empty.
-  using IsWanted = std::function<bool(double)>;
-  std::function<Result<std::optional<double>>(size_t column, const IsWanted& is_wanted)> find_further = {};
+  /// Returns the values of a column in the next rows after the sample, or none at the end. Begins with the first of
+  /// these rows if `is_first`, which is set in the first call for a column. Empty if rows cannot be looked up.
+  std::function<Result<std::vector<double>>(size_t column, bool is_first)> more_values = {};
 };
 
 /// How to read the rows of a table.
@@ -44,6 +47,11 @@ struct TableLayout {
 /// nor a name states. Fails with kInvalidValue, naming the option, if they cannot be determined.
 [[nodiscard]] Result<TableLayout> decide_layout(TableSample sample, const OpenOptions& options,
                                                 const std::string& location, RecordingInfo& info);
+
+/// Checks the size of the sensor that a header states against the coordinates of a sample. If many lie outside, it is
+/// transposed if that helps, or otherwise ignored, because it is the size of something else.
+void check_stated_size(const TableSample& sample, const TableLayout& layout, const std::string& location,
+                       RecordingInfo& info);
 
 /// Fails with kInvalidValue if options for tables are given although the format fixes what they specify.
 [[nodiscard]] Result<void> refuse_table_options(const OpenOptions& options, const std::string& format,

@@ -9,6 +9,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/table/column_names.h"
 
 namespace e2lf::recordings::table {
 namespace {
@@ -43,21 +44,6 @@ bool convert_one(From value, To& out) {
     return (value < From{0} && std::is_unsigned_v<To>) ||
            (static_cast<uint64_t>(value) > static_cast<uint64_t>(std::numeric_limits<To>::max()) && value > From{0});
   }
-}
-
-double us_per(TimeUnit unit) {
-  switch (unit) {
-    case TimeUnit::kSeconds:
-      return 1e6;
-    case TimeUnit::kMilliseconds:
-      return 1e3;
-    case TimeUnit::kNanoseconds:
-      return 1e-3;
-    case TimeUnit::kAuto:
-    case TimeUnit::kMicroseconds:
-      break;
-  }
-  return 1.0;
 }
 
 /// Converts a time to microseconds; returns true if it is invalid.

@@ -4,6 +4,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
@@ -21,7 +22,7 @@ EventColumns events() {
   return random_stream({.events = 1000, .width = 64, .height = 48, .begin_us = 1038, .max_gap_us = 60}).events;
 }
 
-std::string text_of(const EventColumns& all, const std::function<std::string(const Event&)>& line) {
+std::string text_of(const EventColumns& all, std::function<std::string(const Event&)> line) {
   std::string text;
   for (size_t i = 0; i < all.size(); ++i) text += line(all[i]) + '\n';
   return text;
@@ -195,6 +196,66 @@ TEST(TableText, AnOddFirstLineIsJudgedByTheOthers) {
   EXPECT_TRUE(*found == all);
 }
 
+TEST(TableText, UnitsOfTimeInOtherWordsAreHeeded) {
+  const auto in_ns = [](const Event& e) { return cat(e.t * 1000, ' ', e.x, ' ', e.y, ' ', int{e.p}); };
+  for (const char* header :
+       {"# resolution: 1 ns", "# tick: 1 ns", "# timestamp_resolution: 1e-9", "# time base: 1e-9 s",
+        "# time in nanoseconds", "# ts_unit: ns", "ts_unit: ns", "resolution: 1 ns", "% timestamp unit = 10^-9 s",
+        "# ticks per second: 1000000000", "# clock: 1 GHz, 1 tick = 1 ns", "# temporal resolution 1ns",
+        "# sensor 64x48; times in ns since 1970", "# 1 ns per tick", "# exposure time: 10 ms, timestamps are in ns"}) {
+    expect_events(cat(header, "\n") + text_of(events(), in_ns), header);
+  }
+  for (const char* header : {"# resolution: 64 x 48", "# exposure time: 10 ms", "# refractory period 1 ms",
+                             "# tick: 1 us", "# frame interval in ms", "# recorded for 10 s", "# time offset: 5 ns"}) {
+    expect_events(cat(header, "\n") + text_of(events(), txyp), header);
+  }
+  // The clock may be finer than the unit of fractions.
+  expect_events("# resolution: 1 us\n" + text_of(events(),
+                                                 [](const Event& e) {
+                                                   char line[64];
+                                                   std::snprintf(line, sizeof line, "%.6f %d %d %d",
+                                                                 static_cast<double>(e.t) * 1e-6, e.x, e.y, e.p);
+                                                   return std::string(line);
+                                                 }),
+                "seconds of a clock of 1 us");
+  const auto odd = open_text("# tick: 100 ns\n" + text_of(events(), txyp));
+  ASSERT_FALSE(odd.ok());
+  EXPECT_EQ(odd.error().setting, Setting::kTimeUnit);
+  EXPECT_TRUE(open_text("# tick: 100 ns\n" + text_of(events(), txyp), {.time_unit = TimeUnit::kMicroseconds}).ok());
+}
+
+TEST(TableText, UnitsThatAreAssumedAndImplausibleAreDoubted) {
+  std::vector<std::string> warnings;
+  const LogSink before = set_log_sink([&](LogLevel level, const std::string& text) {
+    if (level == LogLevel::kWarning) warnings.push_back(text);
+  });
+  const auto doubts = [&](int64_t times, int64_t per, const OpenOptions& options = kPlain) {
+    warnings.clear();
+    EXPECT_TRUE(
+        open_text(text_of(events(),
+                          [&](const Event& e) { return cat(e.t * times / per, ' ', e.x, ' ', e.y, ' ', int{e.p}); }),
+                  options)
+            .ok());
+    return warnings.empty() ? std::string() : warnings.front();
+  };
+  EXPECT_EQ(doubts(1, 1), "");
+  EXPECT_NE(doubts(1000, 1).find("if they are ns"), std::string::npos) << doubts(1000, 1);
+  EXPECT_NE(doubts(1, 1000).find("if they are ms"), std::string::npos) << doubts(1, 1000);
+  EXPECT_EQ(doubts(1000, 1, {.time_unit = TimeUnit::kNanoseconds}), "");
+  set_log_sink(before);
+}
+
+TEST(TableText, PolaritiesOf1And2AreSaidWithTheOptionThatExchangesThem) {
+  std::string said;
+  const LogSink before = set_log_sink([&](LogLevel, const std::string& text) { said += text; });
+  const auto reader =
+      open_text(text_of(events(), [](const Event& e) { return cat(e.t, ' ', e.x, ' ', e.y, ' ', e.p + 1); }));
+  set_log_sink(before);
+  ASSERT_TRUE(reader.ok()) << reader.error().text();
+  EXPECT_EQ((*reader)->info().table->polarity, "1 = OFF, 2 = ON");
+  EXPECT_NE(said.find("--invert-polarity"), std::string::npos);
+}
+
 TEST(TableText, PolaritiesOfEveryCodingKeepBothSigns) {
   using Pair = std::pair<const char*, const char*>;
   for (const auto& [off, on] : {Pair{"0", "1"},
@@ -286,6 +347,86 @@ NpyArray column(const From& values, const std::function<double(double)>& change 
 Result<EventColumns> read_arrays(const NpzArrays& arrays) {
   return read(open_recording(make_memory_source(encode_npz(arrays), "a.npz"),
                              {.format = "npz", .policy = DecodePolicy::kSkip}));
+}
+
+TEST(TableText, UnitsInNamesAreUnderstoodOrRefused) {
+  const auto with = [](const char* name, int64_t times) {
+    return cat(name, ",x,y,p\n") +
+           text_of(events(), [times](const Event& e) { return cat(e.t * times, ',', e.x, ',', e.y, ',', int{e.p}); });
+  };
+  for (const char* name : {"tns", "nanos", "t (ns since start)", "time_ns_since_epoch", "Zeit in Nanosekunden",
+                           "timestamp(int64 ns)", "t (10^-9 s)", "t_nano", "时间戳(纳秒)"}) {
+    expect_events(with(name, 1000), name);
+  }
+  for (const char* name :
+       {"t (100ns)", "t_10us", "t [0.1 ms]", "time [1/2000 s]", "t_ps", "t (min)", "t (h)", "time (x1000 ns)"}) {
+    const auto reader = open_text(with(name, 1));
+    if (std::string_view(name) == "time (x1000 ns)") {  // which are microseconds
+      EXPECT_TRUE(reader.ok()) << name;
+      continue;
+    }
+    ASSERT_FALSE(reader.ok()) << name;
+    EXPECT_EQ(reader.error().setting, Setting::kTimeUnit) << name;
+  }
+  // A counter beside the times.
+  expect_events("timestamp,time_us,x,y,p\n" + text_of(events(),
+                                                      [i = 0](const Event& e) mutable {
+                                                        return cat(i++, ',', e.t, ',', e.x, ',', e.y, ',', int{e.p});
+                                                      }),
+                "a counter");
+}
+
+TEST(TableText, PolaritiesAreWhatTheHeaderStates) {
+  const auto inverted = text_of(events(), [](const Event& e) { return cat(e.t, ',', e.x, ',', e.y, ',', 1 - e.p); });
+  for (const char* header : {"# polarity: 0 = ON, 1 = OFF", "# polarity (0=on, 1=off)", "# p: 1 = darker, 0 = brighter",
+                             "# ON=0 OFF=1", "# polarity: 1 means OFF", "# polarity(off/on=1/0)"}) {
+    expect_events(cat(header, "\nt,x,y,p\n") + inverted, header);
+  }
+  for (const char* header :
+       {"# ON=1, OFF=0", "# p=0 is OFF", "# polarity(off/on=0/1)", "# c_on = 0", "# bias_off = 1"}) {
+    expect_events(cat(header, "\nt,x,y,p\n") + text_of(events(), txyp_commas), header);
+  }
+  expect_events("t,x,y,polarity (0 = OFF, 1 = ON)\n" + text_of(events(), txyp_commas), "in a name");
+  const auto negative = open_text(
+      "t,x,y,p\n" + text_of(events(), [](const Event& e) { return cat(e.t, ',', e.x, ',', e.y, ',', -int{e.p}); }));
+  ASSERT_FALSE(negative.ok());
+  EXPECT_EQ(negative.error().setting, Setting::kColumns);
+}
+
+TEST(TableText, SizesOfOtherThingsAreNotThatOfTheSensor) {
+  const auto size_with = [](const char* header) {
+    const auto reader = open_text(cat(header, "\nt,x,y,p\n") + text_of(events(), txyp_commas));
+    EXPECT_TRUE(reader.ok());
+    return std::pair((*reader)->info().width, (*reader)->info().height);
+  };
+  for (const char* header :
+       {"# pixel size: 18x18 um", "# tile size: 16x16", "# display size: 1920x1080", "# resolution of the mask: 32x24",
+        "# kernel size 3x3", "# checkerboard: width=9 height=6"}) {
+    EXPECT_EQ(size_with(header), (std::pair<size_t, size_t>(0, 0))) << header;
+  }
+  for (const char* header :
+       {"# size (h, w): 48 64", "# resolution: 48x64 (HxW)", "# sensor_resolution: [48, 64]", "# sensor size 64x48"}) {
+    EXPECT_EQ(size_with(header), (std::pair<size_t, size_t>(64, 48))) << header;
+  }
+}
+
+TEST(Tables, UnusedRowsOfZerosAreDroppedAndCounted) {
+  const EventColumns all = events();
+  NpzArrays arrays;
+  const auto padded = [](auto column) {
+    column.resize(column.size() + 500);
+    std::fill(column.end() - 500, column.end(), 0);
+    return column;
+  };
+  arrays["x"] = column<int32_t>(padded(all.x));
+  arrays["y"] = column<int32_t>(padded(all.y));
+  arrays["p"] = column<uint8_t>(padded(all.p));
+  arrays["t"] = column<int64_t>(padded(all.t));
+  auto reader =
+      open_recording(make_memory_source(encode_npz(arrays), "a.npz"), {.format = "npz", .policy = DecodePolicy::kSkip});
+  ASSERT_TRUE(reader.ok()) << reader.error().text();
+  EXPECT_TRUE(read_all(**reader)->events == all);
+  EXPECT_EQ((*reader)->summary().of(Violation::kZeros).count, 500U);
 }
 
 TEST(TableArrays, UnitsInNamesAndPolaritiesWithoutASignAreRead) {

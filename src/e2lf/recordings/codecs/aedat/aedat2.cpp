@@ -42,6 +42,11 @@ constexpr AddressBits kDavis = {0, 0x80000000, 0x400, 12, 0x3FF, 22, 0x1FF, 11, 
 /// The low bits of an external event of a DAVIS; other values are rising edges or pulses.
 constexpr uint32_t kFallingEdge = 2, kEdgeMask = 0x7;
 
+/// Polarities of triggers among events.
+constexpr uint8_t kFallingTrigger = 2, kRisingTrigger = 3;
+
+/// Events and triggers are one sequence: only their order tells to which part a trigger beside a restart belongs. The
+/// blocks contain triggers as events with the polarities above.
 class Aedat2Blocks final : public EventBlocks {
  public:
   Aedat2Blocks(std::unique_ptr<ByteSource> source, const AddressBits& bits, size_t width, size_t height)
@@ -96,7 +101,7 @@ class Aedat2Blocks final : public EventBlocks {
     const int64_t t_us = clock_(load_big_endian(record + 4));
     if ((address & bits_.external) != 0) {
       const bool is_falling = !bits_.on_is_zero && (address & kEdgeMask) == kFallingEdge;
-      block.triggers.push_back({t_us, 0, static_cast<uint8_t>(is_falling ? 0 : 1)});
+      block.events.push_back({0, 0, is_falling ? kFallingTrigger : kRisingTrigger, t_us});
       return;
     }
     // A column or row beyond the sensor remains outside it.
@@ -112,6 +117,38 @@ class Aedat2Blocks final : public EventBlocks {
   size_t width_, height_;
   uint64_t header_bytes_;
   dat::TimeUnwrapper clock_;
+};
+
+/// Moves the triggers among the events of blocks to where they belong.
+class TriggersApart final : public EventBlocks {
+ public:
+  explicit TriggersApart(std::unique_ptr<EventBlocks> blocks) : blocks_(std::move(blocks)) {}
+
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    E2LF_ASSIGN_OR_RETURN(const bool more, blocks_->next(block, summary));
+    EventColumns& events = block.events;
+    size_t kept = 0;
+    for (size_t i = 0; i < events.size(); ++i) {
+      const Event event = events[i];
+      if (event.p >= kFallingTrigger) {
+        block.triggers.push_back({event.t, 0, static_cast<uint8_t>(event.p - kFallingTrigger)});
+        continue;
+      }
+      events.x[kept] = event.x;
+      events.y[kept] = event.y;
+      events.p[kept] = event.p;
+      events.t[kept] = event.t;
+      ++kept;
+    }
+    events.resize(kept);
+    return more;
+  }
+
+  [[nodiscard]] std::span<const Restart> restarts() const override { return blocks_->restarts(); }
+  Result<void> seek_before(int64_t t_us) override { return blocks_->seek_before(t_us); }
+
+ private:
+  std::unique_ptr<EventBlocks> blocks_;
 };
 
 struct Camera {
@@ -172,9 +209,9 @@ Result<std::unique_ptr<RecordingReader>> open_aedat2(std::unique_ptr<ByteSource>
     return Error{ErrorCode::kFormat, cat("this is not an AEDAT 2 recording, whose first line is ", kVersionLine), name};
   }
   E2LF_ASSIGN_OR_RETURN(Camera camera, find_camera(*source, header, options));
-  auto blocks = std::make_unique<Aedat2Blocks>(std::move(source), camera.bits, camera.info.width, camera.info.height);
-  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(camera.info), name,
-                           options);
+  auto records = std::make_unique<Aedat2Blocks>(std::move(source), camera.bits, camera.info.width, camera.info.height);
+  auto blocks = std::make_unique<TriggersApart>(make_continued(std::move(records), EventOrder::kByTime));
+  return make_block_reader(std::move(blocks), std::move(camera.info), name, options);
 }
 
 }  // namespace e2lf::recordings::aedat

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "e2lf/recordings/recording.h"
+#include "testing/chunked_source.h"
 #include "testing/test_aedat.h"
 
 namespace e2lf::recordings::aedat {
@@ -14,14 +15,18 @@ struct Opened {
   DecodeSummary summary;
 };
 
-Opened open(const Bytes& bytes, OpenOptions options = {}) {
+Opened open(std::unique_ptr<ByteSource> source, OpenOptions options = {}) {
   options.policy = DecodePolicy::kSkip;
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options);
+  auto reader = open_recording(std::move(source), options);
   EXPECT_TRUE(reader.ok()) << reader.error().text();
   if (!reader) return {};
   auto batch = read_all(**reader);
   EXPECT_TRUE(batch.ok()) << batch.error().text();
   return {(*reader)->info(), batch.ok() ? *batch : EventBatch(), (*reader)->summary()};
+}
+
+Opened open(const Bytes& bytes, const OpenOptions& options = {}) {
+  return open(make_memory_source(std::span<const uint8_t>(bytes)), options);
 }
 
 TEST(Aedat2, Dvs128IsReadFromTheTopLeft) {
@@ -87,6 +92,26 @@ TEST(Aedat2, ACutRecordIsCounted) {
   const Opened opened = open(bytes);
   EXPECT_EQ(opened.batch.events.size(), 1U);
   EXPECT_EQ(opened.summary.of(Violation::kTruncated).count, 1U);
+}
+
+TEST(Aedat2, TriggersBesideARestartBelongToThePartOfTheirPlaceInAFileAndAPipe) {
+  constexpr uint32_t kTrigger = 0x8000;
+  std::vector<std::pair<uint32_t, uint32_t>> records;
+  std::vector<Trigger> expected;
+  for (const auto& [first_us, shift_us] : {std::pair<uint32_t, int64_t>{40'000, 0}, {50, 59'851}}) {
+    for (uint32_t i = 0; i < 200; ++i) {
+      const uint32_t t_us = first_us + 100 * i;
+      records.emplace_back(i % 3 == 0 ? kTrigger : 7 << 8 | 5 << 1, t_us);
+      if (i % 3 == 0) expected.push_back({t_us + shift_us, 0, 1});
+    }
+  }
+  const Bytes bytes = aedat2_file("# AEChip: DVS128\r\n", records);
+  const Opened file = open(bytes);
+  EXPECT_EQ(file.batch.triggers, expected);
+  EXPECT_EQ(file.summary.num_violations(), 0U);
+  for (const size_t step : {8U, 100U, 1000U}) {
+    EXPECT_EQ(open(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step)).batch, file.batch) << step;
+  }
 }
 
 TEST(Aedat3, PolarityAndSpecialEventsAreRead) {

@@ -11,27 +11,19 @@
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/dsec/event_places.h"
-#include "e2lf/recordings/codecs/dsec/sensor_size.h"
 #include "e2lf/recordings/stream_choice.h"
 #include "e2lf/recordings/table/column_names.h"
 #include "e2lf/recordings/table/number_columns.h"
-#include "e2lf/recordings/table/wrapped_times.h"
 #include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::hdf5_events {
 using e2lf::hdf5::CheckedFile;
+using table::Field;
 
 namespace {
 
 constexpr uint64_t kBlock = uint64_t{1} << 17;
 constexpr uint64_t kColumnChunk = uint64_t{1} << 15;
-
-/// One column of events: a data set that is read in its own numeric type.
-struct NumberColumn {
-  DatasetShape shape;
-  std::string member = {};        ///< field of the records; empty = not records
-  table::NumberField field = {};  ///< layout of the numbers in memory
-};
 
 struct KnownNumber {
   const char* type;  ///< numpy code
@@ -78,18 +70,19 @@ hid_t memory_type(const std::string& type) {
   return type == "f4" ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
 }
 
-Error no_numbers(const std::string& name, const std::string& location) {
-  return {ErrorCode::kUnsupported, cat("data set ", name, " does not hold numbers; store x, y, p and t as numbers"),
-          location};
-}
-
-/// Returns the unit that an attribute of the times states.
-TimeUnit unit_of_attribute(hid_t dataset) {
-  for (const char* name : {"unit", "units"}) {
-    const TimeUnit unit = table::parse_time_unit(read_text_attribute(dataset, name));
-    if (unit != TimeUnit::kAuto) return unit;
+/// Adds what attributes state about times: those of the times themselves, of their group and of the file.
+void read_time_attributes(hid_t file, hid_t times, const std::string& group, table::TableSample& sample) {
+  const Handle parent(H5Gopen2(file, group.empty() ? "/" : group.c_str(), H5P_DEFAULT), H5Gclose);
+  for (const hid_t object : {times, parent.get(), file}) {
+    if (object < 0) continue;
+    for (const auto& [name, text] : read_text_attributes(object, /*with_numbers=*/true)) {
+      const table::TimeStatement told = table::times_in_sentence(cat(object == times ? "time " : "", name, ": ", text));
+      for (table::TableSample::Column& column : sample.columns) {
+        if (column.unit == TimeUnit::kAuto) column.unit = told.unit;
+      }
+      if (sample.tick_s == 0) sample.tick_s = told.tick_s;
+    }
   }
-  return TimeUnit::kAuto;
 }
 
 /// Returns the offset of the times of a file in microseconds; 0 if there is no t_offset. Its unit is that of the times
@@ -123,9 +116,57 @@ Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit uni
   return offset_us;
 }
 
-/// Reads events by rows, from columns or from the rows of one data set.
-class RowBlocks : public EventBlocks {
+/// Events in the columns x, y, p and t: data sets, fields of a data set of records, or a data set [events, 4] or [4,
+/// events]. Numbers are read in their own type.
+class ColumnBlocks final : public EventBlocks {
  public:
+  Result<void> open(hid_t file, const EventPlace& place, const OpenOptions& options, const std::string& name,
+                    RecordingInfo& info) {
+    table::TableSample sample;
+    sample.is_ordered = !place.rows.empty() && place.fields[0].empty();
+    location_ = cat(name, ": ", place.rows.empty() ? place.name : place.rows);
+    if (sample.is_ordered) {
+      E2LF_RETURN_IF_ERROR(add_rows(file, place.rows, name));
+    } else {
+      for (size_t i = 0; i < table::kNumFields; ++i) {
+        const std::string& dataset = place.rows.empty() ? place.columns[i] : place.rows;
+        E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_dataset(file, dataset, name));
+        E2LF_RETURN_IF_ERROR(add_part(std::move(shape), place.fields[i], cat(name, ": ", dataset)));
+      }
+    }
+    length_ = parts_[0].shape.length;
+    for (const Part& part : parts_) {
+      is_cut_ |= part.shape.is_cut;
+      if (part.shape.length == length_) continue;
+      return Error{ErrorCode::kShape, "the columns of events differ in length; the file is damaged", name};
+    }
+    const uint64_t count = std::min<uint64_t>(length_, table::kSampledRows);
+    E2LF_RETURN_IF_ERROR(read(0, count));
+    for (size_t i = 0; i < columns_.size(); ++i) {
+      const std::string& dataset = place.columns[i];
+      const std::string field = !place.fields[i].empty() ? place.fields[i] : dataset.substr(dataset.rfind('/') + 1);
+      const NumberColumn& column = columns_[i];
+      sample.columns.push_back({sample.is_ordered ? "" : field, TimeUnit::kAuto, values(column, count),
+                                table::is_integer_type(column.field.type), column.field.type == "f4"});
+    }
+    const std::string group = place.rows.empty() && place.name != "/" ? place.name : "";
+    read_time_attributes(file, parts_.back().shape.dataset.get(), group, sample);
+    uint64_t further = 0;
+    sample.more_values = [&](size_t i, bool is_first) -> Result<std::vector<double>> {
+      if (is_first) further = count;
+      const uint64_t rows = std::min(kBlock, length_ - further);
+      E2LF_RETURN_IF_ERROR(read(parts_[columns_[i].part], further, rows));
+      further += rows;
+      return values(columns_[i], rows);
+    };
+    E2LF_ASSIGN_OR_RETURN(layout_, decide_layout(std::move(sample), options, name, info));
+    E2LF_ASSIGN_OR_RETURN(offset_us_, read_offset(file, options, layout_.unit, name));
+    return {};
+  }
+
+  [[nodiscard]] TimeUnit unit() const { return layout_.unit; }
+  [[nodiscard]] int64_t zero_us() const { return offset_us_; }
+
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     const LibraryLock lock;
     block.clear();
@@ -135,16 +176,20 @@ class RowBlocks : public EventBlocks {
       is_cut_ = false;
       return false;
     }
-    Column<uint8_t> bad(count);
-    std::fill(bad.begin(), bad.end(), uint8_t{0});
-    block.events.resize(count);
-    E2LF_RETURN_IF_ERROR(read_rows(next_, count, block.events, bad));
-    for (size_t i = 0; i < count; ++i) {
+    E2LF_RETURN_IF_ERROR(read(next_, count));
+    Column<uint8_t> bad(count, 0);
+    EventColumns& events = block.events;
+    events.resize(count);
+    const NumberColumn &x = column(Field::kX), &y = column(Field::kY), &p = column(Field::kP);
+    table::to_column(numbers(x), x.field, count, events.x.data(), bad.data());
+    table::to_column(numbers(y), y.field, count, events.y.data(), bad.data());
+    table::to_polarities(numbers(p), p.field, layout_.polarity, count, events.p.data(), bad.data());
+    take_times(count, events.t.data(), bad.data());
+    for (int64_t& t_us : events.t) {
       // An invalid time stays invalid, and EventGate drops it.
-      int64_t& t_us = block.events.t[i];
       t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
     }
-    const size_t num_bad = table::remove_bad(block.events, 0, bad);
+    const size_t num_bad = table::remove_bad(events, 0, bad);
     summary.add(Violation::kBadRecord, 0, num_bad);
     summary.dropped_words += num_bad;
     next_ += count;
@@ -157,7 +202,8 @@ class RowBlocks : public EventBlocks {
       const auto count = std::min<uint64_t>(kTimesPerProbe, length_ - i);
       Column<uint8_t> bad(count);
       std::vector<int64_t> times_us(count);
-      E2LF_RETURN_IF_ERROR(read_times(i, count, times_us.data(), bad.data()));
+      E2LF_RETURN_IF_ERROR(read(parts_[column(Field::kT).part], i, count));
+      take_times(count, times_us.data(), bad.data());
       const int64_t since_us = median_time(std::move(times_us));
       return is_time(since_us) ? since_us + offset_us_ : since_us;
     };
@@ -165,219 +211,78 @@ class RowBlocks : public EventBlocks {
     return {};
   }
 
- protected:
-  /// Reads rows; sets `bad` for those that are not events.
-  virtual Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) = 0;
-  virtual Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) = 0;
+ private:
+  /// What is read at once: a data set, a row of it, or one field of its records.
+  struct Part {
+    DatasetShape shape;
+    std::string member = {};  ///< field of the records; empty = not records
+    std::string type = {};
+    std::vector<uint8_t> numbers = {};  ///< the rows that were read last
+  };
+  struct NumberColumn {
+    size_t part = 0;
+    table::NumberField field = {};
+  };
 
-  /// Reads rows, or only the field `member` of records, to numbers_.
-  Result<const uint8_t*> read_numbers(const DatasetShape& shape, const std::string& type, uint64_t begin,
-                                      uint64_t count, const std::string& member = "") {
-    numbers_.resize(count * shape.columns * element_size(type));
+  /// Adds the columns of a data set [events, 4] or [4, events].
+  Result<void> add_rows(hid_t file, const std::string& dataset, const std::string& name) {
+    E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_matrix(file, dataset, name));
+    if (shape.columns == table::kNumFields) return add_part(std::move(shape), "", location_);
+    if (shape.storage.extents[0] != table::kNumFields) {
+      return Error{ErrorCode::kShape, cat("the data set has ", shape.columns, " columns; store t, x, y, p"), location_};
+    }
+    for (size_t row = 0; row < table::kNumFields; ++row) {
+      E2LF_ASSIGN_OR_RETURN(DatasetShape part, open_row(file, dataset, row, name));
+      E2LF_RETURN_IF_ERROR(add_part(std::move(part), "", location_));
+    }
+    return {};
+  }
+
+  Result<void> add_part(DatasetShape shape, const std::string& member, const std::string& place) {
+    const std::string type = number_type(shape.dataset.get(), member);
+    if (type.empty()) {
+      return Error{ErrorCode::kUnsupported, "these are not numbers; store x, y, p and t as numbers",
+                   member.empty() ? place : cat(place, ": ", member)};
+    }
+    const size_t item = element_size(type), columns = shape.columns;
+    for (size_t i = 0; i < columns; ++i) columns_.push_back({parts_.size(), {type, i * item, columns * item}});
+    parts_.push_back({std::move(shape), member, type});
+    return {};
+  }
+
+  Result<void> read(Part& part, uint64_t begin, uint64_t count) const {
+    part.numbers.resize(count * part.shape.columns * element_size(part.type));
     Handle record;
-    if (!member.empty()) {
-      record = Handle(H5Tcreate(H5T_COMPOUND, element_size(type)), H5Tclose);
-      H5Tinsert(record.get(), member.c_str(), 0, memory_type(type));
+    if (!part.member.empty()) {
+      record = Handle(H5Tcreate(H5T_COMPOUND, element_size(part.type)), H5Tclose);
+      H5Tinsert(record.get(), part.member.c_str(), 0, memory_type(part.type));
     }
-    const hid_t memory = member.empty() ? memory_type(type) : record.get();
-    E2LF_RETURN_IF_ERROR(read_elements(shape, memory, begin, count, numbers_.data(), location_));
-    return static_cast<const uint8_t*>(numbers_.data());
+    const hid_t memory = part.member.empty() ? memory_type(part.type) : record.get();
+    return read_elements(part.shape, memory, begin, count, part.numbers.data(), location_);
   }
-  Result<const uint8_t*> read_numbers(const NumberColumn& column, uint64_t begin, uint64_t count) {
-    return read_numbers(column.shape, column.field.type, begin, count, column.member);
-  }
-
-  /// Returns the first number after the sample for which is_wanted() is true.
-  Result<std::optional<double>> find_further(const DatasetShape& shape, const table::NumberField& field,
-                                             const table::TableSample::IsWanted& is_wanted,
-                                             const std::string& member = "") {
-    for (uint64_t begin = table::kSampledRows; begin < length_; begin += kBlock) {
-      const uint64_t count = std::min(kBlock, length_ - begin);
-      E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape, field.type, begin, count, member));
-      const auto values = table::to_doubles(numbers, field, count);
-      const auto wanted = std::find_if(values.begin(), values.end(), is_wanted);
-      if (wanted != values.end()) return std::optional<double>(*wanted);
-    }
-    return std::optional<double>();
+  Result<void> read(uint64_t begin, uint64_t count) {
+    for (Part& part : parts_) E2LF_RETURN_IF_ERROR(read(part, begin, count));
+    return {};
   }
 
- public:
-  [[nodiscard]] TimeUnit unit() const { return unit_; }
+  [[nodiscard]] const NumberColumn& column(Field field) const { return columns_[layout_.columns[table::of(field)]]; }
+  [[nodiscard]] const uint8_t* numbers(const NumberColumn& column) const { return parts_[column.part].numbers.data(); }
+  [[nodiscard]] std::vector<double> values(const NumberColumn& column, uint64_t count) const {
+    return table::to_doubles(numbers(column), column.field, count);
+  }
+  void take_times(uint64_t count, int64_t* times_us, uint8_t* bad) const {
+    const NumberColumn& t = column(Field::kT);
+    table::to_times(numbers(t), t.field, layout_.unit, count, times_us, bad);
+  }
 
- protected:
   std::string location_;
-  TimeUnit unit_ = TimeUnit::kAuto;
-  table::PolarityCode polarity_;
+  std::vector<Part> parts_;
+  std::vector<NumberColumn> columns_;
+  table::TableLayout layout_;
   int64_t offset_us_ = 0;
-  uint64_t length_ = 0;
+  uint64_t length_ = 0, next_ = 0;
   bool is_cut_ = false;
-
- private:
-  std::vector<uint8_t> numbers_;
-  uint64_t next_ = 0;
 };
-
-class ColumnBlocks final : public RowBlocks {
- public:
-  /// Opens the columns x, y, p and t: data sets, fields of a data set of records, or the rows of a data set [4,
-  /// events].
-  static Result<std::unique_ptr<ColumnBlocks>> open(hid_t file, const EventPlace& place, const OpenOptions& options,
-                                                    const std::string& location, RecordingInfo& info) {
-    auto blocks = std::make_unique<ColumnBlocks>();
-    const bool are_records = !place.fields[0].empty(), are_rows = !place.rows.empty() && !are_records;
-    blocks->location_ = cat(location, ": ", place.rows.empty() ? place.name : place.rows);
-    std::array<std::string, 4> names;
-    for (size_t i = 0; i < 4; ++i) {
-      NumberColumn& column = blocks->columns_[i];
-      const std::string& dataset = place.rows.empty() ? place.columns[i] : place.rows;
-      if (are_rows) {
-        E2LF_ASSIGN_OR_RETURN(column.shape, open_row(file, dataset, i, location));
-      } else {
-        E2LF_ASSIGN_OR_RETURN(column.shape, open_dataset(file, dataset, location));
-      }
-      if (are_records) column.member = place.fields[i];
-      if (!are_rows) names[i] = are_records ? place.fields[i] : dataset.substr(dataset.rfind('/') + 1);
-      const std::string type = number_type(column.shape.dataset.get(), column.member);
-      column.field = {type, 0, element_size(type)};
-      if (type.empty()) return no_numbers(are_records ? cat(dataset, ": ", names[i]) : dataset, location);
-      blocks->is_cut_ |= column.shape.is_cut;
-    }
-    blocks->length_ = blocks->columns_[3].shape.length;
-    for (const NumberColumn& column : blocks->columns_) {
-      if (column.shape.length != blocks->length_) {
-        return Error{ErrorCode::kShape, "the columns of events differ in length; the file is damaged", location};
-      }
-    }
-    E2LF_RETURN_IF_ERROR(blocks->decide(names, are_rows, options, location, info));
-    E2LF_ASSIGN_OR_RETURN(blocks->offset_us_, read_offset(file, options, blocks->unit_, location));
-    return blocks;
-  }
-
- private:
-  Result<void> decide(const std::array<std::string, 4>& names, bool is_ordered, const OpenOptions& options,
-                      const std::string& location, RecordingInfo& info) {
-    table::TableSample sample;
-    sample.is_ordered = is_ordered;
-    const uint64_t count = std::min<uint64_t>(length_, table::kSampledRows);
-    for (size_t i = 0; i < 4; ++i) {
-      const NumberColumn& column = columns_[i];
-      E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column, 0, count));
-      const bool has_own = column.member.empty() && !is_ordered;
-      sample.columns.push_back({names[i], has_own ? unit_of_attribute(column.shape.dataset.get()) : TimeUnit::kAuto,
-                                table::to_doubles(numbers, column.field, count),
-                                table::is_integer_type(column.field.type), column.field.type == "f4"});
-    }
-    sample.find_further = [&](size_t i, const auto& is_wanted) {
-      return find_further(columns_[i].shape, columns_[i].field, is_wanted, columns_[i].member);
-    };
-    E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, location, info));
-    unit_ = layout.unit;
-    polarity_ = layout.polarity;
-    if (!is_ordered) return {};
-    const auto [x, y, p, t] = layout.columns;
-    std::array<NumberColumn, 4> in_order;
-    for (size_t i = 0; const size_t from : {x, y, p, t}) in_order[i++] = std::move(columns_[from]);
-    columns_ = std::move(in_order);
-    return {};
-  }
-
-  template <typename T>
-  Result<void> read(const NumberColumn& column, uint64_t begin, uint64_t count, T* out, uint8_t* bad) {
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column, begin, count));
-    table::to_column(numbers, column.field, count, out, bad);
-    return {};
-  }
-
-  Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) override {
-    E2LF_RETURN_IF_ERROR(read(columns_[0], begin, count, events.x.data(), bad.data()));
-    E2LF_RETURN_IF_ERROR(read(columns_[1], begin, count, events.y.data(), bad.data()));
-    const NumberColumn& polarities = columns_[2];
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(polarities, begin, count));
-    table::to_polarities(numbers, polarities.field, polarity_, count, events.p.data(), bad.data());
-    return read_times(begin, count, events.t.data(), bad.data());
-  }
-
-  Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) override {
-    const NumberColumn& column = columns_[3];
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(column, begin, count));
-    table::to_times(numbers, column.field, unit_, count, times_us, bad);
-    return {};
-  }
-
-  std::array<NumberColumn, 4> columns_;  ///< x, y, p, t
-};
-
-class MatrixBlocks final : public RowBlocks {
- public:
-  static Result<std::unique_ptr<MatrixBlocks>> open(hid_t file, const std::string& rows, const OpenOptions& options,
-                                                    const std::string& location, RecordingInfo& info) {
-    auto blocks = std::make_unique<MatrixBlocks>();
-    blocks->location_ = cat(location, ": ", rows);
-    E2LF_ASSIGN_OR_RETURN(blocks->shape_, open_matrix(file, rows, location));
-    blocks->type_ = number_type(blocks->shape_.dataset.get());
-    if (blocks->type_.empty()) return no_numbers(rows, location);
-    if (blocks->shape_.columns != 4) {
-      return Error{ErrorCode::kShape, cat("the data set has ", blocks->shape_.columns, " columns; store t, x, y, p"),
-                   blocks->location_};
-    }
-    blocks->length_ = blocks->shape_.length;
-    blocks->is_cut_ = blocks->shape_.is_cut;
-    const uint64_t count = std::min<uint64_t>(blocks->length_, table::kSampledRows);
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, blocks->read_numbers(blocks->shape_, blocks->type_, 0, count));
-    const size_t item = element_size(blocks->type_);
-    const auto field_of = [&](size_t i) { return table::NumberField{blocks->type_, i * item, 4 * item}; };
-    table::TableSample sample;
-    for (size_t i = 0; i < 4; ++i) {
-      sample.columns.push_back({"", TimeUnit::kAuto, table::to_doubles(numbers, field_of(i), count),
-                                table::is_integer_type(blocks->type_), blocks->type_ == "f4"});
-    }
-    sample.find_further = [&](size_t i, const auto& is_wanted) {
-      return blocks->find_further(blocks->shape_, field_of(i), is_wanted);
-    };
-    E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, location, info));
-    const auto [x, y, p, t] = layout.columns;
-    blocks->fields_ = {field_of(x), field_of(y), field_of(p), field_of(t), layout.unit, layout.polarity};
-    blocks->unit_ = layout.unit;
-    return blocks;
-  }
-
- private:
-  Result<void> read_rows(uint64_t begin, uint64_t count, EventColumns& events, Column<uint8_t>& bad) override {
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape_, type_, begin, count));
-    table::to_column(numbers, fields_.x, count, events.x.data(), bad.data());
-    table::to_column(numbers, fields_.y, count, events.y.data(), bad.data());
-    table::to_polarities(numbers, fields_.p, fields_.polarity, count, events.p.data(), bad.data());
-    table::to_times(numbers, fields_.t, unit_, count, events.t.data(), bad.data());
-    return {};
-  }
-
-  Result<void> read_times(uint64_t begin, uint64_t count, int64_t* times_us, uint8_t* bad) override {
-    E2LF_ASSIGN_OR_RETURN(const uint8_t* numbers, read_numbers(shape_, type_, begin, count));
-    table::to_times(numbers, fields_.t, unit_, count, times_us, bad);
-    return {};
-  }
-
-  DatasetShape shape_;
-  std::string type_;
-  table::RecordFields fields_;
-};
-
-template <typename Blocks>
-Result<std::unique_ptr<EventBlocks>> unwrapped(Result<std::unique_ptr<Blocks>> opened) {
-  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Blocks> blocks, std::move(opened));
-  const TimeUnit unit = blocks->unit();
-  return table::make_unwrapped(std::move(blocks), unit);
-}
-
-Result<std::unique_ptr<EventBlocks>> open_place(hid_t file, const EventPlace& place, const OpenOptions& options,
-                                                const std::string& location, RecordingInfo& info) {
-  const bool is_matrix = !place.rows.empty() && place.fields[0].empty();
-  if (!is_matrix) return unwrapped(ColumnBlocks::open(file, place, options, location, info));
-  E2LF_ASSIGN_OR_RETURN(const DatasetShape shape, open_matrix(file, place.rows, location));
-  const bool is_flat = shape.storage.extents[0] == 4 && shape.columns != 4;
-  return is_flat ? unwrapped(ColumnBlocks::open(file, place, options, location, info))
-                 : unwrapped(MatrixBlocks::open(file, place.rows, options, location, info));
-}
 
 class DsecWriter final : public RecordingWriter {
  public:
@@ -469,8 +374,8 @@ class DsecWriter final : public RecordingWriter {
 
 }  // namespace
 
-Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options, const std::string& location,
-                                                  RecordingInfo& info) {
+Result<TableOfEvents> open_columns(hid_t file, const OpenOptions& options, const std::string& location,
+                                   RecordingInfo& info) {
   const LibraryLock lock;
   const std::vector<EventPlace> places = find_event_places(file);
   if (!places.empty()) {
@@ -481,7 +386,11 @@ Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions&
       E2LF_ASSIGN_OR_RETURN(chosen, choose_stream(streams, options, location, info));
     }
     if (info.width == 0) read_sensor_size(file, places[chosen].name, info);
-    return open_place(file, places[chosen], options, location, info);
+    auto blocks = std::make_unique<ColumnBlocks>();
+    E2LF_RETURN_IF_ERROR(blocks->open(file, places[chosen], options, location, info));
+    const TimeUnit unit = blocks->unit();
+    const int64_t zero_us = blocks->zero_us();
+    return TableOfEvents{std::move(blocks), unit, zero_us};
   }
   return Error{
       ErrorCode::kNotFound,

@@ -23,7 +23,12 @@ namespace e2lf::recordings::hdf5_events {
 /// options.stream selects one by its number or name. OpenOptions::time_unit states the unit of the times. Assumptions
 /// are added to `info`. Fails with kNotFound if the file contains no table, and with kShape if columns differ in
 /// length.
-[[nodiscard]] Result<std::unique_ptr<EventBlocks>> open_columns(hid_t file, const OpenOptions& options,
-                                                                const std::string& location, RecordingInfo& info);
+struct TableOfEvents {
+  std::unique_ptr<EventBlocks> blocks;
+  TimeUnit unit = TimeUnit::kMicroseconds;
+  int64_t zero_us = 0;  ///< time of a row of zeros
+};
+[[nodiscard]] Result<TableOfEvents> open_columns(hid_t file, const OpenOptions& options, const std::string& location,
+                                                 RecordingInfo& info);
 
 }  // namespace e2lf::recordings::hdf5_events

@@ -2,6 +2,7 @@
 #include "e2lf/recordings/codecs/dsec/event_places.h"
 
 #include <algorithm>
+#include <cstdint>
 
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/table/column_names.h"
@@ -44,40 +45,34 @@ std::vector<Object> members_of(hid_t file, const std::string& group, size_t& num
   return members;
 }
 
-/// Collects the names of the fields; of two names for one field, the better one is used.
-class FieldNames {
- public:
-  void add(const std::string& name, const std::string& path) {
-    const table::ColumnName known = table::parse_column_name(name);
-    if (!known.field) return;
-    auto& [rank, chosen] = best_[static_cast<size_t>(*known.field)];
-    if (!chosen.empty() && rank <= known.rank) return;
-    rank = known.rank;
-    chosen = path;
-  }
-  [[nodiscard]] const std::string& of(table::Field field) const { return best_[static_cast<size_t>(field)].second; }
-  [[nodiscard]] std::array<std::string, 4> all() const {
-    return {best_[0].second, best_[1].second, best_[2].second, best_[3].second};
-  }
-  [[nodiscard]] bool are_complete() const {
-    return std::none_of(best_.begin(), best_.end(), [](const auto& field) { return field.second.empty(); });
-  }
+/// The names of x, y, p and t; empty = none.
+using FieldNames = std::array<std::string, table::kNumFields>;
 
- private:
-  std::array<std::pair<size_t, std::string>, table::kNumFields> best_;
-};
+FieldNames field_names(const std::vector<std::string>& names) {
+  const table::KnownColumns known = table::find_fields(names);
+  FieldNames found;
+  for (size_t field = 0; field < found.size(); ++field) {
+    if (known[field]) found[field] = names[*known[field]];
+  }
+  return found;
+}
 
-/// Returns the names of the fields x, y, p and t of a data set of records; all are empty unless it has all of them.
-std::array<std::string, 4> fields_of_records(hid_t dataset) {
+bool are_complete(const FieldNames& names) {
+  return std::none_of(names.begin(), names.end(), [](const std::string& name) { return name.empty(); });
+}
+
+/// Returns the names of the fields x, y, p and t of records, or empty names if a data set has none.
+FieldNames fields_of_records(hid_t dataset) {
   const Handle type(H5Dget_type(dataset), H5Tclose);
-  FieldNames names;
   if (!type.valid() || H5Tget_class(type.get()) != H5T_COMPOUND) return {};
+  std::vector<std::string> names;
   for (unsigned i = 0; i < static_cast<unsigned>(std::max(0, H5Tget_nmembers(type.get()))); ++i) {
     char* const name = H5Tget_member_name(type.get(), i);
-    if (name != nullptr) names.add(name, name);
+    if (name != nullptr) names.emplace_back(name);
     H5free_memory(name);
   }
-  return names.are_complete() ? names.all() : std::array<std::string, 4>();
+  FieldNames fields = field_names(names);
+  return are_complete(fields) ? fields : FieldNames();
 }
 
 class Search {
@@ -86,15 +81,20 @@ class Search {
 
   void look_into(const std::string& group, int depth) {
     const std::vector<Object> members = members_of(file_, group, num_left_);
-    FieldNames names;
+    std::vector<std::string> datasets;
     for (const Object& member : members) {
-      if (!member.is_group) names.add(member.name, path_in(group, member.name));
+      if (!member.is_group) datasets.push_back(member.name);
     }
+    FieldNames names = field_names(datasets);
     const bool is_usual = group == "events" || group.empty();
-    const bool has_some = !names.of(table::Field::kT).empty() &&
-                          !(names.of(table::Field::kX).empty() && names.of(table::Field::kY).empty());
-    if (names.are_complete() || (is_usual && has_some)) {
-      add({group.empty() ? "/" : group, with_usual_names(names.all(), group), "", {}}, is_usual);
+    const bool has_some = !names[table::of(table::Field::kT)].empty() &&
+                          !(names[table::of(table::Field::kX)].empty() && names[table::of(table::Field::kY)].empty());
+    if (are_complete(names) || (is_usual && has_some)) {
+      for (size_t field = 0; field < names.size(); ++field) {
+        if (names[field].empty()) names[field] = std::string(1, table::kFieldLetters[field]);
+        names[field] = path_in(group, names[field]);
+      }
+      add({group.empty() ? "/" : group, names, "", {}}, is_usual);
     } else {
       for (const Object& member : members) {
         if (!member.is_group) look_at_rows(group, member.name);
@@ -108,20 +108,13 @@ class Search {
   std::vector<EventPlace> places;
 
  private:
-  static std::array<std::string, 4> with_usual_names(std::array<std::string, 4> names, const std::string& group) {
-    for (size_t field = 0; field < names.size(); ++field) {
-      if (names[field].empty()) names[field] = path_in(group, std::string(1, table::kFieldLetters[field]));
-    }
-    return names;
-  }
-
   void look_at_rows(const std::string& group, const std::string& name) {
     const std::string path = path_in(group, name);
     const Handle dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!dataset.valid()) return;
     std::string lower = name;
     std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) { return static_cast<char>(c | 0x20); });
-    const std::array<std::string, 4> fields = fields_of_records(dataset.get());
+    const FieldNames fields = fields_of_records(dataset.get());
     const Handle space(H5Dget_space(dataset.get()), H5Sclose);
     const Handle type(H5Dget_type(dataset.get()), H5Tclose);
     const bool is_matrix = H5Sget_simple_extent_ndims(space.get()) == 2 && H5Tget_class(type.get()) != H5T_COMPOUND &&
@@ -138,12 +131,72 @@ class Search {
   size_t num_left_ = kMostObjects;
 };
 
+constexpr int64_t kWidestPx = 65536;
+
+bool is_number(hid_t type) {
+  return H5Tget_class(type) == H5T_INTEGER || H5Tget_class(type) == H5T_FLOAT;
+}
+
+/// Returns the one or two numbers of an attribute, or none if it does not exist.
+std::vector<int64_t> read_attribute(hid_t object, const char* name) {
+  if (H5Aexists(object, name) <= 0) return {};
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose), type(H5Aget_type(attribute.get()), H5Tclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+  if (count < 1 || count > 2 || !is_number(type.get())) return {};
+  std::vector<int64_t> numbers(static_cast<size_t>(count));
+  if (H5Aread(attribute.get(), H5T_NATIVE_INT64, numbers.data()) < 0) return {};
+  return numbers;
+}
+
+/// Returns the number in a data set of one element, or none if it does not exist.
+std::vector<int64_t> read_scalar(hid_t group, const char* name) {
+  if (H5Lexists(group, name, H5P_DEFAULT) <= 0) return {};
+  const Handle dataset(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
+  if (!dataset.valid()) return {};
+  const Handle type(H5Dget_type(dataset.get()), H5Tclose);
+  const auto storage = e2lf::hdf5::inspect_storage(dataset.get(), name);
+  if (!storage || storage->claimed_elements() != 1 || !is_number(type.get()) ||
+      !e2lf::hdf5::chunks_are_whole(dataset.get(), *storage)) {
+    return {};
+  }
+  std::vector<int64_t> number(1);
+  if (H5Dread(dataset.get(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, number.data()) < 0) return {};
+  return number;
+}
+
+/// Returns {width, height} as far as a group states them.
+std::vector<int64_t> size_in(hid_t group) {
+  std::vector<int64_t> size;
+  for (const char* name : {"width", "height"}) {
+    std::vector<int64_t> number = read_scalar(group, name);
+    if (number.empty()) number = read_attribute(group, name);
+    if (number.size() == 1) size.push_back(number[0]);
+  }
+  if (size.size() == 2) return size;
+  const std::vector<int64_t> resolution = read_attribute(group, "sensor_resolution");
+  return {resolution.rbegin(), resolution.rend()};
+}
+
 }  // namespace
 
 std::vector<EventPlace> find_event_places(hid_t file) {
   Search search(file);
   search.look_into("", 0);
   return std::move(search.places);
+}
+
+void read_sensor_size(hid_t file, const std::string& group, RecordingInfo& info) {
+  for (const std::string& place : {group, std::string("/")}) {
+    if (place != "/" && H5Lexists(file, place.c_str(), H5P_DEFAULT) <= 0) continue;
+    const Handle opened(H5Gopen2(file, place.c_str(), H5P_DEFAULT), H5Gclose);
+    if (!opened.valid()) continue;
+    const std::vector<int64_t> size = size_in(opened.get());
+    if (size.size() != 2 || size[0] < 1 || size[1] < 1 || size[0] > kWidestPx || size[1] > kWidestPx) continue;
+    info.width = static_cast<size_t>(size[0]);
+    info.height = static_cast<size_t>(size[1]);
+    return;
+  }
 }
 
 }  // namespace e2lf::recordings::hdf5_events

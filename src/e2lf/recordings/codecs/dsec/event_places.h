@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "e2lf/recordings/io/hdf5_file.h"
+#include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings::hdf5_events {
 
@@ -22,5 +23,10 @@ struct EventPlace {
 /// places (`events` and the root) come first, the others in the order of their paths. If a usual place contains only
 /// some of the columns, the missing ones have names for error messages. At most 10,000 objects are inspected.
 [[nodiscard]] std::vector<EventPlace> find_event_places(hid_t file);
+
+/// Reads the size of the sensor from a file: the numbers width and height in the group of the events or in the root, as
+/// data sets or attributes, or the attribute sensor_resolution = [height, width]. Does not change `info` if there are
+/// none.
+void read_sensor_size(hid_t file, const std::string& group, RecordingInfo& info);
 
 }  // namespace e2lf::recordings::hdf5_events

@@ -9,10 +9,9 @@
 #include "e2lf/recordings/codecs/metavision_hdf5/event_chunks.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
 #include "e2lf/recordings/continued_clock.h"
-#include "e2lf/recordings/lone_events.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/layout.h"
-#include "e2lf/recordings/time_sort.h"
+#include "e2lf/recordings/table/table_reader.h"
 
 namespace e2lf::recordings::hdf5_events {
 namespace {
@@ -98,10 +97,10 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
     }
   } else {
     info.format = "dsec";
-    E2LF_ASSIGN_OR_RETURN(blocks, open_columns(file.get(), options, name, info));
-    blocks = make_time_sorted(std::move(blocks), /*is_seekable=*/true, name);
-    blocks = make_lone_events_told(std::move(blocks), name, options);
+    E2LF_ASSIGN_OR_RETURN(TableOfEvents events, open_columns(file.get(), options, name, info));
     E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->logical_path()));
+    return table::make_table_reader(std::move(events.blocks), events.unit, /*is_seekable=*/true, std::move(info), name,
+                                    options, std::move(triggers), events.zero_us);
   }
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }

@@ -172,24 +172,15 @@ Result<std::vector<uint8_t>> first_records(ByteSource& source, const NpyHeader& 
   return records;
 }
 
-/// Returns the first number after the sample that is wanted. Leaves the source at the first record.
-Result<std::optional<double>> find_further(ByteSource& source, const NpyHeader& header, const NpyField& column,
-                                           const table::TableSample::IsWanted& is_wanted) {
+/// Returns the numbers of a column in the next records, or none at the end.
+Result<std::vector<double>> next_values(ByteSource& source, const NpyHeader& header, const NpyField& column) {
   const size_t item = header.array.item_size;
-  std::optional<double> found;
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kBlockBytes / item * item));
+  const size_t count = std::min(bytes.size(), kBlockBytes) / item;
   std::vector<uint8_t> records;
-  while (!found) {
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kBlockBytes / item * item));
-    const size_t count = std::min(bytes.size(), kBlockBytes) / item;
-    if (count == 0) break;
-    reverse_big_endian(bytes.first(count * item), header, records);
-    const auto values = table::to_doubles(records.data(), {column.type, column.offset, item}, count);
-    const auto wanted = std::find_if(values.begin(), values.end(), is_wanted);
-    if (wanted != values.end()) found = *wanted;
-    source.consume(count * item);
-  }
-  E2LF_RETURN_IF_ERROR(source.seek(header.data_offset));
-  return found;
+  reverse_big_endian(bytes.first(count * item), header, records);
+  source.consume(count * item);
+  return table::to_doubles(records.data(), {column.type, column.offset, item}, count);
 }
 
 /// Determines the positions of the fields of an event and how to read them; the source is positioned at the first
@@ -214,11 +205,13 @@ Result<RecordFields> decide_fields(ByteSource& source, const OpenOptions& option
                               table::is_integer_type(column.type), column.type == "f4"});
   }
   if (source.seekable()) {
-    sample.find_further = [&](size_t column, const auto& is_wanted) {
-      return find_further(source, header, columns[column], is_wanted);
+    sample.more_values = [&](size_t column, bool is_first) -> Result<std::vector<double>> {
+      if (is_first) E2LF_RETURN_IF_ERROR(source.seek(header.data_offset));
+      return next_values(source, header, columns[column]);
     };
   }
   E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, name, info));
+  if (source.seekable()) E2LF_RETURN_IF_ERROR(source.seek(header.data_offset));
   const auto [x, y, p, t] = layout.columns;
   return RecordFields{fields[x], fields[y], fields[p], fields[t], layout.unit, layout.polarity};
 }

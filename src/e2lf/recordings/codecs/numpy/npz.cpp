@@ -248,28 +248,21 @@ std::vector<NpzColumn> columns_of_rows(const NpyArray& array) {
   return columns;
 }
 
-/// Returns the arrays whose names denote the fields of an event; of two for the same field, the better name is used. An
-/// array "xy" contains both coordinates.
+/// Returns the arrays whose names denote the fields of an event. An array "xy" contains both coordinates.
 Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std::string& name) {
-  std::array<std::pair<size_t, std::string>, table::kNumFields> best{};
+  std::vector<std::string> keys;
   std::vector<NpzColumn> columns;
   for (const auto& [key, array] : arrays) {
-    const table::ColumnName known = table::parse_column_name(key);
-    if (known.is_xy && columns.empty() && array.shape.size() == 2 && array.shape[1] == 2 &&
+    keys.push_back(key);
+    if (table::parse_column_name(key).is_xy && columns.empty() && array.shape.size() == 2 && array.shape[1] == 2 &&
         table::is_number_type(array.type)) {
       columns.push_back({"x", &array, {array.type, 0, 2 * array.item_size}});
       columns.push_back({"y", &array, {array.type, array.item_size, 2 * array.item_size}});
     }
-    if (!known.field) continue;
-    auto& [rank, chosen] = best[static_cast<size_t>(*known.field)];
-    if (chosen.empty() || known.rank < rank) {
-      rank = known.rank;
-      chosen = key;
-    }
   }
+  const table::KnownColumns known = table::find_fields(keys);
   for (size_t field = columns.size(); field < table::kNumFields; ++field) {
-    const std::string key =
-        best[field].second.empty() ? std::string(1, table::kFieldLetters[field]) : best[field].second;
+    const std::string key = known[field] ? keys[*known[field]] : std::string(1, table::kFieldLetters[field]);
     E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, {key.c_str()}, name));
     columns.push_back({key, array, {array->type, 0, array->item_size}});
   }
@@ -340,10 +333,8 @@ Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is
                               table::to_doubles(column.array->bytes.data(), column.field, sampled),
                               table::is_integer_type(column.field.type), column.field.type == "f4"});
   }
-  sample.find_further = [&](size_t i, const auto& is_wanted) -> Result<std::optional<double>> {
-    const auto values = table::to_doubles(columns[i].array->bytes.data(), columns[i].field, count);
-    const auto wanted = std::find_if(values.begin() + static_cast<ptrdiff_t>(sampled), values.end(), is_wanted);
-    return wanted == values.end() ? std::optional<double>() : *wanted;
+  sample.more_values = [&](size_t i, bool is_first) -> Result<std::vector<double>> {
+    return table::to_doubles(columns[i].array->bytes.data(), columns[i].field, is_first ? count : 0);
   };
   E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, name, info));
   unit = layout.unit;
@@ -419,7 +410,7 @@ Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> so
   E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, decode_npz(bytes, name));
   RecordingInfo info;
   info.format = "npz";
-  read_size(arrays, info);
+  if (options.width == 0 || options.height == 0) read_size(arrays, info);
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 
@@ -439,20 +430,23 @@ namespace {
 
 /// Returns the .npy files of a folder whose names denote fields of an event, "events_t" or "x", if they are complete.
 std::vector<std::string> field_files(const std::filesystem::path& path) {
-  std::array<bool, table::kNumFields> has{};
   std::vector<std::string> files;
+  bool has_xy = false;
   std::error_code error;
   for (auto entry = std::filesystem::directory_iterator(path, error);
        !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     const std::filesystem::path& file = entry->path();
     const table::ColumnName known = table::parse_column_name(file.stem().string());
     if (file.extension() != ".npy" || (!known.is_xy && !known.field)) continue;
-    if (known.field) has[static_cast<size_t>(*known.field)] = true;
-    if (known.is_xy) has[static_cast<size_t>(Field::kX)] = has[static_cast<size_t>(Field::kY)] = true;
+    has_xy = has_xy || known.is_xy;
     files.push_back(file.stem().string());
   }
-  const bool is_complete = std::all_of(has.begin(), has.end(), [](bool is_there) { return is_there; });
-  return is_complete ? files : std::vector<std::string>();
+  const table::KnownColumns known = table::find_fields(files);
+  for (const Field field : {Field::kX, Field::kY, Field::kP, Field::kT}) {
+    const bool is_in_xy = has_xy && (field == Field::kX || field == Field::kY);
+    if (!known[table::of(field)] && !is_in_xy) return {};
+  }
+  return files;
 }
 
 }  // namespace
@@ -474,9 +468,10 @@ Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem
   RecordingInfo info;
   info.format = "evreal";
   if (const auto metadata = read_json(path / "metadata.json"); metadata && metadata->is_object()) {
-    const Json size = metadata->value("sensor_resolution", Json());
+    Json size = metadata->value("sensor_resolution", Json());
+    if (!size.is_array()) size = {metadata->value("height", Json()), metadata->value("width", Json())};
     const auto is_size = [](const Json& value) { return value.is_number_unsigned() && value.get<uint64_t>() <= 65536; };
-    if (size.is_array() && size.size() == 2 && is_size(size[0]) && is_size(size[1])) {
+    if (size.size() == 2 && is_size(size[0]) && is_size(size[1])) {
       info.height = size[0].get<size_t>();
       info.width = size[1].get<size_t>();
     }

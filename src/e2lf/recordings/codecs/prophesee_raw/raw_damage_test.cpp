@@ -157,6 +157,24 @@ TEST(Noise, HasNextToNoEventsAndTriggers) {
   }
 }
 
+TEST(ZerosAtTheEnd, OfAnInterruptedCopyAreCountedAndCostNoEvent) {
+  for (const std::string format : {"evt2", "evt2.1", "evt3"}) {
+    const size_t word_bytes = format == "evt3" ? 2 : format == "evt2" ? 4 : 8;
+    const Recording recording = make_recording(format, 7);
+    for (const size_t zeros : {size_t{100}, size_t{40'000}}) {
+      std::vector<uint8_t> bytes = recording.bytes;
+      bytes.resize(bytes.size() + zeros * word_bytes);
+      for (const size_t step : {size_t{5}, size_t{1000}, bytes.size()}) {
+        auto reader =
+            open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step), quiet()).value();
+        EXPECT_EQ(read_all(*reader).value(), recording.batch) << format;
+        EXPECT_EQ(reader->summary().of(Violation::kZeros), (ViolationCount{zeros, recording.bytes.size()})) << format;
+        EXPECT_EQ(reader->summary().num_violations(), zeros) << format;
+      }
+    }
+  }
+}
+
 TEST(ClockSetAnew, GoesOnAfterAWhile) {
   // The second half begins earlier than the first ends, as when two recordings are joined.
   Recording recording = make_recording("evt3", 9);

@@ -62,6 +62,11 @@ bool parse_size(std::string_view word, size_t& value) {
 void read_size(std::string_view comment, TextHead& head) {
   const std::string lower = lower_case(comment);
   const auto has = [&](const char* word) { return lower.find(word) != std::string::npos; };
+  constexpr const char* kOtherThings[] = {"pixel size", "pixel_size", "pitch",  "crop",    "tile",  "binning",
+                                          "bin size",   "display",    "roi",    "preview", "frame", "kernel",
+                                          "batch",      "pulse",      "ground", "file",    "board", "lens",
+                                          "window",     "aperture",   "pattern"};
+  if (std::any_of(std::begin(kOtherThings), std::end(kOtherThings), has)) return;
   if (!has("geometry") && !has("resolution") && !has("size") && !has("width") && !has("height")) return;
   std::vector<size_t> numbers;
   for (size_t i = 0; i < lower.size();) {
@@ -76,40 +81,65 @@ void read_size(std::string_view comment, TextHead& head) {
     return;
   }
   if (numbers.size() != 2) return;
-  if (has("height") && has("width") && lower.find("height") < lower.find("width")) std::swap(numbers[0], numbers[1]);
+  const std::vector<std::string> words = table::words_of(comment);
+  const auto place_of = [&](std::initializer_list<std::string_view> names) {
+    return std::find_if(words.begin(), words.end(), [&](const auto& word) { return table::is_one_of(word, names); });
+  };
+  if (place_of({"h", "height", "hxw"}) < place_of({"w", "width", "wxh"})) std::swap(numbers[0], numbers[1]);
   head.width = numbers[0];
   head.height = numbers[1];
 }
 
-/// Returns the names in a line, which are separated by commas, semicolons, bars or tabs, or else by blanks, in which
-/// case a unit in brackets belongs to the preceding word. If the line begins with a comma, the first name is empty.
-std::vector<std::string> names_in(std::string_view line, bool has_decimal_comma) {
+/// Removes what introduces the names in a line: "# Format is t, x, y, p", "# columns: x y t p".
+std::string_view without_label(std::string_view line) {
   line.remove_prefix(std::min(line.size(), line.find_first_not_of("#%/; \t\xEF\xBB\xBF")));
-  const char* separators = !has_decimal_comma && line.find(',') != std::string_view::npos ? ","
-                           : line.find(';') != std::string_view::npos                     ? ";"
-                           : line.find('|') != std::string_view::npos                     ? "|"
-                           : line.find('\t') != std::string_view::npos                    ? "\t"
-                                                                                          : " ";
-  std::vector<std::string> names;
-  for (size_t begin = 0; begin <= line.size();) {
-    const size_t end = std::min(line.find(separators[0], begin), line.size());
-    const std::string name(line.substr(begin, end - begin));
-    begin = end + 1;
-    const size_t first = name.find_first_not_of(" \r\n");
-    if (separators[0] == ' ' && first == std::string::npos) continue;
-    if (separators[0] == ' ' && !names.empty() && (name[first] == '(' || name[first] == '[')) {
-      names.back() += " " + name;
-    } else {
-      names.push_back(name);
+  for (const std::string_view end : {": ", " is ", "= "}) {
+    const size_t place = line.find(end);
+    if (place == std::string_view::npos) continue;
+    const std::vector<std::string> label = table::words_of(line.substr(0, place));
+    const auto introduces = [](const std::string& word) {
+      return table::is_one_of(word, {"format", "columns", "fields", "line", "order"});
+    };
+    if (std::any_of(label.begin(), label.end(), introduces)) return line.substr(place + end.size());
+  }
+  return line;
+}
+
+/// Returns the names in a line, which are separated by commas, semicolons, bars or tabs, or else by blanks. What stands
+/// in brackets behind a name belongs to it, unless a bracket is not closed. If the line begins with a comma, the first
+/// name is empty.
+std::vector<std::string> names_in(std::string_view line, bool has_decimal_comma, bool has_brackets = true) {
+  line = without_label(line);
+  const auto has = [line](char c) { return line.find(c) != std::string_view::npos; };
+  const char separator = !has_decimal_comma && has(',') ? ','
+                         : has(';')                     ? ';'
+                         : has('|')                     ? '|'
+                         : has('\t')                    ? '\t'
+                                                        : ' ';
+  std::vector<std::string> names(1);
+  size_t depth = 0;
+  for (const char c : line) {
+    const bool is_within = names.back().find_first_not_of(" \t") != std::string::npos;
+    const bool is_behind = is_within || (separator == ' ' && names.size() > 1);
+    if (has_brackets && is_behind && std::string_view("([{").find(c) != std::string_view::npos) {
+      if (!is_within) names.pop_back();
+      ++depth;
+    }
+    if (depth > 0 && std::string_view(")]}").find(c) != std::string_view::npos) --depth;
+    if (c != separator || depth > 0) {
+      names.back() += c;
+    } else if (separator != ' ' || is_within) {
+      names.emplace_back();
     }
   }
+  if (depth > 0) return names_in(line, has_decimal_comma, false);
   while (!names.empty() && names.back().find_first_not_of(" \r\n") == std::string::npos) names.pop_back();
   return names;
 }
 
 bool are_column_names(const std::vector<std::string>& names) {
-  const auto is_known = [](const std::string& name) { return table::parse_column_name(name).field.has_value(); };
-  return std::count_if(names.begin(), names.end(), is_known) >= 2;
+  const table::KnownColumns known = table::find_fields(names);
+  return std::count_if(known.begin(), known.end(), [](const auto& column) { return column.has_value(); }) >= 2;
 }
 
 /// Sets the names of the columns from a line that has one name for each column, of which at least two are known.
@@ -126,7 +156,8 @@ bool take_unit(const std::vector<std::string_view>& words, TextHead& head) {
   bool is_taken = false;
   for (size_t i = 0; i < words.size(); ++i) {
     table::TableSample::Column& column = head.sample.columns[i];
-    const TimeUnit unit = table::parse_time_unit(words[i]);
+    const std::vector<std::string> unit_words = table::words_of(words[i]);  // "[us]"
+    const TimeUnit unit = unit_words.size() == 1 ? table::parse_time_unit(unit_words[0]) : TimeUnit::kAuto;
     if (unit == TimeUnit::kAuto || table::parse_column_name(column.name).field != table::Field::kT) continue;
     column.unit = unit;
     is_taken = true;
@@ -157,6 +188,34 @@ bool has_six_decimals(std::string_view word) {
   const size_t point = word.find('.');
   return point != std::string_view::npos && word.size() - point == 7 &&
          word.find_first_of("eE") == std::string_view::npos;
+}
+
+/// Returns the value of the last digit of a number.
+double step_of(std::string_view word) {
+  const size_t mark = std::min(word.find_first_of("eE"), word.size());
+  const size_t point = word.find_first_of(".,");
+  const auto decimals = point < mark ? static_cast<int>(mark - point) - 1 : 0;
+  int exponent = 0;
+  if (mark < word.size()) {
+    const size_t begin = word.find_first_not_of("eE+", mark);
+    std::from_chars(word.data() + std::min(begin, word.size()), word.data() + word.size(), exponent);
+  }
+  return std::pow(10.0, exponent - decimals);
+}
+
+/// Sets the steps of the columns from the large values in the lines of numbers.
+void find_steps(const std::vector<Cells>& lines, TextHead& head) {
+  for (size_t column = 0; column < head.columns; ++column) {
+    table::TableSample::Column& sample = head.sample.columns[column];
+    double largest = 0;
+    for (const double value : sample.values) largest = std::max(largest, std::fabs(value));
+    for (const Cells& cells : lines) {
+      if (!cells.are_numbers() || cells.words.size() != head.columns) continue;
+      if (largest == 0 || !(std::fabs(cells.values[column]) >= largest / 2)) continue;
+      const double step = step_of(cells.words[column]);
+      if (sample.step == 0 || step < sample.step) sample.step = step;
+    }
+  }
 }
 
 }  // namespace
@@ -191,6 +250,15 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
   head.sample.columns.resize(head.columns);
 
   TimeUnit unit = TimeUnit::kAuto;
+  const auto take_times = [&](std::string_view line) {
+    const table::TimeStatement told = table::times_in_sentence(line);
+    if (unit == TimeUnit::kAuto) unit = told.unit;
+    if (head.sample.tick_s == 0) head.sample.tick_s = told.tick_s;
+    const table::PolarityStatement polarities = table::polarities_in_sentence(line);
+    if (!head.sample.polarities.on) head.sample.polarities.on = polarities.on;
+    if (!head.sample.polarities.off) head.sample.polarities.off = polarities.off;
+    return told.unit != TimeUnit::kAuto || told.tick_s > 0;
+  };
   bool has_begun = false, has_names = false, has_size_line = false, has_point = false, are_six = true;
   for (size_t i = 0; i < lines.size(); ++i) {
     std::string_view line = lines[i];
@@ -204,7 +272,7 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
       if (!has_begun && !has_names) has_names = take_names(line, head);
       if (!has_begun) read_size(line, head);
       if (!has_begun && line.starts_with("%geometry")) head.sample.usual_order = "xypt";
-      if (unit == TimeUnit::kAuto) unit = table::unit_in_sentence(line);
+      take_times(line);
     } else if (words.empty() || (line == head.names_line && has_begun)) {
       continue;
     } else if (!has_begun && words.size() == 2 && parse_size(words[0], width) && parse_size(words[1], height)) {
@@ -214,9 +282,10 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
       head.names_line = line;
     } else if (!has_begun && !is_data && has_names && take_unit(words, head)) {
     } else if (const bool names = !has_begun && !is_data && !has_names && take_names(line, head);
-               names || (!has_begun && !is_data && cells[i].numbers == 0)) {
+               names || (!has_begun && !is_data && (take_times(line) || cells[i].numbers == 0))) {
+      if (names) take_times(line);
+      if (names || !has_names) head.names_line = line;
       has_names |= names;
-      head.names_line = line;
       if (head.columns == 0 && head.first_bad.empty() && !are_column_names(names_in(line, head.has_decimal_comma))) {
         head.first_bad_number = i + 1;
         head.first_bad = quoted(line);
@@ -248,6 +317,7 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
     if (column.unit == TimeUnit::kAuto) column.unit = unit;
   }
   for (table::TableSample::Column& column : head.sample.columns) column.is_integer = !has_point;
+  find_steps(cells, head);
   const bool has_commas =
       !head.has_decimal_comma && text.find_first_of(",;", head.header_bytes) != std::string_view::npos;
   if (head.sample.usual_order.empty()) head.sample.usual_order = has_commas ? "xypt" : "txyp";

@@ -8,7 +8,7 @@
 
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/recording.h"
-#include "e2lf/recordings/table/field.h"
+#include "e2lf/recordings/table/column_names.h"
 #include "e2lf/recordings/table/polarity.h"
 
 namespace e2lf::recordings::text {

@@ -220,29 +220,26 @@ class CsvBlocks final : public EventBlocks {
   std::vector<EventColumns> parts_;
 };
 
-/// Returns the first number of a column after the sample for which is_wanted() is true. Seeks to the first event.
-Result<std::optional<double>> find_further(ByteSource& source, const TextHead& head, size_t column,
-                                           const table::TableSample::IsWanted& is_wanted) {
-  std::optional<double> found;
-  while (!found) {
+/// Returns the numbers of a column in the next lines, or none at the end.
+Result<std::vector<double>> next_values(ByteSource& source, const TextHead& head, size_t column) {
+  std::vector<double> values;
+  while (values.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kBlockBytes));
     if (bytes.empty()) break;
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kBlockBytes));
     if (const size_t end = text.rfind(head.line_end); end != std::string_view::npos) text = text.substr(0, end + 1);
-    for (size_t begin = 0; begin < text.size() && !found;) {
+    for (size_t begin = 0; begin < text.size();) {
       const size_t end = std::min(text.find(head.line_end, begin), text.size());
       const std::string_view line = text.substr(begin, end - begin);
       begin = end + 1;
       if (line.size() > kLongestLine || is_comment(line)) continue;
       const auto words = split(line, head.has_decimal_comma);
       if (words.size() != head.columns) continue;
-      const auto value = parse_cell(words[column], head.has_decimal_comma);
-      if (value && is_wanted(*value)) found = value;
+      if (const auto value = parse_cell(words[column], head.has_decimal_comma)) values.push_back(*value);
     }
     source.consume(text.size());
   }
-  E2LF_RETURN_IF_ERROR(source.seek(head.header_bytes));
-  return found;
+  return values;
 }
 
 /// Parses the first lines, or more if the header is longer.
@@ -300,12 +297,16 @@ Result<Layout> decide(ByteSource& source, const OpenOptions& options, TextHead h
     return layout;
   }
   table::TableSample sample = head.sample;
+  const bool is_size_stated = info.width != 0 && options.width == 0;
   if (source.seekable()) {
-    sample.find_further = [&](size_t column, const auto& is_wanted) {
-      return find_further(source, head, column, is_wanted);
+    sample.more_values = [&](size_t column, bool is_first) -> Result<std::vector<double>> {
+      if (is_first) E2LF_RETURN_IF_ERROR(source.seek(head.header_bytes));
+      return next_values(source, head, column);
     };
   }
   E2LF_ASSIGN_OR_RETURN(const table::TableLayout decided, decide_layout(std::move(sample), options, name, info));
+  if (source.seekable()) E2LF_RETURN_IF_ERROR(source.seek(head.header_bytes));
+  if (is_size_stated) table::check_stated_size(head.sample, decided, name, info);
   layout.line.columns.resize(head.columns);
   for (size_t field = 0; field < table::kNumFields; ++field) {
     layout.line.columns[decided.columns[field]] = static_cast<table::Field>(field);
@@ -324,8 +325,10 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   if (!options.format.empty()) head.sample.usual_order = usual_order;
   if (options.format == "txt" && head.has_six_decimals) head.sample.usual_unit = TimeUnit::kSeconds;
   RecordingInfo info;
-  info.width = head.width;
-  info.height = head.height;
+  if (options.width == 0 || options.height == 0) {
+    info.width = head.width;
+    info.height = head.height;
+  }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   E2LF_ASSIGN_OR_RETURN(Layout layout, decide(*source, options, std::move(head), info));
   const TimeUnit unit = layout.line.unit;

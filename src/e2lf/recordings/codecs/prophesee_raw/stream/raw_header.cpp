@@ -16,14 +16,6 @@ namespace {
 constexpr size_t kMaxLine = 4096;
 constexpr size_t kMaxSide = 2048;  // x and y have 11 bits
 
-struct Encoding {
-  const char* codec;    // the name in e2lf
-  const char* format;   // of the key `format`
-  const char* version;  // of the key `evt`
-};
-constexpr std::array<Encoding, 4> kEncodings = {
-    {{"evt2", "EVT2", "2.0"}, {"evt2.1", "EVT21", "2.1"}, {"evt3", "EVT3", "3.0"}, {"evt4", "EVT4", "4.0"}}};
-
 struct Size {
   size_t width = 0;
   size_t height = 0;
@@ -114,7 +106,7 @@ struct FormatKey {
 Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
   FormatKey key;
   const std::string encoding = trimmed(text.substr(0, text.find(';')));
-  for (const Encoding& known : kEncodings) {
+  for (const RawEncoding& known : kRawEncodings) {
     if (encoding == known.format || encoding == cat("EVT", known.version)) key.codec = known.codec;
   }
   if (key.codec.empty()) {
@@ -150,7 +142,7 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
     size = *parsed;
   }
   if (const auto version = info.find("evt")) {
-    for (const Encoding& known : kEncodings) {
+    for (const RawEncoding& known : kRawEncodings) {
       if (*version == known.version) info.format = known.codec;
     }
     if (info.format.empty()) {
@@ -253,8 +245,8 @@ bool is_raw_header(std::span<const uint8_t> head) {
 }
 
 std::string raw_header_text(const RecordingInfo& info) {
-  const Encoding* encoding = &kEncodings.back();
-  for (const Encoding& known : kEncodings) {
+  const RawEncoding* encoding = &kRawEncodings.back();
+  for (const RawEncoding& known : kRawEncodings) {
     if (info.format == known.codec) encoding = &known;
   }
   std::string text;

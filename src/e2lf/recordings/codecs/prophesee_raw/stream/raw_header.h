@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,6 +13,14 @@
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
+
+struct RawEncoding {
+  const char* codec;    ///< the name in e2lf
+  const char* format;   ///< value of the key `format`
+  const char* version;  ///< value of the key `evt`
+};
+inline constexpr std::array<RawEncoding, 4> kRawEncodings = {
+    {{"evt2", "EVT2", "2.0"}, {"evt2.1", "EVT21", "2.1"}, {"evt3", "EVT3", "3.0"}, {"evt4", "EVT4", "4.0"}}};
 
 /// The text before the event words of a RAW file: lines "% key value" up to "% end", or up to the first line of another
 /// form. Keys that state the encoding: `format EVT3;height=720;width=1280`, `evt 3.0`, `geometry 1280x720`.

@@ -289,7 +289,13 @@ class RawStream {
       const Verdict verdict = Codec::judge_time(word, behind + 1, input.ended, check_);
       if (verdict == Verdict::kNeedMore) return Step::kNeedMore;
       if (verdict == Verdict::kRestart) return jump(Problem::kRestart, checked_ * kWordBytes);
-      if (verdict == Verdict::kAccept) return accept_time(input, word);
+      if (verdict == Verdict::kAccept) {
+        // The events up to the last time are raised to it.
+        if (classify == WordFault::kTimeBack) {
+          input.summary->add(Violation::kTimeBackwards, input.byte(checked_ * kWordBytes));
+        }
+        return accept_time(input, word);
+      }
       Codec::reject_time(word, check_);
     }
     constexpr Violation kKinds[] = {Violation::kUnknownWord, Violation::kOutOfRange, Violation::kTimeBackwards,
@@ -380,6 +386,7 @@ class RawStream {
   /// Handles missing or wrong bytes around the word at which the check stopped: finds where the stream continues, and
   /// how many of the held words certainly precede the damage.
   Step begin_break(Input& input) {
+    if (check_.num_zeros > kMaxZeros) return begin_zeros(input);
     const size_t word = checked_ * kWordBytes;
     bool found = false;
     // Not further than the wait: the result must not depend on how many bytes happen to be available.
@@ -398,6 +405,27 @@ class RawStream {
     input.summary->add(Violation::kMisaligned, input.byte(word));
     count_dropped(input, jump_ - keep_ * kWordBytes);
     open_gap(input.byte(word));
+    problem_ = Problem::kBreak;
+    return Step::kGoOn;
+  }
+
+  /// Drops a run of zero words, such as the unwritten rest of an interrupted copy. What stands before it is complete.
+  Step begin_zeros(Input& input) {
+    const size_t first = checked_ - std::min<size_t>(checked_, kMaxZeros);
+    // As above, not further than the wait.
+    const size_t most = std::min(input.num_words(), checked_ + kJudgeWords);
+    const auto is_zero = [&](size_t i) {
+      const uint8_t* const word = input.data() + i * kWordBytes;
+      return std::all_of(word, word + kWordBytes, [](uint8_t byte) { return byte == 0; });
+    };
+    size_t end = checked_;
+    while (end < most && is_zero(end)) ++end;
+    if (end == input.num_words() && !input.ended && end < checked_ + kJudgeWords) return Step::kNeedMore;
+    input.summary->add(Violation::kZeros, input.byte(first * kWordBytes), end - first);
+    input.summary->dropped_words += end - first;
+    open_gap(input.byte(first * kWordBytes));
+    keep_ = first;
+    jump_ = end * kWordBytes;
     problem_ = Problem::kBreak;
     return Step::kGoOn;
   }
