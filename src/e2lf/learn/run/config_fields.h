@@ -24,6 +24,9 @@ auto synthesiser_fields(Options& options) {
     visit("highlight_share", options.highlight_share, "share of scenes with reflections at a depth of their own");
     visit("procedural_share", options.procedural_share,
           "share of surfaces with a procedural texture in place of a photograph");
+    visit("plenoptic_share", options.plenoptic_share,
+          "share of scenes with small disparities and with the tone, blur, grain and corners of a [plenoptic "
+          "camera](experiments/plenoptic-scenes.md)");
     visit("motion_px_per_cycle", options.motion_px_per_cycle,
           "largest speed of a surface in px per cycle of the display; the network learns the light field at the time "
           "of the last pattern");
