@@ -35,19 +35,26 @@ inline double exposure_of(double light, const PixelConstants& pixel) {
   return light / static_cast<double>(pixel[PixelConstant::kEps]) + 1.0;
 }
 
-/// Returns the level of the amplifier at the end of each pattern. The photoreceptor follows du/dt = K (J - exp u).
-inline std::vector<double> pixel_levels(const PixelConstants& pixel) {
+/// Returns the level of the amplifier at the end of each pattern, or after a share of it. The photoreceptor follows
+/// du/dt = K (J - exp u).
+inline std::vector<double> pixel_levels(const PixelConstants& pixel, double share = 1.0) {
   using enum PixelConstant;
   constexpr int kSteps = 200000;
   double u = std::log(exposure_of(kInverseLight, pixel)), level = u;
   std::vector<double> levels;
   for (const double light : kPatternLight) {
     const auto seconds = static_cast<double>(pixel[levels.empty() ? kBlackTime : kLitTime]);
-    for (int i = 0; i < kSteps; ++i) {
+    const auto step = [&] {
       u += seconds / kSteps * static_cast<double>(pixel[kReceptorRate]) * (exposure_of(light, pixel) - std::exp(u));
-    }
-    level = u + (level - u) * std::exp(-static_cast<double>(pixel[kAmplifierRate]) * seconds);
-    levels.push_back(level);
+    };
+    const auto level_after = [&](double time) {
+      return u + (level - u) * std::exp(-static_cast<double>(pixel[kAmplifierRate]) * time);
+    };
+    const auto steps_before = static_cast<int>(share * kSteps);
+    for (int i = 0; i < steps_before; ++i) step();
+    levels.push_back(level_after(share * seconds));
+    for (int i = steps_before; i < kSteps; ++i) step();
+    level = level_after(seconds);
   }
   return levels;
 }

@@ -42,7 +42,7 @@ py compare.py
 exists mine.json.run.json
 "$E2LF" simulate scene.npy --codes codes.npy --camera mine.json -o again.npz --quiet
 
-# Of a whole cycle, the first transitions after black are used.
+# A whole cycle determines more than its lit transitions, and its constants are the same.
 py - <<'PY'
 import numpy as np
 shares = [0, 0.125, 0.75, 0.25, 1, 0.875, 0.25, 0.75, 0]
@@ -54,7 +54,12 @@ PY
 grep -q "each row: places of one brightness" report.txt || fail "$(cat report.txt)"
 grep -q "not compared with the starting camera.*-m" report.txt || fail "$(cat report.txt)"
 grep -q "next: e2lf reconstruct whole.npz --camera whole.json -o whole" report.txt || fail "$(cat report.txt)"
-check "abs($(json whole.json "j['constants']['threshold_on']['value']") / 0.405 - 1) < 0.05"
+"$E2LF" calibrate whole.npz --even --camera guess.json --hold receptor_rate_hz,leak --transitions lit -o lit.json --quiet
+for name in whole lit; do
+  check "abs($(json $name.json "j['constants']['threshold_on']['value']") / 0.405 - 1) < 0.05"
+  [ "$(json $name.json.run.json "len(j['notes']['report']['rows'][0]['measured']['mean'])")" = $([ $name = whole ] && echo 8 || echo 3) ] || fail $name
+done
+check "$(json whole.json "j['constants']['threshold_on']['uncertainty']") < $(json lit.json "j['constants']['threshold_on']['uncertainty']")"
 
 fails 1 'already' "$E2LF" calibrate events.npz --camera guess.json -o mine.json
 fails 1 'model pixel' "$E2LF" calibrate events.npz --camera paper -o x.json

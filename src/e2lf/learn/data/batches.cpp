@@ -24,6 +24,31 @@ uint64_t num_places(int64_t length, int64_t patch, int64_t stride) {
   return static_cast<uint64_t>((length - patch) / stride + 1);
 }
 
+/// Returns the time at which each pattern is shown, in cycles of the display before the last one. A cycle also shows
+/// the inverses of the codes.
+std::vector<double> pattern_times(const PatternConfig& patterns) {
+  std::vector<double> times;
+  for (uint64_t n = 0; n < patterns.num_patterns; ++n) {
+    const auto before_last = static_cast<double>(patterns.num_patterns - 1 - n);
+    times.push_back(-before_last / static_cast<double>(2 * patterns.num_codes()));
+  }
+  return times;
+}
+
+/// Collects the samples whose light fields at the time of each pattern are defined.
+MovingSamples moving_samples(const std::vector<torch::Tensor>& at_times, const torch::Tensor& gain) {
+  std::vector<int64_t> places;
+  std::vector<torch::Tensor> moving;
+  for (size_t i = 0; i < at_times.size(); ++i) {
+    if (!at_times[i].defined()) continue;
+    places.push_back(static_cast<int64_t>(i));
+    moving.push_back(at_times[i]);
+  }
+  if (moving.empty()) return {};
+  const auto which = torch::tensor(at::ArrayRef<int64_t>(places)).to(gain.device());
+  return {which, torch::stack(moving), gain.index_select(0, which) / 255.0};
+}
+
 /// Draws each constant of the camera from its uncertainty, and sets a transmission for every active pattern.
 capture::SensorProfile draw_camera(capture::SensorProfile camera, const SensorConfig& sensor, size_t num_codes,
                                    Draws& draws) {
@@ -124,33 +149,43 @@ void Batches::advance_pool(uint64_t step) {
   if (config_.data.synthetic_share <= 0.0) return;
   const auto end = kFirstPool + static_cast<uint64_t>(static_cast<double>(step) * config_.data.pool_per_step);
   pool_end_ = std::max(pool_end_, end - std::min(end, config_.data.pool));
+  const std::vector<double> times = pattern_times(config_.patterns);
   for (; pool_end_ < end; ++pool_end_) {
-    pool_.push_back(views_last(synthesise(dataset_.textures, config_.data.synthesiser,
-                                          mix_seed(config_.seed, kSynthesis, pool_end_), device_)));
+    pool_.push_back(synthesise_moving(dataset_.textures, config_.data.synthesiser,
+                                      mix_seed(config_.seed, kSynthesis, pool_end_), device_, times));
+    pool_.back().views = views_last(pool_.back().views);
     if (pool_.size() > config_.data.pool) pool_.pop_front();
   }
 }
 
-torch::Tensor Batches::random_crop(const torch::Tensor& views, int64_t stride, Draws& draws) const {
+MovingScene Batches::random_crop(const MovingScene& scene, int64_t stride, Draws& draws) const {
   const auto patch = static_cast<int64_t>(config_.train.patch);
   const auto random_offset = [&](int64_t length) {
     return stride * static_cast<int64_t>(draws.below(num_places(length, patch, stride)));
   };
-  const auto y = random_offset(views.size(1)), x = random_offset(views.size(2));
-  return views.slice(1, y, y + patch).slice(2, x, x + patch);
+  const auto y = random_offset(scene.views.size(1)), x = random_offset(scene.views.size(2));
+  const auto cut = [&](const torch::Tensor& views) {
+    return views.defined() ? views.slice(-2, y, y + patch).slice(-1, x, x + patch) : views;
+  };
+  return {cut(scene.views), cut(scene.at_times)};
 }
 
-torch::Tensor Batches::random_patch(Draws& draws) const {
-  torch::Tensor crop;
+MovingScene Batches::random_patch(Draws& draws) const {
+  MovingScene crop;
   if (draws.chance(config_.data.synthetic_share)) {
     crop = random_crop(pool_[draws.below(pool_.size())], 1, draws);
   } else {
     const double pick = draws.uniform(0.0, cumulative_places_.back());
     const auto found = std::upper_bound(cumulative_places_.begin(), cumulative_places_.end() - 1, pick);
     const Scene& scene = dataset_.scenes[scenes_[static_cast<size_t>(found - cumulative_places_.begin())]];
-    crop = random_crop(scene.views, scene_stride(config_.data), draws);
+    crop = random_crop({scene.views, {}}, scene_stride(config_.data), draws);
   }
-  return transform_views(crop, draws.below(8));
+  const unsigned symmetry = draws.below(8);
+  std::vector<torch::Tensor> at_times;
+  if (crop.at_times.defined()) {
+    for (const auto& views : crop.at_times.unbind()) at_times.push_back(transform_views(views, symmetry));
+  }
+  return {transform_views(crop.views, symmetry), at_times.empty() ? torch::Tensor() : torch::stack(at_times)};
 }
 
 Batches::Conditions Batches::random_conditions(Draws& draws) const {
@@ -236,8 +271,12 @@ Batch Batches::at(uint64_t step, Share share) {
   advance_pool(step);
   // Everything is drawn for the whole batch, so that a sample does not depend on the number of shares.
   Draws draws(mix_seed(config_.seed, kSamples, step), 0);
-  std::vector<torch::Tensor> patches;
-  for (uint64_t i = 0; i < config_.train.batch; ++i) patches.push_back(random_patch(draws));
+  std::vector<torch::Tensor> patches, moving;
+  for (uint64_t i = 0; i < config_.train.batch; ++i) {
+    const MovingScene patch = random_patch(draws);
+    patches.push_back(patch.views);
+    moving.push_back(patch.at_times);
+  }
   Conditions conditions = random_conditions(draws);
   tell_traits(conditions);
   if (camera_) apply_camera(step, conditions);
@@ -267,6 +306,7 @@ Batch Batches::at(uint64_t step, Share share) {
                           .to(torch::kFloat)
                           .permute({0, 3, 1, 2})
                           .mul_((batch.gain / 255.0).reshape({-1, 1, 1, 1}));
+  batch.moving = moving_samples({moving.begin() + first, moving.begin() + first + length}, batch.gain);
   return batch;
 }
 

@@ -18,6 +18,7 @@ struct Batch {
   torch::Tensor gain;         ///< float32 [batch]
   SampleConstants constants;
   SensorNoise noise;
+  MovingSamples moving;
 };
 
 /// The part of every batch on which a process trains: part `rank` of `size` equal ones.
@@ -53,8 +54,8 @@ class Batches {
       : config_(std::move(config)), dataset_(std::move(dataset)), device_(device) {}
   void synthesise_validation();
   void advance_pool(uint64_t step);
-  [[nodiscard]] torch::Tensor random_crop(const torch::Tensor& views, int64_t stride, Draws& draws) const;
-  [[nodiscard]] torch::Tensor random_patch(Draws& draws) const;
+  [[nodiscard]] MovingScene random_crop(const MovingScene& scene, int64_t stride, Draws& draws) const;
+  [[nodiscard]] MovingScene random_patch(Draws& draws) const;
 
   struct Conditions {
     torch::Tensor gain, residue;  // [batch]; the residue is the upper limit for the sample, in thresholds
@@ -72,7 +73,7 @@ class Batches {
   std::vector<double>
       cumulative_places_;  // number of patch positions up to each scene; all positions are equally likely
   uint64_t pool_end_ = 0;  // number of light fields synthesised since step 0
-  std::deque<torch::Tensor> pool_;
+  std::deque<MovingScene> pool_;
 };
 
 }  // namespace e2lf::learn

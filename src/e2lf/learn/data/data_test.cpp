@@ -96,6 +96,33 @@ TEST(ViewsOf, SurfacesBesideTheContractAreRefused) {
   EXPECT_THROW((void)views_of({{{}, map, {}}, {{}, torch::rand({21, 21}), torch::rand({21, 21})}}, 8), ContractError);
 }
 
+TEST(Surfaces, MoveByTheirOffset) {
+  torch::manual_seed(1);
+  const Surface still{{.centre = 0.7, .slope_x = 0.01}, torch::rand({60, 60}), {}};
+  Surface moved = still;
+  moved.plane.offset_x = 1.0;
+  moved.plane.offset_y = -2.0;
+  for (const auto& render : {views_of, views_of_reference}) {
+    const auto before = render({still}, 32), after = render({moved}, 32);
+    // What was at (y, x) is now at (y - 2, x + 1).
+    const auto expected = before.slice(1, 2, 32).slice(2, 0, 31), found = after.slice(1, 0, 30).slice(2, 1, 32);
+    EXPECT_LT((expected - found).abs().max().item<double>(), 5e-3);
+    EXPECT_GT((before - after).abs().mean().item<double>(), 0.05);
+  }
+}
+
+TEST(Synthesise, AMovingSceneIsTheStillOneAtTimeZeroToTheBit) {
+  SynthesiserOptions options{.size = 32, .motion_px_per_cycle = 4.0, .still_share = 0.0};
+  const auto still = synthesise({}, options, 5, torch::kCPU);
+  const auto moving = synthesise_moving({}, options, 5, torch::kCPU, {-1.0, 0.0});
+  EXPECT_TRUE(torch::equal(moving.views, still));
+  ASSERT_EQ(moving.at_times.size(0), 2);
+  EXPECT_TRUE(torch::equal(moving.at_times[1], still));
+  EXPECT_FALSE(torch::equal(moving.at_times[0], still));
+  options.still_share = 1.0;
+  EXPECT_FALSE(synthesise_moving({}, options, 5, torch::kCPU, {-1.0, 0.0}).at_times.defined());
+}
+
 TEST(Synthesise, WithoutDisparityAllViewsAreEqual) {
   SynthesiserOptions options{.size = 32, .max_disparity = 0.0, .slant_share = 0.0};
   const auto views = synthesise({}, options, 7, torch::kCPU);
@@ -176,6 +203,34 @@ TEST(Batches, AResumedPoolHoldsTheSameLightFields) {
   auto running = create(), resumed = create();
   for (uint64_t step = 0; step < 5; ++step) (void)running->at(step);
   EXPECT_TRUE(torch::equal(running->at(5).light_field, resumed->at(5).light_field));
+}
+
+TEST(Batches, MovingScenesEndAsTheStillOnesDo) {
+  const TestData data;
+  auto config = data.config();
+  config.data.synthetic_share = 1.0;
+  config.train.batch = 32;
+  const auto create = [&] {
+    return Batches::create(config, read_dataset(data.path(), torch::kCPU).value(), torch::kCPU);
+  };
+  const auto still = create()->at(2);
+  config.data.synthesiser.motion_px_per_cycle = 6.0;
+  const auto moving = create()->at(2);
+  EXPECT_TRUE(torch::equal(still.light_field, moving.light_field));
+  ASSERT_FALSE(still.moving.places.defined());
+  ASSERT_TRUE(moving.moving.places.defined());
+  const auto codes = to_tensor(capture::default_codes(), torch::kCPU);
+  const auto before = coded_light(still.light_field, codes, {}),
+             after = coded_light(moving.light_field, codes, moving.moving);
+  EXPECT_TRUE(torch::allclose(before.intensities.select(1, 3), after.intensities.select(1, 3), 1e-4, 1e-5));
+  EXPECT_TRUE(torch::allclose(before.full, after.full.select(1, 3), 1e-4, 1e-5));
+  double most = 0.0;
+  for (int64_t i = 0; i < 32; ++i) {
+    const bool moves = (moving.moving.places == i).any().item<bool>();
+    EXPECT_TRUE(moves || torch::equal(before.intensities[i], after.intensities[i])) << i;
+    most = std::max(most, (before.intensities[i] - after.intensities[i]).abs().max().item<double>());
+  }
+  EXPECT_GT(most, 1e-3);  // a patch of one tone looks the same wherever it moves
 }
 
 TEST(Batches, SharesMakeUpTheBatch) {

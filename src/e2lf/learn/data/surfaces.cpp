@@ -20,7 +20,7 @@ torch::Tensor ray_positions(const Plane& plane, int64_t size, int64_t side, torc
   const auto options = torch::device(device).dtype(torch::kFloat);
   const auto pixel = torch::arange(size, options) - 0.5 * static_cast<double>(size - 1);
   const auto view = torch::arange(kViewsPerSide, options) - kCentralView;
-  const auto y = pixel.view({1, 1, size, 1}), x = pixel.view({1, 1, 1, size});
+  const auto y = pixel.view({1, 1, size, 1}) - plane.offset_y, x = pixel.view({1, 1, 1, size}) - plane.offset_x;
   const auto view_y = view.view({kViewsPerSide, 1, 1, 1}), view_x = view.view({1, kViewsPerSide, 1, 1});
   // A point q of the central view appears at p = q + view * d(q) with d(q) = centre + slope . q; solved for d.
   const auto tilt = plane.slope_y * view_y + plane.slope_x * view_x;

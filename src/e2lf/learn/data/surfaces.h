@@ -9,6 +9,7 @@ namespace e2lf::learn {
 /// The disparity of a plane in the central view: centre + slope . (position - centre of the image), px per view step.
 struct Plane {
   double centre = 0, slope_y = 0, slope_x = 0;
+  double offset_y = 0, offset_x = 0;  ///< how far the surface, with its maps and its slope, has moved, px
 };
 
 /// A textured plane. The maps are float32 [side, side] around the centre of the image.

@@ -46,7 +46,8 @@ struct RowOfRays {
 };
 
 inline RowOfRays row_of_rays(const Plane& plane, const ViewPoint& from, size_t row, size_t size, size_t side) {
-  const double first = -0.5 * static_cast<double>(size - 1), y = static_cast<double>(row) + first;
+  const double corner = -0.5 * static_cast<double>(size - 1), first = corner - plane.offset_x;
+  const double y = static_cast<double>(row) + corner - plane.offset_y;
   const double middle = 0.5 * static_cast<double>(side - 1);
   const double shrink = 1.0 / (1.0 + plane.slope_y * from.y + plane.slope_x * from.x);
   const double disparity = (plane.centre + plane.slope_y * y + plane.slope_x * first) * shrink;

@@ -116,6 +116,21 @@ torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::T
   return torch::matmul(rays, codes.t() / static_cast<double>(codes.size(1))).permute({0, 3, 1, 2}).contiguous();
 }
 
+CodedLight coded_light(const torch::Tensor& light_field, const torch::Tensor& codes, const MovingSamples& moving) {
+  CodedLight light{coded_intensities(light_field, codes), light_field.mean(1)};
+  if (!moving.places.defined()) return light;
+  std::vector<torch::Tensor> intensities, full;
+  for (int64_t n = 0; n < codes.size(0); ++n) {
+    const auto shown = moving.light_fields.select(1, n).to(torch::kFloat) * moving.scale.reshape({-1, 1, 1, 1});
+    intensities.push_back(coded_intensities(shown, codes.slice(0, n, n + 1)));
+    full.push_back(shown.mean(1, true));
+  }
+  light.intensities = light.intensities.index_copy(0, moving.places, torch::cat(intensities, 1));
+  light.full = light.full.unsqueeze(1).expand({-1, codes.size(0), -1, -1});
+  light.full = light.full.index_copy(0, moving.places, torch::cat(full, 1));
+  return light;
+}
+
 SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device) {
   const auto w = torch::randn(shape, torch::device(device));
   return {w, torch::randn(shape, torch::device(device))};

@@ -69,6 +69,23 @@ class Patterns {
 /// y, x] and codes [N, views].
 [[nodiscard]] torch::Tensor coded_intensities(const torch::Tensor& light_field, const torch::Tensor& codes);
 
+/// The samples of a batch whose scenes move while the patterns are shown.
+struct MovingSamples {
+  torch::Tensor places = {};        ///< in the batch, int64 [m]; undefined if all scenes stand still
+  torch::Tensor light_fields = {};  ///< at the time of each pattern, uint8 [m, N, views, y, x]
+  torch::Tensor scale = {};         ///< the light of a grey level, float32 [m]
+};
+
+/// The light that reaches the pixels through each pattern.
+struct CodedLight {
+  torch::Tensor intensities;  ///< [batch, N, y, x], as coded_intensities() computes them
+  torch::Tensor full;         ///< with all cells open, [batch, y, x], or [batch, N, y, x] if any scene moves
+};
+
+/// Computes the light of scenes that are `light_field` [batch, views, y, x] at the time of the last pattern.
+[[nodiscard]] CodedLight coded_light(const torch::Tensor& light_field, const torch::Tensor& codes,
+                                     const MovingSamples& moving);
+
 /// The random quantities of the sensor.
 struct SensorNoise {
   torch::Tensor w;  ///< noise of the log intensity: standard normal, float32 [batch, N - 1, y, x]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/events/pixel_model.h"
 
+#include <cmath>
 #include <vector>
 
 namespace e2lf::learn {
@@ -9,6 +10,12 @@ namespace {
 using enum capture::PixelConstant;
 
 constexpr double kLeastThreshold = 0.3;  // lower limit of a pixel's threshold, relative to the mean
+constexpr double kAlmost = 0.999;        // thresholds; beyond them, an event is due
+
+/// Returns the share of a pattern's duration at which a sub-window ends.
+double subwindow_end(size_t k, size_t subwindows) {
+  return std::pow(4.0, static_cast<double>(k + 1) - static_cast<double>(subwindows));
+}
 
 /// The state of all pixels between patterns.
 struct PixelState {
@@ -39,22 +46,35 @@ torch::Tensor compare(const torch::Tensor& level, const torch::Tensor& on, const
   return count;
 }
 
-/// Draws spurious events, which are rarer in brighter pixels, and moves the reference accordingly.
-torch::Tensor dark_events(const torch::Tensor& intensity, const torch::Tensor& on, const torch::Tensor& off,
-                          const PixelSamples& samples, torch::Tensor& reference) {
+/// Draws spurious events, which are rarer in brighter pixels, and adds them to the sub-window of their time. The
+/// reference moves when the pattern ends.
+void add_dark_events(const torch::Tensor& intensity, const torch::Tensor& on, const torch::Tensor& off,
+                     const PixelSamples& samples, torch::Tensor& reference, std::vector<torch::Tensor>& counts) {
   const auto draw = torch::rand_like(intensity);
   const auto is_off = (draw * intensity < samples.at(kDarkOff)).to(intensity.scalar_type());
   const auto is_on = ((1.0 - draw) * intensity < samples.at(kDarkOn)).to(intensity.scalar_type());
   reference = reference - is_off * off + is_on * on;
-  return is_on - is_off;
+  if (counts.size() == 1) {
+    counts[0] = counts[0] + (is_on - is_off);
+    return;
+  }
+  const auto time = torch::rand_like(intensity);
+  for (size_t k = 0; k < counts.size(); ++k) {
+    const double begin = k == 0 ? 0.0 : subwindow_end(k - 1, counts.size()), end = subwindow_end(k, counts.size());
+    counts[k] = counts[k] + (is_on - is_off) * ((time >= begin) & (time < end)).to(intensity.scalar_type());
+  }
 }
 
-/// Computes the events of one active pattern.
-torch::Tensor noisy_events(const torch::Tensor& intensity, const torch::Tensor& on, const torch::Tensor& off,
-                           const PixelSamples& samples, PixelState& state) {
-  const auto noise = torch::sqrt(samples.at(kNoise).square() + samples.at(kShotNoise).square() / intensity);
-  const auto count = compare(state.level + noise * torch::randn_like(intensity), on, off, state.reference);
-  return count + dark_events(intensity, on, off, samples, state.reference);
+/// The offset of the signal from the level, which is linear in time during a pattern.
+struct Noise {
+  torch::Tensor from, to;
+
+  [[nodiscard]] torch::Tensor at(double share) const { return share == 1.0 ? to : from + share * (to - from); }
+};
+
+torch::Tensor random_noise(const torch::Tensor& intensity, const PixelSamples& samples) {
+  return torch::sqrt(samples.at(kNoise).square() + samples.at(kShotNoise).square() / intensity) *
+         torch::randn_like(intensity);
 }
 
 /// Returns the light J = (I + eps) / eps of each pattern, followed by that of the last code's inverse.
@@ -62,15 +82,21 @@ std::vector<torch::Tensor> shown_light(const torch::Tensor& intensities, const t
                                        const PixelSamples& samples) {
   const int64_t num_patterns = intensities.size(1), num_codes = samples.transmission.size(1);
   const auto eps = samples.at(kEps), leak = samples.at(kLeak);
+  const bool is_whole = num_patterns == 2 * num_codes + 1, is_still = full.dim() == 3;
+  const auto full_at = [&](int64_t n) { return is_still ? full : full.select(1, n); };
   std::vector<torch::Tensor> codes, inverses;
   for (int64_t n = 0; n < num_codes; ++n) {
-    const auto open = intensities.select(1, n);
-    const auto passed = open * samples.transmission.select(1, n).reshape({-1, 1, 1});
-    codes.push_back((passed + leak * (full - open)) / eps + 1.0);
-    inverses.push_back((full - passed).clamp_min(0.0) / eps + 1.0);
+    const auto open = intensities.select(1, n), transmission = samples.transmission.select(1, n).reshape({-1, 1, 1});
+    const auto passed = open * transmission;
+    codes.push_back((passed + leak * (full_at(n) - open)) / eps + 1.0);
+    // If the scene moves, the inverse sees it later than the code.
+    const int64_t later = num_codes + n;
+    const auto blocked =
+        is_still || !is_whole ? passed : transmission * (full_at(later) - intensities.select(1, later));
+    inverses.push_back((full_at(is_still || !is_whole ? n : later) - blocked).clamp_min(0.0) / eps + 1.0);
   }
   std::vector<torch::Tensor> shown = codes;
-  if (num_patterns == 2 * num_codes + 1) {
+  if (is_whole) {
     shown.insert(shown.end(), inverses.begin(), inverses.end());
     shown.push_back(codes.front());
   }
@@ -81,32 +107,49 @@ std::vector<torch::Tensor> shown_light(const torch::Tensor& intensities, const t
 }  // namespace
 
 torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torch::Tensor& full,
-                                    const PixelSamples& samples) {
+                                    const PixelSamples& samples, int64_t subwindows) {
   const int64_t num_patterns = intensities.size(1), num_codes = samples.transmission.size(1);
   const std::vector<torch::Tensor> shown = shown_light(intensities, full, samples);
   const auto inverse = shown.back();
 
-  const auto common = 1.0 + samples.at(kMismatch) * torch::randn_like(full);
+  const auto common = 1.0 + samples.at(kMismatch) * torch::randn_like(inverse);
   const auto threshold = [&](capture::PixelConstant mean) {
-    const auto own = common + samples.at(kMismatchEach) * torch::randn_like(full);
+    const auto own = common + samples.at(kMismatchEach) * torch::randn_like(inverse);
     return samples.at(mean) * own.clamp_min(kLeastThreshold);
   };
   const auto on = threshold(kThresholdOn), off = threshold(kThresholdOff);
 
   PixelState start{inverse.reciprocal(), torch::log(inverse), {}};
   follow(shown[0], samples.at(kBlackTime), samples, start);
-  std::vector<torch::Tensor> sums(static_cast<size_t>(num_patterns - 1));
+  std::vector<torch::Tensor> sums(static_cast<size_t>((num_patterns - 1) * subwindows));
   for (int64_t cycle = 0; cycle < samples.cycles; ++cycle) {
     PixelState state = start;
-    state.reference = state.level + off * samples.at(kResetSpan) * torch::rand_like(full) - samples.at(kResetOffset);
+    const auto settled = state.level - samples.at(kResetOffset);
+    state.reference = state.level + off * samples.at(kResetSpan) * torch::rand_like(inverse) - samples.at(kResetOffset);
+    // No OFF event is due when the first pattern begins.
+    Noise noise{{}, (state.reference - kAlmost * off).clamp_min(settled) - state.level};
     for (int64_t n = 1; n < num_patterns; ++n) {
       const auto& intensity = shown[static_cast<size_t>(n)];
+      const bool is_to_black = n == 2 * num_codes;
+      noise.from = noise.to;
+      noise.to = is_to_black ? -samples.at(kResetOffset) : random_noise(intensity, samples);
       // The black pattern and its inverse are shown longer than the others.
-      follow(intensity, samples.at(n % num_codes == 0 ? kBlackTime : kLitTime), samples, state);
-      auto count = n == 2 * num_codes ? compare(state.level - samples.at(kResetOffset), on, off, state.reference)
-                                      : noisy_events(intensity, on, off, samples, state);
-      auto& sum = sums[static_cast<size_t>(n - 1)];
-      sum = sum.defined() ? sum + count : count;
+      const auto seconds = samples.at(n % num_codes == 0 ? kBlackTime : kLitTime);
+      std::vector<torch::Tensor> counts;
+      PixelState now = state;
+      for (size_t k = 0; k < static_cast<size_t>(subwindows); ++k) {
+        const double end = subwindow_end(k, static_cast<size_t>(subwindows));
+        now.inverse_level = state.inverse_level;
+        now.level = state.level;
+        follow(intensity, seconds * end, samples, now);
+        counts.push_back(compare(now.level + noise.at(end), on, off, now.reference));
+      }
+      state = now;
+      if (!is_to_black) add_dark_events(intensity, on, off, samples, state.reference, counts);
+      for (size_t k = 0; k < counts.size(); ++k) {
+        auto& sum = sums[static_cast<size_t>((n - 1) * subwindows) + k];
+        sum = sum.defined() ? sum + counts[k] : counts[k];
+      }
     }
   }
   return torch::stack(sums, 1) / static_cast<double>(samples.cycles);

@@ -23,9 +23,10 @@ struct PixelSamples {
 /// Computes the event images [batch, P - 1, y, x], averaged over the cycles, of pixels that follow the light with a
 /// lag. The camera's cycle has a closed-form solution: the inverse of the last code, black, codes 2 to N, and for a
 /// whole cycle their inverses and black again. `intensities` [batch, P, y, x] are the coded intensities of the N codes
-/// (P = N) or of capture::whole_cycle() of them (P = 2N + 1); the first is black. `full` [batch, y, x] is the intensity
-/// with all cells open. An inverse transmits the light of the open aperture that its code blocks. The change to black
-/// causes the OFF events that bring the reference down to the level.
+/// (P = N) or of capture::whole_cycle() of them (P = 2N + 1); the first is black. `full` is the intensity with all
+/// cells open, [batch, y, x], or [batch, P, y, x] if it changes from pattern to pattern. An inverse transmits the light
+/// of the open aperture that its code blocks. The change to black causes the OFF events that bring the reference down
+/// to the level.
 ///
 /// The log intensity u of the photoreceptor obeys du/dt = K (J - exp u) with J = (I + eps) / eps. This is linear in w =
 /// exp(-u), so that w relaxes to 1 / J at the rate K J. The level of the amplifier relaxes to u at its own rate. At the
@@ -33,7 +34,11 @@ struct PixelSamples {
 /// threshold), and the reference moves by threshold * count. After black, the reference lies up to reset_span OFF
 /// thresholds above the level. The function draws from torch's generator: thresholds once per pixel, everything else
 /// once per cycle. Rounding has the gradient of the identity.
+///
+/// With W sub-windows, the counts of each transition are divided at its duration times 4^(k - W), k = 1, ..., W - 1,
+/// and the result is [batch, (P - 1) W, y, x]. As in streams::EventStream, the noise grows linearly from its value in
+/// the pattern before, spurious events come at any time, and the reference after black causes no OFF event at once.
 [[nodiscard]] torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torch::Tensor& full,
-                                                  const PixelSamples& samples);
+                                                  const PixelSamples& samples, int64_t subwindows = 1);
 
 }  // namespace e2lf::learn

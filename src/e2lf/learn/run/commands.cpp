@@ -87,6 +87,7 @@ Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesy
     E2LF_RETURN_IF_ERROR(write_reports(reports, RunLog(run).page(config.name, to_json(config))));
   }
   E2LF_RETURN_IF_ERROR(trained);
+  if (trainer.config().sensor.subwindows > 1) return run / "evaluation.csv";
   const auto model = run / (trainer.config().name + ".safetensors");
   if (peers.leads()) E2LF_RETURN_IF_ERROR(model::write_model(model, trainer.to_model()));
   return model;
@@ -151,6 +152,10 @@ Result<void> export_run(const std::filesystem::path& run, const std::filesystem:
   return guarded(run, [&]() -> Result<void> {
     E2LF_RETURN_IF_ERROR(check_export(run, model, overwrite));
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, {}));
+    if (trainer.config().sensor.subwindows > 1) {
+      return Error{ErrorCode::kInvalidValue, "there is no model with sub-windows; see evaluation.csv for the figures",
+                   run.string()};
+    }
     return model::write_model(model, trainer.to_model());
   });
 }

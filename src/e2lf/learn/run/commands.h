@@ -16,8 +16,8 @@ namespace e2lf::learn {
 /// errors. `overrides` are settings "a.b=value" that replace those of the configuration. If `keep_going` returns false,
 /// the run writes a checkpoint and fails with kCancelled. Reports are also written for a run that was stopped.
 
-/// Starts a run in a folder and exports its model at the end. Returns the path of the model file. Fails with kExists if
-/// the folder already contains a run.
+/// Starts a run in a folder and exports its model at the end. Returns the path of the model file, or of evaluation.csv
+/// for a run with sub-windows, which has no model. Fails with kExists if the folder already contains a run.
 [[nodiscard]] Result<std::filesystem::path> train(const std::filesystem::path& config, const std::filesystem::path& run,
                                                   const std::vector<std::string>& overrides = {},
                                                   const ProgressFn& progress = {},

@@ -182,6 +182,15 @@ Result<void> check_patterns(const PatternConfig& patterns, capture::MeasurementK
   return {};
 }
 
+Result<void> check_sensor(const SensorConfig& sensor, const std::string& start, const std::string& location) {
+  if (sensor.subwindows == 1) return {};
+  if (sensor.subwindows == 0 || sensor.camera.empty() || sensor.camera_share < 1.0 || !start.empty()) {
+    return invalid("sub-windows need physical pixels in all samples: set camera, camera_share to 1 and no start",
+                   location + ".subwindows");
+  }
+  return {};
+}
+
 Result<void> check_network(const NetworkConfig& network, const std::string& location) {
   if (network.type != "unet" && network.type != "recnet") {
     return invalid(cat("unknown network type \"", network.type, "\"; use unet or recnet"), location);
@@ -230,6 +239,7 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
     return invalid("a patch must contain an integral number of lenses; make it a multiple of 8",
                    location + ".train.patch");
   }
+  E2LF_RETURN_IF_ERROR(check_sensor(config.sensor, config.start, location + ".sensor"));
   E2LF_RETURN_IF_ERROR(check_network(config.network, location + ".network"));
   E2LF_RETURN_IF_ERROR(check_train(config.train, location + ".train"));
   if (config.precision != "float32" && config.precision != "bfloat16") {
@@ -256,7 +266,14 @@ std::string config_table() {
 }
 
 model::Network make_network(const Config& config) {
-  const size_t channels = model::num_input_channels(config.input, config.patterns.num_patterns);
+  const size_t num_patterns = config.patterns.num_patterns;
+  size_t channels = 0;
+  for (const model::InputGroup& group : config.input) {
+    // Otherwise, a sub-window is to the inputs what a transition is.
+    const bool is_of_patterns = group.kind == model::InputKind::kCamera || config.sensor.subwindows == 1;
+    const size_t seen = is_of_patterns ? num_patterns : (num_patterns - 1) * config.sensor.subwindows + 1;
+    channels += model::num_input_channels({group}, seen);
+  }
   if (config.network.type == "recnet") return model::recnet(channels);
   return model::unet({.input_channels = channels,
                       .widths = {config.network.widths.begin(), config.network.widths.end()},

@@ -24,6 +24,13 @@ auto synthesiser_fields(Options& options) {
     visit("highlight_share", options.highlight_share, "share of scenes with reflections at a depth of their own");
     visit("procedural_share", options.procedural_share,
           "share of surfaces with a procedural texture in place of a photograph");
+    visit("plenoptic_share", options.plenoptic_share,
+          "share of scenes with small disparities and with the tone, blur, grain and corners of a [plenoptic "
+          "camera](experiments/plenoptic-scenes.md)");
+    visit("motion_px_per_cycle", options.motion_px_per_cycle,
+          "largest speed of a surface in px per cycle of the display; the network learns the light field at the time "
+          "of the last pattern");
+    visit("still_share", options.still_share, "share of synthesised scenes that stand still if others move");
   };
 }
 
@@ -101,6 +108,9 @@ auto sensor_fields(Sensor& sensor) {
     visit("camera_field_spread", sensor.camera_field_spread,
           "largest relative error of the transmission of a pattern, which the network does not receive");
     visit("camera_gain", sensor.camera_gain, "range of the gain of samples with this camera");
+    visit("subwindows", sensor.subwindows,
+          "number of sub-windows of each transition whose counts are inputs of their own; more than 1 is an experiment "
+          "that yields figures but no model, and requires `camera` and a `camera_share` of 1");
     visit("cycles_share", sensor.cycles_share,
           "share of steps whose samples with this camera are means over 2, 4, 8 or 16 cycles");
   };

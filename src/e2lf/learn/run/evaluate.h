@@ -19,6 +19,7 @@ struct Pipeline {
   torch::ScalarType compute = torch::kFloat;
   NamedTensors* input_means = nullptr;  ///< see NetworkModule::forward
   double image_sigma = 0.0;             ///< standard deviation of the noise of intensity images
+  int64_t subwindows = 1;               ///< of each transition, with counts of their own
 
   /// Returns the measurement that `input` requires.
   [[nodiscard]] capture::MeasurementKind measurement() const { return model::measurement_of(input).value(); }
@@ -26,11 +27,12 @@ struct Pipeline {
 
 /// The measurement of light fields [batch, 64, y, x], and their reconstruction.
 struct Reconstruction {
-  torch::Tensor events;       ///< [batch, N - 1, y, x], or [batch, 0, y, x] for a measurement without events
+  torch::Tensor events;       ///< [batch, transitions, y, x], or [batch, 0, y, x] for a measurement without events
   torch::Tensor light_field;  ///< float32 [batch, 64, y, x]
 };
 [[nodiscard]] Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field,
-                                         const SampleConstants& constants, const SensorNoise& noise);
+                                         const SampleConstants& constants, const SensorNoise& noise,
+                                         const MovingSamples& moving = {});
 
 struct SceneScore {
   std::string name;

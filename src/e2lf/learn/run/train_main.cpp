@@ -38,12 +38,13 @@ void print_warnings(e2lf::LogLevel level, const std::string& message) {
   std::fprintf(stderr, "e2lf-train: warning: %s\n", message.c_str());
 }
 
-/// Prints the path of a run's model, which one of several processes writes.
+/// Prints the path of a run's model, or of its figures if it has none. One of several processes writes it.
 e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model, bool quiet) {
   if (!model) return model.error();
   e2lf::hide_progress();
   std::error_code error;
-  if (!quiet && std::filesystem::exists(*model, error)) std::printf("model in %s\n", model->c_str());
+  const char* what = model->extension() == ".csv" ? "figures" : "model";
+  if (!quiet && std::filesystem::exists(*model, error)) std::printf("%s in %s\n", what, model->c_str());
   return {};
 }
 

@@ -229,9 +229,16 @@ Result<void> Trainer::backward(const torch::Tensor& loss) {
 Result<StepReport> Trainer::train_step() {
   const Batch batch = batches_.at(step_, {peers_.rank(), peers_.size()});
   NamedTensors input_means;
-  const Pipeline pipeline{&network_,     &network_.parameters(), current_codes(), config_.patterns.event_model,
-                          config_.input, compute_type(),         &input_means,    config_.sensor.nominal.sigma_i};
-  const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise);
+  const Pipeline pipeline{&network_,
+                          &network_.parameters(),
+                          current_codes(),
+                          config_.patterns.event_model,
+                          config_.input,
+                          compute_type(),
+                          &input_means,
+                          config_.sensor.nominal.sigma_i,
+                          static_cast<int64_t>(config_.sensor.subwindows)};
+  const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise, batch.moving);
   // The views are last in memory, so the gradients are, too.
   const auto difference = (result.light_field - batch.light_field).permute({0, 2, 3, 1}).flatten(1);
   const auto errors = difference.square().mean(1);
@@ -269,7 +276,8 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
                           config_.input,
                           compute_type(),
                           nullptr,
-                          config_.sensor.nominal.sigma_i};
+                          config_.sensor.nominal.sigma_i,
+                          static_cast<int64_t>(config_.sensor.subwindows)};
   std::vector<SceneScore> scores;
   for (const std::string& name : scenes) {
     E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));
@@ -284,6 +292,7 @@ std::vector<capture::SensorProfile> Trainer::cameras() const {
   std::vector<capture::SensorProfile> list(1);
   list.front().constants = config_.sensor.nominal;
   if (batches_.camera()) list.push_back(*batches_.camera());
+  if (config_.sensor.subwindows > 1) list.erase(list.begin());
   return list;
 }
 
