@@ -245,7 +245,7 @@ Result<Polarity> decide_polarity(TableSample& sample, size_t column, const std::
       return undecided("the polarities are 0 and -1, of which none is known to be ON; write them as 0/1 or -1/1",
                        location, Setting::kColumns);
     }
-    log_warning(cat(location, ": the polarities are 0, -1 and 1; both 0 and -1 were read as OFF"));
+    log_warning(cat(location, ": the polarities are 0, -1 and 1; both 0 and -1 are read as OFF"));
   }
   const PolarityStatement& stated = sample.polarities;
   if (stated.off == code.on || (stated.on && (*stated.on == code.off || *stated.on == code.off_too))) {
@@ -253,7 +253,7 @@ Result<Polarity> decide_polarity(TableSample& sample, size_t column, const std::
   } else if (code.on == 2 && stated.on != 2 && stated.off != 1) {
     // As the MATLAB functions for N-MNIST number them.
     log_warning(
-        cat(location, ": the polarities 1 and 2 were read as 1 = OFF, 2 = ON; --invert-polarity exchanges them"));
+        cat(location, ": the polarities 1 and 2 are read as 1 = OFF, 2 = ON; --invert-polarity exchanges them"));
   }
   return polarity;
 }
@@ -280,7 +280,7 @@ void warn_of_unit(const std::vector<double>& times, const Unit& read, const std:
   };
   const char* const smaller = unit == TimeUnit::kSeconds ? "ms" : unit == TimeUnit::kMilliseconds ? "us" : "ns";
   const char* const larger = unit == TimeUnit::kNanoseconds ? "us" : unit == TimeUnit::kMicroseconds ? "ms" : "s";
-  const std::string words = cat(location, ": the times were read as ", time_unit_name(unit), " (",
+  const std::string words = cat(location, ": the times are read as ", time_unit_name(unit), " (",
                                 is_assumed ? read.why : reason_text(read.reason), ")");
   const auto advise = [&](const std::string& why, const char* other) {
     log_warning(cat(words, ", ", why, "; if they are ", other, ", give their unit (--time-unit)"));

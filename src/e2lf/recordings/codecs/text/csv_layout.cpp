@@ -205,13 +205,14 @@ double step_of(std::string_view word) {
 
 /// Sets the steps of the columns from the large values in the lines of numbers.
 void find_steps(const std::vector<Cells>& lines, TextHead& head) {
+  constexpr double kLarge = 0.9;
   for (size_t column = 0; column < head.columns; ++column) {
     table::TableSample::Column& sample = head.sample.columns[column];
     double largest = 0;
     for (const double value : sample.values) largest = std::max(largest, std::fabs(value));
     for (const Cells& cells : lines) {
       if (!cells.are_numbers() || cells.words.size() != head.columns) continue;
-      if (largest == 0 || !(std::fabs(cells.values[column]) >= largest / 2)) continue;
+      if (largest == 0 || !(std::fabs(cells.values[column]) >= kLarge * largest)) continue;
       const double step = step_of(cells.words[column]);
       if (sample.step == 0 || step < sample.step) sample.step = step;
     }
