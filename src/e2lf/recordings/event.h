@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -92,12 +91,8 @@ struct EventColumns {
   }
   /// Appends the events [begin, end) of another set of columns.
   void append(const EventColumns& other, size_t begin, size_t end) {
-    // insert() would construct one element after the other, because of the allocator.
     const auto copy = [begin, end](auto& to, const auto& from) {
-      const size_t size = to.size();
-      to.resize(size + end - begin);
-      std::copy(from.begin() + static_cast<ptrdiff_t>(begin), from.begin() + static_cast<ptrdiff_t>(end),
-                to.begin() + static_cast<ptrdiff_t>(size));
+      to.insert(to.end(), from.begin() + static_cast<ptrdiff_t>(begin), from.begin() + static_cast<ptrdiff_t>(end));
     };
     copy(x, other.x);
     copy(y, other.y);
