@@ -86,11 +86,12 @@ double expected_output(const ConvSpec& spec, const Values& input, size_t y, size
 
 /// The largest difference between a kernel's float32 result for an input of that size and sums in double precision. NaN
 /// is the largest of all.
-double error_of(const Kernel& kernel, const ConvSpec& spec, size_t in_height, size_t in_width) {
+double error_of(const Kernel& kernel, const ConvSpec& spec, size_t in_height, size_t in_width, float brightness = 1) {
   Grid input(in_height, in_width, spec.in_channels, spec.compute);
   Values values{in_height, in_width, spec.in_channels, random_values(in_height * in_width * spec.in_channels, 11)};
   for (size_t i = 0; i < values.values.size(); ++i) {
     float& value = values.values[i];
+    value *= brightness;
     const size_t y = i / spec.in_channels / in_width, x = i / spec.in_channels % in_width, c = i % spec.in_channels;
     if (spec.compute == ElementType::kFloat32) input.at(y, x, c) = value;
     if (spec.compute == ElementType::kBfloat16) input.narrow_at(y, x, c) = to_bfloat16(value);
@@ -176,6 +177,17 @@ TEST_F(ConvTest, Int16ProductsAreNearPlainSumsForEveryInstructionSetThatHasThem)
         }
       }
     }
+  }
+}
+
+TEST_F(ConvTest, Int16ProductsKeepTheDigitsOfDarkInputs) {
+  if (!int16_supported()) GTEST_SKIP() << "this CPU has no int16 products";
+  ConvSpec spec = random_spec(40, 33, 3, 9);
+  spec.bias.assign(33, 0.0F);
+  spec.int16_products = true;
+  for (const float brightness : {1e-6F, 0.0F}) {
+    EXPECT_LE(error_of(*make_winograd_int16(spec), spec, 6, 23, brightness), 0.1 * brightness);
+    EXPECT_LE(error_of(*make_direct_int16(spec), spec, 6, 23, brightness), 0.01 * brightness);
   }
 }
 

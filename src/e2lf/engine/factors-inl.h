@@ -8,8 +8,6 @@
 #define E2LF_ENGINE_FACTORS_INL_H_
 #endif
 
-#include <limits>
-
 #include "e2lf/engine/pack.h"
 #include "e2lf/kernels/vector-inl.h"
 
@@ -43,18 +41,19 @@ template <>
 struct Factors<Int16Products> {
   using Packed = ScaledWeights;
   static constexpr bool kAreIntegers = true;
+  static constexpr float kLeast = 1e-30F;
 
   Factors(ScaledWeights packed, size_t columns)
       : weights(std::move(packed.weights)), units(padded_channels(columns) * sizeof(float)) {
     std::copy(packed.units.begin(), packed.units.end(), units.as<float>());
   }
 
-  /// Returns the largest magnitude of kLanes-fold many values, and at least the smallest normal number.
+  /// Returns the largest magnitude of kLanes-fold many values, and at least kLeast, so that scales are finite.
   static HWY_INLINE float largest_of(const float* from, size_t count) {
     const IntTag d;
     const auto magnitude = hn::Set(d, INT32_MAX);
     // Floats that are not negative have the order of integers.
-    Int16Products::Sum most = hn::BitCast(d, hn::Set(FloatTag(), std::numeric_limits<float>::min())), other = most;
+    Int16Products::Sum most = hn::BitCast(d, hn::Set(FloatTag(), kLeast)), other = most;
     size_t i = 0;
     const auto bits = [&](size_t at) HWY_ATTR { return hn::And(hn::BitCast(d, load_floats(from + at)), magnitude); };
     for (; i + 2 * kLanes <= count; i += 2 * kLanes) {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <limits>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/engine/conv.h"
@@ -164,7 +163,7 @@ class WinogradKernel final : public Kernel {
                         : strip.inputs[0].template row<const Element>(y - 1 + static_cast<ptrdiff_t>(i)) +
                               (x - 1) * static_cast<ptrdiff_t>(in_stride_);
     };
-    float largest = std::numeric_limits<float>::min();
+    float largest = kIsScaled ? 0.0F : 1.0F;
     if constexpr (kIsScaled) {
       for (size_t i = 0; i < patch_rows(); ++i) {
         largest = std::max(largest, Factors<Products>::largest_of(row(i), kWinogradPoints * group_));
