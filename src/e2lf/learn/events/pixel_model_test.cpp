@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "e2lf/capture/patterns/whole_cycle.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/learn/events/event_simulation.h"
 #include "e2lf/sensor/pixel_model.h"
 #include "testing/pixel_levels.h"
