@@ -92,8 +92,9 @@ Result<void> open_classical(const MethodChoice& choice, OpenedMethod& opened) {
 Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
                                                       const std::optional<capture::SensorProfile>& camera,
                                                       bool prefers_fast) {
-  std::vector<const char*> names = camera && camera->is_pixel() ? std::vector{"e2lf-n4-camera", "e2lf-n4-cycle-camera"}
-                                                                : std::vector{"e2lf-n4", "e2lf-n8", "e2lf-n4-cycle"};
+  std::vector<const char*> names = camera && camera->is_pixel()
+                                       ? std::vector{"e2lf-n4-camera", "e2lf-n8-camera", "e2lf-n4-cycle-camera"}
+                                       : std::vector{"e2lf-n4", "e2lf-n8", "e2lf-n4-cycle"};
   if (prefers_fast) names.insert(names.begin(), "e2lf-n4-live");
   for (const char* name : names) {
     const auto path = bundled_file_named(kBundledModels, name);

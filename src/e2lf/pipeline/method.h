@@ -84,9 +84,9 @@ struct BundledNetwork {
   model::Model model;
 };
 
-/// Returns the bundled network for these patterns: e2lf-n4-live first if `prefers_fast` is set, then e2lf-n4-camera or
-/// e2lf-n4-cycle-camera if the camera has physical pixels, otherwise e2lf-n4, e2lf-n8 or e2lf-n4-cycle. Returns nothing
-/// if none was trained for the patterns. Fails as read_model() does.
+/// Returns the bundled network for these patterns: e2lf-n4-live first if `prefers_fast` is set, then e2lf-n4-camera,
+/// e2lf-n8-camera or e2lf-n4-cycle-camera if the camera has physical pixels, otherwise e2lf-n4, e2lf-n8 or
+/// e2lf-n4-cycle. Returns nothing if none was trained for the patterns. Fails as read_model() does.
 [[nodiscard]] Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
                                                                     const std::optional<capture::SensorProfile>& camera,
                                                                     bool prefers_fast = false);

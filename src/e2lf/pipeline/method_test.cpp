@@ -43,6 +43,10 @@ TEST(OpenMethod, TakesTheBundledNetworkForPatternsAndCamera) {
   EXPECT_EQ(of_pixels->network->model().name, "e2lf-n4-camera");
   EXPECT_EQ(of_pixels->codes->told_by, ToldBy::kCaller);
   EXPECT_EQ(of_pixels->camera_told_by, ToldBy::kEvents);
+
+  const auto of_eight = open_method({.codes = *bundled("e2lf-n8").codes, .events = {.camera = pixel_camera()}});
+  ASSERT_TRUE(of_eight) << of_eight.error().text();
+  EXPECT_EQ(of_eight->network->model().name, "e2lf-n8-camera");
 }
 
 TEST(OpenMethod, NamesNoNetworkForPatternsThatNoneWasTrainedFor) {
