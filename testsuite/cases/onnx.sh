@@ -46,7 +46,7 @@ for model in "$models"/*.safetensors; do
   camera=()
   name=$(basename "$model" .safetensors)
   events=events.npz
-  [ "$name" != e2lf-n8 ] || events=eight.npz
+  [[ $name != e2lf-n8* ]] || events=eight.npz
   [[ $name != *cycle* ]] || continue  # of eight images, as that of e2lf-n8
   "$E2LF" reconstruct "$events" -m "$model" -o "$name" "${network_output[@]}"
   same_views "$model" "$events" "$name"
