@@ -41,7 +41,8 @@ network_output=(--gain 1 --format npy --precision float32 --quiet)
 # the camera.
 "$E2LF" demo -o demo --width 101 --height 67 --quiet
 py -c 'import numpy as np; np.savez("events.npz", events=np.load("demo/events.npz")["events"])'
-"$E2LF" simulate demo/scene -m "$models/e2lf-n8.safetensors" -o eight.npz --quiet
+"$E2LF" simulate demo/scene -m "$models/e2lf-n8.safetensors" -o simulated.npz --quiet
+py -c 'import numpy as np; np.savez("eight.npz", events=np.load("simulated.npz")["events"])'
 for model in "$models"/*.safetensors; do
   camera=()
   name=$(basename "$model" .safetensors)

@@ -28,7 +28,8 @@ Result<Codes> codes_from_npy(const NpyArray& array, const std::string& location)
         cat("patterns have the shape [N, view_y, view_x], not ", shape_text(array.shape), "; reshape the array"),
         location};
   }
-  if (array.shape[0] == array.shape[1] && array.shape[2] != array.shape[1]) {
+  constexpr size_t kLeastGrid = 5;  // as many patterns of a smaller grid are plausible
+  if (array.shape[0] == array.shape[1] && array.shape[1] >= kLeastGrid && array.shape[2] != array.shape[1]) {
     return Error{ErrorCode::kShape,
                  cat("patterns have the shape [N, view_y, view_x], and ", shape_text(array.shape),
                      " is probably [view_y, view_x, N]; move the last axis to the front"),
