@@ -92,19 +92,20 @@ HWY_INLINE Range range_of(D d, hn::Vec<D> word, hn::Vec<D> chosen) {
   }
 }
 
-/// Returns whether the TIME_LOW words of a vector of words, of which there is one at least, continue plausibly from
-/// `low` (-1 = unknown), which is set to the last one. Most do because they are close to each other, which can be
-/// decided without their order.
+/// Returns whether the TIME_LOW words of a vector of words, if there are any, continue plausibly from `low` (-1 =
+/// unknown), which is set to the last one. Most do because they are close to each other, which can be decided without
+/// their order.
 template <typename D>
 HWY_INLINE bool check_group_lows(const uint8_t* words, D d, hn::Vec<D> word, hn::Mask<D> is_low, int& low) {
   const uint32_t bits = bits_of(d, is_low);
   const Range range = range_of(d, word, hn::VecFromMask(d, is_low));
   const int last = low + static_cast<int>(kTimeLow << 12);
   if ((low < 0) | range.is_wide | (range.least < last) | (range.largest > last + kLongStepUs)) {
-    return low >= 0 && check_lows(words, bits, low);
+    return bits == 0 || (low >= 0 && check_lows(words, bits, low));
   }
-  low =
-      load_le<uint16_t>(words + 2 * static_cast<size_t>(31 - std::countl_zero(bits))) & static_cast<int>(kPayloadMask);
+  const auto at = static_cast<size_t>(31 - std::countl_zero(bits | 1));
+  const int newest = load_le<uint16_t>(words + 2 * at) & static_cast<int>(kPayloadMask);
+  low = bits != 0 ? newest : low;
   return true;
 }
 
@@ -150,6 +151,11 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
     if (heartbeats > 0) check.num_rejected = 0;
     heartbeats = 0;
   };
+  // At high event rates, few vectors of words have a TIME_LOW. Then the check of the others is left out; where many
+  // have one, the branch would cost more than the check.
+  constexpr size_t kDensityGroups = 16, kFewWithLows = 3;
+  size_t num_groups = 0, num_with_lows = 0;
+  bool skips_others = false;
   bool stopped = false;
   while (!stopped && i + lanes <= count) {
     const auto word = hn::LoadU(d, reinterpret_cast<const uint16_t*>(words + 2 * i));
@@ -162,10 +168,14 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
     auto odd = hn::Or(hn::AndNot(is_heartbeat, hn::RebindMask(d, is_beyond)), hn::Eq(word, hn::Zero(d)));
     odd = hn::Or(odd, hn::Eq(word, hn::Set(d, kFrameEnd)));  // what follows may be padding
     const auto is_low = hn::Eq(type, hn::Set(d, static_cast<uint16_t>(kTimeLow)));
-    // At high event rates, most groups have no TIME_LOW.
     const bool has_lows = !hn::AllFalse(d, is_low);
+    num_with_lows += has_lows;
+    if (++num_groups == kDensityGroups) {
+      skips_others = num_with_lows <= kFewWithLows;
+      num_groups = num_with_lows = 0;
+    }
     if (check.after_frame || !hn::AllFalse(d, odd) ||
-        (has_lows && !check_group_lows(words + 2 * i, d, word, is_low, check.low))) {
+        ((has_lows | !skips_others) && !check_group_lows(words + 2 * i, d, word, is_low, check.low))) {
       note_heartbeats();
       const size_t good = check_scalar(words + 2 * i, lanes, check, limits);
       time_high = known_time_high();
