@@ -17,7 +17,7 @@ enum class Precision {
   kAuto,  ///< the fastest that preserves the result; see Engine::precision()
   kFloat32,
   kBfloat16,  ///< bfloat16 products with float32 sums; kUnsupported if the CPU lacks them
-  kInt16,     ///< 3x3 convolutions with 16-bit integer products, all else in float32; kUnsupported if not faster
+  kInt16,     ///< convolutions with 16-bit integer products, all else in float32; kUnsupported if not faster
 };
 
 [[nodiscard]] Result<Precision> precision_from_name(const std::string& name);  ///< "auto", "float32", ...

@@ -19,10 +19,9 @@ class FieldMaker {
   /// The input of the network must be event images.
   explicit FieldMaker(recon::Reconstructor reconstructor) : reconstructor_(std::move(reconstructor)) {}
 
-  /// Computes the values of one pass of recon::Reconstructor::reconstruct(), except for rounding (see
-  /// recon::Reconstructor::prepared_for()), into `field`, and
-  /// reuses the memory that the first call allocated. The network may compute only the given views; see
-  /// reconstruct_into(). Fails as that function does.
+  /// Computes the values of one pass of recon::Reconstructor::reconstruct() into `field`, except for rounding; see
+  /// recon::Reconstructor::prepared_for(). Reuses the memory that the first call allocated. The network may compute
+  /// only the given views; see reconstruct_into(). Fails as that function does.
   [[nodiscard]] Result<void> make(const capture::Measurement& measurement, size_t samples,
                                   std::span<const size_t> views, lightfield::LightField& field);
 

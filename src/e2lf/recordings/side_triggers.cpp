@@ -17,8 +17,9 @@ namespace {
 
 constexpr size_t kLongestTriggerLine = 256;
 
+constexpr std::string_view kBlanks = " \t\r\"";  // and quotation marks
+
 std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\"";
   text.remove_prefix(std::min(text.size(), text.find_first_not_of(kBlanks)));
   return text.substr(0, text.find_last_not_of(kBlanks) + 1);
 }
@@ -40,10 +41,9 @@ std::optional<Trigger> parse_line(std::string_view line) {
 bool is_usual_header(std::string_view line) {
   std::string names;
   for (const char c : line) {
-    if (std::string_view(" \t\r\"").find(c) == std::string_view::npos)
-      names += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (kBlanks.find(c) == std::string_view::npos) names += c;
   }
-  return names == "p,id,t";
+  return lower_case(names) == "p,id,t";
 }
 
 std::string_view without_mark(std::string_view text) {
