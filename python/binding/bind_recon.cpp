@@ -110,7 +110,7 @@ void bind_recon(py::module_& module) {
       "Reconstructs light fields from event images with one model. It is created once and used for every cycle, by one "
       "thread at a time.\n\n"
       "model: a Model.\n"
-      "precision: \"auto\", \"float32\" or \"bfloat16\".\n"
+      "precision: \"auto\", \"float32\", \"bfloat16\" or \"int16\".\n"
       "camera: the Camera that recorded the events, for networks conditioned on the sensor profile; None = that of the "
       "model.")
       .def(py::init<const model::Model&, const std::string&, const capture::SensorProfile*>(), py::arg("model"),
