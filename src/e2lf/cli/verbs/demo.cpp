@@ -28,6 +28,9 @@ namespace fs = std::filesystem;
 using lightfield::LightField;
 namespace {
 
+/// The best bundled network for static scenes.
+constexpr const char* kModel = "models/e2lf-n8.safetensors";
+
 struct DemoArguments {
   fs::path output = "out/demo", model;
   size_t width = 512, height = 384;
@@ -70,7 +73,7 @@ void print_result(const DemoArguments& arguments, const pipeline::OpenedMethod& 
 
 Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  const auto model = arguments.model.empty() ? bundled_model() : arguments.model;
+  const auto model = arguments.model.empty() ? bundled_file(kModel) : arguments.model;
   const OutputRules rules{.inputs = {model.value_or("")}, .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
   RunRecord record("demo");
@@ -128,7 +131,7 @@ int run_demo(const std::vector<std::string>& arguments) {
             "e2lf demo -o out/demo --overwrite");
   DemoArguments demo_arguments;
   verb.app().add_option("-o,--output", demo_arguments.output, "folder to write")->capture_default_str();
-  add_model_option(verb.app(), "-m,--model", demo_arguments.model, "model file or bundled model; default: e2lf-n4");
+  add_model_option(verb.app(), "-m,--model", demo_arguments.model, "model file or bundled model; default: e2lf-n8");
   verb.app()
       .add_option("--width", demo_arguments.width, "width of each view, px")
       ->check(CLI::Range(16, 8192))
