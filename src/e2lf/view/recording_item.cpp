@@ -62,14 +62,18 @@ class Frames {
         count_(std::min(static_cast<int64_t>(num_frames), length_us_)),
         image_(1, overview.height, overview.width) {}
 
-  void add(const recordings::EventColumns& events) {
-    for (size_t i = 0; i < events.size(); ++i) {
+  /// Adds events except the first `first` ones.
+  void add(const recordings::EventColumns& events, size_t first = 0) {
+    num_events_ += events.size() - first;
+    for (size_t i = first; i < events.size(); ++i) {
       while (events.t[i] - begin_us_ >= edge_us(frame_ + 1)) finish();
       if (events.x[i] >= image_.width || events.y[i] >= image_.height) continue;
       int16_t& count = image_.values[events.y[i] * image_.width + events.x[i]];
       count = capture::saturated(count + (events.p[i] != 0 ? 1 : -1));
     }
   }
+
+  [[nodiscard]] uint64_t num_events() const { return num_events_; }
 
   Json take() {
     while (frame_ < count_) finish();
@@ -91,27 +95,31 @@ class Frames {
 
   Document& document_;
   int64_t begin_us_, length_us_, count_, frame_ = 0;
+  uint64_t num_events_ = 0;
   capture::EventImages image_;
   Json frames_ = Json::array();
 };
 
-Result<Json> add_frames(Document& document, const RecordingSource& source, const Overview& overview,
-                        size_t num_frames) {
+/// Adds the events that `frames` has not received yet.
+Result<void> add_remaining(const RecordingSource& source, const Overview& overview, Frames& frames) {
+  if (frames.num_events() == overview.num_events) return {};
   E2LF_ASSIGN_OR_RETURN(const auto reader, source.open(overview.width, overview.height));
-  Frames frames(document, overview, num_frames);
   recordings::EventBatch batch;
-  for (;;) {
+  for (uint64_t known = frames.num_events();;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
-    if (!more) return frames.take();
-    frames.add(batch.events);
+    if (!more) return {};
+    const size_t skipped = std::min<uint64_t>(known, batch.events.size());
+    known -= skipped;
+    frames.add(batch.events, skipped);
   }
 }
 
-/// Returns the cycles that can be found. Their absence is not an error for a viewer.
-Json found_cycles(const RecordingSource& source, int64_t origin_us) {
+/// Returns the cycles that can be found, and adds the events that are read to `frames`. The absence of cycles is not an
+/// error for a viewer.
+Json found_cycles(const RecordingSource& source, int64_t origin_us, Frames& frames) {
   Json cycles = Json::array();
   if (!source.open_cycles) return cycles;
-  auto reader = source.open_cycles();
+  auto reader = source.open_cycles([&frames](const recordings::EventBatch& batch) { frames.add(batch.events); });
   if (!reader) return cycles;
   for (;;) {
     const auto cycle = reader->next();
@@ -130,7 +138,9 @@ Json found_cycles(const RecordingSource& source, int64_t origin_us) {
 Result<void> add_recording(Document& document, const std::string& name, const RecordingSource& source,
                            size_t num_frames) {
   E2LF_ASSIGN_OR_RETURN(const Overview overview, survey(source, name));
-  E2LF_ASSIGN_OR_RETURN(Json frames, add_frames(document, source, overview, num_frames));
+  Frames frames(document, overview, num_frames);
+  const Json cycles = found_cycles(source, overview.begin_us, frames);
+  E2LF_RETURN_IF_ERROR(add_remaining(source, overview, frames));
   document.add_item({{"kind", "recording"},
                      {"name", name},
                      {"format", overview.info.format},
@@ -138,14 +148,14 @@ Result<void> add_recording(Document& document, const std::string& name, const Re
                      {"width", overview.width},
                      {"events", overview.num_events},
                      {"origin_us", overview.begin_us},
-                     {"frames", std::move(frames)},
+                     {"frames", frames.take()},
                      {"rate",
                       {{"begin_us", overview.rate.begin_us - overview.begin_us},
                        {"bin_us", overview.rate.bin_us},
                        {"on", overview.rate.on},
                        {"off", overview.rate.off}}},
                      {"triggers", overview.triggers},
-                     {"cycles", found_cycles(source, overview.begin_us)}});
+                     {"cycles", cycles}});
   return {};
 }
 

@@ -138,8 +138,10 @@ class DocumentMaker {
       }
       return recordings::open_named_recording(path.string(), options);
     };
-    return view::add_recording(document_, name_of(path), {open, [&] { return open_cycles(path, flags); }},
-                               arguments_.frames);
+    return view::add_recording(
+        document_, name_of(path),
+        {open, [&](const auto& on_batch) { return open_cycles(path, flags, {.on_batch = on_batch, .on_mark = {}}); }},
+        arguments_.frames);
   }
 
   Result<void> compare(const Shown& first, const Shown& second) {
