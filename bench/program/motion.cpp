@@ -19,6 +19,8 @@
 #include "e2lf/lightfield/turntable_scene.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
+#include "e2lf/sensor/coded_intensity.h"
+#include "e2lf/sensor/event_model.h"
 #include "e2lf/streams/stream_options.h"
 #include "e2lf/streams/virtual_rig.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -108,6 +110,36 @@ Result<capture::EventImages> play(const Shot& shot, const capture::Codes& codes,
   return rig.sum_windows(batch);
 }
 
+/// Returns the scene at a time, between two of its knots.
+Result<LightField> scene_at(const streams::MovingScene& scene, double t_us) {
+  if (scene.knot_us == 0) return scene.at(0);
+  const double position = t_us / static_cast<double>(scene.knot_us), knot = std::floor(position);
+  const auto weight = static_cast<float>(position - knot);
+  E2LF_ASSIGN_OR_RETURN(LightField field, scene.at(static_cast<uint64_t>(knot)));
+  E2LF_ASSIGN_OR_RETURN(const LightField next, scene.at(static_cast<uint64_t>(knot) + 1));
+  for (size_t i = 0; i < field.data().size(); ++i) field.data()[i] += weight * (next.data()[i] - field.data()[i]);
+  return field;
+}
+
+/// Returns the event images of the second cycle in an event model of the paper. Pattern n is shown at one moment, which
+/// is the light that its events lead to.
+Result<capture::EventImages> simulate(const Shot& shot, const capture::Codes& codes,
+                                      const capture::SensorProfile& camera, uint64_t seed) {
+  const size_t steps = codes.num_patterns - 1;
+  const auto cycle_us = static_cast<double>(cycles::paper_schedule_of(codes).cycle_us());
+  sensor::CodedIntensities shown;
+  for (size_t n = 0; n <= steps; ++n) {
+    const double t_us = cycle_us * (1 + static_cast<double>(n) / static_cast<double>(steps));
+    E2LF_ASSIGN_OR_RETURN(const LightField scene, scene_at(shot.scene, t_us));
+    E2LF_ASSIGN_OR_RETURN(const sensor::CodedIntensities all, sensor::coded_intensities(codes, scene));
+    if (n == 0) shown.resize(all.count, all.height, all.width);
+    std::copy(all.image(n).begin(), all.image(n).end(), shown.image(n).begin());
+  }
+  sensor::EventModelOptions options{.constants = camera.constants, .seed = seed};
+  E2LF_ASSIGN_OR_RETURN(options.model, sensor::event_model_from_name(camera.event_model));
+  return sensor::simulate_events(shown, options);
+}
+
 struct Networks {
   recon::Reconstructor lit, whole;
 };
@@ -134,7 +166,8 @@ Result<Json> measure(const std::vector<Motion>& motions, const capture::Codes& c
   for (const Motion& motion : motions) {
     Json row = {{"motion", motion.name}, {"shots", Json::array()}};
     for (size_t i = 0; i < motion.shots.size(); ++i) {
-      E2LF_ASSIGN_OR_RETURN(const auto images, play(motion.shots[i], codes, camera, options.seed + i));
+      const auto record = camera.is_pixel() ? play : simulate;
+      E2LF_ASSIGN_OR_RETURN(const auto images, record(motion.shots[i], codes, camera, options.seed + i));
       E2LF_ASSIGN_OR_RETURN(row["shots"].emplace_back(), measure_shot(motion.shots[i], images, networks));
     }
     for (const char* name : {"lit_psnr_db", "whole_psnr_db", "scene_motion"}) {
