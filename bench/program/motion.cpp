@@ -33,6 +33,7 @@ namespace fs = std::filesystem;
 using lightfield::LightField;
 
 constexpr int64_t kTurntableKnotUs = 10000;
+constexpr size_t kTruthsPerCycle = 8;
 
 struct MotionBench {
   std::vector<fs::path> scenes;
@@ -54,30 +55,44 @@ struct Motion {
   std::vector<Shot> shots;
 };
 
-/// Returns a scene that moves to the left by `px_per_cycle`.
-Result<Shot> shift(const LightField& scene, double px_per_cycle, int64_t cycle_us, size_t size) {
-  Shot shot;
-  shot.scene.at = [&scene, size](uint64_t knot) { return in_view(scene, size, std::min<size_t>(knot, kMostMotionPx)); };
-  if (px_per_cycle > 0) shot.scene.knot_us = std::lround(static_cast<double>(cycle_us) / px_per_cycle);
-  for (auto px = static_cast<size_t>(px_per_cycle); px <= std::ceil(2 * px_per_cycle); ++px) {
-    E2LF_ASSIGN_OR_RETURN(shot.truths.emplace_back(), in_view(scene, size, px));
+/// Returns the scene at a time, between two of its knots.
+Result<LightField> scene_at(const streams::MovingScene& scene, double t_us) {
+  if (scene.knot_us == 0) return scene.at(0);
+  const double position = t_us / static_cast<double>(scene.knot_us), knot = std::floor(position);
+  const auto weight = static_cast<float>(position - knot);
+  E2LF_ASSIGN_OR_RETURN(LightField field, scene.at(static_cast<uint64_t>(knot)));
+  E2LF_ASSIGN_OR_RETURN(const LightField next, scene.at(static_cast<uint64_t>(knot) + 1));
+  for (size_t i = 0; i < field.data().size(); ++i) field.data()[i] += weight * (next.data()[i] - field.data()[i]);
+  return field;
+}
+
+/// Returns the scene with its views at equal distances of time in the second cycle.
+Result<Shot> shot_of(streams::MovingScene scene, int64_t cycle_us) {
+  Shot shot{std::move(scene), {}};
+  const size_t steps = shot.scene.knot_us > 0 ? kTruthsPerCycle : 0;
+  for (size_t n = 0; n <= steps; ++n) {
+    const double cycles = 1 + static_cast<double>(n) / kTruthsPerCycle;
+    E2LF_ASSIGN_OR_RETURN(shot.truths.emplace_back(), scene_at(shot.scene, cycles * static_cast<double>(cycle_us)));
   }
   return shot;
 }
 
+/// Returns a scene that moves to the left by `px_per_cycle`.
+streams::MovingScene shift(const LightField& scene, double px_per_cycle, int64_t cycle_us, size_t size) {
+  streams::MovingScene moving;
+  moving.at = [&scene, size](uint64_t knot) { return in_view(scene, size, std::min<size_t>(knot, kMostMotionPx)); };
+  if (px_per_cycle > 0) moving.knot_us = std::lround(static_cast<double>(cycle_us) / px_per_cycle);
+  return moving;
+}
+
 /// Returns the still life on the turntable.
-Shot turn(double rpm, int64_t cycle_us, size_t size, uint64_t seed) {
+streams::MovingScene turn(double rpm, size_t size, uint64_t seed) {
   const double radians = rpm / 60 * 2 * std::numbers::pi * kTurntableKnotUs * 1e-6;
-  const auto at = [=](uint64_t knot) {
+  const auto at = [=](uint64_t knot) -> Result<LightField> {
     const auto angle = static_cast<float>(radians * static_cast<double>(knot));
     return lightfield::render_light_field(lightfield::turntable_scene(angle, seed), {8, 8, size, size, 1});
   };
-  Shot shot;
-  shot.scene.at = [at](uint64_t knot) -> Result<LightField> { return at(knot); };
-  const auto knots = static_cast<uint64_t>(cycle_us / kTurntableKnotUs);
-  if (rpm > 0) shot.scene.knot_us = kTurntableKnotUs;
-  for (uint64_t knot = knots; knot <= (rpm > 0 ? 2 * knots + 1 : knots); knot += 2) shot.truths.push_back(at(knot));
-  return shot;
+  return {at, rpm > 0 ? kTurntableKnotUs : 0};
 }
 
 Result<std::vector<Motion>> motions(const std::vector<LightField>& scenes, const MotionBench& options,
@@ -86,12 +101,15 @@ Result<std::vector<Motion>> motions(const std::vector<LightField>& scenes, const
   for (const double px : {0.0, 0.5, 1.0, 2.0, 3.0, 6.0}) {
     Motion& motion = result.emplace_back(Motion{cat("scenes that move ", px, " px per cycle"), {}});
     for (const LightField& scene : scenes) {
-      E2LF_ASSIGN_OR_RETURN(motion.shots.emplace_back(), shift(scene, px, cycle_us, options.size));
+      const auto moving = shift(scene, px, cycle_us, options.size);
+      E2LF_ASSIGN_OR_RETURN(motion.shots.emplace_back(), shot_of(moving, cycle_us));
     }
   }
   for (const double rpm : {0.0, 0.5, 1.75, 5.0, 10.0}) {
     Motion& motion = result.emplace_back(Motion{cat("turntable at ", rpm, " rpm"), {}});
-    for (const uint64_t seed : {1U, 2U}) motion.shots.push_back(turn(rpm, cycle_us, options.size, seed));
+    for (const uint64_t seed : {1U, 2U}) {
+      E2LF_ASSIGN_OR_RETURN(motion.shots.emplace_back(), shot_of(turn(rpm, options.size, seed), cycle_us));
+    }
   }
   return result;
 }
@@ -108,17 +126,6 @@ Result<capture::EventImages> play(const Shot& shot, const capture::Codes& codes,
   E2LF_ASSIGN_OR_RETURN(recordings::EventBatch batch, rig.play_cycle());
   E2LF_ASSIGN_OR_RETURN(batch, rig.play_cycle());
   return rig.sum_windows(batch);
-}
-
-/// Returns the scene at a time, between two of its knots.
-Result<LightField> scene_at(const streams::MovingScene& scene, double t_us) {
-  if (scene.knot_us == 0) return scene.at(0);
-  const double position = t_us / static_cast<double>(scene.knot_us), knot = std::floor(position);
-  const auto weight = static_cast<float>(position - knot);
-  E2LF_ASSIGN_OR_RETURN(LightField field, scene.at(static_cast<uint64_t>(knot)));
-  E2LF_ASSIGN_OR_RETURN(const LightField next, scene.at(static_cast<uint64_t>(knot) + 1));
-  for (size_t i = 0; i < field.data().size(); ++i) field.data()[i] += weight * (next.data()[i] - field.data()[i]);
-  return field;
 }
 
 /// Returns the event images of the second cycle in an event model of the paper. Pattern n is shown at one moment, which
