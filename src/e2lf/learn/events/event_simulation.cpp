@@ -54,9 +54,8 @@ SampleConstants sample_of(const capture::SensorProfile& camera, size_t num_patte
   for (size_t n = 0; n + 1 < num_codes; ++n) {
     transmission.push_back(n < camera.transmission.size() ? camera.transmission[n] : 1.0F);
   }
-  sample.pixel = {torch::ones({1}, torch::device(device).dtype(torch::kBool)),
-                  row({camera.pixel.values.begin(), camera.pixel.values.end()}), row(transmission),
-                  static_cast<int64_t>(cycles)};
+  sample.pixel = {torch::ones({1}, torch::kBool), row({camera.pixel.values.begin(), camera.pixel.values.end()}),
+                  row(transmission), static_cast<int64_t>(cycles)};
   return sample;
 }
 
