@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/learn/data/dataset.h"
 
 namespace e2lf::learn {
 namespace {
 
-constexpr int64_t kViewsPerSide = 8, kViews = 64;
 constexpr double kStartAmplitude = 0.4, kStartRadius = 2.0;
 constexpr double kMinThreshold = 0.01;  // as in the released simulator
 
