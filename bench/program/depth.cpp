@@ -12,7 +12,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/scene_input.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/depth/occlusion.h"
+#include "e2lf/depth/view_order.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/orient.h"

@@ -9,13 +9,13 @@
 #include "bench/peers/onnx_runtime.h"
 #include "bench/peers/torch_recnet.h"
 #include "bench/program/parts.h"
+#include "bench/program/peak.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
-#include "e2lf/engine/peak.h"
 
 namespace e2lf::bench {
 namespace {
@@ -61,7 +61,7 @@ class Bench {
   }
 
   Result<Json> run() {
-    const engine::Peak peak = engine::measure_peak();
+    const Peak peak = measure_peak();
     report_ = {{"network", model_.name},    {"image", {options_.height, options_.width}},
                {"threads", num_threads()},  {"isa", current_isa()},
                {"gmac", operations_ / 2e9}, {"peak_gflops", {{"float32", peak.float32_flops / 1e9}}}};

@@ -6,7 +6,7 @@
 
 #include "bench/train/benchmark.h"
 #include "e2lf/files/options.h"
-#include "e2lf/learn/run/guarded.h"
+#include "e2lf/learn/run/torch_setup.h"
 #include "e2lf/terminal/progress_bar.h"
 
 int main(int argc, char** argv) {

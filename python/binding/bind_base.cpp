@@ -17,7 +17,7 @@ namespace {
 void log_to_python(LogLevel level, const std::string& message) {
   const py::gil_scoped_acquire acquire;
   try {
-    const char* const method = level == LogLevel::kWarning ? "warning" : level == LogLevel::kInfo ? "info" : "debug";
+    const char* const method = level == LogLevel::kWarning ? "warning" : "info";
     // Passed as an argument, because a message may contain "%".
     py::module_::import("logging").attr("getLogger")("e2lf").attr(method)("%s", message);
   } catch (py::error_already_set& error) {

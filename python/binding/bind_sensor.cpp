@@ -3,7 +3,6 @@
 
 #include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/sensor/coded_intensity.h"
-#include "e2lf/sensor/colour_filter_light.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 #include "python/binding/arrays.h"

@@ -31,9 +31,6 @@ LogSink set_log_sink(LogSink sink) {
   return std::exchange(state.sink, std::move(sink));
 }
 
-void log_debug(const std::string& message) {
-  log(LogLevel::kDebug, message);
-}
 void log_info(const std::string& message) {
   log(LogLevel::kInfo, message);
 }

@@ -6,7 +6,7 @@
 
 namespace e2lf {
 
-enum class LogLevel { kDebug, kInfo, kWarning };
+enum class LogLevel { kInfo, kWarning };
 
 /// Receives the messages of the library, which itself never prints.
 using LogSink = std::function<void(LogLevel level, const std::string& message)>;
@@ -15,7 +15,6 @@ using LogSink = std::function<void(LogLevel level, const std::string& message)>;
 /// before any threads are started.
 LogSink set_log_sink(LogSink sink);
 
-void log_debug(const std::string& message);
 void log_info(const std::string& message);
 void log_warning(const std::string& message);
 

@@ -126,14 +126,12 @@ TEST(Log, GoesToTheSinkAndIsSilentWithoutOne) {
   log_warning("before");
   const LogSink previous =
       set_log_sink([&](LogLevel level, const std::string& text) { seen.emplace_back(level, text); });
-  log_debug("a");
   log_info("b");
   log_warning("c");
   set_log_sink(previous);
   log_warning("after");
   using Entry = std::pair<LogLevel, std::string>;
-  EXPECT_THAT(seen, testing::ElementsAre(Entry{LogLevel::kDebug, "a"}, Entry{LogLevel::kInfo, "b"},
-                                         Entry{LogLevel::kWarning, "c"}));
+  EXPECT_THAT(seen, testing::ElementsAre(Entry{LogLevel::kInfo, "b"}, Entry{LogLevel::kWarning, "c"}));
 }
 
 }  // namespace

@@ -83,8 +83,8 @@ class MomentSum {
   std::vector<double> mean_, covariance_;
 };
 
-}  // namespace
-
+/// Computes the agreement of several areas together. Standard deviations and correlations are those within areas, each
+/// of which has one brightness.
 Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<std::vector<double>>& predictions) {
   const size_t cells = areas.front()->histogram.size(), transitions = areas.front()->transitions;
   const auto groups = static_cast<double>(count_groups(transitions).size());
@@ -115,6 +115,8 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
   for (size_t n = 0; n < std::min<size_t>(transitions, 2); ++n) result.brightness += result.measured.mean[n];
   return result;
 }
+
+}  // namespace
 
 AgreementReport compare(const capture::SensorProfile& camera, const OpenShares& open_shares,
                         const std::vector<Area>& areas) {

@@ -25,11 +25,6 @@ struct Agreement {
   double chance = 0.0;           ///< approximately its value if the model is true, due to the number of samples
 };
 
-/// Computes the agreement of several areas together. Standard deviations and correlations are those within areas, each
-/// of which has one brightness.
-[[nodiscard]] Agreement agreement_of(const std::vector<const Area*>& areas,
-                                     const std::vector<std::vector<double>>& predictions);
-
 struct AgreementReport {
   std::vector<Agreement> rows;    ///< by brightness
   std::vector<Agreement> places;  ///< each area by itself, by brightness and then by field position

@@ -19,7 +19,6 @@ constexpr size_t kThresholds = 21, kPoints = kThresholds * 2 * 8;
 constexpr size_t kGrid = 24;                          // of the reference before a later group
 constexpr double kThresholdReach = 3.2;               // standard deviations of the mismatch to either side
 constexpr double kLeastProbability = 1e-5 / kPoints;  // of a path, with the weight of its point
-constexpr double kLeastThreshold = 0.3;               // relative to the mean threshold, as in the simulation
 constexpr double kLeastNoise = 1e-3;                  // of the log intensity, so that probabilities change smoothly
 
 double normal_cdf(double x) {
@@ -62,8 +61,8 @@ std::vector<Thresholds> thresholds_of(const capture::PixelConstants& constants) 
     const double both = kThresholdReach * (2.0 * static_cast<double>(i) / (kThresholds - 1) - 1.0);
     for (const double side : {-1.0, 1.0}) {
       const double other = shared * both + rest * side;
-      all.push_back({constants[kThresholdOn] * std::max(1.0 + spread * both, kLeastThreshold),
-                     constants[kThresholdOff] * std::max(1.0 + spread * other, kLeastThreshold),
+      all.push_back({constants[kThresholdOn] * std::max(1.0 + spread * both, capture::kLeastThreshold),
+                     constants[kThresholdOff] * std::max(1.0 + spread * other, capture::kLeastThreshold),
                      std::exp(-0.5 * both * both)});
       sum += all.back().weight;
     }

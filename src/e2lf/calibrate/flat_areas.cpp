@@ -16,8 +16,7 @@ constexpr double kLocalMeanPx = 7.0, kWindowPx = 10.0, kTexturePx = 1.5, kSlopeP
 constexpr float kLeastVariance = 0.01F;  // of counts, so that a dark area without events is flat
 constexpr size_t kMarginPx = 40;
 constexpr double kLeastSamples = 150.0;
-constexpr size_t kExamined = 3;     // transitions from which flat areas are found
-constexpr float kFirstRow = -1.0F;  // the brightness at which the rows begin
+constexpr size_t kExamined = 3;  // transitions from which flat areas are found
 
 /// The limits for texture and slope of a transition: the ratio of variances (1 for white noise), and the gradient
 /// relative to its standard deviation for noise alone.
@@ -144,16 +143,8 @@ FlatAreas even_areas(const StillScene& scene, const std::vector<PixelState>& sta
   return areas;
 }
 
-size_t row_of(float brightness) {
-  return static_cast<size_t>(std::max((brightness - kFirstRow) / kRowWidth, 0.0F));
-}
-
-float brightness_of(size_t row) {
-  return kFirstRow + (static_cast<float>(row) + 0.5F) * kRowWidth;
-}
-
 size_t area_key(const FlatAreas& flat, size_t pixel) {
-  const size_t row = row_of(flat.brightness.values[pixel]);
+  const auto row = static_cast<size_t>(std::max((flat.brightness.values[pixel] - kFirstRow) / kRowWidth, 0.0F));
   return row * kFieldColumns * kFieldRows + cell_of(flat.brightness, pixel);
 }
 

@@ -42,11 +42,8 @@ struct Area {
 
 inline constexpr size_t kFieldColumns = 5, kFieldRows = 3;
 inline constexpr size_t kSquarePx = 64;
-inline constexpr float kRowWidth = 0.2F;
-
-/// Return the row of a brightness, and the brightness in the middle of a row.
-[[nodiscard]] size_t row_of(float brightness);
-[[nodiscard]] float brightness_of(size_t row);
+/// The brightness at which the rows begin, and the range of brightness of a row.
+inline constexpr float kFirstRow = -1.0F, kRowWidth = 0.2F;
 
 /// Returns true if the pixels of a square of kSquarePx are counted. It is used to keep parts of the picture out.
 using SquareFilter = std::function<bool(size_t square_y, size_t square_x)>;

@@ -40,6 +40,11 @@ FlatAreas flat_areas_of(const StillScene& scene) {
   return find_flat_areas(scene, std::vector<PixelState>(kHeight * kWidth, PixelState::kGood));
 }
 
+/// The brightness in the middle of a row.
+float brightness_of(size_t row) {
+  return kFirstRow + (static_cast<float>(row) + 0.5F) * kRowWidth;
+}
+
 TEST(FlatAreas, AreWhereThereIsWhiteNoiseAlone) {
   const auto flat = flat_areas_of(noisy([](size_t, size_t, size_t) { return 1.0F; }));
   EXPECT_GT(flat_share(flat, false), 0.8);

@@ -30,7 +30,7 @@ LogTable log_table(const capture::SensorProfile& camera, const OpenShares& share
   const double mismatch = camera.pixel[kMismatch];
   for (size_t f = 0; f < kFactors; ++f) {
     capture::SensorProfile pixel = camera;
-    const auto factor = static_cast<float>(std::max(1.0 + mismatch * place_of(f), 0.3));
+    const auto factor = static_cast<float>(std::max(1.0 + mismatch * place_of(f), capture::kLeastThreshold));
     pixel.pixel[kMismatch] = 0.0F;
     pixel.pixel[kThresholdOn] *= factor;
     pixel.pixel[kThresholdOff] *= factor;

@@ -27,7 +27,6 @@ namespace fs = std::filesystem;
 namespace {
 
 void print_log(LogLevel level, const std::string& message) {
-  if (level == LogLevel::kDebug) return;
   hide_progress();
   std::fprintf(stderr, "%s: %s%s\n", program_name(), level == LogLevel::kWarning ? "warning: " : "",
                printable(without_workspaces(message)).c_str());

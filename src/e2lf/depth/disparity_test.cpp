@@ -10,6 +10,7 @@
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/scene.h"
 #include "testing/noise_material.h"
+#include "testing/textured_plane.h"
 
 namespace e2lf::depth {
 namespace {

@@ -184,27 +184,10 @@ class AmxKernel final : public Kernel {
 std::unique_ptr<Kernel> MakeAmx(const ConvSpec& spec) {
   return std::make_unique<AmxKernel>(spec);
 }
-
-/// Runs only tile products and returns the number of operations.
-double TileMultiplyAdd(size_t rounds) {
-  shape_tiles(kPixels);
-  for (size_t i = 0; i < rounds; ++i) {
-    E2LF_TILE_MULTIPLY(0, 4, 6);
-    E2LF_TILE_MULTIPLY(1, 4, 7);
-    E2LF_TILE_MULTIPLY(2, 5, 6);
-    E2LF_TILE_MULTIPLY(3, 5, 7);
-  }
-  release_tiles();
-  return static_cast<double>(rounds * 4 * 2 * kTileRows * kTileRows * kTileDepth);
-}
 #else
 
 std::unique_ptr<Kernel> MakeAmx(const ConvSpec& /*spec*/) {
   E2LF_REQUIRE(false, "AMX needs bfloat16_supported()");
-}
-
-double TileMultiplyAdd(size_t /*rounds*/) {
-  return 0.0;
 }
 #endif
 
@@ -216,7 +199,6 @@ HWY_AFTER_NAMESPACE();
 namespace e2lf::engine {
 
 HWY_EXPORT(MakeAmx);
-HWY_EXPORT(TileMultiplyAdd);
 
 std::string amx_refusal(const ConvSpec& spec) {
   constexpr size_t kMinChannels = 8;
@@ -227,10 +209,6 @@ std::string amx_refusal(const ConvSpec& spec) {
 
 std::unique_ptr<Kernel> make_amx(const ConvSpec& spec) {
   return HWY_DYNAMIC_DISPATCH(MakeAmx)(spec);
-}
-
-double multiply_add_in_tiles(size_t rounds) {
-  return HWY_DYNAMIC_DISPATCH(TileMultiplyAdd)(rounds);
 }
 
 }  // namespace e2lf::engine

@@ -72,6 +72,11 @@ std::string never(const ConvSpec& /*spec*/) {
   return "";
 }
 
+std::string int16_refusal(const ConvSpec& spec) {
+  if (!spec.int16_products) return "they are not wanted";
+  return spec.in_channels < kChannelMultiple ? "too few input channels to pay for the rounding" : "";
+}
+
 }  // namespace
 
 WinogradParts winograd_parts(const ConvSpec& spec) {
@@ -101,11 +106,6 @@ ScaledWeights pack_winograd_int16(const ConvSpec& spec, size_t panel_width) {
            (matrix % kWinogradPoints == kLast ? kInt16LastPoint : 1);
   };
   return pack_int16(kWinogradMatrices, parts.depth(), spec.out_channels, element, 1, panel_width);
-}
-
-std::string int16_refusal(const ConvSpec& spec) {
-  if (!spec.int16_products) return "they are not wanted";
-  return spec.in_channels < kChannelMultiple ? "too few input channels to pay for the rounding" : "";
 }
 
 std::string winograd_int16_refusal(const ConvSpec& spec) {

@@ -70,16 +70,11 @@ struct ConvMethod {
 [[nodiscard]] std::string amx_refusal(const ConvSpec& spec);
 [[nodiscard]] std::unique_ptr<Kernel> make_amx(const ConvSpec& spec);
 
-/// Runs `rounds` rounds of AMX tile products to measure their peak. Returns the number of operations (a multiply-add is
-/// two).
-double multiply_add_in_tiles(size_t rounds);
-
 // Direct sums over the taps of the kernel, for any convolution.
 [[nodiscard]] std::unique_ptr<Kernel> make_direct(const ConvSpec& spec);
 
 // The same with products of 16-bit integers. The inputs of a few pixels and each output channel of the weights have a
 // scale of their own.
-[[nodiscard]] std::string int16_refusal(const ConvSpec& spec);
 [[nodiscard]] std::unique_ptr<Kernel> make_direct_int16(const ConvSpec& spec);
 
 }  // namespace e2lf::engine

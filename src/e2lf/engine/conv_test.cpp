@@ -7,10 +7,9 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
-#include "e2lf/engine/aligned_buffer.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/pack.h"
-#include "e2lf/engine/peak.h"
+#include "e2lf/engine/row_memory.h"
 #include "e2lf/engine/winograd.h"
 #include "testing/test_networks.h"
 
@@ -293,12 +292,6 @@ TEST_F(ConvTest, Bfloat16RoundsToTheNearestEven) {
   EXPECT_EQ(to_float(to_bfloat16(1.0F + 3.0F / 256)), 1.0F + 4.0F / 256);
   EXPECT_EQ(to_float(to_bfloat16(1.0F + 1.01F / 256)), 1.0F + 2.0F / 256);
   EXPECT_EQ(to_float(to_bfloat16(-2.5F)), -2.5F);
-}
-
-TEST_F(ConvTest, TheMachineHasAPeak) {
-  const Peak peak = measure_peak();
-  EXPECT_GT(peak.float32_flops, 1e9);
-  EXPECT_EQ(peak.bfloat16_flops > 0.0, bfloat16_supported());
 }
 
 TEST(ChainTest, ComposedTapsAreTheConvolutionOfTheTaps) {

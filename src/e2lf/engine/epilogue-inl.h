@@ -10,8 +10,8 @@
 #include <cstring>
 #include <limits>
 
-#include "e2lf/engine/aligned_buffer.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/row_memory.h"
 #include "e2lf/kernels/vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();

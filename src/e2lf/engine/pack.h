@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "e2lf/engine/aligned_buffer.h"
 #include "e2lf/engine/kernel.h"
+#include "e2lf/engine/row_memory.h"
 
 namespace e2lf::engine {
 

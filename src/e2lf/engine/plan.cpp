@@ -11,12 +11,8 @@
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/reshape.h"
 #include "e2lf/engine/unread_layers.h"
-#include "e2lf/engine/video/attention.h"
-#include "e2lf/engine/video/bilinear.h"
 #include "e2lf/engine/video/cells.h"
-#include "e2lf/engine/video/dynamic_filter.h"
-#include "e2lf/engine/video/layer_norm.h"
-#include "e2lf/engine/video/position_code.h"
+#include "e2lf/engine/video/kernels.h"
 
 namespace e2lf::engine {
 namespace {

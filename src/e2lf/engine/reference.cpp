@@ -8,8 +8,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/engine/video/reference_attention.h"
-#include "e2lf/engine/video/reference_cells.h"
+#include "e2lf/engine/video/reference_operations.h"
 
 namespace e2lf::engine {
 namespace {

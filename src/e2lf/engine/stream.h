@@ -8,7 +8,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/engine/plan.h"
-#include "e2lf/engine/row_pool.h"
+#include "e2lf/engine/row_memory.h"
 #include "e2lf/engine/video/frame_memory.h"
 
 namespace e2lf::engine {

@@ -14,7 +14,6 @@
 
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/is_stream.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;

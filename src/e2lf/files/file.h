@@ -28,6 +28,14 @@ namespace e2lf {
 /// starts.
 [[nodiscard]] Result<void> check_output(const std::filesystem::path& path, bool overwrite);
 
+/// Returns true if `path` is a device, a named pipe or a socket: bytes written there leave in order and cannot be taken
+/// back.
+[[nodiscard]] bool is_stream(const std::filesystem::path& path);
+
+/// Opens a stream for writing and returns its descriptor. For a named pipe, this waits for a reader. Fails with kIo,
+/// and with kCancelled if a stop is requested meanwhile.
+[[nodiscard]] Result<int> open_stream(const std::filesystem::path& path);
+
 /// A file that appears either whole or not at all, for writers that write piece by piece. They write to path(), a
 /// sibling of `target` with a temporary name, and commit() renames it. Without commit(), the destructor removes what
 /// was written.

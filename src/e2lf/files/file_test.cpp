@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "e2lf/base/stop.h"
-#include "e2lf/files/is_stream.h"
 #include "e2lf/files/workspace.h"
 #include "testing/test_files.h"
 

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
+#include "testing/textured_plane.h"
 
 namespace e2lf::film {
 namespace {

@@ -16,6 +16,14 @@
 namespace e2lf::lightfield {
 namespace {
 
+/// Returns the stored number that means 1: the one in the options if it is set, otherwise that of the array.
+float white_of(const StoredArray& array, const ReadOptions& options) {
+  if (options.white > 0.0F) return options.white;
+  if (array.white > 0.0F) return array.white;
+  if (array.type == SampleType::kUint8) return 255.0F;
+  return array.type == SampleType::kUint16 ? 65535.0F : 1.0F;
+}
+
 Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const char* axis, const std::string& location) {
   E2LF_REQUIRE(wanted.step >= 1, "the step between views is at least 1");
   ChosenViews chosen{.first = wanted.first.value_or(0), .step = wanted.step, .count = wanted.count, .stored = stored};
@@ -187,13 +195,6 @@ size_t sample_bytes(SampleType type) {
       return 8;
   }
   return 8;
-}
-
-float white_of(const StoredArray& array, const ReadOptions& options) {
-  if (options.white > 0.0F) return options.white;
-  if (array.white > 0.0F) return array.white;
-  if (array.type == SampleType::kUint8) return 255.0F;
-  return array.type == SampleType::kUint16 ? 65535.0F : 1.0F;
 }
 
 Result<ChosenGrid> choose_views(size_t stored_y, size_t stored_x, const ReadOptions& options,

@@ -47,9 +47,6 @@ struct StoredArray {
                        ///< type, 1 for other types
 };
 
-/// Returns the stored number that means 1: the one in the options if it is set, otherwise that of the array.
-[[nodiscard]] float white_of(const StoredArray& array, const ReadOptions& options);
-
 /// The views selected along one axis.
 struct ChosenViews {
   size_t first = 0, step = 1, count = 0;

@@ -110,19 +110,4 @@ Scene demo_scene(uint64_t seed) {
   return scene;
 }
 
-Scene textured_plane_scene(float disparity_px, uint64_t seed) {
-  Scene scene;
-  const float z = depth_at_disparity(scene.camera, disparity_px);
-  Material material{TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
-  material.grain = 0;
-  material.seed = CounterRng(seed, 1).bits(0)[0];
-  // The quad is larger than any view, in units of the field at that depth.
-  const float half = 8 * z * scene.camera.field_width;
-  scene.quads.push_back({{-half, -half, z}, {2 * half, 0, 0}, {0, 2 * half, 0}, material});
-  scene.light.direction = {0, 0, -1};
-  scene.light.intensity = 0;
-  scene.light.ambient = 1 / 0.75F;
-  return scene;
-}
-
 }  // namespace e2lf::lightfield

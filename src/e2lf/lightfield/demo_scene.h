@@ -13,9 +13,4 @@ namespace e2lf::lightfield {
 /// seed slightly varies the textures and positions.
 [[nodiscard]] Scene demo_scene(uint64_t seed = 0);
 
-/// Returns a single evenly lit plane that faces the camera at this disparity (px per view step) and fills every view.
-/// Its noise texture has high contrast and detail from a quarter of the picture down to two or three pixels, at any
-/// size (16 px wide or more). All views are shifted copies of each other. Disparities of 4 and more break the contract.
-[[nodiscard]] Scene textured_plane_scene(float disparity_px, uint64_t seed = 0);
-
 }  // namespace e2lf::lightfield

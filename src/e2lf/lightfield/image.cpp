@@ -16,12 +16,12 @@ float clamp_unit(float value) {
   return value > 0.0F ? (value < 1.0F ? value : 1.0F) : 0.0F;
 }
 
-void check_pixels(size_t width, size_t height, size_t channels, size_t samples) {
+/// Returns the size of an image to write, without its samples.
+template <typename T>
+RawImage raw_of(const BasicImage<T>& image, size_t sample_bytes) {
+  const size_t width = image.width, height = image.height, channels = image.channels;
   E2LF_REQUIRE(width > 0 && height > 0 && (channels == 1 || channels == 3), "an image to write has pixels");
-  E2LF_REQUIRE(samples == width * height * channels, "the pixels of an image must fill its size");
-}
-
-RawImage raw_of(size_t width, size_t height, size_t channels, size_t sample_bytes) {
+  E2LF_REQUIRE(image.pixels.size() == width * height * channels, "the pixels of an image must fill its size");
   RawImage raw;
   raw.width = width;
   raw.height = height;
@@ -118,8 +118,7 @@ Result<Image> read_image(const std::filesystem::path& path) {
 }
 
 Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth, const std::string& view_grid) {
-  check_pixels(image.width, image.height, image.channels, image.pixels.size());
-  RawImage raw = raw_of(image.width, image.height, image.channels, depth == PngDepth::k16 ? 2 : 1);
+  RawImage raw = raw_of(image, depth == PngDepth::k16 ? 2 : 1);
   raw.view_grid = view_grid;
   raw.samples.resize(image.pixels.size() * raw.sample_bytes);
   if (depth == PngDepth::k16) {
@@ -131,8 +130,7 @@ Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth, cons
 }
 
 Result<std::vector<uint8_t>> encode_png(const ByteImage& image) {
-  check_pixels(image.width, image.height, image.channels, image.pixels.size());
-  RawImage raw = raw_of(image.width, image.height, image.channels, 1);
+  RawImage raw = raw_of(image, 1);
   raw.samples = image.pixels;
   return encode_png_rows(raw);
 }

@@ -11,27 +11,20 @@
 
 namespace e2lf::lightfield {
 
-/// A float32 image: pixels [y, x, channel], row-major, in [0, 1]; `channels` is 1 (grey) or 3 (red, green, blue).
-struct Image {
+/// An image: pixels [y, x, channel], row-major; `channels` is 1 (grey) or 3 (red, green, blue).
+template <typename T>
+struct BasicImage {
   size_t width = 0, height = 0, channels = 1;
-  std::vector<float> pixels;
+  std::vector<T> pixels;
 
-  Image() = default;
-  Image(size_t width_, size_t height_, size_t channels_)
+  BasicImage() = default;
+  BasicImage(size_t width_, size_t height_, size_t channels_)
       : width(width_), height(height_), channels(channels_), pixels(width_ * height_ * channels_) {}
-  bool operator==(const Image&) const = default;
+  bool operator==(const BasicImage&) const = default;
 };
 
-/// An image with 8 bits per sample, for pictures that are only displayed.
-struct ByteImage {
-  size_t width = 0, height = 0, channels = 1;
-  std::vector<uint8_t> pixels;
-
-  ByteImage() = default;
-  ByteImage(size_t width_, size_t height_, size_t channels_)
-      : width(width_), height(height_), channels(channels_), pixels(width_ * height_ * channels_) {}
-  bool operator==(const ByteImage&) const = default;
-};
+using Image = BasicImage<float>;        ///< in [0, 1]
+using ByteImage = BasicImage<uint8_t>;  ///< for pictures that are only displayed
 
 enum class PngDepth { k8, k16 };
 

@@ -7,7 +7,8 @@
 
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
+#include "testing/textured_plane.h"
 
 namespace e2lf::lightfield {
 namespace {

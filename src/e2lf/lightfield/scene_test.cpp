@@ -7,6 +7,7 @@
 
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/demo_scene.h"
+#include "testing/textured_plane.h"
 
 namespace e2lf::lightfield {
 namespace {

@@ -23,11 +23,21 @@ class FieldMaker {
   /// recon::Reconstructor::prepared_for(). Reuses the memory that the first call allocated. The network may compute
   /// only the given views; see reconstruct_into(). Fails as that function does.
   [[nodiscard]] Result<void> make(const capture::Measurement& measurement, size_t samples,
-                                  std::span<const size_t> views, lightfield::LightField& field);
+                                  std::span<const size_t> views, lightfield::LightField& field) {
+    if (!fast_ || samples != samples_) {
+      E2LF_ASSIGN_OR_RETURN(fast_, reconstructor_.prepared_for(samples));
+      memory_ = {};
+      samples_ = samples;
+    }
+    return fast_->reconstruct_into(measurement, samples, views, memory_, field);
+  }
 
   /// Computes all views to the bit as reconstruct() does. Any thread may call it.
   [[nodiscard]] Result<void> make_exactly(const capture::Measurement& measurement, size_t samples,
-                                          lightfield::LightField& field) const;
+                                          lightfield::LightField& field) const {
+    recon::ReconstructionMemory memory;
+    return reconstructor_.reconstruct_into(measurement, samples, {}, memory, field);
+  }
 
   [[nodiscard]] const recon::Reconstructor& reconstructor() const { return reconstructor_; }
 

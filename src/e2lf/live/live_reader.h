@@ -8,8 +8,8 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/cycles/cycle_reader.h"
-#include "e2lf/live/cycle_sum.h"
 #include "e2lf/live/event_preview.h"
+#include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_cycle.h"
 #include "e2lf/live/recorder.h"
 #include "e2lf/live/statistics.h"

@@ -7,9 +7,8 @@
 #include <thread>
 
 #include "e2lf/live/arrival_clock.h"
-#include "e2lf/live/block_sums.h"
-#include "e2lf/live/cycle_sum.h"
 #include "e2lf/live/event_preview.h"
+#include "e2lf/live/event_sums.h"
 #include "e2lf/live/look.h"
 #include "e2lf/live/newest_slot.h"
 #include "e2lf/live/pace.h"

@@ -70,8 +70,9 @@ double disagreement(const lightfield::LightField& light_field, float x, float y,
   return total;
 }
 
-}  // namespace
-
+/// Returns the weight of each view. For a radius of at least one view step, the weights are those of
+/// lightfield::round_aperture(); for smaller radii, they blend into the interpolation of the viewpoint from its
+/// neighbouring views.
 lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& look) {
   const float middle_y = static_cast<float>(shape.views_y - 1) / 2,
               middle_x = static_cast<float>(shape.views_x - 1) / 2;
@@ -86,6 +87,8 @@ lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& loo
   }
   return aperture;
 }
+
+}  // namespace
 
 std::vector<size_t> views_of(const lightfield::Shape& shape, const Look& look) {
   const lightfield::Aperture aperture = aperture_of(shape, look);

@@ -17,11 +17,6 @@ struct Picture {
   lightfield::ByteImage row_epi, column_epi;  ///< [view_x, x] and [y, view_y]; empty if not requested
 };
 
-/// Returns the weight of each view. For a radius of at least one view step, the weights are those of
-/// lightfield::round_aperture(); for smaller radii, they blend into the interpolation of the viewpoint from its
-/// neighbouring views.
-[[nodiscard]] lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& look);
-
 /// Returns the numbers of the views that render() needs, in order; empty = all.
 [[nodiscard]] std::vector<size_t> views_of(const lightfield::Shape& shape, const Look& look);
 

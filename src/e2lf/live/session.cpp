@@ -3,19 +3,13 @@
 
 #include <utility>
 
+#include "e2lf/base/clock.h"
 #include "e2lf/capture/measurement/plausible_events.h"
 #include "e2lf/lightfield/orient.h"
-#include "e2lf/live/block_sums.h"
+#include "e2lf/live/event_sums.h"
 #include "e2lf/recon/gain.h"
 
 namespace e2lf::live {
-namespace {
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-}  // namespace
 
 Session::Session(std::unique_ptr<LiveReader> reader, std::vector<FieldMaker> makers, SessionOptions options)
     : reader_(std::move(reader)),
@@ -147,13 +141,10 @@ Result<void> Session::make_views(const LiveCycle& cycle, bool exactly, LiveField
   return {};
 }
 
-/// Determines the brightness as pipeline::FieldSequence does, which requires a copy of the light field.
-void Session::find_tone(LiveField& field) {
+/// Determines the brightness as pipeline::FieldSequence does.
+void Session::find_tone(const LiveField& field) {
   if (!black_) black_ = recon::auto_black(field.light_field);
-  if (gain_) return;
-  lightfield::LightField above_black = field.light_field;
-  recon::apply_tone(above_black, *black_, 1.0F);
-  gain_ = recon::auto_gain(above_black);
+  if (!gain_) gain_ = recon::auto_gain(field.light_field, *black_);
 }
 
 void Session::show() {
@@ -272,8 +263,7 @@ std::optional<LiveField> Session::freeze() {
     fail(made.error());
     return std::nullopt;
   }
-  recon::apply_tone(frozen->light_field, frozen->black, 1.0F);
-  recon::apply_tone(frozen->light_field, 0.0F, frozen->gain);
+  recon::apply_tone(frozen->light_field, frozen->black, frozen->gain);
   return frozen;
 }
 

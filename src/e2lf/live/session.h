@@ -99,7 +99,7 @@ class Session {
   [[nodiscard]] Pace pace_of(std::optional<PictureSize> size) const;
   void choose_views(LiveField& field);
   [[nodiscard]] bool complete();
-  void find_tone(LiveField& field);
+  void find_tone(const LiveField& field);
   void join();
   void fail(const Error& error);
 

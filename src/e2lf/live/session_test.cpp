@@ -5,7 +5,7 @@
 
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/live/block_sums.h"
+#include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_requests.h"
 #include "e2lf/pipeline/field_sequence.h"
 #include "e2lf/recordings/live/camera.h"

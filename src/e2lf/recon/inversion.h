@@ -30,23 +30,6 @@ struct InversionOptions {
 [[nodiscard]] Result<capture::CodedIntensities> invert_events(const capture::EventImages& images,
                                                               const InversionOptions& options);
 
-/// The closed interval of each coded intensity that is consistent with its counts.
-struct IntensityBounds {
-  capture::CodedIntensities lower, upper;
-};
-
-enum class Counting { kQuantised, kReferenceAware };  ///< Eq. 8; Eq. 9 and 10
-
-/// Computes the intervals for noise-free events (options.centred is ignored). In thresholds, a count e leaves a
-/// residual R(e) = [0, 1] for e > 0, [-1, 0] for e < 0, [-1, 1] for e = 0. With l_n = ln(I_n + eps), l_B = ln(eps):
-///   reference-aware: (l_n - l_B) / tau in C_n + R(E_n) - R(E_B), and R = 0 for the first pattern, where the reference
-///                    starts;
-///   quantised:       (l_n - l_B) / tau in the sum of E_k + R(E_k) over the transitions k between n_B and n, with the
-///                    opposite sign if n < n_B.
-/// Intensities are never negative, so the intervals are cut at 0. Fails as invert_events() does.
-[[nodiscard]] Result<IntensityBounds> intensity_bounds(const capture::EventImages& images,
-                                                       const InversionOptions& options, Counting counting);
-
 /// Computes the virtual event images of the same patterns shown in another order (Eq. 11): image i leads from pattern
 /// order[i] to pattern order[i + 1]. `order` must contain each of 0 .. N - 1 once, or the contract is broken. Sums
 /// beyond int16 are saturated.

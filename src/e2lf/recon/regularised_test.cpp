@@ -5,9 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
 #include "e2lf/recon/linear_estimate.h"
 #include "e2lf/sensor/event_model.h"
+#include "testing/textured_plane.h"
 
 namespace e2lf::recon {
 namespace {

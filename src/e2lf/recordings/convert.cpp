@@ -3,7 +3,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/is_stream.h"
+#include "e2lf/files/file.h"
 #include "e2lf/recordings/read_ahead.h"
 #include "e2lf/recordings/side_triggers.h"
 

@@ -13,7 +13,6 @@ namespace e2lf::sensor {
 /// The streams of the generator for constant properties of a pixel.
 inline constexpr uint64_t kThresholdStream = uint64_t{1} << 33;
 inline constexpr uint64_t kHotStream = kThresholdStream + 1;
-inline constexpr uint64_t kLeakStream = kThresholdStream + 2;
 /// The streams for varying quantities. The number of the pattern or segment is added.
 inline constexpr uint64_t kDefectStream = uint64_t{1} << 34;
 inline constexpr uint64_t kSegmentStream = uint64_t{1} << 35;

@@ -14,7 +14,6 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/draws.h"
-#include "e2lf/sensor/pixel_thresholds.h"
 
 namespace e2lf::sensor {
 namespace {
@@ -195,6 +194,17 @@ capture::Codes with_open_aperture(const capture::Codes& codes) {
 }
 
 }  // namespace
+
+PixelThresholds draw_thresholds(const capture::PixelConstants& constants, uint64_t map_seed, uint64_t pixel) {
+  const auto words = CounterRng(map_seed, kThresholdStream).bits(pixel);
+  constexpr auto kLeast = static_cast<float>(capture::kLeastThreshold);
+  const auto [both, on] = normals_of(words[0], words[1]);
+  const float off = normals_of(words[2], words[3])[0];
+  const auto factor = [&, both = both](float own) {
+    return std::max(1.0F + constants[kMismatch] * both + constants[kMismatchEach] * own, kLeast);
+  };
+  return {constants[kThresholdOn] * factor(on), constants[kThresholdOff] * factor(off)};
+}
 
 Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
                                                    const lightfield::LightField& light_field,

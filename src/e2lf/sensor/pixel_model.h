@@ -11,6 +11,16 @@
 
 namespace e2lf::sensor {
 
+/// The contrast thresholds of one pixel, in natural logarithm.
+struct PixelThresholds {
+  float on = 0.0F, off = 0.0F;
+};
+
+/// Draws the thresholds of a pixel from CounterRng(map_seed, 2^33), where `map_seed` selects one camera, i.e. one set
+/// of mismatched pixels.
+[[nodiscard]] PixelThresholds draw_thresholds(const capture::PixelConstants& constants, uint64_t map_seed,
+                                              uint64_t pixel);
+
 struct PixelModelOptions {
   float gain = 1.0F;      ///< scene brightness, which multiplies every intensity
   uint64_t seed = 0;      ///< of what changes from cycle to cycle; use another one for each

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "e2lf/sensor/draws.h"
-#include "e2lf/sensor/pixel_thresholds.h"
+#include "e2lf/sensor/pixel_model.h"
 #include "e2lf/streams/crossing.h"
 #include "e2lf/streams/receptor.h"
 #include "e2lf/streams/stream_pixels.h"
@@ -75,7 +75,7 @@ class PhysicalPixels : public SinglePixels {
       const float draw = sensor::uniform_of(CounterRng(options.seed, 0).bits(i)[0]);
       // No event is due for a pixel at rest: its reference is less than a threshold away, whatever span was fitted.
       const double above = pixel.thresholds.off * constants()[kResetSpan] * draw - constants()[kResetOffset];
-      pixel.reference = pixel.level + std::min(above, 0.999 * pixel.thresholds.off);
+      pixel.reference = pixel.level + std::min(above, capture::kAlmostThreshold * pixel.thresholds.off);
       pixel.noise_to = 0.0;
     }
   }

@@ -49,6 +49,11 @@ struct PixelConstants {
   bool operator==(const PixelConstants&) const = default;
 };
 
+/// The lower limit of the threshold of a pixel, relative to the mean over the pixels.
+inline constexpr double kLeastThreshold = 0.3;
+/// The largest distance of the reference of a pixel from its signal at which no event is due, in thresholds.
+inline constexpr double kAlmostThreshold = 0.999;
+
 /// The profile of a sensor: its event model, and the constants of its pixels with their uncertainties.
 struct SensorProfile {
   std::string name = "paper";

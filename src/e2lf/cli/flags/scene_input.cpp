@@ -3,7 +3,7 @@
 
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/sensor/colour_filter_light.h"
+#include "e2lf/sensor/coded_intensity.h"
 
 namespace e2lf::cli {
 

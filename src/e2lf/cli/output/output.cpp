@@ -14,7 +14,6 @@
 #include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/is_stream.h"
 #include "e2lf/files/options.h"
 #include "e2lf/recordings/codecs/dat/dat.h"
 #include "e2lf/recordings/open/recording_place.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/engine/video/attention.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +6,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/engine/pack.h"
+#include "e2lf/engine/video/kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/engine/video/attention.cpp"

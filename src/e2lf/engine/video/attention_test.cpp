@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Networks whose pixels see the whole image: the reference against closed forms, the engine against the reference.
-#include "e2lf/engine/video/attention.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numeric>
@@ -12,6 +10,7 @@
 #include "e2lf/engine/engine.h"
 #include "e2lf/engine/reference.h"
 #include "e2lf/engine/stream.h"
+#include "e2lf/engine/video/kernels.h"
 #include "testing/engine_runs.h"
 #include "testing/test_networks.h"
 

@@ -4,8 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "e2lf/engine/aligned_buffer.h"
-#include "e2lf/engine/row_pool.h"
+#include "e2lf/engine/row_memory.h"
 
 namespace e2lf::engine {
 

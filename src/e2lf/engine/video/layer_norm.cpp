@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/engine/video/layer_norm.h"
-
 #include <cmath>
 #include <string>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/engine/pack.h"
+#include "e2lf/engine/video/kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/engine/video/layer_norm.cpp"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/engine/video/position_code.h"
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "e2lf/engine/pack.h"
+#include "e2lf/engine/video/kernels.h"
 
 namespace e2lf::engine {
 namespace {

@@ -262,7 +262,7 @@ void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
     conditions.constants.tau[i] = drawn.constants.tau;
     conditions.constants.conditioning[i] = row(capture::conditioning_vector(drawn, num_patterns, cycles)).to(device_);
   }
-  conditions.constants.pixel = {torch::stack(is_pixel).to(device_), torch::stack(constants).to(device_),
+  conditions.constants.pixel = {torch::stack(is_pixel), torch::stack(constants).to(device_),
                                 torch::stack(transmissions).to(device_), static_cast<int64_t>(cycles)};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <torch/types.h>
@@ -9,6 +10,9 @@
 #include "e2lf/base/result.h"
 
 namespace e2lf::learn {
+
+/// The grid of views of training data.
+inline constexpr int64_t kViewsPerSide = 8, kViews = 64;
 
 struct Scene {
   std::string name;

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "e2lf/learn/data/dataset.h"
+
 namespace e2lf::learn {
 namespace {
 
-constexpr int64_t kViewsPerSide = 8;
 constexpr double kDetailPx = 4.0;  // finer structures lose contrast in the corner views
 
 /// Returns the squared distance of the points of a grid from its centre, relative to that of its corners.

@@ -5,13 +5,13 @@
 
 #include "e2lf/base/contract.h"
 #if E2LF_LEARN_KERNELS
+#include "e2lf/learn/data/dataset.h"
 #include "e2lf/learn/data/view_renderer.h"
 #endif
 
 namespace e2lf::learn {
 namespace {
 
-constexpr int64_t kViewsPerSide = 8;
 constexpr double kCentralView = 3.5;
 
 /// Returns the points where the rays meet a plane, as sampling positions [64, size, size, 2] (x, y) of grid_sample in a

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/learn/data/dataset.h"
 
 namespace e2lf::learn {
 namespace {
 
-constexpr int64_t kViewsPerSide = 8, kViews = 64;
 constexpr double kStartAmplitude = 0.4, kStartRadius = 2.0;
 constexpr double kMinThreshold = 0.01;  // as in the released simulator
 
@@ -54,9 +54,8 @@ SampleConstants sample_of(const capture::SensorProfile& camera, size_t num_patte
   for (size_t n = 0; n + 1 < num_codes; ++n) {
     transmission.push_back(n < camera.transmission.size() ? camera.transmission[n] : 1.0F);
   }
-  sample.pixel = {torch::ones({1}, torch::device(device).dtype(torch::kBool)),
-                  row({camera.pixel.values.begin(), camera.pixel.values.end()}), row(transmission),
-                  static_cast<int64_t>(cycles)};
+  sample.pixel = {torch::ones({1}, torch::kBool), row({camera.pixel.values.begin(), camera.pixel.values.end()}),
+                  row(transmission), static_cast<int64_t>(cycles)};
   return sample;
 }
 

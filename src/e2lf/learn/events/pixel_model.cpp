@@ -9,9 +9,6 @@ namespace {
 
 using enum capture::PixelConstant;
 
-constexpr double kLeastThreshold = 0.3;  // lower limit of a pixel's threshold, relative to the mean
-constexpr double kAlmost = 0.999;        // thresholds; beyond them, an event is due
-
 /// Returns the share of a pattern's duration at which a sub-window ends.
 double subwindow_end(size_t k, size_t subwindows) {
   return std::pow(4.0, static_cast<double>(k + 1) - static_cast<double>(subwindows));
@@ -115,7 +112,7 @@ torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torc
   const auto common = 1.0 + samples.at(kMismatch) * torch::randn_like(inverse);
   const auto threshold = [&](capture::PixelConstant mean) {
     const auto own = common + samples.at(kMismatchEach) * torch::randn_like(inverse);
-    return samples.at(mean) * own.clamp_min(kLeastThreshold);
+    return samples.at(mean) * own.clamp_min(capture::kLeastThreshold);
   };
   const auto on = threshold(kThresholdOn), off = threshold(kThresholdOff);
 
@@ -127,7 +124,7 @@ torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torc
     const auto settled = state.level - samples.at(kResetOffset);
     state.reference = state.level + off * samples.at(kResetSpan) * torch::rand_like(inverse) - samples.at(kResetOffset);
     // No OFF event is due when the first pattern begins.
-    Noise noise{{}, (state.reference - kAlmost * off).clamp_min(settled) - state.level};
+    Noise noise{{}, (state.reference - capture::kAlmostThreshold * off).clamp_min(settled) - state.level};
     for (int64_t n = 1; n < num_patterns; ++n) {
       const auto& intensity = shown[static_cast<size_t>(n)];
       const bool is_to_black = n == 2 * num_codes;

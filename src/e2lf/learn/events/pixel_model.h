@@ -7,9 +7,9 @@
 
 namespace e2lf::learn {
 
-/// Constants of the physical pixels of each sample, on the device of the light fields.
+/// Constants of the physical pixels of each sample, on the device of the light fields unless stated otherwise.
 struct PixelSamples {
-  torch::Tensor is_pixel;      ///< bool [batch]; false for samples of the paper's models
+  torch::Tensor is_pixel;      ///< bool [batch] on the CPU; false for samples of the paper's models
   torch::Tensor constants;     ///< float32 [batch, capture::kNumPixelConstants]
   torch::Tensor transmission;  ///< float32 [batch, number of codes]; that of black is 1
   int64_t cycles = 1;          ///< number of cycles over which the counts are averaged

@@ -6,8 +6,7 @@
 #include <map>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/learn/network/attention.h"
-#include "e2lf/learn/network/convolve.h"
+#include "e2lf/learn/network/operations.h"
 
 namespace e2lf::learn {
 namespace {

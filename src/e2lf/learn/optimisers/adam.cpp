@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/optimisers/adam.h"
-
 #include <cmath>
+
+#include "e2lf/learn/optimisers/optimisers.h"
 
 namespace e2lf::learn {
 namespace {

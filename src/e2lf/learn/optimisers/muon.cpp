@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/optimisers/muon.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "e2lf/learn/optimisers/optimisers.h"
 
 namespace e2lf::learn {
 namespace {

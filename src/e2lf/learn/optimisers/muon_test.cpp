@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/optimisers/muon.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "e2lf/learn/optimisers/optimisers.h"
 #include "e2lf/model/unet.h"
 
 namespace e2lf::learn {

@@ -7,12 +7,13 @@
 
 #include <algorithm>
 
+#include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/workspace.h"
-#include "e2lf/learn/run/device.h"
-#include "e2lf/learn/run/guarded.h"
 #include "e2lf/learn/run/run_log.h"
+#include "e2lf/learn/run/torch_setup.h"
 #include "e2lf/learn/run/trainer.h"
+#include "e2lf/report/page.h"
 
 namespace e2lf::learn {
 namespace {
@@ -27,6 +28,36 @@ void keep_freed_memory() {
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_TOP_PAD, 64 << 20);
 #endif
+}
+
+/// Checks the files before any work. Fails with kUnsupported (another extension), kExists, and kInvalidValue (a report
+/// would replace a file that the run writes in its folder).
+Result<void> check_reports(const ReportFiles& files, const std::filesystem::path& run) {
+  for (const std::filesystem::path& name : files.names) {
+    const auto format = report::file_format_of(name);
+    if (!format) return format.error();
+    E2LF_RETURN_IF_ERROR(check_output(name, files.overwrite));
+    std::error_code error;
+    const auto folder_of = [&](const std::filesystem::path& path) {
+      return std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
+    };
+    const std::vector<std::string> of_run = RunLog::file_names();
+    if (folder_of(name).parent_path() == folder_of(run) &&
+        std::find(of_run.begin(), of_run.end(), name.filename().string()) != of_run.end()) {
+      return Error{ErrorCode::kInvalidValue, "the run writes a file with this name; choose another file for the report",
+                   name.string()};
+    }
+  }
+  return {};
+}
+
+/// Writes the report to all files; each appears complete or not at all. Fails with kIo.
+Result<void> write_reports(const ReportFiles& files, const report::Page& page) {
+  for (const std::filesystem::path& name : files.names) {
+    E2LF_ASSIGN_OR_RETURN(const report::FileFormat format, report::file_format_of(name));
+    E2LF_RETURN_IF_ERROR(write_file(name, report::file_text(page, format)));
+  }
+  return {};
 }
 
 Result<Config> read_config(const std::filesystem::path& path, const std::vector<std::string>& overrides,

@@ -8,9 +8,14 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/learn/run/report_files.h"
 
 namespace e2lf::learn {
+
+/// The files to which a report is written: pages (.html) and their tables (.csv, .tex).
+struct ReportFiles {
+  std::vector<std::filesystem::path> names = {};
+  bool overwrite = false;
+};
 
 /// The operations of the command line. No torch type appears here, and exceptions of torch are converted to kInternal
 /// errors. `overrides` are settings "a.b=value" that replace those of the configuration. If `keep_going` returns false,

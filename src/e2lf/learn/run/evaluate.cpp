@@ -10,13 +10,15 @@ Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_
   const capture::MeasurementKind kind = pipeline.measurement();
   const auto [intensities, full] = coded_light(light_field, pipeline.codes, moving);
   const auto images = measure_images(kind, light_field, intensities, pipeline.image_sigma, noise.image);
-  auto events = capture::has_events(kind) ? simulate_events(intensities, constants, noise, pipeline.event_model)
-                                          : intensities.slice(1, 0, 0);
-  if (constants.pixel.is_pixel.defined()) {
+  const torch::Tensor& is_pixel = constants.pixel.is_pixel;
+  const bool all_pixel = is_pixel.defined() && is_pixel.all().item<bool>();
+  auto events = capture::has_events(kind) && !all_pixel
+                    ? simulate_events(intensities, constants, noise, pipeline.event_model)
+                    : intensities.slice(1, 0, 0);
+  if (is_pixel.defined()) {
     const auto of_pixels = simulate_pixel_events(intensities, full, constants.pixel, pipeline.subwindows);
-    // With sub-windows all samples have physical pixels.
-    events = pipeline.subwindows > 1 ? of_pixels
-                                     : torch::where(constants.pixel.is_pixel.reshape({-1, 1, 1, 1}), of_pixels, events);
+    events =
+        all_pixel ? of_pixels : torch::where(is_pixel.to(events.device()).reshape({-1, 1, 1, 1}), of_pixels, events);
   }
   const auto inputs = form_inputs(events, pipeline.input, constants, images);
   return {events, pipeline.network->forward(inputs, pipeline.compute, *pipeline.weights, pipeline.input_means)};

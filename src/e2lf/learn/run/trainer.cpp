@@ -14,13 +14,12 @@
 #include "e2lf/learn/data/draws.h"
 #include "e2lf/learn/events/input_form.h"
 #include "e2lf/learn/network/centring.h"
-#include "e2lf/learn/run/device.h"
+#include "e2lf/learn/run/torch_setup.h"
 
 namespace e2lf::learn {
 namespace {
 
 constexpr uint64_t kInitialSeed = 0x1117, kEvaluationSeed = 20;
-constexpr int64_t kViews = 64;
 
 /// Returns how close patterns are to binary ones: 0 if every cell is 1/2, 1 if every cell is 0 or 1.
 double binarity(const torch::Tensor& codes) {

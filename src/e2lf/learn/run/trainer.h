@@ -9,8 +9,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/learn/data/batches.h"
-#include "e2lf/learn/optimisers/adam.h"
-#include "e2lf/learn/optimisers/muon.h"
+#include "e2lf/learn/optimisers/optimisers.h"
 #include "e2lf/learn/run/config.h"
 #include "e2lf/learn/run/evaluate.h"
 #include "e2lf/learn/run/gradient_exchange.h"

@@ -8,7 +8,6 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
 #include "e2lf/lightfield/axes.h"
-#include "e2lf/lightfield/formats/flat_grid.h"
 #include "e2lf/lightfield/formats/raw_image.h"
 #include "e2lf/lightfield/formats/readers.h"
 #include "e2lf/lightfield/formats/view_names.h"

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/onnx/protobuf_message.h"
 
-#include <array>
-
 #include "e2lf/base/contract.h"
-#include "e2lf/base/little_endian.h"
 
 namespace e2lf::model {
 namespace {
 
-enum WireType : uint32_t { kVarint = 0, kLengthDelimited = 2, kFixed32 = 5 };
+enum WireType : uint32_t { kVarint = 0, kLengthDelimited = 2 };
 constexpr uint32_t kMostFields = (uint32_t{1} << 29) - 1;
 
 }  // namespace
@@ -27,13 +24,6 @@ void ProtobufMessage::add_key(uint32_t field, uint32_t wire_type) {
 void ProtobufMessage::add_integer(uint32_t field, int64_t value) {
   add_key(field, kVarint);
   add_varint(static_cast<uint64_t>(value));
-}
-
-void ProtobufMessage::add_float(uint32_t field, float value) {
-  add_key(field, kFixed32);
-  std::array<uint8_t, sizeof(float)> word;
-  store_le(word.data(), value);
-  bytes_.append(word.begin(), word.end());
 }
 
 void ProtobufMessage::add_bytes(uint32_t field, std::string_view value) {

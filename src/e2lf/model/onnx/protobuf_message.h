@@ -14,9 +14,6 @@ class ProtobufMessage {
   /// Adds an int32, int64 or enumeration as a varint, which takes ten bytes for negative numbers.
   void add_integer(uint32_t field, int64_t value);
 
-  /// Adds a float as four little-endian bytes.
-  void add_float(uint32_t field, float value);
-
   /// Adds a string or bytes, preceded by their length.
   void add_bytes(uint32_t field, std::string_view value);
 

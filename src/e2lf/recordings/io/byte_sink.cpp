@@ -9,7 +9,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/is_stream.h"
 
 namespace e2lf::recordings {
 namespace {

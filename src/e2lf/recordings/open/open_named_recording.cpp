@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "e2lf/files/is_stream.h"
+#include "e2lf/files/file.h"
 #include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/is_stream.h"
+#include "e2lf/files/file.h"
 #include "e2lf/recordings/codecs/aedat/aedat.h"
 #include "e2lf/recordings/codecs/aedat4/aedat4.h"
 #include "e2lf/recordings/codecs/dat/dat.h"

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/depth/view_order.h"
+
+#include <gtest/gtest.h>
+
+#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/orient.h"
+#include "e2lf/lightfield/scene.h"
+#include "testing/noise_material.h"
+#include "testing/textured_plane.h"
+
+namespace e2lf::depth {
+namespace {
+
+using lightfield::LightField;
+using lightfield::Scene;
+using Verdict = OcclusionSign::Verdict;
+
+OcclusionSign sign_of(const LightField& light_field) {
+  return occlusion_sign(light_field, estimate_disparity(light_field).value());
+}
+
+/// A square of disparity -1.6 before a wall of 0.8: both have texture.
+LightField square_before_wall() {
+  Scene scene = lightfield::textured_plane_scene(0.8F);
+  const float z = lightfield::depth_at_disparity(scene.camera, -1.6F);
+  scene.quads.push_back({{-0.12F, -0.12F, z}, {0.24F, 0, 0}, {0, 0.24F, 0}, noise_material(2)});
+  return lightfield::render_light_field(scene, {8, 8, 128, 160, 1});
+}
+
+TEST(OcclusionSign, TellsASquareBeforeAWallFromAHoleInIt) {
+  LightField light_field = square_before_wall();
+  const OcclusionSign upright = sign_of(light_field);
+  EXPECT_EQ(upright.verdict, Verdict::kUpright) << upright.places << ' ' << upright.deviations;
+  EXPECT_GT(upright.confidence(), 0.8F);
+  lightfield::orient(light_field, capture::kTurned);
+  const OcclusionSign turned = sign_of(light_field);
+  EXPECT_EQ(turned.verdict, Verdict::kTurned) << turned.places << ' ' << turned.deviations;
+  EXPECT_GT(turned.confidence(), 0.8F);
+}
+
+TEST(OcclusionSign, IsRightAboutTheDemoScene) {
+  LightField light_field = lightfield::render_light_field(lightfield::demo_scene(3), {8, 8, 144, 192, 1});
+  EXPECT_EQ(sign_of(light_field).verdict, Verdict::kUpright);
+  lightfield::orient(light_field, capture::kTurned);
+  EXPECT_EQ(sign_of(light_field).verdict, Verdict::kTurned);
+}
+
+TEST(OcclusionSign, LeavesOpenWhereNothingHidesAnything) {
+  const auto plane = lightfield::textured_plane_scene(0.8F);
+  EXPECT_EQ(sign_of(lightfield::render_light_field(plane, {8, 8, 64, 80, 1})).verdict, Verdict::kUndecided);
+  EXPECT_EQ(sign_of(LightField({8, 8, 20, 20, 1})).verdict, Verdict::kUndecided);
+  EXPECT_EQ(sign_of(LightField({1, 2, 20, 20, 1})).places, 0U);
+}
+
+FlippedAxis axis_of(const lightfield::LightField& light_field) {
+  return find_flipped_axis(light_field, estimate_disparity(light_field).value()).value();
+}
+
+TEST(FlippedAxis, IsFoundInTheDemoScene) {
+  const auto light_field = lightfield::render_light_field(lightfield::demo_scene(3), {8, 8, 144, 192, 1});
+  EXPECT_EQ(axis_of(light_field), FlippedAxis::kNone);
+  auto turned = light_field, flipped_x = light_field, flipped_y = light_field;
+  lightfield::orient(turned, capture::kTurned);
+  EXPECT_EQ(axis_of(turned), FlippedAxis::kNone);
+  lightfield::orient(flipped_x, {.flip_x = true});
+  const FlippedAxis x = axis_of(flipped_x);
+  EXPECT_TRUE(x == FlippedAxis::kX || x == FlippedAxis::kEither) << static_cast<int>(x);
+  lightfield::orient(flipped_y, {.flip_y = true});
+  const FlippedAxis y = axis_of(flipped_y);
+  EXPECT_TRUE(y == FlippedAxis::kY || y == FlippedAxis::kEither) << static_cast<int>(y);
+}
+
+TEST(FlippedAxis, IsNotFoundInNoiseOrInASingleRow) {
+  lightfield::LightField noise({4, 4, 64, 64, 1});
+  uint32_t state = 1;
+  for (float& value : noise.data()) {
+    state = state * 1664525U + 1013904223U;
+    value = static_cast<float>(state >> 8) / 16777216.0F;
+  }
+  EXPECT_EQ(axis_of(noise), FlippedAxis::kNone);
+  EXPECT_EQ(axis_of(lightfield::LightField({1, 4, 64, 64, 1})), FlippedAxis::kNone);
+}
+
+}  // namespace
+}  // namespace e2lf::depth

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/live/event_sums.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "e2lf/base/contract.h"
+
+namespace e2lf::live {
+namespace {
+
+/// Sums `kSide` neighbouring columns each. The side is known to the compiler, which can then vectorise the loop.
+template <size_t kSide>
+void sum_columns(const std::vector<int>& columns, size_t width, int16_t* to) {
+  for (size_t x = 0; x < width; ++x) {
+    int sum = 0;
+    for (size_t i = 0; i < kSide; ++i) sum += columns[x * kSide + i];
+    to[x] = capture::saturated(sum);
+  }
+}
+
+}  // namespace
+
+void sum_blocks(const capture::EventImages& images, size_t side, capture::EventImages& sums) {
+  const size_t height = images.height / side, width = images.width / side;
+  E2LF_REQUIRE(side == 2 || side == 4, "a picture has half or a quarter of the size");
+  E2LF_REQUIRE(height > 0 && width > 0, "the sums of blocks need a block");
+  if (sums.count != images.count || sums.height != height || sums.width != width) {
+    sums = capture::EventImages(images.count, height, width);
+  }
+  std::vector<int> column(images.width);
+  int16_t* to = sums.values.data();
+  for (size_t row = 0; row < images.count * height; ++row) {
+    const int16_t* from = images.image(row / height).data() + row % height * side * images.width;
+    std::fill(column.begin(), column.end(), 0);
+    for (size_t y = 0; y < side; ++y, from += images.width) {
+      for (size_t x = 0; x < images.width; ++x) column[x] += from[x];
+    }
+    side == 2 ? sum_columns<2>(column, width, to) : sum_columns<4>(column, width, to);
+    to += width;
+  }
+}
+
+size_t CycleSum::add(capture::EventImages& images, size_t wanted) {
+  E2LF_REQUIRE(wanted >= 1 && wanted <= kMostCycles, "the number of summed cycles must be from 1 to kMostCycles");
+  if (wanted == 1 || sum_.size() != images.values.size()) {
+    last_.clear();
+    sum_.clear();
+  }
+  if (wanted == 1) return 1;
+  sum_.resize(images.values.size());
+  const auto apply = [this](const capture::EventImages& of, int sign) {
+    for (size_t i = 0; i < sum_.size(); ++i) sum_[i] += sign * of.values[i];
+  };
+  for (; last_.size() >= wanted; last_.pop_front()) apply(last_.front(), -1);
+  apply(images, 1);
+  last_.push_back(images);
+  for (size_t i = 0; i < sum_.size(); ++i) images.values[i] = capture::saturated(sum_[i]);
+  return last_.size();
+}
+
+}  // namespace e2lf::live
