@@ -4,16 +4,14 @@
 
 #include <algorithm>
 
+#include "bench/program/camera_settings.h"
 #include "bench/program/moving_scene.h"
 #include "bench/program/report.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/camera_option.h"
-#include "e2lf/cli/flags/camera_settings.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/model_option.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/scene_input.h"
+#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/recon/reconstruct.h"

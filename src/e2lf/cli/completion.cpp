@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/completion.h"
-
 #include "e2lf/base/text.h"
+#include "e2lf/cli/declared_verbs.h"
 
 namespace e2lf::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/files/bundled_files.h"
 
 namespace e2lf::cli {

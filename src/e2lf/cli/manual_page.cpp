@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/manual_page.h"
-
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cli/declared_verbs.h"
 #include "e2lf/cli/version.h"
 
 namespace e2lf::cli {

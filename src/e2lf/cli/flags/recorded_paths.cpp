@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/recordings/live/replay_address.h"
 
 namespace e2lf::cli {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
+
 #include "e2lf/files/options.h"
 #include "e2lf/recon/event_judgement.h"
 
@@ -11,9 +13,9 @@ namespace e2lf::cli {
 /// events of wrong times, too.
 [[nodiscard]] Json check_json(const recon::EventJudgement& judgement, bool is_doubtful);
 
-/// Prints the difference between the events of a cycle of the record and those that its light field would cause, with
-/// the verdict.
-void print_event_error(const Json& cycle);
+/// Returns a line on the difference between the events of a cycle of the record and those that its light field would
+/// cause, with the verdict.
+[[nodiscard]] std::string event_error_text(const Json& cycle);
 
 /// Logs a warning with a remedy if the verdict on a cycle of the record is that something is probably wrong.
 void warn_of_verdict(const Json& cycle);

@@ -10,18 +10,11 @@ using pipeline::OpenedMethod;
 using pipeline::ToldBy;
 namespace {
 
+/// Returns who told the patterns or the camera; `flag` is the one that tells them.
 const char* told_by_name(ToldBy told_by, const char* flag) {
-  switch (told_by) {
-    case ToldBy::kCaller:
-      return flag;
-    case ToldBy::kEvents:
-      return "the events' file";
-    case ToldBy::kModel:
-      return "the model";
-    case ToldBy::kNobody:
-      return "nothing";
-  }
-  return "";
+  if (told_by == ToldBy::kCaller) return flag;
+  if (told_by == ToldBy::kEvents) return "the events' file";
+  return told_by == ToldBy::kModel ? "the model" : "nothing";
 }
 
 void say_taken(const std::string& name, bool is_for_pixels) {

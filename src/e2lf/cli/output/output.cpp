@@ -40,11 +40,16 @@ bool is_standard_output(const fs::path& path) {
   return path == "-" || path == "/dev/stdout" || path == "/dev/fd/1" || path == "/proc/self/fd/1";
 }
 
+/// Returns the name of a recording without the prefix that replays it at its own speed.
+std::string without_replay(const fs::path& input) {
+  constexpr std::string_view kReplay = "replay:";
+  const std::string name = input.string();
+  return name.starts_with(kReplay) ? name.substr(kReplay.size()) : name;
+}
+
 /// Returns the file or folder behind the name of an input, or an empty path if there is none (a socket, a camera).
 fs::path file_of_input(const fs::path& named) {
-  constexpr std::string_view kReplay = "replay:";
-  std::string name = named.string();
-  if (name.starts_with(kReplay)) name = name.substr(kReplay.size());
+  std::string name = without_replay(named);
   if (name == "-") name = "/proc/self/fd/0";
   std::error_code error;
   const fs::path path = fs::canonical(name, error);
@@ -118,9 +123,7 @@ Result<void> check_not_a_side_file(const fs::path& path) {
 
 /// Appends the files that a verb reads beside an input: its record and its triggers.
 void append_side_files(const fs::path& input, std::vector<fs::path>& files) {
-  constexpr std::string_view kReplay = "replay:";
-  std::string name = input.string();
-  if (name.starts_with(kReplay)) name = name.substr(kReplay.size());
+  const std::string name = without_replay(input);
   std::error_code error;
   if (!fs::is_regular_file(name, error)) return;
   files.push_back(record_path_beside(name));
@@ -404,6 +407,24 @@ Result<ResultFolder> open_output_folder(const fs::path& named, const OutputRules
   E2LF_ASSIGN_OR_RETURN(const fs::path target, resolve(named));
   E2LF_RETURN_IF_ERROR(check_folder_name(target));
   return ResultFolder::create(target, rules.overwrite);
+}
+
+Result<void> commit(OutputFile& output, const RunRecord& record, const Verb& verb) {
+  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  return output.commit();
+}
+
+Result<void> commit(ResultFolder& folder, const RunRecord& record, const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  return folder.commit(std::move(about));
+}
+
+Result<std::optional<OutputFile>> open_optional(const fs::path& named, const OutputRules& rules) {
+  std::optional<OutputFile> output;
+  if (!named.empty()) {
+    E2LF_ASSIGN_OR_RETURN(output, OutputFile::create(named, rules));
+  }
+  return output;
 }
 
 }  // namespace e2lf::cli

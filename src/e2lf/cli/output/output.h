@@ -15,6 +15,9 @@
 
 namespace e2lf::cli {
 
+class RunRecord;
+class Verb;
+
 /// These functions decide where a verb may write and what it may replace. Every output of every verb goes through
 /// OutputFile or open_output_folder().
 ///
@@ -73,6 +76,15 @@ class OutputFile {
 /// Opens a folder for results; ResultFolder describes what it replaces. Fails as OutputFile::create() does, and for a
 /// new folder with the name of a file ("frames.mp4").
 [[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const OutputRules& rules);
+
+/// Completes the result of a run with its record and moves both to their place. A stream has no record. Fails as
+/// RunRecord::json() and the result's own commit() do.
+[[nodiscard]] Result<void> commit(OutputFile& output, const RunRecord& record, const Verb& verb);
+[[nodiscard]] Result<void> commit(ResultFolder& folder, const RunRecord& record, const Verb& verb);
+
+/// Opens a file that is only written if `named` is not empty.
+[[nodiscard]] Result<std::optional<OutputFile>> open_optional(const std::filesystem::path& named,
+                                                              const OutputRules& rules);
 
 /// A result folder that grows over several runs of one verb. Each run adds results with unique names and replaces
 /// `files`, which describe all of them. An existing folder must be empty or belong to the same verb. Files with these

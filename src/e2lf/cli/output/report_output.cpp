@@ -5,8 +5,8 @@
 #include <iterator>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_types.h"
-#include "e2lf/cli/output/next_step.h"
+#include "e2lf/cli/flags/option_values.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/film/draw_svg.h"
 #include "e2lf/lightfield/contact_sheet.h"
 #include "e2lf/report/axis.h"
@@ -15,14 +15,6 @@
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
-
-CLI::Validator report_name() {
-  const auto check = [](std::string& text) {
-    const auto format = report::file_format_of(text);
-    return format ? std::string() : format.error().text();
-  };
-  return {check, ""};
-}
 
 /// Returns the command line as it was typed, as far as possible.
 std::string command_line() {
@@ -36,10 +28,14 @@ std::string command_line() {
 }  // namespace
 
 void add_report_option(CLI::App& app, std::vector<fs::path>& names) {
+  const auto check = [](std::string& text) {
+    const auto format = report::file_format_of(text);
+    return format ? std::string() : format.error().text();
+  };
   app.add_option("--report", names,
                  "also write a report of the run: a page (.html) or its tables (.tex; .csv for the first one); may be "
                  "given several times")
-      ->check(report_name())
+      ->check(CLI::Validator(check, ""))
       ->allow_extra_args(false);
 }
 
@@ -106,27 +102,34 @@ std::string transition_bars(const std::vector<double>& events_per_pixel) {
   return report::chart_svg(chart);
 }
 
-Result<void> write_chart(const std::string& svg, const fs::path& name, const fs::path& place) {
-  const std::string drawing = report::file_svg(svg);
-  if (name.extension() != ".png") return write_file(place, drawing);
-  constexpr size_t kWidth = 1800;  // twice the width of the drawing
-  auto image = film::draw_svg(drawing, kWidth);
-  if (!image) {
-    Error error = image.error();
-    error.location = name.string();
-    return error;
-  }
-  return lightfield::write_png(place, lightfield::to_bytes(*image));
-}
-
-CLI::Validator chart_name() {
+void add_chart_option(CLI::App& app, fs::path& name, const std::string& help) {
   const auto check = [](std::string& text) {
     const std::string extension = fs::path(text).extension().string();
     return extension == ".svg" || extension == ".png"
                ? std::string()
                : cat("the chart is an SVG or PNG image; give it a name that ends in .svg or .png, not ", text);
   };
-  return {check, ""};
+  app.add_option("--plot", name, help)->check(CLI::Validator(check, ""));
+}
+
+Result<ChartOutput> ChartOutput::open(const fs::path& name, OutputRules rules) {
+  ChartOutput chart;
+  chart.name_ = name;
+  rules.streams = true;
+  E2LF_ASSIGN_OR_RETURN(chart.file_, open_optional(name, rules));
+  return chart;
+}
+
+Result<void> ChartOutput::write(const std::string& svg) {
+  constexpr size_t kWidth = 1800;  // twice the width of the drawing
+  const std::string drawing = report::file_svg(svg);
+  if (name_.extension() == ".png") {
+    E2LF_ASSIGN_OR_RETURN(const lightfield::Image image, located(film::draw_svg(drawing, kWidth), name_));
+    E2LF_RETURN_IF_ERROR(lightfield::write_png(file_->path(), lightfield::to_bytes(image)));
+  } else {
+    E2LF_RETURN_IF_ERROR(write_file(file_->path(), drawing));
+  }
+  return file_->commit();
 }
 
 }  // namespace e2lf::cli

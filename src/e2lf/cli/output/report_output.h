@@ -52,12 +52,21 @@ void add_patterns(const capture::Codes& codes, report::Page& page);
 /// Returns a bar chart of the events per pixel of each transition.
 [[nodiscard]] std::string transition_bars(const std::vector<double>& events_per_pixel);
 
-/// Writes a chart to the file `place`. The extension of `name` selects SVG or PNG. Fails with kIo, and as
-/// film::draw_svg() does.
-[[nodiscard]] Result<void> write_chart(const std::string& svg, const std::filesystem::path& name,
-                                       const std::filesystem::path& place);
+/// Declares --plot: a chart, as .svg or .png.
+void add_chart_option(CLI::App& app, std::filesystem::path& name, const std::string& help);
 
-/// Returns a validator that accepts names ending in .svg or .png.
-[[nodiscard]] CLI::Validator chart_name();
+/// The file of --plot.
+class ChartOutput {
+ public:
+  /// Checks the file, if there is a name, before any work. Fails as OutputFile::create() does.
+  [[nodiscard]] static Result<ChartOutput> open(const std::filesystem::path& name, OutputRules rules);
+  [[nodiscard]] bool is_wanted() const { return file_.has_value(); }
+  /// Writes the chart. Fails with kIo, and as film::draw_svg() and OutputFile::commit() do.
+  [[nodiscard]] Result<void> write(const std::string& svg);
+
+ private:
+  std::filesystem::path name_;
+  std::optional<OutputFile> file_;
+};
 
 }  // namespace e2lf::cli

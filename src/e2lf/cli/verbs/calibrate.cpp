@@ -3,7 +3,6 @@
 #include "e2lf/calibrate/calibrate.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <optional>
 
@@ -11,12 +10,11 @@
 #include "e2lf/base/text.h"
 #include "e2lf/calibrate/report.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cli/flags/camera_option.h"
-#include "e2lf/cli/flags/cycle_input.h"
+#include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/output/method_notes.h"
-#include "e2lf/cli/output/next_step.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/npy.h"
@@ -121,12 +119,6 @@ Result<void> check_distinct(const CalibrateArguments& arguments) {
   return {};
 }
 
-Result<std::optional<OutputFile>> open_optional(const fs::path& path, const OutputRules& rules) {
-  if (path.empty()) return std::optional<OutputFile>();
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(path, rules));
-  return std::optional(std::move(output));
-}
-
 template <typename T>
 Result<void> write_map(const OutputFile& output, const calibrate::StillScene& scene, std::span<const T> values) {
   const capture::EventImages& first = scene.cycles.front();
@@ -190,13 +182,11 @@ Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture:
 
 std::string comparison_text(const Json& comparison) {
   const std::string better = comparison["better"];
-  std::array<char, 128> figures;
-  std::snprintf(figures.data(), figures.size(),
-                "results differ from the events by %.3f with the starting camera, by %.3f with this one: ",
-                comparison["start"].get<double>(), comparison["found"].get<double>());
-  return cat(figures.data(), better == "start"   ? "the starting camera is better; keep it"
-                             : better == "found" ? "this one is better; use it"
-                                                 : "neither is better; either will do");
+  return formatted("results differ from the events by %.3f with the starting camera, by %.3f with this one: %s",
+                   comparison["start"].get<double>(), comparison["found"].get<double>(),
+                   better == "start"   ? "the starting camera is better; keep it"
+                   : better == "found" ? "this one is better; use it"
+                                       : "neither is better; either will do");
 }
 
 /// Returns the command that uses the camera.

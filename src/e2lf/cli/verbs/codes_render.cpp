@@ -103,8 +103,7 @@ Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(capture::write_codes(folder.path() / "codes.json", sequence.codes));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder.path() / "contact_sheet.png", sheet_of(frames)));
   record.end_step("render");
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(folder.commit(std::move(about)));
+  E2LF_RETURN_IF_ERROR(commit(folder, record, verb));
   if (!verb.common().quiet) {
     std::printf("%zu frames of %zux%zu px in %s: look at contact_sheet.png; schedule.json is for --schedule\n",
                 frames.size(), frames.front().picture.width, frames.front().picture.height, arguments.output.c_str());
@@ -121,9 +120,7 @@ int run_codes_render(const std::vector<std::string>& arguments) {
   CLI::App& app = verb.app();
   add_display_options(app, render_arguments.display);
   app.add_option("-o,--output", render_arguments.output, "folder to write")->required();
-  app.add_option("--format", render_arguments.format, "png or bmp")
-      ->check(CLI::IsMember({"png", "bmp"}))
-      ->capture_default_str();
+  add_choice(app, "--format", render_arguments.format, {"png", "bmp"}, "png or bmp");
   app.add_option("--bits", render_arguments.bits, "bits per pixel: 1 or 8")
       ->check(CLI::IsMember({1, 8}))
       ->capture_default_str();

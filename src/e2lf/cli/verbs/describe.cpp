@@ -7,6 +7,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/measurement_io.h"
 #include "e2lf/cli/output/pictures.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
@@ -134,10 +135,9 @@ Result<Description> describe_event_images(const fs::path& path) {
                {"codes", setup.codes.has_value()},
                {"orientation", orientation_text(setup.views)},
                {"first_cycle", eval::to_json(statistics)}};
-  std::string text =
-      cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ", first.count,
-          " transitions, ", first.width, "x", first.height, " px, codes ", setup.codes ? "included" : "not included",
-          ", views ", orientation_text(setup.views), "\nevents per pixel in the first cycle:");
+  std::string text = cat("event images: ", counted(file.cycles.size(), "cycle"), " of ", first.count, " transitions, ",
+                         first.width, "x", first.height, " px, codes ", setup.codes ? "included" : "not included",
+                         ", views ", orientation_text(setup.views), "\nevents per pixel in the first cycle:");
   for (const double count : statistics.events_per_pixel) text += cat(" ", count);
   text += cat(", total ", statistics.total_events_per_pixel, "\n");
   return Description{std::move(text), std::move(json), [kept](report::Page& page) { return show(*kept, page); }};
@@ -158,9 +158,9 @@ Result<Description> describe_images(const fs::path& path) {
                {"codes", file.setup.codes.has_value()},
                {"min", *low},
                {"max", *high}};
-  std::string text = cat("measurement (", capture::measurement_name(first.kind), "): ", file.cycles.size(), " cycle",
-                         file.cycles.size() == 1 ? "" : "s", " of ", first.images.count, " intensity image",
-                         first.images.count == 1 ? "" : "s");
+  std::string text =
+      cat("measurement (", capture::measurement_name(first.kind), "): ", counted(file.cycles.size(), "cycle"), " of ",
+          counted(first.images.count, "intensity image"));
   if (first.events.count > 0) text += cat(" and ", first.events.count, " event images");
   text += cat(", ", first.width(), "x", first.height(), " px, intensities ", *low, "..", *high, ", codes ",
               file.setup.codes ? "included" : "not included", "\n");
@@ -174,10 +174,7 @@ Result<Description> describe_images(const fs::path& path) {
 
 Result<Description> describe_light_field(const fs::path& path, const LightFieldFlags& flags) {
   E2LF_ASSIGN_OR_RETURN(const auto kind, lightfield::detect_kind(path));
-  lightfield::ReadOptions options = read_options(flags);
-  options.range = lightfield::RangePolicy::kKeep;
-  options.colour = true;
-  E2LF_ASSIGN_OR_RETURN(lightfield::LightField read, lightfield::read_light_field(path, options));
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField read, lightfield::read_light_field(path, unchanged_options(flags)));
   const auto light_field = std::make_shared<const lightfield::LightField>(std::move(read));
   const lightfield::Shape& shape = light_field->shape();
   E2LF_ASSIGN_OR_RETURN(const capture::Orientation stored, lightfield::stored_orientation(path));
@@ -203,7 +200,7 @@ Result<Description> describe_cycles(const fs::path& path, const LightFieldFlags&
   const std::vector<fs::path> folders = lightfield::cycle_folders(path);
   E2LF_ASSIGN_OR_RETURN(Description first, describe_light_field(folders.front(), flags));
   Json json = {{"kind", "cycles"}, {"cycles", folders.size()}, {"first_cycle", std::move(first.json)}};
-  return Description{cat("light fields of ", folders.size(), " cycle", folders.size() == 1 ? "" : "s", "; ",
+  return Description{cat("light fields of ", counted(folders.size(), "cycle"), "; ",
                          folders.front().filename().string(), ": ", first.text),
                      std::move(json), std::move(first.show)};
 }

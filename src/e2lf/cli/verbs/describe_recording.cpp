@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <cstdio>
-
 #include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/verbs/describe.h"
 #include "e2lf/cli/verbs/recording_statistics.h"
 #include "e2lf/recordings/open/open_named_recording.h"
@@ -43,11 +42,8 @@ std::string size_text(const recordings::RecordingInfo& info, const RecordingStat
 std::string time_text(const recordings::DecodeSummary& summary) {
   const double duration_s = static_cast<double>(summary.last_t_us - summary.first_t_us) * 1e-6;
   const double rate = duration_s > 0 ? static_cast<double>(summary.events()) * 1e-6 / duration_s : 0.0;
-  char text[160];
-  std::snprintf(text, sizeof text, "%lld .. %lld us (%.6f s), %.3f M events/s",
-                static_cast<long long>(summary.first_t_us), static_cast<long long>(summary.last_t_us), duration_s,
-                rate);
-  return text;
+  return cat(summary.first_t_us, " .. ", summary.last_t_us,
+             formatted(" us (%.6f s), %.3f M events/s", duration_s, rate));
 }
 
 std::string to_text(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,

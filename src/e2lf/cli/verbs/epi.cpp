@@ -5,10 +5,10 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/output/shown_light_field.h"
 #include "e2lf/cli/verb.h"
 
 namespace e2lf::cli {
@@ -70,8 +70,8 @@ Result<Image> cut(const EpiArguments& arguments, const LightField& light_field, 
 
 Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  const auto is_given = [&](const char* flag) { return verb.resolved_options().contains(flag); };
-  const bool has_row = is_given("row"), has_column = is_given("column"), has_view = is_given("view");
+  const bool has_row = verb.is_given("--row"), has_column = verb.is_given("--column");
+  const bool has_view = verb.is_given("--view");
   if (has_view && has_row == has_column) {
     return Error{ErrorCode::kInvalidValue, "--view selects the views of a single cut; give --row or --column", ""};
   }
@@ -85,8 +85,7 @@ Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const Image picture, cut(arguments, light_field, has_row, has_column, has_view));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));
   record.end_step("epi");
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   if (!common.quiet) std::printf("%zux%zu px in %s\n", picture.width, picture.height, arguments.output.c_str());
   return {};
 }
@@ -106,9 +105,7 @@ int run_epi(const std::vector<std::string>& arguments) {
   app.add_option("--column", cutting.column,
                  "column of pixels to cut along, counted from 0; views are stacked to the right");
   app.add_option("--view", cutting.view, "the row of views, or with --column the column; default: the middle one");
-  app.add_option("--px-per-view", cutting.px_per_view, "thickness of each view's line, px")
-      ->check(whole_number(1, 100))
-      ->capture_default_str();
+  add_count(app, "--px-per-view", cutting.px_per_view, 1, 100, "thickness of each view's line, px");
   add_light_field_options(app, cutting.light_field, /*has_views=*/true);
   add_orientation_options(app, cutting.light_field.orientation);
   return verb.run(arguments, [&] { return epi(cutting, verb); });

@@ -2,9 +2,8 @@
 // e2lf pack: light fields and photographs -> one file for training
 #include "e2lf/learn/data/pack.h"
 
-#include <cstdio>
-
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -33,15 +32,11 @@ int run_pack(const std::vector<std::string>& arguments) {
     E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(file.path(), options, bar.callback()));
     hide_progress();
     record.end_step("pack");
-    E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
-    E2LF_RETURN_IF_ERROR(file.commit());
-    if (verb.common().json) {
-      std::printf("{\"light_fields\": %zu, \"textures\": %zu, \"bytes\": %zu}\n", summary.light_fields,
-                  summary.textures, summary.bytes);
-    } else if (!verb.common().quiet) {
-      std::printf("packed %zu light fields and %zu photographs, %.0f MB\n", summary.light_fields, summary.textures,
-                  static_cast<double>(summary.bytes) / 1e6);
-    }
+    E2LF_RETURN_IF_ERROR(commit(file, record, verb));
+    print_result(verb.common(),
+                 {{"light_fields", summary.light_fields}, {"textures", summary.textures}, {"bytes", summary.bytes}},
+                 formatted("packed %zu light fields and %zu photographs, %.0f MB\n", summary.light_fields,
+                           summary.textures, static_cast<double>(summary.bytes) / 1e6));
     return {};
   });
 }

@@ -7,7 +7,7 @@
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/streams/stream_options.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
 
 /// A camera with one property changed, to measure the influence of this property.
 struct CameraSetting {
@@ -23,4 +23,4 @@ struct CameraSetting {
 /// camera. The event model of `camera` must be "pixel".
 [[nodiscard]] std::vector<CameraSetting> camera_settings(const capture::SensorProfile& camera);
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

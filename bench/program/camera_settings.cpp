@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/flags/camera_settings.h"
+#include "bench/program/camera_settings.h"
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 
-namespace e2lf::cli {
+namespace e2lf::bench {
 namespace {
 
 using capture::SensorProfile;
@@ -73,4 +73,4 @@ std::vector<CameraSetting> camera_settings(const SensorProfile& camera) {
   return settings;
 }
 
-}  // namespace e2lf::cli
+}  // namespace e2lf::bench

@@ -1,27 +1,52 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/output/cycle_writer.h"
+#include "e2lf/cli/output/light_field_writer.h"
 
 #include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/plausible_events.h"
-#include "e2lf/cli/flags/cycle_input.h"
+#include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/output/event_verdict.h"
-#include "e2lf/cli/output/light_field_output.h"
+#include "e2lf/cli/output/print.h"
+#include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/lightfield/epi.h"
+#include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
+namespace fs = std::filesystem;
 
-std::string cycle_name(size_t cycle) {
-  std::string number = std::to_string(cycle);
-  number.insert(0, number.size() < 5 ? 5 - number.size() : 0, '0');
-  return "cycle_" + number;
+Result<void> write_reconstruction(const fs::path& folder, lightfield::LightField& light_field,
+                                  const std::string& format, const capture::Orientation& views,
+                                  const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightFieldFormat stored, lightfield::parse_format(format));
+  const bool is_array = stored == lightfield::LightFieldFormat::kNpy;
+  if (is_array) {
+    E2LF_RETURN_IF_ERROR(lightfield::write_light_field(folder / "lightfield.npy", light_field, {.format = stored}));
+  }
+  lightfield::orient(light_field, views);
+  if (!is_array) E2LF_RETURN_IF_ERROR(lightfield::write_views(folder, light_field, stored, progress));
+  E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "contact_sheet.png", lightfield::contact_sheet(light_field)));
+  const lightfield::EpiPictureOptions cut = lightfield::middle_cut(light_field.shape());
+  return lightfield::write_png(folder / "epi.png", lightfield::epi_picture(light_field, cut));
 }
 
-Result<lightfield::LightField> CycleWriter::process(const pipeline::CycleImages& cycle,
-                                                    const std::filesystem::path& folder) {
-  E2LF_ASSIGN_OR_RETURN(pipeline::Field field, reconstruct(cycle));
+capture::Orientation stored_views(const std::string& format, const capture::Orientation& views) {
+  return format == "npy" ? views : capture::Orientation{};
+}
+
+std::string cycle_name(size_t cycle) {
+  return formatted("cycle_%05zu", cycle);
+}
+
+Result<lightfield::LightField> LightFieldWriter::process(const pipeline::CycleImages& cycle, const fs::path& folder) {
+  warn_of_events(cycle);
+  // For live input, the log has a line for each cycle instead.
+  ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), options_.is_quiet || cycle.is_live());
+  bar.update(0, 1);
+  E2LF_ASSIGN_OR_RETURN(pipeline::Field field, by_flag(sequence_.next(cycle.images, bar.callback()), options_.input));
+  hide_progress();
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder, field.light_field, options_.format,
                                             options_.views.value_or(capture::Orientation{}), {}));
   Json about = cycle.cycle ? cycle_json(*cycle.cycle) : Json::object();
@@ -46,22 +71,12 @@ Result<lightfield::LightField> CycleWriter::process(const pipeline::CycleImages&
   return std::move(field.light_field);
 }
 
-Json CycleWriter::notes() const {
+Json LightFieldWriter::notes() const {
   if (!options_.views) return Json::object();
   return {{"views", lightfield::views_note(*options_.views, stored_views(options_.format, *options_.views))}};
 }
 
-Result<pipeline::Field> CycleWriter::reconstruct(const pipeline::CycleImages& cycle) {
-  // For live input, the log has a line for each cycle instead.
-  ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), options_.is_quiet || cycle.is_live());
-  bar.update(0, 1);
-  warn_of_events(cycle);
-  auto field = sequence_.next(cycle.images, bar.callback());
-  if (!field) return by_flag(field.error(), options_.input);
-  return field;
-}
-
-void CycleWriter::warn_of_events(const pipeline::CycleImages& cycle) {
+void LightFieldWriter::warn_of_events(const pipeline::CycleImages& cycle) {
   constexpr size_t kMostWarnings = 3;
   if (warned_ == kMostWarnings || !capture::has_events(cycle.images.kind)) return;
   const std::vector<std::string> doubts =

@@ -5,18 +5,30 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/cli/output/live_log.h"
+#include "e2lf/cli/output/cycle_report.h"
 #include "e2lf/files/options.h"
+#include "e2lf/lightfield/light_field.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/field_sequence.h"
 
 namespace e2lf::cli {
 
+/// Writes a reconstructed light field to an existing folder: its views in `format` ("png" and "png16": VV_UU.png;
+/// "npy": lightfield.npy, not clamped), contact_sheet.png and epi.png. `views` is the orientation of the views; all
+/// images are written upright, and `light_field` is upright afterwards. Only lightfield.npy keeps the order of the
+/// views, which is that of the patterns.
+[[nodiscard]] Result<void> write_reconstruction(const std::filesystem::path& folder,
+                                                lightfield::LightField& light_field, const std::string& format,
+                                                const capture::Orientation& views, const ProgressFn& progress);
+
+/// Returns the orientation of the views in the files of write_reconstruction().
+[[nodiscard]] capture::Orientation stored_views(const std::string& format, const capture::Orientation& views);
+
 /// Returns the name of the folder of a cycle: cycle_00000, cycle_00001, ...
 [[nodiscard]] std::string cycle_name(size_t cycle);
 
 /// The settings of all light fields of a run.
-struct CycleWriterOptions {
+struct LightFieldWriterOptions {
   std::filesystem::path input;  ///< name of the input, for messages
   std::string format;           ///< output format; see write_reconstruction()
   bool is_quiet = false;
@@ -25,9 +37,9 @@ struct CycleWriterOptions {
 };
 
 /// Reconstructs cycles one by one, writes their light fields, and keeps a record of them.
-class CycleWriter {
+class LightFieldWriter {
  public:
-  CycleWriter(CycleWriterOptions options, pipeline::FieldSequence sequence)
+  LightFieldWriter(LightFieldWriterOptions options, pipeline::FieldSequence sequence)
       : options_(std::move(options)), sequence_(std::move(sequence)) {}
 
   /// Reconstructs a cycle and writes it to an existing folder. Returns the light field in upright orientation.
@@ -41,11 +53,10 @@ class CycleWriter {
   [[nodiscard]] const pipeline::Tone& tone() const { return sequence_.tone(); }
 
  private:
-  Result<pipeline::Field> reconstruct(const pipeline::CycleImages& cycle);
   /// Warns about implausible events in the first cycles.
   void warn_of_events(const pipeline::CycleImages& cycle);
 
-  CycleWriterOptions options_;
+  LightFieldWriterOptions options_;
   pipeline::FieldSequence sequence_;
   size_t warned_ = 0;
   Json cycles_ = Json::array();
