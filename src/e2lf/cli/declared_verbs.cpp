@@ -100,4 +100,16 @@ std::vector<DeclaredVerb> declared_verbs(const std::vector<VerbEntry>& entries) 
   return declared;
 }
 
+std::vector<std::pair<std::string, const DeclaredVerb*>> subverbs_of(const DeclaredVerb& verb,
+                                                                     const std::vector<DeclaredVerb>& verbs) {
+  std::vector<std::pair<std::string, const DeclaredVerb*>> found;
+  for (const std::string& name : verb.subverbs) {
+    const std::string full = verb.name.empty() ? name : verb.name + " " + name;
+    for (const DeclaredVerb& other : verbs) {
+      if (other.name == full) found.emplace_back(name, &other);
+    }
+  }
+  return found;
+}
+
 }  // namespace e2lf::cli

@@ -38,6 +38,10 @@ struct DeclaredVerb {
 /// Returns the declarations of all verbs of the list and their subverbs, in order, without running any.
 [[nodiscard]] std::vector<DeclaredVerb> declared_verbs(const std::vector<VerbEntry>& entries);
 
+/// Returns the subverbs of a verb that only groups others: the name of each, and its declaration among `verbs`.
+[[nodiscard]] std::vector<std::pair<std::string, const DeclaredVerb*>> subverbs_of(
+    const DeclaredVerb& verb, const std::vector<DeclaredVerb>& verbs);
+
 /// While declared_verbs() is running, Verb::run() and run_subverb() only register their declaration with these
 /// functions.
 [[nodiscard]] bool are_verbs_asked();

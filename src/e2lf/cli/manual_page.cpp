@@ -74,11 +74,8 @@ std::string options_text(const DeclaredVerb& verb) {
 
 std::string subverbs_text(const DeclaredVerb& verb, const std::vector<DeclaredVerb>& verbs) {
   std::string text = ".SH VERBS\n";
-  for (const std::string& name : verb.subverbs) {
-    const std::string full = verb.name.empty() ? name : verb.name + " " + name;
-    for (const DeclaredVerb& other : verbs) {
-      if (other.name == full) text += cat(".TP\n", bold(name), "\n", roff(other.summary), "\n");
-    }
+  for (const auto& [name, other] : subverbs_of(verb, verbs)) {
+    text += cat(".TP\n", bold(name), "\n", roff(other->summary), "\n");
   }
   return text;
 }

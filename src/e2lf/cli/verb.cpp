@@ -19,7 +19,6 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/declared_verbs.h"
 #include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/workspace.h"

@@ -10,7 +10,6 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/flags/recorded_paths.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::cli {
@@ -23,6 +22,18 @@ namespace e2lf::cli {
 /// written successfully, and converts exceptions to a message. Returns the exit code of the process.
 int run_program(const char* name, int argc, char** argv,
                 const std::function<int(const std::vector<std::string>& arguments)>& run);
+
+/// An input of an earlier run that no longer exists, and the flag that can name another one.
+struct MissingInput {
+  std::string flag, placed;  ///< the flag, and its value unless the user sets another
+  Error error;
+};
+
+/// Resolves the paths of a run's record, so that the run can be repeated from any folder. A relative path is resolved
+/// against the folder in which the run was started ("folder" of the record), or against the current folder if it does
+/// not exist there. Changes the options in `record` that `app` declares as paths or that the record lists as inputs,
+/// and the list of inputs. Returns the inputs that exist in neither folder.
+[[nodiscard]] std::vector<MissingInput> find_recorded_paths(Json& record, const CLI::App& app);
 
 /// The flags that every verb has.
 struct CommonOptions {
@@ -135,7 +146,6 @@ int run_calibrate(const std::vector<std::string>& arguments);
 int run_camera(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
 int run_codes_play(const std::vector<std::string>& arguments);
-int run_codes_render(const std::vector<std::string>& arguments);
 int run_compare(const std::vector<std::string>& arguments);
 int run_convert(const std::vector<std::string>& arguments);
 int run_demo(const std::vector<std::string>& arguments);

@@ -52,7 +52,7 @@ cycles::CycleSource source_of(const CycleFlags& flags) {
 
 void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   const std::string group = kCycleOptions;
-  add_choice(app, "--source", flags.source, kCycleSources,
+  add_choice(app, "--source", flags.source, words_of(kCycleSources),
              "source of the times at which patterns change: triggers, bursts (the events), schedule, auto")
       ->group(group);
   app.add_option("--schedule", flags.schedule,
@@ -67,7 +67,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
              "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
              "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
              "then uses the lit ones in cycles during which the scene moves too much");
-  add_choice(app, "--edge", flags.edge, kTriggerEdges, "trigger edge: rising, falling, both")->group(group);
+  add_choice(app, "--edge", flags.edge, words_of(kTriggerEdges), "trigger edge: rising, falling, both")->group(group);
   app.add_option("--channel", flags.channel, "trigger input; default: all")->group(group);
   app.add_option("--first-pattern", flags.first_pattern,
                  "pattern of the first trigger or burst, from 0; default: determined from the intervals and the events")

@@ -81,14 +81,6 @@ Result<std::optional<model::Model>> read_named_model(const CodesSource& source, 
   return std::optional(std::move(model));
 }
 
-Result<std::optional<capture::Codes>> read_named_codes(const CodesSource& source) {
-  std::optional<capture::Codes> codes;
-  if (!source.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(codes, pipeline::read_patterns(source.codes));
-  }
-  return codes;
-}
-
 void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
                       const std::optional<capture::Codes>& of_events, RunRecord& record) {
   if (!codes) return;
@@ -100,7 +92,10 @@ void note_named_codes(const CodesSource& source, const std::optional<capture::Co
 
 Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<model::Model>& model,
                                              const std::optional<capture::Codes>& of_events, RunRecord& record) {
-  E2LF_ASSIGN_OR_RETURN(const std::optional<capture::Codes> named, read_named_codes(source));
+  std::optional<capture::Codes> named;
+  if (!source.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(named, pipeline::read_patterns(source.codes));
+  }
   note_named_codes(source, named, of_events, record);
   return pipeline::known_codes(named, of_events, model ? &*model : nullptr);
 }

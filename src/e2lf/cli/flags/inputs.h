@@ -51,9 +51,6 @@ void add_codes_options(CLI::App& app, CodesSource& source);
 /// Reads the model if one was given, and adds its content to the record. Fails as read_model() does.
 [[nodiscard]] Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record);
 
-/// Reads the patterns of --codes if it was given. Fails as pipeline::read_patterns() does.
-[[nodiscard]] Result<std::optional<capture::Codes>> read_named_codes(const CodesSource& source);
-
 /// Adds the file of these patterns to the record, and warns if they differ from those in the file of the events.
 void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
                       const std::optional<capture::Codes>& of_events, RunRecord& record);

@@ -4,10 +4,14 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/option_values.h"
 
 namespace e2lf::cli {
+namespace fs = std::filesystem;
+using pipeline::OpenedMethod;
+using pipeline::ToldBy;
 namespace {
 
 /// Returns a finite number of at least 0, or nothing for "auto" or another text.
@@ -39,7 +43,9 @@ void add_method_options(CLI::App& app, MethodFlags& flags, const std::string& so
 Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record) {
   pipeline::MethodChoice choice{.precision = flags.precision};
   E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(flags.codes, record));
-  E2LF_ASSIGN_OR_RETURN(choice.codes, read_named_codes(flags.codes));
+  if (!flags.codes.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(choice.codes, pipeline::read_patterns(flags.codes.codes));
+  }
   return choice;
 }
 
@@ -64,6 +70,111 @@ Result<pipeline::Tone> tone_of(const MethodFlags& flags) {
                  cat("\"", flags.black, "\" is not a brightness; give auto, 0 or a positive number"), "--black"};
   }
   return tone;
+}
+
+namespace {
+
+/// Returns who told the patterns or the camera; `flag` is the one that tells them.
+const char* told_by_name(ToldBy told_by, const char* flag) {
+  if (told_by == ToldBy::kCaller) return flag;
+  if (told_by == ToldBy::kEvents) return "the events' file";
+  return told_by == ToldBy::kModel ? "the model" : "nothing";
+}
+
+void say_taken(const std::string& name, bool is_for_pixels) {
+  log_info(cat("no model was given; using ", name, ", which was trained for these patterns and ",
+               is_for_pixels ? "physical pixels" : "the paper's event model"));
+}
+
+void warn_of_assumed_patterns(const fs::path& events, const std::string& whose) {
+  log_warning(cat(events.string(), " does not state which patterns the camera showed; those of ", whose,
+                  " are assumed without confirmation"));
+}
+
+/// Records the source of the patterns, and warns unless the network was trained for them.
+void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord& record) {
+  const model::Model& model = method.network->model();
+  const bool is_told = pipeline::are_patterns_told(method.codes);
+  const ToldBy told_by = is_told ? method.codes->told_by : ToldBy::kNobody;
+  record.note("patterns",
+              {{"told_by", told_by_name(told_by, "--codes")}, {"are_the_models", method.are_patterns_the_models()}});
+  if (method.are_patterns_the_models()) return;
+  if (!is_told) return warn_of_assumed_patterns(events, model.name);
+  log_warning(model.codes
+                  ? cat("the events were made with other patterns than ", model.name,
+                        " was trained for, so that the light field will be wrong; use a model for these patterns, or ",
+                        "--method inversion")
+                  : cat(model.name, " does not state which patterns it was trained for, so that it may not match ",
+                        "those of the events"));
+}
+
+void note_network(const OpenedMethod& method, const fs::path& events, size_t passes, RunRecord& record) {
+  const recon::Reconstructor& network = *method.network;
+  const bool is_pixel = method.camera && method.camera->is_pixel();
+  if (method.bundled) {
+    record.add_input(*method.bundled);
+    record.resolve("model", method.bundled->stem().string());
+    say_taken(network.model().name, is_pixel && method.camera_told_by != ToldBy::kModel);
+  }
+  note_patterns(method, events, record);
+  if (!method.takes_sums() && is_pixel) {
+    log_warning(cat("the events are those of physical pixels (", method.camera->name, "), which ", network.model().name,
+                    " was not trained for: the light field will be wrong; use a network conditioned on the sensor "
+                    "profile, such as ",
+                    "e2lf-n4-camera"));
+  }
+  const size_t made = network.num_passes(passes);
+  if (made < passes) {
+    log_warning(cat("--passes ", passes, ": the network distinguishes ", made, " position", made == 1 ? "" : "s",
+                    " on its pixel grid; the number of passes is reduced to this"));
+  }
+  const char* precision = engine::precision_name(network.engine().precision());
+  record.resolve("precision", precision);
+  record.note("precision", precision);
+  record.note("passes", made);
+}
+
+void note_classical(const OpenedMethod& method, const fs::path& events, const fs::path& model, RunRecord& record) {
+  if (method.bundled) {
+    record.add_input(*method.bundled);
+    record.resolve("codes", method.bundled->stem().string());
+    log_info(cat("no patterns were given; using those of ", method.bundled->stem().string()));
+  }
+  if (method.codes->told_by == ToldBy::kNobody) {
+    log_warning("the camera may have shown other patterns; give those of the camera with --codes");
+  } else if (!pipeline::are_patterns_told(method.codes)) {
+    warn_of_assumed_patterns(events, model.string());
+  }
+  if (method.camera && method.camera->is_pixel()) {
+    log_warning(cat("the events are those of physical pixels (", method.camera->name, "); the method ",
+                    method.algorithm, " only supports the paper's event model"));
+  }
+}
+
+}  // namespace
+
+void say_bundled_network(const pipeline::BundledNetwork& network) {
+  say_taken(network.model.name, network.model.camera && network.model.camera->is_pixel());
+}
+
+void note_method(const OpenedMethod& method, const fs::path& events, const fs::path& model, size_t passes,
+                 RunRecord& record) {
+  if (method.camera && method.camera_told_by != ToldBy::kNobody) {
+    record.note("camera", capture::to_json(*method.camera));
+    record.note("camera_told_by", told_by_name(method.camera_told_by, "--camera"));
+  }
+  if (method.network) {
+    note_network(method, events, passes, record);
+  } else {
+    note_classical(method, events, model, record);
+  }
+  if (!method.codes) return;
+  const capture::SensorConstants& constants = method.codes->constants;
+  record.note("constants", {{"eps", json_number(constants.eps)},
+                            {"tau", json_number(constants.tau)},
+                            {"sigma_w", json_number(constants.sigma_w)},
+                            {"sigma_z", json_number(constants.sigma_z)},
+                            {"event_model", method.codes->event_model}});
 }
 
 }  // namespace e2lf::cli

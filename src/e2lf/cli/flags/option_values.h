@@ -12,7 +12,7 @@
 namespace e2lf::cli {
 
 /// The placeholders of values in --help. They also identify the options that name files: --config resolves their values
-/// (recorded_paths.h), and completion offers bundled files for them.
+/// (recorded_paths.cpp), and completion offers bundled files for them.
 inline constexpr char kPathType[] = "PATH", kModelType[] = "MODEL", kCodesType[] = "PATTERNS", kCameraType[] = "CAMERA";
 /// For verbs that accept any file or folder.
 inline constexpr char kThingType[] = "PATH|MODEL";
@@ -45,13 +45,12 @@ struct Choice {
   T value;
 };
 
-/// Declares an option for the words of a table, whose default is shown.
+/// Returns the words of a table.
 template <typename T, size_t N>
-CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value, const Choice<T> (&table)[N],
-                        const std::string& help) {
+[[nodiscard]] std::vector<std::string> words_of(const Choice<T> (&table)[N]) {
   std::vector<std::string> words;
   for (const Choice<T>& choice : table) words.emplace_back(choice.word);
-  return add_choice(app, name, value, words, help);
+  return words;
 }
 
 /// Returns what a word stands for; the table must contain it.

@@ -74,13 +74,15 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   add("--sensor-height", flags.height, "height of the sensor in px, if the recording does not state it");
   add("--stream", flags.stream, "number or name of a stream of events, if the recording contains several");
   add("--columns", flags.columns, "order of the columns of a table of events, e.g. txyp; - skips a column");
-  add_choice(app, "--time-unit", flags.time_unit, kTimeUnits,
-             "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise us "
-             "for integers and s for other numbers")
+  app.add_option("--time-unit", flags.time_unit,
+                 "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise "
+                 "us for integers and s for other numbers")
+      ->check(CLI::IsMember(words_of(kTimeUnits)))
       ->group(group);
-  add_choice(app, "--restart", flags.restart, kRestartPolicies,
-             "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind the "
-             "earlier one, split keeps the parts separate (info, convert), refuse fails")
+  app.add_option("--restart", flags.restart,
+                 "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind "
+                 "the earlier one, split keeps the parts separate (info, convert), refuse fails")
+      ->check(CLI::IsMember(words_of(kRestartPolicies)))
       ->group(group);
   add("--from-us", flags.from_us, "recordings: leave out data before this time on the clock of the recording");
   add("--to-us", flags.to_us, "recordings: leave out data at or after this time on the clock of the recording");

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/option_values.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/turntable_scene.h"

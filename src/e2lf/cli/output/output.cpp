@@ -246,6 +246,19 @@ Result<void> check_apart(const fs::path& output, const std::vector<fs::path>& in
   return {};
 }
 
+namespace {
+
+/// Resolves the name of a folder of results, which may not be, contain or lie in an input.
+Result<fs::path> resolve_folder(const fs::path& named, const std::vector<fs::path>& inputs) {
+  if (is_standard_output(named)) {
+    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; give a folder", named.string()};
+  }
+  E2LF_RETURN_IF_ERROR(check_apart(named, inputs));
+  return resolve(named);
+}
+
+}  // namespace
+
 std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
   const auto cycles = capture::recover_event_images(partial, kept);
   if (!cycles || *cycles == 0) return {};
@@ -312,6 +325,12 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   return output;
 }
 
+Result<OutputFile> OutputFile::create(const fs::path& named, const Verb& verb, std::vector<fs::path> inputs,
+                                      std::string ending) {
+  return create(named,
+                {.inputs = std::move(inputs), .overwrite = verb.common().overwrite, .ending = std::move(ending)});
+}
+
 fs::path OutputFile::record_path() const {
   return record_path_beside(place_);
 }
@@ -355,11 +374,7 @@ Result<void> OutputFile::commit() {
 }
 
 Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules, Json record) {
-  if (is_standard_output(named)) {
-    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; give a folder", named.string()};
-  }
-  E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
-  E2LF_ASSIGN_OR_RETURN(path_, resolve(named));
+  E2LF_ASSIGN_OR_RETURN(path_, resolve_folder(named, rules.inputs));
   std::error_code error;
   if (is_there(path_) && !fs::is_directory(path_, error)) {
     return exists(path_, "the output is a folder, but a file with this name exists; choose another output");
@@ -399,14 +414,10 @@ void GrowingFolder::withdraw() const {
   fs::remove(path_, error);
 }
 
-Result<ResultFolder> open_output_folder(const fs::path& named, const OutputRules& rules) {
-  if (is_standard_output(named)) {
-    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; give a folder", named.string()};
-  }
-  E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
-  E2LF_ASSIGN_OR_RETURN(const fs::path target, resolve(named));
+Result<ResultFolder> open_output_folder(const fs::path& named, const Verb& verb, const std::vector<fs::path>& inputs) {
+  E2LF_ASSIGN_OR_RETURN(const fs::path target, resolve_folder(named, inputs));
   E2LF_RETURN_IF_ERROR(check_folder_name(target));
-  return ResultFolder::create(target, rules.overwrite);
+  return ResultFolder::create(target, verb.common().overwrite);
 }
 
 Result<void> commit(OutputFile& output, const RunRecord& record, const Verb& verb) {

@@ -50,6 +50,9 @@ class OutputFile {
   /// replaced), kInvalidValue (the output is, contains or lies in an input, or its extension is that of another
   /// format), kUnsupported (a stream, but the format requires a file) and kIo.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const OutputRules& rules);
+  /// The same with the verb's --overwrite.
+  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const Verb& verb,
+                                                 std::vector<std::filesystem::path> inputs, std::string ending = {});
 
   /// Returns where to write: a name in a workspace, or the stream itself ("-" for standard output).
   [[nodiscard]] const std::filesystem::path& path() const { return place_; }
@@ -75,7 +78,8 @@ class OutputFile {
 
 /// Opens a folder for results; ResultFolder describes what it replaces. Fails as OutputFile::create() does, and for a
 /// new folder with the name of a file ("frames.mp4").
-[[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const OutputRules& rules);
+[[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const Verb& verb,
+                                                      const std::vector<std::filesystem::path>& inputs);
 
 /// Completes the result of a run with its record and moves both to their place. A stream has no record. Fails as
 /// RunRecord::json() and the result's own commit() do.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/lightfield/image.h"
@@ -34,6 +35,10 @@ class ReportOutput {
   };
   std::vector<File> files_;
 };
+
+/// Draws the event images of a cycle side by side: grey for no event, towards red for ON events, towards blue for OFF
+/// events, with full colour at the 99 % quantile of the counts.
+[[nodiscard]] lightfield::Image event_picture(const capture::EventImages& images);
 
 /// Creates the page of a verb with its title and the command line.
 [[nodiscard]] report::Page verb_page(const std::string& title);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // e2lf accumulate: divides a recording into pattern cycles and accumulates their event images
-#include <chrono>
 
 #include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
@@ -9,9 +8,7 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/pictures.h"
 #include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/cli/output/run_record.h"

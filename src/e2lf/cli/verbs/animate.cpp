@@ -78,10 +78,8 @@ Result<void> write_film(const fs::path& file, film::FilmFormat format, const Ani
 Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite}));
-  RunRecord record("animate");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}));
+  RunRecord record("animate", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
                                                                    {arguments.still, arguments.from, arguments.to}));
   E2LF_ASSIGN_OR_RETURN(const FrameFn frame_at, frame_maker(arguments, light_field, record));
@@ -107,13 +105,11 @@ fs::path quilt_name(const fs::path& named, const lightfield::Shape& shape, const
 
 Result<void> make_quilt(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  RunRecord record("animate");
-  record.add_input(arguments.input);
+  RunRecord record("animate", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
                                                                    {arguments.still, arguments.from, arguments.to}));
   const fs::path named = quilt_name(arguments.output, light_field.shape(), arguments.quilt);
-  E2LF_ASSIGN_OR_RETURN(OutputFile output,
-                        OutputFile::create(named, {.inputs = {arguments.input}, .overwrite = common.overwrite}));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, verb, {arguments.input}));
   E2LF_ASSIGN_OR_RETURN(const auto picture,
                         located(film::quilt_picture(light_field, arguments.quilt, arguments.still), arguments.input));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));

@@ -12,7 +12,7 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/output/method_notes.h"
+#include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
@@ -68,7 +68,7 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
 
 /// Returns the patterns of the inputs, which must be the same for all.
 Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const std::vector<Source>& sources,
-                                    RunRecord& record) {
+                                    const std::optional<model::Model>& model, RunRecord& record) {
   std::optional<capture::Codes> codes;
   for (size_t i = 0; i < sources.size(); ++i) {
     if (codes && sources[i].codes && *codes != *sources[i].codes) {
@@ -78,7 +78,6 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
     }
     if (sources[i].codes) codes = sources[i].codes;
   }
-  E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::KnownCodes> known, find_codes(arguments.codes, model, codes, record));
   if (!known) {
     return Error{ErrorCode::kNotFound, "the patterns of the events are not known; give --codes FILE", ""};
@@ -155,11 +154,9 @@ Result<double> error_told(model::Model model, const capture::SensorProfile& came
 
 /// Compares both cameras with the events of the first cycle, using the named or a bundled network: {"start", "found",
 /// "better"}. Returns null if no network conditioned on the sensor profile matches these patterns.
-Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture::Codes& codes,
+Result<Json> compare_cameras(std::optional<model::Model> model, const capture::Codes& codes,
                              const capture::SensorProfile& start, const capture::SensorProfile& found,
                              const capture::EventImages& events) {
-  RunRecord unused("calibrate");
-  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, unused));
   if (!model) {
     E2LF_ASSIGN_OR_RETURN(auto network, pipeline::bundled_network(codes, start));
     if (network) {
@@ -220,7 +217,8 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
     E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, verb, record));
     sources.push_back(std::move(source));
   }
-  E2LF_ASSIGN_OR_RETURN(capture::Codes codes, common_codes(arguments, sources, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(capture::Codes codes, common_codes(arguments, sources, model, record));
   std::vector<calibrate::StillScene> scenes;
   for (Source& source : sources) scenes.push_back(std::move(source.scene));
   match_transitions(arguments.cycles.transitions, codes, scenes);
@@ -237,8 +235,8 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   for (const std::string& warning : calibration.warnings) log_warning(warning);
   E2LF_RETURN_IF_ERROR(write_maps(thresholds, bad, scenes, codes, calibration, arguments.is_even));
   Json report = calibrate::report_json(calibration);
-  E2LF_ASSIGN_OR_RETURN(report["event_check"],
-                        compare_cameras(arguments, codes, start, calibration.camera, scenes.front().cycles.front()));
+  E2LF_ASSIGN_OR_RETURN(report["event_check"], compare_cameras(std::move(model), codes, start, calibration.camera,
+                                                               scenes.front().cycles.front()));
   const bool is_worse = report["event_check"].is_object() && report["event_check"]["better"] == "start";
   if (is_worse) log_warning(comparison_text(report["event_check"]));
   record.note("report", report);

@@ -9,7 +9,7 @@
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/output/print.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/recording_statistics.h"
+#include "e2lf/cli/verbs/describe.h"
 #include "e2lf/files/options.h"
 #include "e2lf/recordings/live/usb_cameras.h"
 #include "e2lf/recordings/open/open_named_recording.h"

@@ -149,9 +149,7 @@ cycles::Schedule shown_schedule(const Player& player, cycles::Schedule schedule)
 Result<void> play(PlayArguments arguments, const Verb& verb) {
   RunRecord record("codes play");
   const CodesSource& source = arguments.display.codes;
-  E2LF_ASSIGN_OR_RETURN(ResultFolder folder,
-                        open_output_folder(arguments.output, {.inputs = {source.model, source.codes},
-                                                              .overwrite = verb.common().overwrite}));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {source.model, source.codes}));
   E2LF_ASSIGN_OR_RETURN(Screen screen, Screen::open(arguments.screen));
   capture::DisplayLayout& layout = arguments.display.layout;
   if (layout.width_px == 0) layout.width_px = screen.width_px();

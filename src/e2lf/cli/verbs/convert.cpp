@@ -53,16 +53,14 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   read.colour = arguments.colour;
   lightfield::WriteOptions write;
   E2LF_ASSIGN_OR_RETURN(write.format, light_field_format(arguments));
-  const OutputRules rules{.inputs = {arguments.input}, .overwrite = common.overwrite};
   std::optional<ResultFolder> folder;
   std::optional<OutputFile> file;
   if (lightfield::is_folder_format(write.format)) {
-    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, rules));
+    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, verb, {arguments.input}));
   } else {
-    E2LF_ASSIGN_OR_RETURN(file, OutputFile::create(arguments.output, rules));
+    E2LF_ASSIGN_OR_RETURN(file, OutputFile::create(arguments.output, verb, {arguments.input}));
   }
-  RunRecord record("convert");
-  record.add_input(arguments.input);
+  RunRecord record("convert", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field,
                         read_with_progress(arguments.input, read, common.quiet));
   ProgressBar bar("write", common.quiet);
@@ -221,10 +219,8 @@ Result<std::string> event_image_extension(const ConvertArguments& arguments) {
 Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const std::string extension, event_image_extension(arguments));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite}));
-  RunRecord record("convert");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}));
+  RunRecord record("convert", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
   if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
     file.setup.views = given.after(file.setup.views);

@@ -3,18 +3,15 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/light_field_writer.h"
 #include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/pictures.h"
 #include "e2lf/cli/output/print.h"
+#include "e2lf/cli/output/report_output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/files/options.h"
-#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"
@@ -70,8 +67,7 @@ std::string result_text(const DemoArguments& arguments, const pipeline::OpenedMe
 Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   const auto model = arguments.model.empty() ? bundled_model() : arguments.model;
-  const OutputRules rules{.inputs = {model.value_or("")}, .overwrite = common.overwrite};
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb, {model.value_or("")}));
   RunRecord record("demo");
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_method(model, record));
   E2LF_ASSIGN_OR_RETURN(const recon::Method reconstruct, method.ready());

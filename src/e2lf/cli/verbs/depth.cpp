@@ -157,10 +157,8 @@ void print_maps(const DepthArguments& arguments, const CommonOptions& common, co
 }
 
 Result<void> to_file(const DepthArguments& arguments, const std::string& extension, const Verb& verb) {
-  const OutputRules rules{.inputs = {arguments.input}, .overwrite = verb.common().overwrite};
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
-  RunRecord record("depth");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}));
+  RunRecord record("depth", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const Estimate result, estimate(arguments, arguments.input, verb.common().quiet));
   record.end_step("estimate");
   Shared shared;
@@ -174,10 +172,8 @@ Result<void> to_file(const DepthArguments& arguments, const std::string& extensi
 
 /// Writes the folder of a light field, or one folder for each cycle, which appears complete when it is done.
 Result<void> to_folder(const DepthArguments& arguments, const std::vector<fs::path>& cycles, const Verb& verb) {
-  const OutputRules rules{.inputs = {arguments.input}, .overwrite = verb.common().overwrite};
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
-  RunRecord record("depth");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb, {arguments.input}));
+  RunRecord record("depth", {arguments.input});
   Shared shared;
   Json maps = Json::array();
   const bool is_one = cycles.empty();

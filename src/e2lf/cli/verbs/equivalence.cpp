@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/light_field_flags.h"
@@ -13,7 +12,6 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/options.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -123,11 +121,10 @@ std::string page_of(const EquivalenceArguments& arguments, const std::vector<Row
 
 Result<void> run(const EquivalenceArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  const OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes},
-                          .overwrite = common.overwrite};
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
-  RunRecord record("equivalence");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(
+      ResultFolder output,
+      open_output_folder(arguments.output, verb, {arguments.input, arguments.codes.model, arguments.codes.codes}));
+  RunRecord record("equivalence", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> order, order_of(arguments, known.codes.num_patterns));
   const SceneOptions options{arguments.light_field, known.codes.views_y, known.codes.views_x};

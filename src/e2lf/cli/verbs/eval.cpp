@@ -7,11 +7,9 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/report_output.h"
-#include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/compare/pictures.h"
 #include "e2lf/eval/metrics.h"

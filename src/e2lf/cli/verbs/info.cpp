@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/verbs/describe.h"

@@ -12,7 +12,6 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/flags/method_flags.h"
-#include "e2lf/cli/output/method_notes.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -259,9 +258,7 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
   }
   std::optional<OutputFile> last;
   if (!arguments.last.empty()) {
-    E2LF_ASSIGN_OR_RETURN(
-        last,
-        OutputFile::create(arguments.last, {.inputs = inputs, .overwrite = verb.common().overwrite, .ending = ".npy"}));
+    E2LF_ASSIGN_OR_RETURN(last, OutputFile::create(arguments.last, verb, inputs, ".npy"));
   }
   Result<void> ran;
   auto instrument = make_instrument(arguments, folder.path(), record);
@@ -291,7 +288,7 @@ int run_live(const std::vector<std::string>& arguments) {
                  "camera://NAME, - for standard input, the path of a named pipe, tcp://127.0.0.1:PORT, or replay:FILE "
                  "(a recording at its own speed)")
       ->required();
-  add_method_options(app, live_arguments.method, "source");
+  add_method_options(app, live_arguments.method, "the source");
   add_choice(app, "--size", live_arguments.size, {"auto", "full", "half", "quarter"},
              "full; half or quarter (each pixel is the sum of a block of 2x2 or 4x4); auto selects the largest that "
              "keeps pace, and a better network if it does so, too");

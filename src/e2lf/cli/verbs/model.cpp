@@ -11,6 +11,7 @@
 #include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs/describe.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/onnx/onnx_export.h"
@@ -21,25 +22,13 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-template <typename AnyModel>
-void print_model(const AnyModel& model, const Verb& verb) {
-  const std::string text = verb.common().json ? json_text(model::summary_json(model)) : model::summary_text(model);
-  std::printf("%s", text.c_str());
-}
-
 int run_model_info(const std::vector<std::string>& arguments) {
   Verb verb("model info", "Describe a model file.", "e2lf model info e2lf-n4");
   fs::path path;
   add_model_option(verb.app(), "model,-m,--model", path, "model file (.safetensors), or a bundled model")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
-    if (is_video) {
-      E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(path));
-      print_model(model, verb);
-      return {};
-    }
-    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
-    print_model(model, verb);
+    E2LF_ASSIGN_OR_RETURN(const Description found, describe(FileKind::kModel, path, {}));
+    std::printf("%s", verb.common().json ? json_text(found.json).c_str() : found.text.c_str());
     return {};
   });
 }
@@ -48,10 +37,8 @@ int run_model_info(const std::vector<std::string>& arguments) {
 template <typename Read, typename Write>
 Result<void> import_weights(const std::vector<fs::path>& inputs, const fs::path& output, const Verb& verb,
                             const Read& read, const Write& write) {
-  const OutputRules rules{.inputs = inputs, .overwrite = verb.common().overwrite, .ending = ".safetensors"};
-  E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, rules));
-  RunRecord record("model import");
-  for (const fs::path& input : inputs) record.add_input(input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, verb, inputs, ".safetensors"));
+  RunRecord record("model import", inputs);
   E2LF_ASSIGN_OR_RETURN(const auto model, read());
   E2LF_RETURN_IF_ERROR(write(file.path(), model));
   record.end_step("import");
@@ -115,11 +102,9 @@ void add_rewrite_options(Verb& verb, RewriteArguments& arguments, const std::str
 template <typename Write>
 Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step, const char* ending, const Verb& verb,
                              const Write& write) {
-  const OutputRules rules{
-      .inputs = {arguments.input, arguments.camera}, .overwrite = verb.common().overwrite, .ending = ending};
-  E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(arguments.output, rules));
-  RunRecord record(cat("model ", step));
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile file,
+                        OutputFile::create(arguments.output, verb, {arguments.input, arguments.camera}, ending));
+  RunRecord record(cat("model ", step), {arguments.input});
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.input));
   if (!arguments.camera.empty()) {
     if (!model::is_told_the_camera(model)) {

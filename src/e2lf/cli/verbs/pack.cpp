@@ -23,11 +23,10 @@ int run_pack(const std::vector<std::string>& arguments) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("-o,--output", output, "file to write (.safetensors)")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    OutputRules rules{.inputs = options.light_fields, .overwrite = verb.common().overwrite, .ending = ".safetensors"};
-    rules.inputs.insert(rules.inputs.end(), options.textures.begin(), options.textures.end());
-    E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, rules));
-    RunRecord record("pack");
-    for (const fs::path& input : rules.inputs) record.add_input(input);
+    std::vector<fs::path> inputs = options.light_fields;
+    inputs.insert(inputs.end(), options.textures.begin(), options.textures.end());
+    E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, verb, inputs, ".safetensors"));
+    RunRecord record("pack", inputs);
     ProgressBar bar("pack", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(file.path(), options, bar.callback()));
     hide_progress();

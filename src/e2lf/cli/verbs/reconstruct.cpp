@@ -10,9 +10,7 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/flags/method_flags.h"
-#include "e2lf/cli/output/event_verdict.h"
 #include "e2lf/cli/output/light_field_writer.h"
-#include "e2lf/cli/output/method_notes.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
@@ -108,10 +106,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   }
   const CommonOptions& common = verb.common();
   const MethodFlags& flags = arguments.method_flags;
-  const OutputRules rules{
-      .inputs = {arguments.input, flags.codes.model, flags.codes.codes, arguments.cycles.schedule, flags.camera},
-      .overwrite = common.overwrite};
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb,
+                                                                {arguments.input, flags.codes.model, flags.codes.codes,
+                                                                 arguments.cycles.schedule, flags.camera}));
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(flags, record));
   choice.algorithm = arguments.method;
@@ -202,7 +199,7 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
                  "tcp://127.0.0.1:PORT, camera://NAME, or replay:FILE (a recording at its own speed)")
       ->required();
   app.add_option("-o,--output", reconstruction.output, "folder to write")->required();
-  add_method_options(app, reconstruction.method_flags, "file of the events");
+  add_method_options(app, reconstruction.method_flags, "the file of the events");
   add_choice(app, "--method", reconstruction.method, {"network", "inversion", "regularised"},
              "network; inversion (closed form) or regularised (slower, iterative), which need no model, only patterns");
   app.add_option(

@@ -3,7 +3,6 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/print.h"
@@ -138,8 +137,7 @@ Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
                                                                                  .recover = recover_recording({})}));
   // This is checked before the camera starts, because its data must not wait for it.
   if (!output.is_stream() && recordings::is_camera_name(arguments.input.string())) {
-    E2LF_ASSIGN_OR_RETURN(const fs::path bias_file, bias_place(arguments, verb.common().overwrite));
-    static_cast<void>(bias_file);
+    E2LF_RETURN_IF_ERROR(bias_place(arguments, verb.common().overwrite));
   }
   RunRecord record("record");
   E2LF_ASSIGN_OR_RETURN(const auto sink, recordings::open_file_sink(output.path()));

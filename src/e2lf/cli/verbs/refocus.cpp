@@ -4,9 +4,7 @@
 
 #include <cstdio>
 
-#include "e2lf/base/text.h"
 #include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
@@ -59,11 +57,8 @@ Result<void> refocus(RefocusArguments& arguments, const Verb& verb) {
   if (!arguments.is_round && (verb.is_given("--centre-row") || verb.is_given("--centre-column"))) {
     return Error{ErrorCode::kInvalidValue, "the centre of the whole aperture is fixed; also give --aperture", ""};
   }
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite,
-                                                                                 .ending = ".png"}));
-  RunRecord record("refocus");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}, ".png"));
+  RunRecord record("refocus", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet, arguments.disparities));
   E2LF_ASSIGN_OR_RETURN(const lightfield::Aperture aperture, aperture_of(arguments, light_field.shape()));

@@ -88,26 +88,16 @@ Result<OutputFile> open_output(const SimulateArguments& arguments, bool overwrit
   return OutputFile::create(arguments.output, rules);
 }
 
-/// Patterns, camera, event model and constants.
+/// Patterns, camera, event model and constants, and how the scene is read.
 struct Setup {
   pipeline::KnownCodes known;
   std::optional<capture::SensorProfile> camera;
-  std::optional<capture::Orientation> views;  ///< as the camera or the schedule states
-  std::optional<cycles::Schedule> schedule;   ///< absent = the paper's
-  bool as_images = true;                      ///< the output holds measurements, and is not a recording
+  std::optional<cycles::Schedule> schedule;  ///< absent = the paper's
+  SceneOptions scene;                        ///< one view for each cell of the patterns, oriented as the camera sees it
+  capture::RecordedSetup recorded;           ///< what is stored in the result
+  bool as_images = true;                     ///< the output holds measurements, and is not a recording
   [[nodiscard]] bool is_pixel() const { return camera && camera->is_pixel(); }
   [[nodiscard]] bool has_images() const { return known.measurement != capture::MeasurementKind::kEventImages; }
-
-  /// Returns the setup that is stored in the result. It has no camera for ESIM and v2e, which camera files do not
-  /// support.
-  [[nodiscard]] capture::RecordedSetup recorded() const {
-    if (is_pixel()) return {known.codes, camera, views};
-    if (!sensor::event_model_from_name(known.event_model)) return {known.codes, std::nullopt, views};
-    capture::SensorProfile profile = camera.value_or(capture::SensorProfile{});
-    profile.event_model = known.event_model;
-    profile.constants = known.constants;
-    return {known.codes, profile, views};
-  }
 };
 
 /// Reads patterns and camera. Flags take precedence over the camera, the camera over the model, and the model over the
@@ -116,32 +106,48 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
   Setup setup;
   setup.as_images = arguments.output.extension() == ".npz";
   E2LF_ASSIGN_OR_RETURN(setup.known, load_codes(arguments.codes, record));
+  const capture::Codes& codes = setup.known.codes;
+  std::string& event_model = setup.known.event_model;
+  capture::SensorConstants& constants = setup.known.constants;
+  std::optional<capture::Orientation> views;
   if (!arguments.camera.empty()) {
     E2LF_ASSIGN_OR_RETURN(setup.camera, load_camera(arguments.camera, record));
     E2LF_RETURN_IF_ERROR(check_model_flags(arguments, *setup.camera));
-    setup.known.constants = setup.camera->constants;
-    if (!setup.is_pixel()) setup.known.event_model = setup.camera->event_model;
-    setup.views = setup.camera->views;
+    constants = setup.camera->constants;
+    if (!setup.is_pixel()) event_model = setup.camera->event_model;
+    views = setup.camera->views;
   }
   if (!arguments.stream.schedule.empty()) {
     record.add_input(arguments.stream.schedule);
     E2LF_ASSIGN_OR_RETURN(setup.schedule, cycles::read_schedule(arguments.stream.schedule));
-    if (!setup.views) setup.views = setup.schedule->views;
-    if (capture::codes_of_whole_cycle(setup.known.codes)) setup.schedule = with_all_transitions(*setup.schedule);
+    if (!views) views = setup.schedule->views;
+    if (capture::codes_of_whole_cycle(codes)) setup.schedule = with_all_transitions(*setup.schedule);
   }
-  if (!arguments.event_model.empty()) setup.known.event_model = arguments.event_model;
+  setup.scene = {arguments.light_field, codes.views_y, codes.views_x};
+  if (views) setup.scene.flags.orientation = {false, views->flip_x, views->flip_y};
+  if (!arguments.colour_filter.empty()) {
+    E2LF_ASSIGN_OR_RETURN(setup.scene.filter, capture::colour_filter_from_name(arguments.colour_filter));
+  }
+  if (!arguments.event_model.empty()) event_model = arguments.event_model;
   if (!arguments.measurement.empty()) {
     E2LF_ASSIGN_OR_RETURN(setup.known.measurement, capture::measurement_from_name(arguments.measurement));
   }
   record.resolve("measurement", capture::measurement_name(setup.known.measurement));
-  capture::SensorConstants& constants = setup.known.constants;
   constants = {.eps = arguments.eps.value_or(constants.eps),
                .tau = arguments.tau.value_or(constants.tau),
                .sigma_w = arguments.sigma_w.value_or(constants.sigma_w),
                .sigma_z = arguments.sigma_z.value_or(constants.sigma_z),
                .sigma_i = arguments.sigma_i.value_or(constants.sigma_i)};
+  setup.recorded = {codes, setup.camera, views};
   if (setup.is_pixel()) return setup;
-  record.resolve("event-model", setup.known.event_model);
+  // Camera files do not support ESIM and v2e.
+  setup.recorded.camera.reset();
+  if (sensor::event_model_from_name(event_model)) {
+    setup.recorded.camera = setup.camera.value_or(capture::SensorProfile{});
+    setup.recorded.camera->event_model = event_model;
+    setup.recorded.camera->constants = constants;
+  }
+  record.resolve("event-model", event_model);
   record.resolve("eps", json_number(constants.eps));
   record.resolve("tau", json_number(constants.tau));
   record.resolve("sigma-w", json_number(constants.sigma_w));
@@ -155,19 +161,6 @@ bool is_stream(const SimulateArguments& arguments, const Setup& setup) {
   if (need_stream(arguments.stream) || (setup.is_pixel() && !setup.as_images)) return true;
   const std::string& model = setup.known.event_model;
   return !sensor::event_model_from_name(model) && streams::stream_model_from_name(model);
-}
-
-/// Opens the scene, with one view for each cell of the patterns, in the orientation that the camera sees.
-Result<StreamScene> open_scene(const SimulateArguments& arguments, const Setup& setup, const CommonOptions& common) {
-  SceneOptions options{arguments.light_field, setup.known.codes.views_y, setup.known.codes.views_x};
-  if (setup.views) options.flags.orientation = {false, setup.views->flip_x, setup.views->flip_y};
-  if (!arguments.colour_filter.empty()) {
-    if (arguments.stream.has_turntable()) {
-      return Error{ErrorCode::kInvalidValue, "the turntable is grey; leave the colour filter out", "--colour-filter"};
-    }
-    E2LF_ASSIGN_OR_RETURN(options.filter, capture::colour_filter_from_name(arguments.colour_filter));
-  }
-  return open_stream_scene(arguments.input, arguments.stream, options, common.seed, common.quiet);
 }
 
 /// One cycle of a simulation.
@@ -232,16 +225,16 @@ class SimulatedFile {
     SimulatedFile file;
     if (setup.has_images()) {
       file.measurements_path_ = place;
-      file.measurements_.setup = setup.recorded();
+      file.measurements_.setup = setup.recorded;
     } else if (setup.as_images) {
       E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter images, capture::EventImageWriter::create(place));
-      images.keep(setup.recorded());
+      images.keep(setup.recorded);
       file.images_.emplace(std::move(images));
     } else {
       recordings::RecordingInfo info;
       info.height = scene.height;
       info.width = scene.width;
-      info.header = pipeline::header_of(setup.recorded());
+      info.header = pipeline::header_of(setup.recorded);
       E2LF_ASSIGN_OR_RETURN(file.recording_, recordings::create_recording(place, "", info));
       if (!arguments.no_triggers && !file.recording_->holds_triggers()) {
         log_warning(cat(arguments.output.string(), ": this format cannot hold triggers, so they are left out; write ",
@@ -283,6 +276,9 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
   }
   if (!setup.has_images() && arguments.sigma_i) {
     return useless("--sigma-i", "event images have no noise of intensity images");
+  }
+  if (!arguments.colour_filter.empty() && arguments.stream.has_turntable()) {
+    return Error{ErrorCode::kInvalidValue, "the turntable is grey; leave the colour filter out", "--colour-filter"};
   }
   if (setup.has_images() && !arguments.colour_filter.empty()) {
     return useless("--colour-filter", "colours can only be reconstructed from event images");
@@ -342,7 +338,8 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(stream, stream_options(arguments.stream, setup.known.event_model, setup.known.constants,
                                                  setup.camera, common.seed));
   }
-  E2LF_ASSIGN_OR_RETURN(StreamScene scene, open_scene(arguments, setup, common));
+  E2LF_ASSIGN_OR_RETURN(StreamScene scene,
+                        open_stream_scene(arguments.input, arguments.stream, setup.scene, common.seed, common.quiet));
   E2LF_ASSIGN_OR_RETURN(const NextCycle next, by_events ? played_cycles(arguments, setup, stream, scene)
                                                         : counted_cycles(arguments, setup, scene, common.seed));
   record.end_step("read");
@@ -365,7 +362,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
     log_warning(cat(lost, " of ", events + lost, " events waited too long for the readout and were lost"));
   }
   if (!output.is_stream()) {
-    if (!setup.as_images) record.note(pipeline::setup_notes(setup.recorded(), output.path()));
+    if (!setup.as_images) record.note(pipeline::setup_notes(setup.recorded, output.path()));
     record.note(pipeline::colour_filter_notes(arguments.colour_filter, output.path()));
   }
   record.end_step("simulate");

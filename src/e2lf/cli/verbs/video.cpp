@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "e2lf/base/clock.h"
-#include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
@@ -204,8 +203,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(cycles::WindowOptions options, window_options(arguments));
   E2LF_ASSIGN_OR_RETURN(ResultFolder output,
-                        open_output_folder(arguments.output, {.inputs = {arguments.input, arguments.model},
-                                                              .overwrite = common.overwrite}));
+                        open_output_folder(arguments.output, verb, {arguments.input, arguments.model}));
   RunRecord record("video");
   E2LF_ASSIGN_OR_RETURN(auto reader, open_input(arguments));
   E2LF_ASSIGN_OR_RETURN(FrameMaker maker, make_frame_maker(arguments, reader->info(), record));
@@ -238,7 +236,7 @@ void add_window_options(CLI::App& app, VideoArguments& video) {
       ->check(whole_number(1));
   app.add_option("--window-events", video.window_events, "number of events of each frame")->check(whole_number(1));
   app.add_flag("--window-triggers", video.window_triggers, "make a frame of the events from each trigger to the next");
-  add_choice(app, "--edge", video.edge, kTriggerEdges, "edge of the triggers: rising, falling or both");
+  add_choice(app, "--edge", video.edge, words_of(kTriggerEdges), "edge of the triggers: rising, falling or both");
   app.add_option("--channel", video.channel, "trigger input; default: all");
 }
 

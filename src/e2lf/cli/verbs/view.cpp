@@ -256,11 +256,8 @@ Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   std::vector<fs::path> inputs = arguments.things;
   if (!arguments.disparity.empty()) inputs.push_back(arguments.disparity);
-  E2LF_ASSIGN_OR_RETURN(
-      OutputFile output,
-      OutputFile::create(arguments.page, {.inputs = inputs, .overwrite = common.overwrite, .ending = ".html"}));
-  RunRecord record("view");
-  for (const fs::path& input : inputs) record.add_input(input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.page, verb, inputs, ".html"));
+  RunRecord record("view", inputs);
   E2LF_ASSIGN_OR_RETURN(const view::Document document, make_document(arguments));
   record.end_step("read");
   {
