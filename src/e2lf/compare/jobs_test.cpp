@@ -22,9 +22,11 @@ Plan four_jobs() {
   plan.methods[0].codes = capture::default_codes();
   plan.sensors.resize(1);
   for (const uint64_t scene : {0, 1}) {
-    plan.scenes.push_back({.rendered_seed = scene, .identity = scene});
-    plan.scenes[scene].group.width = 48;
-    plan.scenes[scene].group.height = 32;
+    Scene& rendered = plan.scenes.emplace_back();
+    rendered.rendered_seed = scene;
+    rendered.identity = scene;
+    rendered.group.width = 48;
+    rendered.group.height = 32;
     for (const uint64_t seed : {7, 8}) plan.jobs.push_back({0, scene, 0, seed, {scene, seed}, cat("s", scene, seed)});
   }
   return plan;
