@@ -244,34 +244,26 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
 
 Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
-  switch (kind) {
-    case FileKind::kRecording:
-      E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
-      return convert_events(arguments, verb);
-    case FileKind::kLightField:
-      E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
-      return convert_light_field(arguments, verb);
-    case FileKind::kEventImages:
-      E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
-      E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
-      return convert_event_images(arguments, verb);
-    case FileKind::kImages:
-      return Error{ErrorCode::kUnsupported,
-                   cat("there is no other format for ", kind_text(kind), "; other programs read .npz"),
-                   arguments.input.string()};
-    case FileKind::kCycles:
-      return lightfield::detect_kind(arguments.input).error();
-    case FileKind::kTrainingRun:
-    case FileKind::kDisplay:
-    case FileKind::kResults:
-    case FileKind::kSettings:
-      return other_kind_error(arguments.input, kind, "a recording, event images or a light field");
-    case FileKind::kModel:
-      break;
+  if (kind == FileKind::kRecording) {
+    E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+    return convert_events(arguments, verb);
   }
-  return Error{ErrorCode::kUnsupported,
-               cat("this is ", kind_text(kind), "; other programs take it as ONNX, which `e2lf model export` writes"),
-               arguments.input.string()};
+  if (kind == FileKind::kLightField || kind == FileKind::kEventImages) {
+    E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
+    if (kind == FileKind::kLightField) return convert_light_field(arguments, verb);
+    E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+    return convert_event_images(arguments, verb);
+  }
+  if (kind == FileKind::kCycles) return lightfield::detect_kind(arguments.input).error();
+  const bool is_model = kind == FileKind::kModel;
+  if (!is_model && kind != FileKind::kImages) {
+    return other_kind_error(arguments.input, kind, "a recording, event images or a light field");
+  }
+  return Error{
+      ErrorCode::kUnsupported,
+      is_model ? cat("this is ", kind_text(kind), "; other programs take it as ONNX, which `e2lf model export` writes")
+               : cat("there is no other format for ", kind_text(kind), "; other programs read .npz"),
+      arguments.input.string()};
 }
 
 }  // namespace

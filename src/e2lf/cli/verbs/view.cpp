@@ -145,30 +145,18 @@ class DocumentMaker {
                    path.string()};
     }
     E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
-    switch (kind) {
-      case FileKind::kModel: {
-        E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
-        document_.add_model(model);
-        return {};
-      }
-      case FileKind::kEventImages:
-        return add_event_images(path);
-      case FileKind::kImages:
-        return Error{ErrorCode::kUnsupported,
-                     "the viewer does not show measurements with intensity images; reconstruct a light field from it",
-                     path.string()};
-      case FileKind::kLightField:
-      case FileKind::kCycles:
-        return add_light_field(path);
-      case FileKind::kRecording:
-        break;
-      case FileKind::kTrainingRun:
-      case FileKind::kDisplay:
-      case FileKind::kResults:
-      case FileKind::kSettings:
-        return other_kind_error(path, kind, "something that the viewer can show");
+    if (kind == FileKind::kModel) {
+      E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
+      document_.add_model(model);
+      return {};
     }
-    return add_recording(path);
+    if (kind == FileKind::kEventImages) return add_event_images(path);
+    if (kind == FileKind::kLightField || kind == FileKind::kCycles) return add_light_field(path);
+    if (kind == FileKind::kRecording) return add_recording(path);
+    if (kind != FileKind::kImages) return other_kind_error(path, kind, "something that the viewer can show");
+    return Error{ErrorCode::kUnsupported,
+                 "the viewer does not show measurements with intensity images; reconstruct a light field from it",
+                 path.string()};
   }
 
   /// Compares every light field with the first one of the same shape.
