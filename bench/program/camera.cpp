@@ -6,14 +6,11 @@
 
 #include "bench/program/moving_scene.h"
 #include "bench/program/report.h"
-#include "e2lf/base/log.h"
+#include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/camera_option.h"
-#include "e2lf/cli/flags/camera_settings.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/model_option.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/scene_input.h"
+#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/recon/reconstruct.h"
@@ -26,7 +23,9 @@ using namespace cli;
 namespace {
 
 namespace fs = std::filesystem;
+using capture::SensorProfile;
 using lightfield::LightField;
+using enum capture::PixelConstant;
 
 constexpr double kEvk4Pixels = 1280.0 * 720.0;
 
@@ -37,6 +36,79 @@ struct CameraBench {
   size_t size = 256;
   float scene_gain = 1.0F;
 };
+
+/// A camera with one property changed, to measure the influence of this property.
+struct CameraSetting {
+  std::string name;
+  capture::SensorProfile camera;       ///< the sensor profile that the network receives
+  streams::PixelDefects defects = {};  ///< defects that are unknown to the network
+  double readout_events_per_s = 0;     ///< for a sensor of 1280x720 pixels; 0 = no limit
+  int64_t rise_us = 0;                 ///< rise time of the display
+  size_t motion_px = 0;                ///< motion of the scene to the left per cycle
+};
+
+constexpr float kAtOnceHz = 1e9F;
+constexpr double kEvk4EventsPerS = 1.066e9;
+
+void make_fast(SensorProfile& camera) {
+  camera.pixel[kReceptorRate] = camera.pixel[kAmplifierRate] = kAtOnceHz;
+}
+
+void make_equal(SensorProfile& camera) {
+  camera.pixel[kMismatch] = camera.pixel[kMismatchEach] = 0.0F;
+}
+
+void make_silent(SensorProfile& camera) {
+  camera = without_noise(std::move(camera));
+}
+
+void make_even(SensorProfile& camera) {
+  camera.transmission.clear();
+  camera.transmission_slope_x.clear();
+  camera.transmission_slope_y.clear();
+  camera.pixel[kLeak] = 0.0F;
+}
+
+/// Returns the camera itself, the camera without one of its imperfections or with an additional one, and an ideal
+/// camera. The event model of `camera` must be "pixel".
+std::vector<CameraSetting> camera_settings(const SensorProfile& camera) {
+  E2LF_REQUIRE(camera.is_pixel(), "the camera has physical pixels");
+  std::vector<CameraSetting> settings;
+  const auto add = [&](std::string name, const auto& change) {
+    CameraSetting& setting = settings.emplace_back(CameraSetting{.name = std::move(name), .camera = camera});
+    change(setting);
+  };
+  add("the camera", [](CameraSetting&) {});
+  add("without a lag of its pixels", [](CameraSetting& s) { make_fast(s.camera); });
+  add("without mismatch of thresholds", [](CameraSetting& s) { make_equal(s.camera); });
+  add("without noise", [](CameraSetting& s) { make_silent(s.camera); });
+  add("with an even aperture that closes fully", [](CameraSetting& s) { make_even(s.camera); });
+  add("without any of these", [](CameraSetting& s) {
+    make_fast(s.camera);
+    make_equal(s.camera);
+    make_silent(s.camera);
+    make_even(s.camera);
+  });
+  for (const int us : {100, 300, 1000}) {
+    add(cat("with a refractory period of ", us, " us"), [&](CameraSetting& s) { s.defects.refractory_us = us; });
+  }
+  for (const int hz : {1, 5}) {
+    add(cat("with ", hz, " leak events per s and pixel"), [&](CameraSetting& s) { s.defects.leak_rate_hz = hz; });
+  }
+  add("with 0.1 % hot pixels", [](CameraSetting& s) { s.defects.hot_share = 0.001; });
+  for (const int part : {1, 4, 16}) {
+    add(cat("read out at ", part == 1 ? "" : "1/", part == 1 ? "" : std::to_string(part), part == 1 ? "" : " of ",
+            "1.066 G events/s"),
+        [&](CameraSetting& s) { s.readout_events_per_s = kEvk4EventsPerS / part; });
+  }
+  for (const int ms : {1, 3}) {
+    add(cat("with a rise of the display over ", ms, " ms"), [&](CameraSetting& s) { s.rise_us = 1000 * ms; });
+  }
+  for (const size_t px : {1, 2, 4, 8}) {
+    add(cat("of a scene that moves ", px, " px in a cycle"), [&](CameraSetting& s) { s.motion_px = px; });
+  }
+  return settings;
+}
 
 /// Returns the event images of the second cycle, in which the references are those that the first cycle left.
 Result<capture::EventImages> play(const CameraSetting& setting, const capture::Codes& codes, const LightField& scene,

@@ -10,7 +10,7 @@
 
 #include "bench/program/report.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/scene_input.h"
+#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/depth/view_order.h"
 #include "e2lf/files/npy.h"

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <iterator>
 #include <map>
 
 #include "bench/program/camera.h"
@@ -22,11 +21,9 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/cli/flags/camera_option.h"
-#include "e2lf/cli/flags/model_option.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/output/next_step.h"
-#include "e2lf/cli/program.h"
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/flags/option_values.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/model.h"

@@ -9,7 +9,7 @@
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/cli/output/pictures.h"
+#include "e2lf/cli/output/report_output.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"
 #include "e2lf/pipeline/patterns.h"

@@ -5,6 +5,7 @@
 
 #include "e2lf/capture/patterns/codes_header.h"
 #include "e2lf/cli/flags/cycle_options.h"
+#include "e2lf/cli/output/cycle_report.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/completion.h"
-
 #include "e2lf/base/text.h"
+#include "e2lf/cli/declared_verbs.h"
 
 namespace e2lf::cli {
 namespace {
@@ -167,11 +166,8 @@ std::string zsh_arguments(const DeclaredVerb& verb) {
 
 std::string zsh_subverbs(const DeclaredVerb& verb, const std::vector<DeclaredVerb>& verbs) {
   std::string text = "local -a verbs=(";
-  for (const std::string& name : verb.subverbs) {
-    const std::string full = verb.name.empty() ? name : verb.name + " " + name;
-    for (const DeclaredVerb& other : verbs) {
-      if (other.name == full) text += " " + quoted(cat(name, ":", zsh_text(other.summary)));
-    }
+  for (const auto& [name, other] : subverbs_of(verb, verbs)) {
+    text += " " + quoted(cat(name, ":", zsh_text(other->summary)));
   }
   return text + " ); _describe verb verbs";
 }
@@ -233,13 +229,9 @@ end
                     quoted(join(option.bundled, " ")), "\n");
       }
     }
-    for (const std::string& name : verb.subverbs) {
-      const std::string full = verb.name.empty() ? name : verb.name + " " + name;
-      for (const DeclaredVerb& other : verbs) {
-        if (other.name != full) continue;
-        text += cat("complete -c e2lf -f -n ", quoted(cat("__e2lf_ends_with ", verb.name)), " -a ", name, " -d ",
-                    quoted(other.summary), "\n");
-      }
+    for (const auto& [name, other] : subverbs_of(verb, verbs)) {
+      text += cat("complete -c e2lf -f -n ", quoted(cat("__e2lf_ends_with ", verb.name)), " -a ", name, " -d ",
+                  quoted(other->summary), "\n");
     }
   }
   return text;

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/files/bundled_files.h"
 
 namespace e2lf::cli {
@@ -98,6 +98,18 @@ std::vector<DeclaredVerb> declared_verbs(const std::vector<VerbEntry>& entries) 
   declare_subverbs("", entries);
   g_declared = nullptr;
   return declared;
+}
+
+std::vector<std::pair<std::string, const DeclaredVerb*>> subverbs_of(const DeclaredVerb& verb,
+                                                                     const std::vector<DeclaredVerb>& verbs) {
+  std::vector<std::pair<std::string, const DeclaredVerb*>> found;
+  for (const std::string& name : verb.subverbs) {
+    const std::string full = verb.name.empty() ? name : verb.name + " " + name;
+    for (const DeclaredVerb& other : verbs) {
+      if (other.name == full) found.emplace_back(name, &other);
+    }
+  }
+  return found;
 }
 
 }  // namespace e2lf::cli

@@ -7,10 +7,8 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/completion.h"
+#include "e2lf/cli/declared_verbs.h"
 #include "e2lf/cli/features.h"
-#include "e2lf/cli/manual_page.h"
-#include "e2lf/cli/program.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/file.h"

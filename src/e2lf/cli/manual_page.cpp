@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/manual_page.h"
-
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cli/declared_verbs.h"
 #include "e2lf/cli/version.h"
 
 namespace e2lf::cli {
@@ -75,11 +74,8 @@ std::string options_text(const DeclaredVerb& verb) {
 
 std::string subverbs_text(const DeclaredVerb& verb, const std::vector<DeclaredVerb>& verbs) {
   std::string text = ".SH VERBS\n";
-  for (const std::string& name : verb.subverbs) {
-    const std::string full = verb.name.empty() ? name : verb.name + " " + name;
-    for (const DeclaredVerb& other : verbs) {
-      if (other.name == full) text += cat(".TP\n", bold(name), "\n", roff(other.summary), "\n");
-    }
+  for (const auto& [name, other] : subverbs_of(verb, verbs)) {
+    text += cat(".TP\n", bold(name), "\n", roff(other->summary), "\n");
   }
   return text;
 }

@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <exception>
 #include <iostream>
+#include <new>
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
@@ -14,9 +18,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cli/declared_verbs.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/program.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/workspace.h"
@@ -24,6 +26,38 @@
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
+namespace {
+
+const char* the_name = "e2lf";
+
+/// If the output could not be written, the run has failed.
+int check_standard_output(int code) {
+  const bool is_written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (is_written) return code;
+  std::fprintf(stderr, "%s: cannot write to standard output (%s); free some disk space or check where it goes\n",
+               the_name, std::strerror(errno));
+  return code == 0 ? 1 : code;
+}
+
+}  // namespace
+
+const char* program_name() {
+  return the_name;
+}
+
+int run_program(const char* name, int argc, char** argv,
+                const std::function<int(const std::vector<std::string>& arguments)>& run) {
+  the_name = name;
+  try {
+    return check_standard_output(run({argv + 1, argv + argc}));
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s: there is not enough memory; end other programs, or give a part of the input\n", name);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: internal error: %s; please report it with the command you ran\n", name, error.what());
+  }
+  return 1;
+}
+
 namespace {
 
 void print_log(LogLevel level, const std::string& message) {
@@ -84,42 +118,23 @@ void find_config(std::vector<std::string> arguments, std::string& config, std::v
   app.parse(arguments);
 }
 
-/// Returns the flags that set a setting of the library.
-std::vector<const char*> flags_of(Setting setting) {
-  switch (setting) {
-    case Setting::kNone:
-      return {};
-    case Setting::kOverwrite:
-      return {"--overwrite"};
-    case Setting::kInputFormat:
-      return {"--event-format"};
-    case Setting::kOutputFormat:
-      return {"--format"};
-    case Setting::kSensorSize:
-      return {"--sensor-width", "--sensor-height"};
-    case Setting::kTimeUnit:
-      return {"--time-unit"};
-    case Setting::kColumns:
-      return {"--columns"};
-    case Setting::kStream:
-      return {"--stream"};
-    case Setting::kShiftTime:
-      return {"--shift-time"};
-    case Setting::kFilterPixels:
-      return {"--filter-pixels"};
-    case Setting::kCodes:
-      return {"--codes"};
-    case Setting::kWhite:
-      return {"--white"};
-    case Setting::kLensletViews:
-      return {"--lenslet-views"};
-    case Setting::kViews:
-      return {"--views", "--step"};
-    case Setting::kPort:
-      return {"--port"};
-  }
-  return {};
-}
+/// The flags that set the settings of the library.
+constexpr std::pair<Setting, const char*> kSettingFlags[] = {{Setting::kOverwrite, "--overwrite"},
+                                                             {Setting::kInputFormat, "--event-format"},
+                                                             {Setting::kOutputFormat, "--format"},
+                                                             {Setting::kSensorSize, "--sensor-width"},
+                                                             {Setting::kSensorSize, "--sensor-height"},
+                                                             {Setting::kTimeUnit, "--time-unit"},
+                                                             {Setting::kColumns, "--columns"},
+                                                             {Setting::kStream, "--stream"},
+                                                             {Setting::kShiftTime, "--shift-time"},
+                                                             {Setting::kFilterPixels, "--filter-pixels"},
+                                                             {Setting::kCodes, "--codes"},
+                                                             {Setting::kWhite, "--white"},
+                                                             {Setting::kLensletViews, "--lenslet-views"},
+                                                             {Setting::kViews, "--views"},
+                                                             {Setting::kViews, "--step"},
+                                                             {Setting::kPort, "--port"}};
 
 /// Options that affect what a run prints and not its result; they are not taken over from an earlier run.
 constexpr std::array kNotRepeated = {"json", "quiet", "overwrite"};
@@ -315,9 +330,9 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
 
 std::string Verb::flag_hint(Setting setting) const {
   std::string hint;
-  for (const char* flag : flags_of(setting)) {
+  for (const auto& [of_flag, flag] : kSettingFlags) {
     // Not every verb has every flag.
-    if (app_.get_option_no_throw(flag) != nullptr) hint += cat(hint.empty() ? " (" : ", ", flag);
+    if (of_flag == setting && app_.get_option_no_throw(flag) != nullptr) hint += cat(hint.empty() ? " (" : ", ", flag);
   }
   return hint.empty() ? hint : hint + ")";
 }

@@ -9,11 +9,31 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/cli/flags/option_types.h"
-#include "e2lf/cli/flags/recorded_paths.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::cli {
+
+/// Returns the name of the running program, which its messages start with: "e2lf", unless run_program() received
+/// another.
+[[nodiscard]] const char* program_name();
+
+/// Implements main(): calls `run` with the arguments after the program's name, checks that everything printed was
+/// written successfully, and converts exceptions to a message. Returns the exit code of the process.
+int run_program(const char* name, int argc, char** argv,
+                const std::function<int(const std::vector<std::string>& arguments)>& run);
+
+/// An input of an earlier run that no longer exists, and the flag that can name another one.
+struct MissingInput {
+  std::string flag, placed;  ///< the flag, and its value unless the user sets another
+  Error error;
+};
+
+/// Resolves the paths of a run's record, so that the run can be repeated from any folder. A relative path is resolved
+/// against the folder in which the run was started ("folder" of the record), or against the current folder if it does
+/// not exist there. Changes the options in `record` that `app` declares as paths or that the record lists as inputs,
+/// and the list of inputs. Returns the inputs that exist in neither folder.
+[[nodiscard]] std::vector<MissingInput> find_recorded_paths(Json& record, const CLI::App& app);
 
 /// The flags that every verb has.
 struct CommonOptions {
@@ -69,6 +89,9 @@ class Verb {
   /// none.
   [[nodiscard]] std::string flag_hint(Setting setting) const;
 
+  /// Returns true if the command line, or the run that is repeated, has this flag.
+  [[nodiscard]] bool is_given(const char* flag) const { return app_.get_option(flag)->count() > 0; }
+
   /// Returns every flag with its value after parsing, for run.json.
   [[nodiscard]] Json resolved_options() const;
 
@@ -107,6 +130,15 @@ struct VerbEntry {
 int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
                 const std::vector<std::string>& arguments);
 
+/// Returns a result whose error, if there is one, has this location.
+template <typename T>
+[[nodiscard]] Result<T> located(Result<T> result, const std::filesystem::path& location) {
+  if (result) return result;
+  Error error = result.error();
+  error.location = location.string();
+  return error;
+}
+
 /// The verbs, one file each.
 int run_accumulate(const std::vector<std::string>& arguments);
 int run_animate(const std::vector<std::string>& arguments);
@@ -114,7 +146,6 @@ int run_calibrate(const std::vector<std::string>& arguments);
 int run_camera(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
 int run_codes_play(const std::vector<std::string>& arguments);
-int run_codes_render(const std::vector<std::string>& arguments);
 int run_compare(const std::vector<std::string>& arguments);
 int run_convert(const std::vector<std::string>& arguments);
 int run_demo(const std::vector<std::string>& arguments);

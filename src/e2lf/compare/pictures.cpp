@@ -12,6 +12,7 @@
 namespace e2lf::compare {
 namespace {
 
+using lightfield::enlarged;
 using lightfield::Image;
 using lightfield::LightField;
 
@@ -32,18 +33,6 @@ void paste(const Image& image, size_t top, size_t left, Image& canvas) {
       for (size_t c = 0; c < canvas.channels; ++c) to[c] = from[std::min(c, image.channels - 1)];
     }
   }
-}
-
-/// Repeats each pixel times_y x times_x times.
-Image enlarged(const Image& image, size_t times_y, size_t times_x) {
-  Image large(image.width * times_x, image.height * times_y, image.channels);
-  for (size_t y = 0; y < large.height; ++y) {
-    for (size_t x = 0; x < large.width; ++x) {
-      std::copy_n(image.pixels.data() + (y / times_y * image.width + x / times_x) * image.channels, image.channels,
-                  large.pixels.data() + (y * large.width + x) * image.channels);
-    }
-  }
-  return large;
 }
 
 /// Returns the error of the first view, averaged over its colours.

@@ -6,6 +6,8 @@
 #include <set>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/options.h"
 #include "e2lf/report/axis.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"
@@ -197,6 +199,18 @@ std::string result_page(const Plan& plan, const Results& results, const ResultSt
     if (plan.pictures) add_pictures(plan, results, store, sensor, page);
   }
   return page.html();
+}
+
+Result<void> write_tables(const std::filesystem::path& folder, const Plan& plan, const Results& results,
+                          const ResultStore& store, const std::string& command) {
+  std::string latex;
+  for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
+    latex += report::table_latex(quality_table(plan, results, sensor));
+  }
+  E2LF_RETURN_IF_ERROR(write_file(folder / "table.csv", report::table_csv(result_table(plan, results))));
+  E2LF_RETURN_IF_ERROR(write_file(folder / "table.json", json_text(all_json(plan, results))));
+  E2LF_RETURN_IF_ERROR(write_file(folder / "table.tex", latex));
+  return write_file(folder / "index.html", result_page(plan, results, store, command));
 }
 
 }  // namespace e2lf::compare

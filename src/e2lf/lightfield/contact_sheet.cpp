@@ -80,4 +80,15 @@ Image contact_sheet(const LightField& light_field, const ContactSheetOptions& op
   return sheet;
 }
 
+Image enlarged(const Image& image, size_t times_y, size_t times_x) {
+  Image large(image.width * times_x, image.height * times_y, image.channels);
+  for (size_t y = 0; y < large.height; ++y) {
+    for (size_t x = 0; x < large.width; ++x) {
+      std::copy_n(image.pixels.data() + (y / times_y * image.width + x / times_x) * image.channels, image.channels,
+                  large.pixels.data() + (y * large.width + x) * image.channels);
+    }
+  }
+  return large;
+}
+
 }  // namespace e2lf::lightfield

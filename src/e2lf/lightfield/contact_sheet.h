@@ -23,4 +23,7 @@ struct ContactSheetOptions {
 /// has no pixels.
 [[nodiscard]] Image contact_sheet(const LightField& light_field, const ContactSheetOptions& options = {});
 
+/// Returns the image with each pixel repeated times_y x times_x times.
+[[nodiscard]] Image enlarged(const Image& image, size_t times_y, size_t times_x);
+
 }  // namespace e2lf::lightfield

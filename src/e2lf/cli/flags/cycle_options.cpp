@@ -2,17 +2,12 @@
 #include "e2lf/cli/flags/cycle_options.h"
 
 #include <algorithm>
-#include <cctype>
-#include <cstdlib>
 
-#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/option_types.h"
-#include "e2lf/files/npy.h"
+#include "e2lf/cli/flags/file_kind.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/pipeline/recorded_setup.h"
-#include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {
@@ -47,26 +42,18 @@ Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& in
 
 /// Returns the source that was given, or the one that other flags imply.
 cycles::CycleSource source_of(const CycleFlags& flags) {
-  if (flags.source == "triggers") return cycles::CycleSource::kTriggers;
-  if (flags.source == "schedule") return cycles::CycleSource::kSchedule;
-  if (flags.source == "bursts") return cycles::CycleSource::kBursts;
+  const cycles::CycleSource named = choice_of(flags.source, kCycleSources);
+  if (named != cycles::CycleSource::kAuto) return named;
   if (flags.one_trigger_per_cycle || flags.channel) return cycles::CycleSource::kTriggers;
   return flags.origin_us ? cycles::CycleSource::kSchedule : cycles::CycleSource::kAuto;
-}
-
-cycles::TriggerEdge edge_of(const std::string& name) {
-  if (name == "falling") return cycles::TriggerEdge::kFalling;
-  return name == "both" ? cycles::TriggerEdge::kBoth : cycles::TriggerEdge::kRising;
 }
 
 }  // namespace
 
 void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   const std::string group = kCycleOptions;
-  app.add_option("--source", flags.source,
-                 "source of the times at which patterns change: triggers, bursts (the events), schedule, auto")
-      ->check(CLI::IsMember({"auto", "triggers", "bursts", "schedule"}))
-      ->capture_default_str()
+  add_choice(app, "--source", flags.source, words_of(kCycleSources),
+             "source of the times at which patterns change: triggers, bursts (the events), schedule, auto")
       ->group(group);
   app.add_option("--schedule", flags.schedule,
                  "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
@@ -76,17 +63,11 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
                  "number N of coding patterns of the paper's schedule; default: as the recording states, or else 4")
       ->check(whole_number(2, 64))
       ->group(group);
-  app.add_option(
-         "--transitions", flags.transitions,
-         "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
-         "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
-         "then uses the lit ones in cycles during which the scene moves too much")
-      ->check(CLI::IsMember({"auto", "lit", "all"}))
-      ->capture_default_str();
-  app.add_option("--edge", flags.edge, "trigger edge: rising, falling, both")
-      ->check(CLI::IsMember({"rising", "falling", "both"}))
-      ->capture_default_str()
-      ->group(group);
+  add_choice(app, "--transitions", flags.transitions, {"auto", "lit", "all"},
+             "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
+             "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
+             "then uses the lit ones in cycles during which the scene moves too much");
+  add_choice(app, "--edge", flags.edge, words_of(kTriggerEdges), "trigger edge: rising, falling, both")->group(group);
   app.add_option("--channel", flags.channel, "trigger input; default: all")->group(group);
   app.add_option("--first-pattern", flags.first_pattern,
                  "pattern of the first trigger or burst, from 0; default: determined from the intervals and the events")
@@ -107,7 +88,7 @@ Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Sche
   options.schedule = std::move(schedule);
   options.source = source_of(flags);
   options.invert_polarity = flags.invert_polarity;
-  options.edge = edge_of(flags.edge);
+  options.edge = choice_of(flags.edge, kTriggerEdges);
   options.channel = flags.channel;
   options.one_trigger_per_cycle = flags.one_trigger_per_cycle;
   options.tracker.first_pattern = flags.first_pattern;
@@ -136,170 +117,56 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   return cycles::CycleReader::open(std::move(reader), options);
 }
 
-const char* source_name(cycles::CycleSource source) {
-  switch (source) {
-    case cycles::CycleSource::kTriggers:
-      return "triggers";
-    case cycles::CycleSource::kSchedule:
-      return "schedule";
-    case cycles::CycleSource::kBursts:
-      return "bursts";
-    case cycles::CycleSource::kAuto:
-      return "auto";
+Error by_flag(Error error, const fs::path& input) {
+  constexpr std::pair<const char*, const char*> kFlags[] = {{"", nullptr},
+                                                            {"camera", "--camera"},
+                                                            {"cycles", "--cycles-per-field"},
+                                                            {"invert_polarity", "--invert-polarity"},
+                                                            {"max_cycles", "--max-cycles"},
+                                                            {"passes", "--passes"}};
+  for (const auto& [option, flag] : kFlags) {
+    if (error.location != option) continue;
+    error.location = flag != nullptr ? flag : input.string();
+    const size_t it = flag != nullptr ? error.message.find("leave it out") : std::string::npos;
+    if (it != std::string::npos) error.message.replace(it, 12, cat("leave ", flag, " out"));
+    break;
   }
-  E2LF_REQUIRE(false, "a source without a name");
+  return error;
 }
 
-bool is_doubtful(const cycles::Cycle& cycle, cycles::CycleSource source) {
-  // Bursts that are detected with certainty may exceed strong noise only slightly; correct times are well confirmed.
-  constexpr float kDoubtfulBurst = 0.1F, kDoubtfulClaim = 0.3F;
-  return cycle.confidence < (source == cycles::CycleSource::kBursts ? kDoubtfulBurst : kDoubtfulClaim);
-}
-
-void ConfidenceWatch::add(const cycles::Cycle& cycle, cycles::CycleSource source) {
-  ++cycles_;
-  is_by_schedule_ = source == cycles::CycleSource::kSchedule;
-  doubtful_ += is_doubtful(cycle, source);
-  least_ = std::min(least_, cycle.confidence);
-}
-
-namespace {
-
-/// Warns about cycles whose signs contradict the schedule, with the option that corrects this.
-void warn_of_signs(const fs::path& input, const cycles::CycleReport& report) {
-  if (report.inverted > 0) {
-    log_warning(cat(
-        input.string(), ": the polarity is inverted in ", report.inverted, " of ", report.complete,
-        " cycles: the change from black to the first pattern causes OFF events; give --invert-polarity, or leave it "
-        "out if it was given"));
+Result<pipeline::CycleInput> open_cycle_input(const fs::path& input, const CycleFlags& flags, size_t cycles_per_field,
+                                              const Verb& verb, ConfidenceWatch& confidence) {
+  pipeline::CycleInputOptions options{.cycles_per_field = cycles_per_field,
+                                      .max_cycles = flags.max_cycles,
+                                      .is_strict = flags.recording.is_strict,
+                                      .invert_polarity = flags.invert_polarity};
+  options.on_cycle = [&confidence](const cycles::Cycle& cycle, cycles::CycleSource source) {
+    confidence.add(cycle, source);
+  };
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(input));
+  if (kind == FileKind::kRecording) {
+    E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(input, flags));
+    return by_flag(pipeline::CycleInput::create(std::move(reader), std::move(options)), input);
   }
-  if (report.half_cycle_off > 0) {
-    log_warning(cat(input.string(), ": the patterns of ", report.half_cycle_off, " of ", report.complete,
-                    " cycles are mistaken for their inverses; check --first-pattern and --origin-us"));
+  if (kind != FileKind::kEventImages && kind != FileKind::kImages) {
+    return other_kind_error(input, kind, "a recording or event images");
   }
+  E2LF_RETURN_IF_ERROR(verb.refuse_options(kCycleOptions, kind_text(kind)));
+  E2LF_ASSIGN_OR_RETURN(capture::MeasurementFile file, capture::read_measurements(input));
+  return by_flag(pipeline::CycleInput::create(std::move(file), std::move(options)), input);
 }
 
-/// Warns about triggers that are out of step, and names the first few.
-void warn_of_late_edges(const fs::path& input, const cycles::CycleReport& report, const cycles::Schedule& schedule) {
-  constexpr size_t kNamed = 3;
-  if (report.late_edges.empty()) return;
-  std::vector<std::string> named;
-  for (const cycles::LateEdge& edge : report.late_edges) {
-    if (named.size() == kNamed) break;
-    named.push_back(cat("cycle ", edge.cycle, ", pattern ", edge.pattern, " (", schedule.patterns[edge.pattern].name,
-                        "): ", std::abs(edge.late_us), " us ", edge.late_us > 0 ? "late" : "early"));
+CycleFlags wanted_cycles(CycleFlags flags, const pipeline::MethodChoice& choice) {
+  if (choice.model) {
+    flags.num_wanted = choice.model->num_patterns;
+  } else if (choice.codes) {
+    flags.num_wanted = choice.codes->num_patterns;
   }
-  log_warning(
-      cat(input.string(), ": ", report.late_edges.size(), " trigger", report.late_edges.size() == 1 ? " is" : "s are",
-          " out of step with the others, so that events were assigned to the wrong pattern (", join(named, "; "),
-          report.late_edges.size() > kNamed ? "; ..." : "", "); the confidence of these cycles is 0"));
-}
-
-/// Warns about triggers that are all late or early by the same time, as with the wrong edge.
-void warn_of_onset(const fs::path& input, const cycles::CycleReport& report) {
-  // Pixels respond within a millisecond in bright light; triggers and displays differ by some tens of microseconds.
-  constexpr int64_t kEarliestUs = -250, kLatestUs = 2'000;
-  if (!report.onset_us || (*report.onset_us >= kEarliestUs && *report.onset_us <= kLatestUs)) return;
-  const bool is_late = *report.onset_us < 0;
-  log_warning(
-      cat(input.string(), ": the events change ", std::abs(*report.onset_us), " us ", is_late ? "before" : "after",
-          " the trigger of each pattern, so that some of them are assigned to the ", is_late ? "previous" : "next",
-          " pattern; check whether the other edge of the trigger is the right one ", "(--edge), or the trigger is too ",
-          is_late ? "late" : "early"));
-}
-
-}  // namespace
-
-void ConfidenceWatch::warn(const fs::path& input, const cycles::CycleReport& report,
-                           const cycles::Schedule& schedule) const {
-  // Patterns that are mistaken for others have other signs.
-  if (report.advice.empty()) warn_of_signs(input, report);
-  warn_of_late_edges(input, report, schedule);
-  warn_of_onset(input, report);
-  if (report.complete > 0 && !report.advice.empty()) {
-    log_warning(cat(input.string(), ": ", report.advice));
+  const auto codes = choice.codes || !choice.model ? choice.codes : choice.model->codes;
+  if (codes && codes->num_patterns >= 2) {
+    flags.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
   }
-  if (report.has_assumed_first) {
-    log_warning(cat(input.string(),
-                    ": neither intervals nor events determine which pattern the first trigger begins: pattern ",
-                    "0 of the schedule is assumed; give it with --first-pattern"));
-  }
-  // Times that only the schedule states may be wrong.
-  const uint64_t explained = is_by_schedule_ ? 0 : report.inverted + report.half_cycle_off;
-  if (doubtful_ <= explained || (explained == 0 && doubtful_ <= report.late_edges.size())) return;
-  log_warning(cat(input.string(), ": the events of ", doubtful_, " of ", cycles_,
-                  " cycles do not change when the patterns should have (least confidence ", least_,
-                  "); check --schedule, --origin-us and --first-pattern, or look at `e2lf accumulate --plot`"));
-}
-
-namespace {
-
-std::string dropped_text(const cycles::CycleReport& report) {
-  std::string text;
-  for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
-    if (report.dropped[i] == 0) continue;
-    text +=
-        cat(", ", report.dropped[i], " dropped (", cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i)), ")");
-  }
-  return text;
-}
-
-/// Returns the text with a capital letter.
-std::string sentence(std::string text) {
-  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-  return text;
-}
-
-}  // namespace
-
-std::string report_text(const cycles::CycleReport& report) {
-  std::string text = cat(report.complete, " complete cycle", report.complete == 1 ? "" : "s", dropped_text(report));
-  if (report.hot_pixels > 0) text += cat(", ", report.hot_pixels, " pixels silenced");
-  return text;
-}
-
-Error no_cycle_error(const fs::path& input, const cycles::CycleReport& report) {
-  std::string advice = report.advice;
-  if (advice.empty() && report.unassigned_marks > 0) {
-    advice =
-        cat(report.unassigned_marks, " of ", report.marks,
-            " triggers or bursts cannot be assigned to a pattern; give the pattern of the first with --first-pattern");
-  }
-  if (advice.empty()) advice = "check --source, --schedule and --patterns";
-  return {ErrorCode::kInvalidValue,
-          cat("no complete pattern cycle was found", dropped_text(report), ". ", sentence(report.triggers), ". ",
-              sentence(advice), ". `e2lf accumulate ... --plot cycles.svg` shows the event rate and the triggers"),
-          input.string()};
-}
-
-Json report_json(const cycles::CycleReport& report) {
-  Json dropped = Json::object();
-  for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
-    dropped[cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i))] = report.dropped[i];
-  }
-  Json late_edges = Json::array();
-  for (const cycles::LateEdge& edge : report.late_edges) {
-    late_edges.push_back({{"cycle", edge.cycle}, {"pattern", edge.pattern}, {"late_us", edge.late_us}});
-  }
-  return {{"complete", report.complete},
-          {"dropped", dropped},
-          {"marks", report.marks},
-          {"unassigned_marks", report.unassigned_marks},
-          {"triggers", report.triggers},
-          {"inverted", report.inverted},
-          {"half_cycle_off", report.half_cycle_off},
-          {"onset_us", report.onset_us ? Json(*report.onset_us) : Json()},
-          {"late_edges", late_edges},
-          {"events_given_up", report.events_given_up},
-          {"silenced_pixels", report.hot_pixels}};
-}
-
-Json cycle_json(const cycles::Cycle& cycle) {
-  return {{"number", cycle.number},
-          {"begin_us", cycle.begin_us},
-          {"end_us", cycle.slices.empty() ? cycle.begin_us : cycle.slices.back().end_us},
-          {"events", cycle.events},
-          {"confidence", cycle.confidence}};
+  return flags;
 }
 
 }  // namespace e2lf::cli

@@ -8,11 +8,19 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/cli/output/cycle_report.h"
+#include "e2lf/cli/verb.h"
 #include "e2lf/cycles/cycle_reader.h"
-#include "e2lf/files/options.h"
+#include "e2lf/pipeline/cycle_input.h"
+#include "e2lf/pipeline/method.h"
 
 namespace e2lf::cli {
+
+inline constexpr Choice<cycles::TriggerEdge> kTriggerEdges[] = {{"rising", cycles::TriggerEdge::kRising},
+                                                                {"falling", cycles::TriggerEdge::kFalling},
+                                                                {"both", cycles::TriggerEdge::kBoth}};
 
 /// The flags of the verbs that divide a recording into pattern cycles.
 struct CycleFlags {
@@ -52,35 +60,22 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
 
-/// Returns whether the events hardly confirm the times of a cycle.
-[[nodiscard]] bool is_doubtful(const cycles::Cycle& cycle, cycles::CycleSource source);
+/// Opens event images, another measurement, or a recording, whose cycles are passed to `confidence`. Fails as
+/// CycleInput::create() does, and with kInvalidValue if flags for recordings are given for a measurement.
+[[nodiscard]] Result<pipeline::CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
+                                                            size_t cycles_per_field, const Verb& verb,
+                                                            ConfidenceWatch& confidence);
 
-/// Collects how well the events confirm the times of the cycles.
-class ConfidenceWatch {
- public:
-  void add(const cycles::Cycle& cycle, cycles::CycleSource source);
-  [[nodiscard]] float least() const { return least_; }
-  /// Warns about cycles whose stated changes of pattern the events do not confirm or contradict, about inverted
-  /// polarity and triggers that are out of step, and about assumptions.
-  void warn(const std::filesystem::path& input, const cycles::CycleReport& report,
-            const cycles::Schedule& schedule) const;
+/// Sets the number of patterns that the cycles of a recording must have for the model or patterns of the caller.
+[[nodiscard]] CycleFlags wanted_cycles(CycleFlags flags, const pipeline::MethodChoice& choice);
 
- private:
-  float least_ = 1.0F;
-  uint64_t cycles_ = 0, doubtful_ = 0;
-  bool is_by_schedule_ = false;
-};
-
-/// Returns the value of --source for a source.
-[[nodiscard]] const char* source_name(cycles::CycleSource source);
-
-/// Returns one line of text: the number of cycles that were found and dropped, with the reasons.
-[[nodiscard]] std::string report_text(const cycles::CycleReport& report);
-/// Returns the error for a recording without a complete cycle, with advice.
-[[nodiscard]] Error no_cycle_error(const std::filesystem::path& input, const cycles::CycleReport& report);
-[[nodiscard]] Json report_json(const cycles::CycleReport& report);
-
-/// Returns a cycle as JSON: number, times, events, confidence.
-[[nodiscard]] Json cycle_json(const cycles::Cycle& cycle);
+/// Converts an error of the pipeline for the user: replaces the option in its location by the flag, or an empty
+/// location by the input.
+[[nodiscard]] Error by_flag(Error error, const std::filesystem::path& input);
+template <typename T>
+[[nodiscard]] Result<T> by_flag(Result<T> result, const std::filesystem::path& input) {
+  if (!result) return by_flag(result.error(), input);
+  return result;
+}
 
 }  // namespace e2lf::cli

@@ -2,7 +2,7 @@
 #include "e2lf/cli/flags/display_flags.h"
 
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/option_values.h"
 
 namespace e2lf::cli {
 
@@ -20,9 +20,7 @@ void add_display_options(CLI::App& app, DisplayFlags& flags) {
   app.add_flag("--flip-x", layout.flip_x, "mirror the patterns left to right, before the rotation");
   app.add_flag("--flip-y", layout.flip_y, "mirror the patterns top to bottom, before the rotation");
   app.add_flag("--no-inverses", flags.no_inverses, "omit the inverse patterns that the paper's display needs");
-  app.add_option("--duration-us", flags.duration_us, "duration of each pattern, with --no-inverses")
-      ->check(whole_number(1))
-      ->capture_default_str();
+  add_count(app, "--duration-us", flags.duration_us, 1, INT64_MAX, "duration of each pattern, with --no-inverses");
 }
 
 Result<DisplaySequence> display_sequence(const DisplayFlags& flags, RunRecord& record) {

@@ -124,62 +124,41 @@ bool holds_event_images(const fs::path& path) {
   return names && std::find(names->begin(), names->end(), "events") != names->end();
 }
 
-/// Returns what can be done with an input where another kind is required.
-std::string use_of(FileKind kind, const fs::path& path) {
-  switch (kind) {
-    case FileKind::kRecording:
-      return ": `e2lf reconstruct` computes light fields from it, `e2lf accumulate` event images";
-    case FileKind::kEventImages:
-    case FileKind::kImages:
-      return ": `e2lf reconstruct` computes a light field from them";
-    case FileKind::kLightField:
-      return ": `e2lf simulate` generates events from it";
-    case FileKind::kCycles:
-      return cat(": give one of them, e.g. ", (path / "cycle_00000").string());
-    case FileKind::kTrainingRun:
-      return ": its model is a .safetensors in the folder, `e2lf resume` continues it";
-    case FileKind::kDisplay:
-      return ": its codes.json is for --codes, its schedule.json for --schedule";
-    case FileKind::kModel:
-      return ": models are given with -m";
-    case FileKind::kResults:
-      return ": `e2lf info` describes the run that wrote it";
-    case FileKind::kSettings:
-      return ": `e2lf info` describes them";
-  }
-  return "";
+/// The name of a kind with its article, and what can be done with it where another kind is required.
+struct KindText {
+  FileKind kind;
+  const char *name, *use;
+};
+constexpr KindText kKindTexts[] = {
+    {FileKind::kRecording, "a recording",
+     ": `e2lf reconstruct` computes light fields from it, `e2lf accumulate` event images"},
+    {FileKind::kEventImages, "event images", ": `e2lf reconstruct` computes a light field from them"},
+    {FileKind::kImages, "a measurement with intensity images", ": `e2lf reconstruct` computes a light field from them"},
+    {FileKind::kLightField, "a light field", ": `e2lf simulate` generates events from it"},
+    {FileKind::kCycles, "a folder of cycles", ": give one of them, e.g. "},  // the first follows
+    {FileKind::kModel, "a model", ": models are given with -m"},
+    {FileKind::kTrainingRun, "a training run",
+     ": its model is a .safetensors in the folder, `e2lf resume` continues it"},
+    {FileKind::kDisplay, "the images for an aperture display",
+     ": its codes.json is for --codes, its schedule.json for --schedule"},
+    {FileKind::kResults, "a folder of results", ": `e2lf info` describes the run that wrote it"},
+    {FileKind::kSettings, "a file of settings", ": `e2lf info` describes them"}};
+
+const KindText& text_of(FileKind kind) {
+  return *std::find_if(std::begin(kKindTexts), std::end(kKindTexts) - 1,
+                       [&](const KindText& text) { return text.kind == kind; });
 }
 
 }  // namespace
 
 const char* kind_text(FileKind kind) {
-  switch (kind) {
-    case FileKind::kRecording:
-      return "a recording";
-    case FileKind::kEventImages:
-      return "event images";
-    case FileKind::kImages:
-      return "a measurement with intensity images";
-    case FileKind::kLightField:
-      return "a light field";
-    case FileKind::kCycles:
-      return "a folder of cycles";
-    case FileKind::kModel:
-      return "a model";
-    case FileKind::kTrainingRun:
-      return "a training run";
-    case FileKind::kDisplay:
-      return "the images for an aperture display";
-    case FileKind::kResults:
-      return "a folder of results";
-    case FileKind::kSettings:
-      return "a file of settings";
-  }
-  return "a file";
+  return text_of(kind).name;
 }
 
 Error other_kind_error(const fs::path& path, FileKind kind, const char* wanted) {
-  return {ErrorCode::kUnsupported, cat("this is ", kind_text(kind), "; give ", wanted, use_of(kind, path)),
+  return {ErrorCode::kUnsupported,
+          cat("this is ", kind_text(kind), "; give ", wanted, text_of(kind).use,
+              kind == FileKind::kCycles ? (path / "cycle_00000").string() : ""),
           path.string()};
 }
 

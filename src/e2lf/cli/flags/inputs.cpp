@@ -3,16 +3,67 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/model_option.h"
-#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
-#include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 using pipeline::KnownCodes;
+namespace {
+
+/// Throws the parser's exception for missing files.
+fs::path find_named(const BundledKind& kind, const std::string& name) {
+  auto path = find_file_or_bundled(kind, name);
+  if (!path) throw CLI::FileError(path.error().text());
+  return *std::move(path);
+}
+
+}  // namespace
+
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, fs::path& model, const std::string& help) {
+  const auto take = [&model](const CLI::results_t& names) {
+    model = find_named(kBundledModels, names.back());
+    return true;
+  };
+  return app.add_option(flags, take, help)->type_name(kModelType);
+}
+
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::vector<fs::path>& models,
+                              const std::string& help) {
+  const auto take = [&models](const CLI::results_t& names) {
+    models.clear();
+    for (const std::string& name : names) models.push_back(find_named(kBundledModels, name));
+    return true;
+  };
+  return app.add_option(flags, take, help)->type_name(kModelType)->expected(1, CLI::detail::expected_max_vector_size);
+}
+
+void add_camera_option(CLI::App& app, std::string& camera, const std::string& help) {
+  app.add_option("--camera", camera,
+                 cat("camera file (JSON) or one of ", join(bundled_names(kBundledCameras)), ": ", help))
+      ->type_name(kCameraType);
+}
+
+Result<fs::path> find_camera(const std::string& name) {
+  return find_file_or_bundled(kBundledCameras, name);
+}
+
+Result<capture::SensorProfile> load_camera(const std::string& name, RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(const fs::path path, find_camera(name));
+  record.add_input(path);
+  E2LF_ASSIGN_OR_RETURN(capture::SensorProfile camera, capture::read_camera(path));
+  record.note("camera", capture::to_json(camera));
+  return camera;
+}
+
+CLI::Option* add_codes_option(CLI::App& app, fs::path& codes, const std::string& help) {
+  const auto take = [&codes](const CLI::results_t& names) {
+    codes = find_named(kBundledCodes, names.back());
+    return true;
+  };
+  return app.add_option("--codes", take, help)->type_name(kCodesType);
+}
 
 void add_codes_options(CLI::App& app, CodesSource& source) {
   add_model_option(app, "-m,--model", source.model,
@@ -30,14 +81,6 @@ Result<std::optional<model::Model>> read_named_model(const CodesSource& source, 
   return std::optional(std::move(model));
 }
 
-Result<std::optional<capture::Codes>> read_named_codes(const CodesSource& source) {
-  std::optional<capture::Codes> codes;
-  if (!source.codes.empty()) {
-    E2LF_ASSIGN_OR_RETURN(codes, pipeline::read_patterns(source.codes));
-  }
-  return codes;
-}
-
 void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
                       const std::optional<capture::Codes>& of_events, RunRecord& record) {
   if (!codes) return;
@@ -49,7 +92,10 @@ void note_named_codes(const CodesSource& source, const std::optional<capture::Co
 
 Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<model::Model>& model,
                                              const std::optional<capture::Codes>& of_events, RunRecord& record) {
-  E2LF_ASSIGN_OR_RETURN(const std::optional<capture::Codes> named, read_named_codes(source));
+  std::optional<capture::Codes> named;
+  if (!source.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(named, pipeline::read_patterns(source.codes));
+  }
   note_named_codes(source, named, of_events, record);
   return pipeline::known_codes(named, of_events, model ? &*model : nullptr);
 }
@@ -70,13 +116,6 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
     log_info(cat("no patterns were given; using those of ", path->stem().string()));
   }
   return std::move(*known);
-}
-
-Result<lightfield::LightField> read_with_progress(const fs::path& path, const lightfield::ReadOptions& options,
-                                                  bool is_quiet) {
-  ProgressBar bar("read " + path.filename().string(), is_quiet);
-  bar.update(0, 1);
-  return lightfield::read_light_field(path, options, bar.callback());
 }
 
 }  // namespace e2lf::cli

@@ -5,18 +5,42 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cli/output/run_record.h"
-#include "e2lf/lightfield/light_field.h"
 #include "e2lf/model/model.h"
 #include "e2lf/pipeline/patterns.h"
 
 namespace e2lf::cli {
 
-/// The sources of the aperture patterns of a verb: a model file or a file of codes.
+/// Options that name models, patterns and cameras: by a path, or by the name of a bundled file with or without its
+/// extension. A file with exactly this name takes precedence.
+
+/// Declares an option or argument that takes a model. `model` is set to the path. If there is no such model,
+/// Verb::run() lists the bundled ones.
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::filesystem::path& model,
+                              const std::string& help);
+/// Declares the same for several models.
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::vector<std::filesystem::path>& models,
+                              const std::string& help);
+
+/// Declares --codes: a file of patterns, a model, or the name of a bundled model.
+CLI::Option* add_codes_option(CLI::App& app, std::filesystem::path& codes, const std::string& help);
+
+/// Declares --camera.
+void add_camera_option(CLI::App& app, std::string& camera, const std::string& help);
+
+/// Returns the path of a camera file. Fails with kNotFound, listing the bundled cameras.
+[[nodiscard]] Result<std::filesystem::path> find_camera(const std::string& name);
+
+/// Reads the camera that --camera names and adds it to the record. Fails as find_camera() and capture::read_camera()
+/// do.
+[[nodiscard]] Result<capture::SensorProfile> load_camera(const std::string& name, RunRecord& record);
+
+/// The sources of the aperture patterns of a verb: a model file, or a file of codes or another model.
 struct CodesSource {
   std::filesystem::path model, codes;
 };
@@ -26,9 +50,6 @@ void add_codes_options(CLI::App& app, CodesSource& source);
 
 /// Reads the model if one was given, and adds its content to the record. Fails as read_model() does.
 [[nodiscard]] Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record);
-
-/// Reads the patterns of --codes if it was given. Fails as pipeline::read_patterns() does.
-[[nodiscard]] Result<std::optional<capture::Codes>> read_named_codes(const CodesSource& source);
 
 /// Adds the file of these patterns to the record, and warns if they differ from those in the file of the events.
 void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
@@ -45,9 +66,5 @@ void note_named_codes(const CodesSource& source, const std::optional<capture::Co
 /// logs this, or the built-in ones if there is no bundled model. Fails with kNotFound if the model contains no
 /// patterns.
 [[nodiscard]] Result<pipeline::KnownCodes> load_codes(const CodesSource& source, RunRecord& record);
-
-/// Reads a light field with read_light_field() and shows the progress.
-[[nodiscard]] Result<lightfield::LightField> read_with_progress(const std::filesystem::path& path,
-                                                                const lightfield::ReadOptions& options, bool is_quiet);
 
 }  // namespace e2lf::cli

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/flags/light_field_flags.h"
 
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/option_types.h"
+#include <algorithm>
+#include <cmath>
+
+#include "e2lf/base/text.h"
+#include "e2lf/cli/flags/file_kind.h"
+#include "e2lf/cli/flags/option_values.h"
+#include "e2lf/sensor/coded_intensity.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
+namespace fs = std::filesystem;
 
 void add_orientation_options(CLI::App& app, OrientationFlags& flags) {
   const auto flag = [&](const char* name, bool& value, const char* help) {
@@ -52,6 +59,62 @@ lightfield::ReadOptions read_options(const LightFieldFlags& flags) {
   options.lenslet_views = flags.lenslet_views;
   options.orientation = flags.orientation.value();
   return options;
+}
+
+lightfield::ReadOptions unchanged_options(const LightFieldFlags& flags) {
+  lightfield::ReadOptions options = read_options(flags);
+  options.colour = true;
+  options.range = lightfield::RangePolicy::kKeep;
+  return options;
+}
+
+Result<lightfield::LightField> read_with_progress(const fs::path& path, const lightfield::ReadOptions& options,
+                                                  bool is_quiet) {
+  ProgressBar bar("read " + path.filename().string(), is_quiet);
+  bar.update(0, 1);
+  return lightfield::read_light_field(path, options, bar.callback());
+}
+
+Result<lightfield::LightField> load_scene(const fs::path& path, const SceneOptions& options, bool is_quiet) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
+  // A file of no other kind is taken for a recording; reading it gives a better error.
+  if (kind != FileKind::kLightField && kind != FileKind::kRecording) {
+    return other_kind_error(path, kind, "a light field");
+  }
+  lightfield::ReadOptions read = read_options(options.flags);
+  read.views_y.count = options.views_y;
+  read.views_x.count = options.views_x;
+  read.colour = options.colour || options.filter;
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField scene, read_with_progress(path, read, is_quiet));
+  if (!options.filter) return scene;
+  if (scene.shape().channels == 1) {
+    return Error{ErrorCode::kInvalidValue, "the light field is grey; colour filters require one in colour",
+                 path.string()};
+  }
+  return sensor::light_behind(*options.filter, scene);
+}
+
+Error no_light_field_error(const fs::path& path) {
+  const auto kind = file_kind(path);
+  if (!kind) return kind.error();
+  return other_kind_error(path, *kind, "a light field");
+}
+
+Result<lightfield::LightField> load_to_show(const fs::path& path, const LightFieldFlags& flags, bool is_quiet,
+                                            const std::vector<float>& disparities) {
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
+  if (kind != FileKind::kLightField) return no_light_field_error(path);
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField light_field,
+                        read_with_progress(path, unchanged_options(flags), is_quiet));
+  const auto [width, height] = std::pair(light_field.shape().width, light_field.shape().height);
+  for (const float disparity : disparities) {
+    if (std::abs(disparity) < static_cast<float>(std::max(width, height))) continue;
+    return Error{ErrorCode::kInvalidValue,
+                 cat("a disparity of ", disparity, " px per view step leaves the picture of ", width, "x", height,
+                     " px; give one nearer to 0"),
+                 path.string()};
+  }
+  return light_field;
 }
 
 }  // namespace e2lf::cli

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/flags/recorded_paths.h"
-
+// find_recorded_paths() of verb.h
 #include <algorithm>
 #include <filesystem>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/option_values.h"
+#include "e2lf/cli/verb.h"
 #include "e2lf/recordings/live/replay_address.h"
 
 namespace e2lf::cli {

@@ -1,13 +1,69 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/flags/recording_flags.h"
 
+#include <cstdio>
+
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr Choice<recordings::TimeUnit> kTimeUnits[] = {{"auto", recordings::TimeUnit::kAuto},
+                                                       {"s", recordings::TimeUnit::kSeconds},
+                                                       {"ms", recordings::TimeUnit::kMilliseconds},
+                                                       {"us", recordings::TimeUnit::kMicroseconds},
+                                                       {"ns", recordings::TimeUnit::kNanoseconds}};
+constexpr Choice<recordings::RestartPolicy> kRestartPolicies[] = {{"continue", recordings::RestartPolicy::kContinue},
+                                                                  {"split", recordings::RestartPolicy::kSplit},
+                                                                  {"refuse", recordings::RestartPolicy::kRefuse}};
+
+}  // namespace
+
+void add_camera_options(CLI::App& app, CameraFlags& flags) {
+  constexpr char kGroup[] = "Live cameras";
+  const auto repeatable = [&](const char* name, std::vector<std::string>& values, const char* text) {
+    app.add_option(name, values, text)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->allow_extra_args(false)
+        ->group(kGroup);
+  };
+  repeatable("--trigger-channel", flags.trigger_channels,
+             "trigger input to enable: main, aux, the number of its triggers, or none (repeatable); default: all");
+  app.add_option("--biases", flags.biases, "file of sensor biases (.bias); default: those of the camera")
+      ->group(kGroup);
+  app.add_option("--max-event-rate", flags.max_events_per_s,
+                 "events/s above which the sensor drops events, 0 = no limit; default: as set in the camera")
+      ->group(kGroup);
+  repeatable("--roi", flags.regions,
+             "rectangle of the sensor whose pixels send events: X,Y,WIDTH,HEIGHT in px (repeatable)");
+  app.add_option("--encoding", flags.encoding, "encoding of the camera's events; default: as set in the camera")
+      ->check(CLI::IsMember({"evt2", "evt2.1", "evt3"}))
+      ->group(kGroup);
+}
+
+Result<recordings::CameraSetup> camera_setup(const CameraFlags& flags) {
+  recordings::CameraSetup setup{.trigger_channels = flags.trigger_channels,
+                                .biases = flags.biases,
+                                .max_events_per_s = flags.max_events_per_s,
+                                .regions = {},
+                                .encoding = flags.encoding};
+  for (const std::string& text : flags.regions) {
+    recordings::SensorRegion region;
+    int length = 0;
+    const int found =
+        std::sscanf(text.c_str(), "%5d,%5d,%5d,%5d%n", &region.x, &region.y, &region.width, &region.height, &length);
+    if (found != 4 || static_cast<size_t>(length) != text.size()) {
+      return Error{ErrorCode::kInvalidValue, cat("\"", text, "\" is not a region; give X,Y,WIDTH,HEIGHT"), "--roi"};
+    }
+    setup.regions.push_back(region);
+  }
+  return setup;
+}
 
 void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group) {
   const auto add = [&](const char* name, auto& value, const char* text) {
@@ -21,12 +77,12 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   app.add_option("--time-unit", flags.time_unit,
                  "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise "
                  "us for integers and s for other numbers")
-      ->check(CLI::IsMember({"auto", "s", "ms", "us", "ns"}))
+      ->check(CLI::IsMember(words_of(kTimeUnits)))
       ->group(group);
   app.add_option("--restart", flags.restart,
                  "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind "
                  "the earlier one, split keeps the parts separate (info, convert), refuse fails")
-      ->check(CLI::IsMember({"continue", "split", "refuse"}))
+      ->check(CLI::IsMember(words_of(kRestartPolicies)))
       ->group(group);
   add("--from-us", flags.from_us, "recordings: leave out data before this time on the clock of the recording");
   add("--to-us", flags.to_us, "recordings: leave out data at or after this time on the clock of the recording");
@@ -37,22 +93,6 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   app.add_flag("--strict", flags.is_strict,
                "fail and write nothing if events would be left out (damage, outside the sensor, count too large)");
 }
-
-namespace {
-
-recordings::TimeUnit time_unit_of(const std::string& word) {
-  if (word == "s") return recordings::TimeUnit::kSeconds;
-  if (word == "ms") return recordings::TimeUnit::kMilliseconds;
-  if (word == "us") return recordings::TimeUnit::kMicroseconds;
-  return word == "ns" ? recordings::TimeUnit::kNanoseconds : recordings::TimeUnit::kAuto;
-}
-
-recordings::RestartPolicy restart_policy_of(const std::string& word) {
-  if (word == "split") return recordings::RestartPolicy::kSplit;
-  return word == "refuse" ? recordings::RestartPolicy::kRefuse : recordings::RestartPolicy::kContinue;
-}
-
-}  // namespace
 
 bool is_live(const fs::path& input) {
   return recordings::is_live_recording(input.string());
@@ -65,7 +105,7 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
                  "--from-us"};
   }
   recordings::OpenOptions open;
-  open.restart = restart_policy_of(flags.restart);
+  open.restart = choice_of(flags.restart, kRestartPolicies);
   if (open.restart == recordings::RestartPolicy::kSplit && !reads_parts) {
     return Error{ErrorCode::kInvalidValue,
                  "split is only for `e2lf info`, which lists the parts, and `e2lf convert`, which writes each to a "
@@ -77,7 +117,7 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   open.height = flags.height;
   open.columns = flags.columns;
   open.stream = flags.stream;
-  open.time_unit = time_unit_of(flags.time_unit);
+  open.time_unit = choice_of(flags.time_unit, kTimeUnits);
   open.from_us = flags.from_us;
   open.to_us = flags.to_us;
   open.range = flags.is_relative ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
@@ -113,6 +153,12 @@ Json header_json(const recordings::RecordingInfo& info) {
   Json header = Json::object();
   for (const auto& [key, value] : info.header) header[key] = value;
   return header;
+}
+
+Json reading_notes(const fs::path& input, const recordings::RecordingInfo& info) {
+  Json notes = {{"read_as", reading_json(info)}};
+  if (is_live(input)) notes["header"] = header_json(info);
+  return notes;
 }
 
 Json sensor_json(const recordings::DecodeSummary& summary) {

@@ -4,15 +4,29 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/cli/flags/camera_flags.h"
 #include "e2lf/files/options.h"
+#include "e2lf/recordings/camera_setup.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
+
+/// The flags that set up a live camera; see recordings::CameraSetup.
+struct CameraFlags {
+  std::vector<std::string> trigger_channels, regions;
+  std::filesystem::path biases;
+  std::optional<uint32_t> max_events_per_s;
+  std::string encoding;
+};
+
+void add_camera_options(CLI::App& app, CameraFlags& flags);
+
+/// Returns the settings of a camera. Fails with kInvalidValue if a region is not of the form X,Y,WIDTH,HEIGHT.
+[[nodiscard]] Result<recordings::CameraSetup> camera_setup(const CameraFlags& flags);
 
 /// The flags of every verb that reads a recording.
 struct RecordingFlags {
@@ -53,6 +67,9 @@ void say_assumptions(const recordings::RecordingReader& reader);
 
 /// Returns the header of a recording: the identity of the sensor, and the settings of a live camera.
 [[nodiscard]] Json header_json(const recordings::RecordingInfo& info);
+
+/// Returns the notes for the record on how a recording was read: "read_as", and "header" of a live input.
+[[nodiscard]] Json reading_notes(const std::filesystem::path& input, const recordings::RecordingInfo& info);
 
 /// Returns the counts of the sensor itself: {"events_in", "events_sent"}; null if it reported none.
 [[nodiscard]] Json sensor_json(const recordings::DecodeSummary& summary);

@@ -5,9 +5,7 @@
 #include <numbers>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/turntable_scene.h"
 #include "e2lf/streams/stream_options.h"
@@ -17,13 +15,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int64_t kTurntableFieldUs = 10000;
-
-Result<StreamScene> still_scene(const fs::path& input, const SceneOptions& options, bool is_quiet) {
-  E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, load_scene(input, options, is_quiet));
-  StreamScene result{{}, field.shape().height, field.shape().width};
-  result.scene.at = [field = std::move(field)](uint64_t) { return Result<lightfield::LightField>(field); };
-  return result;
-}
 
 /// Returns a scene that shows one light field after another; the last one remains.
 Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const SceneOptions& options, bool is_quiet) {
@@ -89,9 +80,8 @@ void add_stream_options(CLI::App& app, StreamFlags& flags) {
       ->check(CLI::Range(16, 8192))
       ->capture_default_str()
       ->group(group);
-  app.add_option("--v2e-preset", flags.v2e_preset, "parameters of v2e: default, noisy or clean")
-      ->check(CLI::IsMember({"default", "noisy", "clean"}))
-      ->capture_default_str()
+  add_choice(app, "--v2e-preset", flags.v2e_preset, {"default", "noisy", "clean"},
+             "parameters of v2e: default, noisy or clean")
       ->group(group);
   number("--refractory-us", flags.refractory_us, "physical pixels, esim: refractory period after an event");
   number("--leak-rate-hz", flags.leak_rate_hz, "physical pixels: rate of ON events of each pixel in constant light");
@@ -142,7 +132,11 @@ Result<StreamScene> open_stream_scene(const fs::path& input, const StreamFlags& 
                                       uint64_t seed, bool is_quiet) {
   if (flags.has_turntable()) return turntable(flags, options, seed);
   if (flags.field_us > 0) return sequence(input, flags.field_us, options, is_quiet);
-  return still_scene(input, options, is_quiet);
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, load_scene(input, options, is_quiet));
+  StreamScene still{{}, field.shape().height, field.shape().width};
+  // It is asked for once.
+  still.scene.at = [field = std::move(field)](uint64_t) mutable { return Result(std::move(field)); };
+  return still;
 }
 
 }  // namespace e2lf::cli

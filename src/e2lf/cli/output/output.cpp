@@ -39,11 +39,16 @@ bool is_standard_output(const fs::path& path) {
   return path == "-" || path == "/dev/stdout" || path == "/dev/fd/1" || path == "/proc/self/fd/1";
 }
 
+/// Returns the name of a recording without the prefix that replays it at its own speed.
+std::string without_replay(const fs::path& input) {
+  constexpr std::string_view kReplay = "replay:";
+  const std::string name = input.string();
+  return name.starts_with(kReplay) ? name.substr(kReplay.size()) : name;
+}
+
 /// Returns the file or folder behind the name of an input, or an empty path if there is none (a socket, a camera).
 fs::path file_of_input(const fs::path& named) {
-  constexpr std::string_view kReplay = "replay:";
-  std::string name = named.string();
-  if (name.starts_with(kReplay)) name = name.substr(kReplay.size());
+  std::string name = without_replay(named);
   if (name == "-") name = "/proc/self/fd/0";
   std::error_code error;
   const fs::path path = fs::canonical(name, error);
@@ -117,9 +122,7 @@ Result<void> check_not_a_side_file(const fs::path& path) {
 
 /// Appends the files that a verb reads beside an input: its record and its triggers.
 void append_side_files(const fs::path& input, std::vector<fs::path>& files) {
-  constexpr std::string_view kReplay = "replay:";
-  std::string name = input.string();
-  if (name.starts_with(kReplay)) name = name.substr(kReplay.size());
+  const std::string name = without_replay(input);
   std::error_code error;
   if (!fs::is_regular_file(name, error)) return;
   files.push_back(record_path_beside(name));
@@ -242,6 +245,19 @@ Result<void> check_apart(const fs::path& output, const std::vector<fs::path>& in
   return {};
 }
 
+namespace {
+
+/// Resolves the name of a folder of results, which may not be, contain or lie in an input.
+Result<fs::path> resolve_folder(const fs::path& named, const std::vector<fs::path>& inputs) {
+  if (is_standard_output(named)) {
+    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; give a folder", named.string()};
+  }
+  E2LF_RETURN_IF_ERROR(check_apart(named, inputs));
+  return resolve(named);
+}
+
+}  // namespace
+
 std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
   const auto cycles = capture::recover_event_images(partial, kept);
   if (!cycles || *cycles == 0) return {};
@@ -308,6 +324,12 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   return output;
 }
 
+Result<OutputFile> OutputFile::create(const fs::path& named, const Verb& verb, std::vector<fs::path> inputs,
+                                      std::string ending) {
+  return create(named,
+                {.inputs = std::move(inputs), .overwrite = verb.common().overwrite, .ending = std::move(ending)});
+}
+
 fs::path OutputFile::record_path() const {
   return record_path_beside(place_);
 }
@@ -351,11 +373,7 @@ Result<void> OutputFile::commit() {
 }
 
 Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules, Json record) {
-  if (is_standard_output(named)) {
-    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; give a folder", named.string()};
-  }
-  E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
-  E2LF_ASSIGN_OR_RETURN(path_, resolve(named));
+  E2LF_ASSIGN_OR_RETURN(path_, resolve_folder(named, rules.inputs));
   std::error_code error;
   if (is_there(path_) && !fs::is_directory(path_, error)) {
     return exists(path_, "the output is a folder, but a file with this name exists; choose another output");
@@ -395,14 +413,28 @@ void GrowingFolder::withdraw() const {
   fs::remove(path_, error);
 }
 
-Result<ResultFolder> open_output_folder(const fs::path& named, const OutputRules& rules) {
-  if (is_standard_output(named)) {
-    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; give a folder", named.string()};
-  }
-  E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
-  E2LF_ASSIGN_OR_RETURN(const fs::path target, resolve(named));
+Result<ResultFolder> open_output_folder(const fs::path& named, const Verb& verb, const std::vector<fs::path>& inputs) {
+  E2LF_ASSIGN_OR_RETURN(const fs::path target, resolve_folder(named, inputs));
   E2LF_RETURN_IF_ERROR(check_folder_name(target));
-  return ResultFolder::create(target, rules.overwrite);
+  return ResultFolder::create(target, verb.common().overwrite);
+}
+
+Result<void> commit(OutputFile& output, const RunRecord& record, const Verb& verb) {
+  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  return output.commit();
+}
+
+Result<void> commit(ResultFolder& folder, const RunRecord& record, const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  return folder.commit(std::move(about));
+}
+
+Result<std::optional<OutputFile>> open_optional(const fs::path& named, const OutputRules& rules) {
+  std::optional<OutputFile> output;
+  if (!named.empty()) {
+    E2LF_ASSIGN_OR_RETURN(output, OutputFile::create(named, rules));
+  }
+  return output;
 }
 
 }  // namespace e2lf::cli

@@ -15,6 +15,9 @@
 
 namespace e2lf::cli {
 
+class RunRecord;
+class Verb;
+
 /// These functions decide where a verb may write and what it may replace. Every output of every verb goes through
 /// OutputFile or open_output_folder().
 ///
@@ -47,6 +50,9 @@ class OutputFile {
   /// replaced), kInvalidValue (the output is, contains or lies in an input, or its extension is that of another
   /// format), kUnsupported (a stream, but the format requires a file) and kIo.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const OutputRules& rules);
+  /// The same with the verb's --overwrite.
+  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const Verb& verb,
+                                                 std::vector<std::filesystem::path> inputs, std::string ending = {});
 
   /// Returns where to write: a name in a workspace, or the stream itself ("-" for standard output).
   [[nodiscard]] const std::filesystem::path& path() const { return place_; }
@@ -72,7 +78,17 @@ class OutputFile {
 
 /// Opens a folder for results; ResultFolder describes what it replaces. Fails as OutputFile::create() does, and for a
 /// new folder with the name of a file ("frames.mp4").
-[[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const OutputRules& rules);
+[[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const Verb& verb,
+                                                      const std::vector<std::filesystem::path>& inputs);
+
+/// Completes the result of a run with its record and moves both to their place. A stream has no record. Fails as
+/// RunRecord::json() and the result's own commit() do.
+[[nodiscard]] Result<void> commit(OutputFile& output, const RunRecord& record, const Verb& verb);
+[[nodiscard]] Result<void> commit(ResultFolder& folder, const RunRecord& record, const Verb& verb);
+
+/// Opens a file that is only written if `named` is not empty.
+[[nodiscard]] Result<std::optional<OutputFile>> open_optional(const std::filesystem::path& named,
+                                                              const OutputRules& rules);
 
 /// A result folder that grows over several runs of one verb. Each run adds results with unique names and replaces
 /// `files`, which describe all of them. An existing folder must be empty or belong to the same verb. Files with these

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/lightfield/image.h"
@@ -35,6 +36,10 @@ class ReportOutput {
   std::vector<File> files_;
 };
 
+/// Draws the event images of a cycle side by side: grey for no event, towards red for ON events, towards blue for OFF
+/// events, with full colour at the 99 % quantile of the counts.
+[[nodiscard]] lightfield::Image event_picture(const capture::EventImages& images);
+
 /// Creates the page of a verb with its title and the command line.
 [[nodiscard]] report::Page verb_page(const std::string& title);
 
@@ -52,12 +57,21 @@ void add_patterns(const capture::Codes& codes, report::Page& page);
 /// Returns a bar chart of the events per pixel of each transition.
 [[nodiscard]] std::string transition_bars(const std::vector<double>& events_per_pixel);
 
-/// Writes a chart to the file `place`. The extension of `name` selects SVG or PNG. Fails with kIo, and as
-/// film::draw_svg() does.
-[[nodiscard]] Result<void> write_chart(const std::string& svg, const std::filesystem::path& name,
-                                       const std::filesystem::path& place);
+/// Declares --plot: a chart, as .svg or .png.
+void add_chart_option(CLI::App& app, std::filesystem::path& name, const std::string& help);
 
-/// Returns a validator that accepts names ending in .svg or .png.
-[[nodiscard]] CLI::Validator chart_name();
+/// The file of --plot.
+class ChartOutput {
+ public:
+  /// Checks the file, if there is a name, before any work. Fails as OutputFile::create() does.
+  [[nodiscard]] static Result<ChartOutput> open(const std::filesystem::path& name, OutputRules rules);
+  [[nodiscard]] bool is_wanted() const { return file_.has_value(); }
+  /// Writes the chart. Fails with kIo, and as film::draw_svg() and OutputFile::commit() do.
+  [[nodiscard]] Result<void> write(const std::string& svg);
+
+ private:
+  std::filesystem::path name_;
+  std::optional<OutputFile> file_;
+};
 
 }  // namespace e2lf::cli

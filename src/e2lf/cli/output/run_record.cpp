@@ -93,7 +93,9 @@ Result<std::string> sha256_of(const fs::path& path, const ProgressFn& progress) 
   return sha256(listing.data(), listing.size());
 }
 
-RunRecord::RunRecord(std::string verb) : verb_(std::move(verb)) {}
+RunRecord::RunRecord(std::string verb, const std::vector<fs::path>& inputs) : verb_(std::move(verb)) {
+  for (const fs::path& input : inputs) add_input(input);
+}
 
 void RunRecord::add_input(const fs::path& path) {
   std::error_code error;

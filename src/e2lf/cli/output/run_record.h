@@ -20,7 +20,7 @@ namespace e2lf::cli {
 /// run.json beside the results, so that any result can be reproduced.
 class RunRecord {
  public:
-  explicit RunRecord(std::string verb);
+  explicit RunRecord(std::string verb, const std::vector<std::filesystem::path>& inputs = {});
 
   /// Adds an input file, or every file of an input folder. Other inputs (a pipe, a camera) have no hash and are
   /// omitted.

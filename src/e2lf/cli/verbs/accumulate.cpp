@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // e2lf accumulate: divides a recording into pattern cycles and accumulates their event images
-#include <chrono>
-#include <cstdio>
 
 #include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
@@ -10,10 +8,8 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/output/live_log.h"
 #include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/pictures.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -126,13 +122,6 @@ Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const
   return page;
 }
 
-Result<std::optional<OutputFile>> open_picture(const fs::path& path, OutputRules rules) {
-  if (path.empty()) return std::optional<OutputFile>();
-  rules.streams = true;
-  E2LF_ASSIGN_OR_RETURN(OutputFile picture, OutputFile::create(path, rules));
-  return std::optional(std::move(picture));
-}
-
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   if (arguments.output.extension() != ".npz") {
@@ -142,13 +131,13 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");
   OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule}, .overwrite = common.overwrite};
-  E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> picture, open_picture(arguments.plot, rules));
+  E2LF_ASSIGN_OR_RETURN(ChartOutput chart, ChartOutput::open(arguments.plot, rules));
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   rules.recover = recover_cycles;
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   RunRecord record("accumulate");
   CyclePlot plot;
-  const bool is_plotted = !arguments.plot.empty() || reports.is_wanted();
+  const bool is_plotted = chart.is_wanted() || reports.is_wanted();
   std::optional<capture::EventImages> first;  // for the report
   // For live input, the log has a line for each cycle instead.
   ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
@@ -183,10 +172,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   warn_of_losses(arguments.input, summary);
   verb.note_failed_input(summary.live.failure);
   // Plot and report are written first, because they show why no cycle was found.
-  if (picture) {
-    E2LF_RETURN_IF_ERROR(write_chart(plot.svg(), arguments.plot, picture->path()));
-    E2LF_RETURN_IF_ERROR(picture->commit());
-  }
+  if (chart.is_wanted()) E2LF_RETURN_IF_ERROR(chart.write(plot.svg()));
   if (reports.is_wanted()) {
     const std::vector<recordings::Loss> losses = recordings::losses(summary);
     const Json facts = {{"recording", arguments.input.string()},
@@ -202,29 +188,21 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_RETURN_IF_ERROR(writer.finish());
   record.resolve("source", source_name(reader.source()));
   record.note("cycles", report_json(report));
-  record.note("left_out", losses_json(summary));
-  record.note("live", live_json(summary));
-  if (is_live(arguments.input)) record.note("header", header_json(reader.recording().info()));
-  record.note("read_as", reading_json(reader.recording().info()));
-  record.note("least_confidence", confidence.least());
-  record.note("each", cycles);
+  const Json found = {{"left_out", losses_json(summary)},
+                      {"live", live_json(summary)},
+                      {"least_confidence", confidence.least()},
+                      {"each", std::move(cycles)}};
+  record.note(found);
+  record.note(reading_notes(arguments.input, reader.recording().info()));
   if (setup.views) record.note("views", capture::orientation_name(*setup.views));
   record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(arguments.input), output.path()));
   record.add_input(arguments.input);
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
-  if (common.json) {
-    Json json = report_json(report);
-    json["left_out"] = losses_json(summary);
-    json["live"] = live_json(summary);
-    json["least_confidence"] = confidence.least();
-    json["each"] = std::move(cycles);
-    std::printf("%s", json_text(json).c_str());
-  } else if (!common.quiet) {
-    std::printf("%s\n", report.triggers.c_str());
-    std::printf("%s in %s, least confidence %.2f\n", report_text(report).c_str(), arguments.output.c_str(),
-                static_cast<double>(confidence.least()));
-  }
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  Json json = report_json(report);
+  json.update(found);
+  print_result(common, json,
+               cat(report.triggers, "\n", report_text(report), " in ", arguments.output.string(),
+                   formatted(", least confidence %.2f\n", double{confidence.least()})));
   return {};
 }
 
@@ -241,10 +219,8 @@ int run_accumulate(const std::vector<std::string>& arguments) {
                   "recording, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")
       ->required();
   verb.app().add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
-  verb.app()
-      .add_option("--plot", accumulation.plot,
-                  "write the event rate with the triggers or bursts and the cycles found, as a picture (.svg, .png)")
-      ->check(chart_name());
+  add_chart_option(verb.app(), accumulation.plot,
+                   "write the event rate with the triggers or bursts and the cycles found, as a picture (.svg, .png)");
   add_report_option(verb.app(), accumulation.reports);
   add_cycle_options(verb.app(), accumulation.cycles);
   add_orientation_options(verb.app(), accumulation.orientation);

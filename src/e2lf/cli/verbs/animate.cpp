@@ -4,10 +4,10 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/output/shown_light_field.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
@@ -37,13 +37,9 @@ struct AnimateArguments {
 Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, const LightField& light_field,
                                           RunRecord& record) {
   if (arguments.has_focus_range) return depth::DisparityRange{arguments.from, arguments.to};
-  auto map = depth::estimate_disparity(light_field);
-  if (!map) {
-    Error error = map.error();
-    error.location = arguments.input.string();
-    return error;
-  }
-  const depth::DisparityRange range = depth::shown_range(*map);
+  E2LF_ASSIGN_OR_RETURN(const depth::DisparityMap map,
+                        located(depth::estimate_disparity(light_field), arguments.input));
+  const depth::DisparityRange range = depth::shown_range(map);
   record.resolve("from", range.least);
   record.resolve("to", range.most);
   return range;
@@ -82,17 +78,14 @@ Result<void> write_film(const fs::path& file, film::FilmFormat format, const Ani
 Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite}));
-  RunRecord record("animate");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}));
+  RunRecord record("animate", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
                                                                    {arguments.still, arguments.from, arguments.to}));
   E2LF_ASSIGN_OR_RETURN(const FrameFn frame_at, frame_maker(arguments, light_field, record));
   E2LF_RETURN_IF_ERROR(write_film(output.path(), format, arguments, frame_at, common.quiet));
   record.end_step("animate");
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   if (!common.quiet) std::printf("%zu frames in %s\n", arguments.frames, arguments.output.c_str());
   std::error_code error;
   constexpr uintmax_t kLargeBytes = uintmax_t{10} << 20;
@@ -112,37 +105,29 @@ fs::path quilt_name(const fs::path& named, const lightfield::Shape& shape, const
 
 Result<void> make_quilt(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  RunRecord record("animate");
-  record.add_input(arguments.input);
+  RunRecord record("animate", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
                                                                    {arguments.still, arguments.from, arguments.to}));
   const fs::path named = quilt_name(arguments.output, light_field.shape(), arguments.quilt);
-  E2LF_ASSIGN_OR_RETURN(OutputFile output,
-                        OutputFile::create(named, {.inputs = {arguments.input}, .overwrite = common.overwrite}));
-  auto picture = film::quilt_picture(light_field, arguments.quilt, arguments.still);
-  if (!picture) {
-    Error error = picture.error();
-    error.location = arguments.input.string();
-    return error;
-  }
-  E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), *picture));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, verb, {arguments.input}));
+  E2LF_ASSIGN_OR_RETURN(const auto picture,
+                        located(film::quilt_picture(light_field, arguments.quilt, arguments.still), arguments.input));
+  E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));
   record.end_step("animate");
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   if (!common.quiet) {
     std::printf("%zux%zu images in %s\n", arguments.quilt.columns, arguments.quilt.rows, named.c_str());
   }
   return {};
 }
 
-Result<void> animate(AnimateArguments& arguments, Verb& verb) {
-  const auto is_given = [&](const char* flag) { return verb.app().get_option(flag)->count() > 0; };
-  if (is_given("--from") != is_given("--to")) {
+Result<void> animate(AnimateArguments& arguments, const Verb& verb) {
+  if (verb.is_given("--from") != verb.is_given("--to")) {
     return Error{ErrorCode::kInvalidValue, "a sweep has two ends; give --from and --to", ""};
   }
-  arguments.has_focus_range = is_given("--from");
+  arguments.has_focus_range = verb.is_given("--from");
   if (arguments.output.extension() != ".png") return make_film(arguments, verb);
-  if (is_given("--path") || is_given("--from")) {
+  if (verb.is_given("--path") || verb.is_given("--from")) {
     return Error{ErrorCode::kInvalidValue, "a .png file contains a quilt, which has no path; use .gif, .webm or .mp4",
                  arguments.output.string()};
   }
@@ -162,27 +147,17 @@ int run_animate(const std::vector<std::string>& arguments) {
   app.add_option("-o,--output", animation.output,
                  "film to write (.gif, .webm, .mp4), or a quilt (.png), whose name gets the suffix that displays read")
       ->required();
-  app.add_option("--path", animation.path,
-                 "path: orbit (a circle), sweep (from left to right) or focus (from near to far)")
-      ->check(CLI::IsMember({"orbit", "sweep", "focus"}))
-      ->capture_default_str();
-  app.add_option("--frames", animation.frames, "duration of the film, which ends as it begins")
-      ->check(whole_number(1, 10000))
-      ->capture_default_str();
-  app.add_option("--fps", animation.frames_per_s, "frames per second")
-      ->check(whole_number(1, 100))
-      ->capture_default_str();
+  add_choice(app, "--path", animation.path, {"orbit", "sweep", "focus"},
+             "path: orbit (a circle), sweep (from left to right) or focus (from near to far)");
+  add_count(app, "--frames", animation.frames, 1, 10000, "duration of the film, which ends as it begins");
+  add_count(app, "--fps", animation.frames_per_s, 1, 100, "frames per second");
   app.add_option("--still", animation.still,
                  "orbit, sweep, quilt: disparity of the points that do not move, px per view step")
       ->capture_default_str();
   app.add_option("--from", animation.from, "focus: first disparity, px per view step");
   app.add_option("--to", animation.to, "focus: last disparity; default of both: the nearest and farthest in the scene");
-  app.add_option("--columns", animation.quilt.columns, "number of columns of a quilt")
-      ->check(whole_number(1, 100))
-      ->capture_default_str();
-  app.add_option("--rows", animation.quilt.rows, "number of rows of a quilt")
-      ->check(whole_number(1, 100))
-      ->capture_default_str();
+  add_count(app, "--columns", animation.quilt.columns, 1, 100, "number of columns of a quilt");
+  add_count(app, "--rows", animation.quilt.rows, 1, 100, "number of rows of a quilt");
   add_light_field_options(app, animation.light_field, /*has_views=*/true);
   add_orientation_options(app, animation.light_field.orientation);
   return verb.run(arguments, [&] { return animate(animation, verb); });

@@ -3,7 +3,6 @@
 #include "e2lf/calibrate/calibrate.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <optional>
 
@@ -11,12 +10,11 @@
 #include "e2lf/base/text.h"
 #include "e2lf/calibrate/report.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cli/flags/camera_option.h"
-#include "e2lf/cli/flags/cycle_input.h"
+#include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/output/method_notes.h"
-#include "e2lf/cli/output/next_step.h"
+#include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/npy.h"
@@ -70,7 +68,7 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
 
 /// Returns the patterns of the inputs, which must be the same for all.
 Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const std::vector<Source>& sources,
-                                    RunRecord& record) {
+                                    const std::optional<model::Model>& model, RunRecord& record) {
   std::optional<capture::Codes> codes;
   for (size_t i = 0; i < sources.size(); ++i) {
     if (codes && sources[i].codes && *codes != *sources[i].codes) {
@@ -80,7 +78,6 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
     }
     if (sources[i].codes) codes = sources[i].codes;
   }
-  E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::KnownCodes> known, find_codes(arguments.codes, model, codes, record));
   if (!known) {
     return Error{ErrorCode::kNotFound, "the patterns of the events are not known; give --codes FILE", ""};
@@ -121,12 +118,6 @@ Result<void> check_distinct(const CalibrateArguments& arguments) {
   return {};
 }
 
-Result<std::optional<OutputFile>> open_optional(const fs::path& path, const OutputRules& rules) {
-  if (path.empty()) return std::optional<OutputFile>();
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(path, rules));
-  return std::optional(std::move(output));
-}
-
 template <typename T>
 Result<void> write_map(const OutputFile& output, const calibrate::StillScene& scene, std::span<const T> values) {
   const capture::EventImages& first = scene.cycles.front();
@@ -163,11 +154,9 @@ Result<double> error_told(model::Model model, const capture::SensorProfile& came
 
 /// Compares both cameras with the events of the first cycle, using the named or a bundled network: {"start", "found",
 /// "better"}. Returns null if no network conditioned on the sensor profile matches these patterns.
-Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture::Codes& codes,
+Result<Json> compare_cameras(std::optional<model::Model> model, const capture::Codes& codes,
                              const capture::SensorProfile& start, const capture::SensorProfile& found,
                              const capture::EventImages& events) {
-  RunRecord unused("calibrate");
-  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, unused));
   if (!model) {
     E2LF_ASSIGN_OR_RETURN(auto network, pipeline::bundled_network(codes, start));
     if (network) {
@@ -190,13 +179,11 @@ Result<Json> compare_cameras(const CalibrateArguments& arguments, const capture:
 
 std::string comparison_text(const Json& comparison) {
   const std::string better = comparison["better"];
-  std::array<char, 128> figures;
-  std::snprintf(figures.data(), figures.size(),
-                "results differ from the events by %.3f with the starting camera, by %.3f with this one: ",
-                comparison["start"].get<double>(), comparison["found"].get<double>());
-  return cat(figures.data(), better == "start"   ? "the starting camera is better; keep it"
-                             : better == "found" ? "this one is better; use it"
-                                                 : "neither is better; either will do");
+  return formatted("results differ from the events by %.3f with the starting camera, by %.3f with this one: %s",
+                   comparison["start"].get<double>(), comparison["found"].get<double>(),
+                   better == "start"   ? "the starting camera is better; keep it"
+                   : better == "found" ? "this one is better; use it"
+                                       : "neither is better; either will do");
 }
 
 /// Returns the command that uses the camera.
@@ -230,7 +217,8 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
     E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, verb, record));
     sources.push_back(std::move(source));
   }
-  E2LF_ASSIGN_OR_RETURN(capture::Codes codes, common_codes(arguments, sources, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(capture::Codes codes, common_codes(arguments, sources, model, record));
   std::vector<calibrate::StillScene> scenes;
   for (Source& source : sources) scenes.push_back(std::move(source.scene));
   match_transitions(arguments.cycles.transitions, codes, scenes);
@@ -247,8 +235,8 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   for (const std::string& warning : calibration.warnings) log_warning(warning);
   E2LF_RETURN_IF_ERROR(write_maps(thresholds, bad, scenes, codes, calibration, arguments.is_even));
   Json report = calibrate::report_json(calibration);
-  E2LF_ASSIGN_OR_RETURN(report["event_check"],
-                        compare_cameras(arguments, codes, start, calibration.camera, scenes.front().cycles.front()));
+  E2LF_ASSIGN_OR_RETURN(report["event_check"], compare_cameras(std::move(model), codes, start, calibration.camera,
+                                                               scenes.front().cycles.front()));
   const bool is_worse = report["event_check"].is_object() && report["event_check"]["better"] == "start";
   if (is_worse) log_warning(comparison_text(report["event_check"]));
   record.note("report", report);

@@ -5,11 +5,11 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/recording_statistics.h"
+#include "e2lf/cli/verbs/describe.h"
 #include "e2lf/files/options.h"
 #include "e2lf/recordings/live/usb_cameras.h"
 #include "e2lf/recordings/open/open_named_recording.h"
@@ -115,11 +115,9 @@ class CameraCheck {
   }
 
   [[nodiscard]] std::string text(const Json& json, const recordings::DecodeSummary& summary) const {
-    char line[160];
-    std::snprintf(line, sizeof line, "events:    %.3f M/s, %.1f %% ON, longest pause %lld us\n",
-                  json["events_per_s"].get<double>() * 1e-6, json["on_share"].get<double>() * 100,
-                  static_cast<long long>(longest_pause_us_));
-    std::string text = line;
+    std::string text =
+        formatted("events:    %.3f M/s, %.1f %% ON, longest pause %lld us\n", json["events_per_s"].get<double>() * 1e-6,
+                  json["on_share"].get<double>() * 100, static_cast<long long>(longest_pause_us_));
     text += cat("triggers:  ", triggers_, "\n");
     for (const Json& channel : json["trigger_channels"]) {
       text += cat("           channel ", channel["channel"].get<int>(), ": ", channel["rising_per_s"].get<double>(),

@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: MIT
-// e2lf codes: show; render (codes_render.cpp); play (codes_play.cpp)
+// e2lf codes: show; render, which writes the images for an aperture display; play (codes_play.cpp)
+#include <algorithm>
 #include <cstdio>
 
+#include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/cli/flags/display_flags.h"
 #include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cycles/schedule.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
+#include "e2lf/lightfield/formats/bitmap.h"
 
 namespace e2lf::cli {
+namespace fs = std::filesystem;
+using lightfield::BitDepth;
+using lightfield::ByteImage;
 namespace {
 
 Json codes_json(const capture::Codes& codes) {
@@ -42,8 +50,7 @@ int run_codes_show(const std::vector<std::string>& arguments) {
     RunRecord record("codes show");
     E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(source, record));
     if (!output.empty()) {
-      E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {source.model, source.codes},
-                                                                         .overwrite = verb.common().overwrite}));
+      E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, verb, {source.model, source.codes}));
       E2LF_RETURN_IF_ERROR(capture::write_codes(file.path(), known.codes));
       E2LF_RETURN_IF_ERROR(file.commit());
     }
@@ -54,6 +61,111 @@ int run_codes_show(const std::vector<std::string>& arguments) {
     }
     return {};
   });
+}
+
+struct RenderArguments {
+  DisplayFlags display;
+  fs::path output;
+  std::string format = "png";
+  unsigned bits = 8;
+};
+
+/// One image of a cycle, in the order of the schedule.
+struct NamedFrame {
+  std::string file;
+  ByteImage picture;
+};
+
+std::vector<NamedFrame> named_frames(const RenderArguments& arguments, DisplaySequence& sequence) {
+  std::vector<NamedFrame> frames;
+  for (ByteImage& picture : sequence.frames) {
+    std::string name = sequence.schedule.patterns[frames.size()].name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    frames.push_back({cat("frame_", frames.size() < 10 ? "0" : "", frames.size(), "_", name, ".", arguments.format),
+                      std::move(picture)});
+  }
+  return frames;
+}
+
+/// Returns thumbnails of all frames in one image, in which flips and rotations can be checked.
+ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
+  constexpr size_t kColumns = 4, kWidth = 320, kGap = 4;
+  const ByteImage& first = frames.front().picture;
+  const size_t height = std::max<size_t>(1, first.height * kWidth / first.width);
+  const size_t columns = std::min(kColumns, frames.size()), rows = (frames.size() + columns - 1) / columns;
+  ByteImage sheet(columns * (kWidth + kGap) - kGap, rows * (height + kGap) - kGap, 1);
+  std::fill(sheet.pixels.begin(), sheet.pixels.end(), uint8_t{96});
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const ByteImage& frame = frames[i].picture;
+    for (size_t y = 0; y < height; ++y) {
+      const size_t to = (i / columns * (height + kGap) + y) * sheet.width + i % columns * (kWidth + kGap);
+      for (size_t x = 0; x < kWidth; ++x) {
+        sheet.pixels[to + x] = frame.pixels[y * frame.height / height * frame.width + x * frame.width / kWidth];
+      }
+    }
+  }
+  return sheet;
+}
+
+/// Returns the table for a program that controls the display: each frame with its start and its duration.
+std::string csv_of(const cycles::Schedule& schedule, const std::vector<NamedFrame>& frames) {
+  std::string text = "index,file,name,begin_us,duration_us,event_image\n";
+  int64_t begin_us = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const cycles::ScheduledPattern& pattern = schedule.patterns[i];
+    text += cat(i, ',', frames[i].file, ',', pattern.name, ',', begin_us, ',', pattern.duration_us, ',',
+                pattern.image ? std::to_string(*pattern.image) : "", '\n');
+    begin_us += pattern.interval_us();
+  }
+  return text;
+}
+
+Result<void> write_frame(const fs::path& folder, const NamedFrame& frame, const RenderArguments& arguments) {
+  const BitDepth depth = arguments.bits == 1 ? BitDepth::k1 : BitDepth::k8;
+  if (arguments.format == "bmp") return write_file(folder / frame.file, encode_grey_bmp(frame.picture, depth));
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, encode_grey_png(frame.picture, depth));
+  return write_file(folder / frame.file, bytes);
+}
+
+Result<void> check_depth(const RenderArguments& arguments, const capture::Codes& codes) {
+  if (arguments.bits == 8 || capture::is_binary(codes)) return {};
+  return Error{ErrorCode::kInvalidValue,
+               "the patterns contain values between 0 and 1, which one bit cannot represent; use 8", "--bits"};
+}
+
+Result<void> render(const RenderArguments& arguments, const Verb& verb) {
+  RunRecord record("codes render");
+  E2LF_ASSIGN_OR_RETURN(DisplaySequence sequence, display_sequence(arguments.display, record));
+  E2LF_RETURN_IF_ERROR(check_depth(arguments, sequence.codes));
+  const std::vector<NamedFrame> frames = named_frames(arguments, sequence);
+  const CodesSource& source = arguments.display.codes;
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {source.model, source.codes}));
+  for (const NamedFrame& frame : frames) E2LF_RETURN_IF_ERROR(write_frame(folder.path(), frame, arguments));
+  E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.json", cycles::schedule_text(sequence.schedule)));
+  E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.csv", csv_of(sequence.schedule, frames)));
+  E2LF_RETURN_IF_ERROR(capture::write_codes(folder.path() / "codes.json", sequence.codes));
+  E2LF_RETURN_IF_ERROR(lightfield::write_png(folder.path() / "contact_sheet.png", sheet_of(frames)));
+  record.end_step("render");
+  E2LF_RETURN_IF_ERROR(commit(folder, record, verb));
+  if (!verb.common().quiet) {
+    std::printf("%zu frames of %zux%zu px in %s: look at contact_sheet.png; schedule.json is for --schedule\n",
+                frames.size(), frames.front().picture.width, frames.front().picture.height, arguments.output.c_str());
+  }
+  return {};
+}
+
+int run_codes_render(const std::vector<std::string>& arguments) {
+  Verb verb("codes render", "Make the images that an aperture display shows, and their schedule.",
+            "e2lf codes render -m e2lf-n4 -o out/display --flip-x --bits 1");
+  RenderArguments render_arguments;
+  CLI::App& app = verb.app();
+  add_display_options(app, render_arguments.display);
+  app.add_option("-o,--output", render_arguments.output, "folder to write")->required();
+  add_choice(app, "--format", render_arguments.format, {"png", "bmp"}, "png or bmp");
+  app.add_option("--bits", render_arguments.bits, "bits per pixel: 1 or 8")
+      ->check(CLI::IsMember({1, 8}))
+      ->capture_default_str();
+  return verb.run(arguments, [&] { return render(render_arguments, verb); });
 }
 
 }  // namespace

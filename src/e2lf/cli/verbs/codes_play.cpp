@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // e2lf codes play: shows the patterns on a display of this computer
 #include <cmath>
-#include <cstdio>
 #include <thread>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/display_flags.h"
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/screen.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
@@ -149,9 +149,7 @@ cycles::Schedule shown_schedule(const Player& player, cycles::Schedule schedule)
 Result<void> play(PlayArguments arguments, const Verb& verb) {
   RunRecord record("codes play");
   const CodesSource& source = arguments.display.codes;
-  E2LF_ASSIGN_OR_RETURN(ResultFolder folder,
-                        open_output_folder(arguments.output, {.inputs = {source.model, source.codes},
-                                                              .overwrite = verb.common().overwrite}));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {source.model, source.codes}));
   E2LF_ASSIGN_OR_RETURN(Screen screen, Screen::open(arguments.screen));
   capture::DisplayLayout& layout = arguments.display.layout;
   if (layout.width_px == 0) layout.width_px = screen.width_px();
@@ -178,19 +176,15 @@ Result<void> play(PlayArguments arguments, const Verb& verb) {
                      {"refreshes", player.refreshes()},
                      {"missed_refreshes", player.missed()}};
   record.note("shown", json);
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(folder.commit(std::move(about)));
+  E2LF_RETURN_IF_ERROR(commit(folder, record, verb));
   if (player.missed() > 0) {
     log_warning(cat(player.missed(),
                     " refreshes were missed, so that patterns were shown for too long; flips.csv lists "
                     "them. Close other programs, or show patterns for longer (--period-us)"));
   }
-  if (verb.common().json) {
-    std::printf("%s", json_text(json).c_str());
-  } else if (!verb.common().quiet) {
-    std::printf("%llu cycles shown; the times are in %s, whose schedule.json can be given to --schedule\n",
-                static_cast<unsigned long long>(cycles), arguments.output.c_str());
-  }
+  print_result(verb.common(), json,
+               cat(cycles, " cycles shown; the times are in ", arguments.output.string(),
+                   ", whose schedule.json can be given to --schedule\n"));
   return {};
 }
 
@@ -204,19 +198,15 @@ int run_codes_play(const std::vector<std::string>& arguments) {
   CLI::App& app = verb.app();
   add_display_options(app, play_arguments.display);
   app.add_option("-o,--output", play_arguments.output, "folder for the times and the schedule")->required();
-  app.add_option("--display", play_arguments.screen, "number of the display, from 0")
-      ->check(whole_number(0))
-      ->capture_default_str();
+  add_count(app, "--display", play_arguments.screen, 0, INT64_MAX, "number of the display, from 0");
   app.add_option("--period-us", play_arguments.period_us,
                  "duration of each pattern, rounded to refreshes of the display; default: that of the schedule")
       ->check(whole_number(1));
   app.add_option("--cycles", play_arguments.cycles, "number of cycles, 0 = until Escape or Ctrl-C")
       ->capture_default_str();
-  app.add_option("--blink", play_arguments.blink_px,
-                 "width of a square in the lower right corner that is white in the first half of each pattern, for a "
-                 "photodiode, px; 0 = none")
-      ->check(whole_number(0, 4096))
-      ->capture_default_str();
+  add_count(app, "--blink", play_arguments.blink_px, 0, 4096,
+            "width of a square in the lower right corner that is white in the first half of each pattern, for a "
+            "photodiode, px; 0 = none");
   verb.stop_gently();
   return verb.run(arguments, [&] { return play(play_arguments, verb); });
 }

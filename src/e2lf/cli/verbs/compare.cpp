@@ -4,30 +4,25 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
-#include <set>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/camera_option.h"
+#include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/version.h"
-#include "e2lf/compare/measure.h"
-#include "e2lf/compare/pictures.h"
+#include "e2lf/compare/jobs.h"
 #include "e2lf/compare/result_page.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/lightfield/image.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using lightfield::LightField;
 
 struct CompareArguments {
   fs::path config, output, data;
@@ -36,14 +31,8 @@ struct CompareArguments {
   bool again = false, json = false;
 };
 
-/// The part of the jobs that this run computes: part `number` of `count`.
-struct Shard {
-  size_t number = 1, count = 1;
-  [[nodiscard]] bool holds(size_t job) const { return job % count == number - 1; }
-};
-
-Result<Shard> parse_shard(const std::string& text) {
-  Shard shard;
+Result<compare::Shard> parse_shard(const std::string& text) {
+  compare::Shard shard;
   if (text.empty()) return shard;
   const char* const end = text.data() + text.size();
   const auto number = std::from_chars(text.data(), end, shard.number);
@@ -93,70 +82,6 @@ Result<compare::Config> configuration(const CompareArguments& arguments, const V
   return compare::config_from_json(json, arguments.config.string());
 }
 
-/// Returns the numbers of the jobs that must be computed.
-std::vector<size_t> open_jobs(const compare::Plan& plan, const compare::ResultStore& store, const Shard& shard,
-                              bool again) {
-  std::vector<size_t> open;
-  std::set<std::string> keys;  // several jobs may have the same result
-  for (size_t i = 0; i < plan.jobs.size(); ++i) {
-    if (!shard.holds(i) || (!again && store.find(plan.jobs[i]))) continue;
-    if (keys.insert(plan.jobs[i].key).second) open.push_back(i);
-  }
-  return open;
-}
-
-/// Computes jobs one after another and stores each result immediately.
-class Runner {
- public:
-  Runner(const compare::Plan& plan, const compare::ResultStore& store, bool is_quiet)
-      : plan_(plan), store_(store), runner_(plan), bar_("compare", is_quiet) {}
-
-  /// Computes jobs until all are done or a stop is requested. Returns the number of results.
-  Result<size_t> run(const std::vector<size_t>& jobs) {
-    size_t done = 0;
-    for (; done < jobs.size() && !stop_requested(); ++done) {
-      const compare::Job& job = plan_.jobs[jobs[done]];
-      bar_.update(done * kParts, jobs.size() * kParts);
-      E2LF_RETURN_IF_ERROR(load(job.scene));
-      const ProgressFn progress = [&](size_t part, size_t total) {
-        if (total > 0) bar_.update(done * kParts + std::min(part, total) * kParts / total, jobs.size() * kParts);
-      };
-      E2LF_ASSIGN_OR_RETURN(const compare::Outcome measurement, runner_.run(job, truth_, progress));
-      std::vector<uint8_t> png;
-      if (plan_.pictures && job.seed == plan_.jobs.front().seed) {
-        E2LF_ASSIGN_OR_RETURN(png, picture(measurement.light_field, &truth_));
-      }
-      E2LF_RETURN_IF_ERROR(store_.keep(plan_, job, measurement.figures, png));
-    }
-    hide_progress();
-    return done;
-  }
-
- private:
-  static constexpr size_t kParts = 1000;
-
-  static Result<std::vector<uint8_t>> picture(const LightField& field, const LightField* truth) {
-    return lightfield::encode_png(compare::look(field, truth), lightfield::PngDepth::k8);
-  }
-
-  Result<void> load(size_t scene) {
-    if (loaded_ == scene) return {};
-    loaded_.reset();
-    E2LF_ASSIGN_OR_RETURN(truth_, compare::load_scene(plan_.scenes[scene]));
-    loaded_ = scene;
-    if (!plan_.pictures) return {};
-    E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> png, picture(truth_, nullptr));
-    return store_.keep_picture(compare::truth_key(plan_.scenes[scene]), png);
-  }
-
-  const compare::Plan& plan_;
-  const compare::ResultStore& store_;
-  compare::JobRunner runner_;
-  ProgressBar bar_;
-  LightField truth_;
-  std::optional<size_t> loaded_;
-};
-
 Result<void> take_over(const CompareArguments& arguments, const compare::Plan& plan,
                        const compare::ResultStore& store) {
   std::vector<std::string> pictures;
@@ -171,39 +96,7 @@ Result<void> take_over(const CompareArguments& arguments, const compare::Plan& p
   return {};
 }
 
-constexpr const char* kTables[] = {"index.html", "table.csv", "table.json", "table.tex"};
-
-Result<void> write_tables(const CompareArguments& arguments, const fs::path& folder, const compare::Plan& plan,
-                          const compare::Results& results, const compare::ResultStore& store) {
-  std::string latex;
-  for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
-    latex += report::table_latex(compare::quality_table(plan, results, sensor));
-  }
-  const std::string command = cat("e2lf compare ", arguments.config.string(), " -o ", arguments.output.string());
-  E2LF_RETURN_IF_ERROR(write_file(folder / "table.csv", report::table_csv(compare::result_table(plan, results))));
-  E2LF_RETURN_IF_ERROR(write_file(folder / "table.json", json_text(compare::all_json(plan, results))));
-  E2LF_RETURN_IF_ERROR(write_file(folder / "table.tex", latex));
-  return write_file(folder / "index.html", compare::result_page(plan, results, store, command));
-}
-
-void print(const compare::Plan& plan, const compare::Results& results) {
-  for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
-    for (const report::Table& table :
-         {compare::quality_table(plan, results, sensor), compare::cost_table(plan, results, sensor)}) {
-      if (table.columns.size() < 2) continue;
-      std::printf("%s\n%s\n", table.caption.c_str(), report::table_text(table).c_str());
-    }
-  }
-}
-
-/// Warns about sums over cycles that saturated.
-void warn_of_saturation(const compare::Results& results) {
-  uint64_t events = 0;
-  for (const auto& result : results) events += result ? result->value("saturated_events", uint64_t{0}) : 0;
-  if (events > 0) log_warning(cat("sums over several cycles saturated and lost ", events, " events; use fewer cycles"));
-}
-
-/// Prints the results that exist, and how to continue if some are missing.
+/// Prints the results that exist, and warns about sums that saturated and about results that are missing.
 void tell(const CompareArguments& arguments, const compare::Plan& plan, const compare::Results& results,
           size_t new_results, const Verb& verb) {
   const auto there = static_cast<size_t>(
@@ -214,11 +107,21 @@ void tell(const CompareArguments& arguments, const compare::Plan& plan, const co
     json["missing_results"] = results.size() - there;
     std::printf("%s", json_text(json).c_str());
   } else if (!verb.common().quiet) {
-    print(plan, results);
+    for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
+      for (const report::Table& table :
+           {compare::quality_table(plan, results, sensor), compare::cost_table(plan, results, sensor)}) {
+        if (table.columns.size() < 2) continue;
+        std::printf("%s\n%s\n", table.caption.c_str(), report::table_text(table).c_str());
+      }
+    }
     std::printf("%zu new results, %zu of %zu done. In %s: index.html, table.csv, table.json, table.tex, results/\n",
                 new_results, there, results.size(), arguments.output.c_str());
   }
-  warn_of_saturation(results);
+  uint64_t lost_events = 0;
+  for (const auto& result : results) lost_events += result ? result->value("saturated_events", uint64_t{0}) : 0;
+  if (lost_events > 0) {
+    log_warning(cat("sums over several cycles saturated and lost ", lost_events, " events; use fewer cycles"));
+  }
   if (there < results.size() && (arguments.shard.empty() || stop_requested())) {
     log_warning(
         cat(results.size() - there, " of ", results.size(), " results are missing; repeat the command to continue"));
@@ -228,7 +131,7 @@ void tell(const CompareArguments& arguments, const compare::Plan& plan, const co
 Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
   const char* const data = std::getenv("E2LF_DATA");
   if (arguments.data.empty() && data != nullptr) arguments.data = data;
-  E2LF_ASSIGN_OR_RETURN(const Shard shard, parse_shard(arguments.shard));
+  E2LF_ASSIGN_OR_RETURN(const compare::Shard shard, parse_shard(arguments.shard));
   E2LF_ASSIGN_OR_RETURN(const compare::Config config, configuration(arguments, verb));
   RunRecord record("compare");
   E2LF_ASSIGN_OR_RETURN(const compare::Plan plan, compare::make_plan(config, surroundings_of(arguments)));
@@ -236,18 +139,20 @@ Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
   rules.inputs = plan.files;
   rules.inputs.push_back(arguments.config);
   rules.inputs.insert(rules.inputs.end(), arguments.merged.begin(), arguments.merged.end());
-  GrowingFolder folder{"compare", {std::begin(kTables), std::end(kTables)}};
+  GrowingFolder folder{"compare", {std::begin(compare::kTableFiles), std::end(compare::kTableFiles)}};
   E2LF_RETURN_IF_ERROR(folder.open(arguments.output, rules, record.json_so_far(verb)));
   record.end_step("plan");
   const compare::ResultStore store(folder.path());
   E2LF_RETURN_IF_ERROR(take_over(arguments, plan, store));
-  const std::vector<size_t> jobs = open_jobs(plan, store, shard, arguments.again);
-  Runner runner(plan, store, verb.common().quiet);
-  E2LF_ASSIGN_OR_RETURN(const size_t new_results, runner.run(jobs));
+  const std::vector<size_t> jobs = compare::open_jobs(plan, store, shard, arguments.again);
+  ProgressBar bar("compare", verb.common().quiet);
+  E2LF_ASSIGN_OR_RETURN(const size_t new_results, compare::run_jobs(plan, jobs, store, bar.callback()));
+  hide_progress();
   record.end_step("measure");
   compare::Results results;
   for (const compare::Job& job : plan.jobs) results.push_back(store.find(job));
-  E2LF_RETURN_IF_ERROR(write_tables(arguments, folder.path(), plan, results, store));
+  const std::string command = cat("e2lf compare ", arguments.config.string(), " -o ", arguments.output.string());
+  E2LF_RETURN_IF_ERROR(compare::write_tables(folder.path(), plan, results, store, command));
   record.end_step("write");
   record.add_input(arguments.config);
   for (const fs::path& file : plan.files) record.add_input(file);

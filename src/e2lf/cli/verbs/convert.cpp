@@ -3,15 +3,15 @@
 #include "e2lf/recordings/convert.h"
 
 #include <cctype>
-#include <cstdio>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/file_kind.h"
-#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
@@ -49,45 +49,36 @@ Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& 
 
 Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  lightfield::ReadOptions read = read_options(arguments.light_field);
+  lightfield::ReadOptions read = unchanged_options(arguments.light_field);
   read.colour = arguments.colour;
-  read.range = lightfield::RangePolicy::kKeep;
   lightfield::WriteOptions write;
   E2LF_ASSIGN_OR_RETURN(write.format, light_field_format(arguments));
-  const OutputRules rules{.inputs = {arguments.input}, .overwrite = common.overwrite};
   std::optional<ResultFolder> folder;
   std::optional<OutputFile> file;
   if (lightfield::is_folder_format(write.format)) {
-    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, rules));
+    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, verb, {arguments.input}));
   } else {
-    E2LF_ASSIGN_OR_RETURN(file, OutputFile::create(arguments.output, rules));
+    E2LF_ASSIGN_OR_RETURN(file, OutputFile::create(arguments.output, verb, {arguments.input}));
   }
-  RunRecord record("convert");
-  record.add_input(arguments.input);
+  RunRecord record("convert", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field,
                         read_with_progress(arguments.input, read, common.quiet));
   ProgressBar bar("write", common.quiet);
   if (folder) {
     E2LF_RETURN_IF_ERROR(lightfield::write_views(folder->path(), light_field, write.format, bar.callback()));
     record.end_step("convert");
-    E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-    E2LF_RETURN_IF_ERROR(folder->commit(std::move(about)));
+    E2LF_RETURN_IF_ERROR(commit(*folder, record, verb));
   } else {
     bar.update(0, 1);
     E2LF_RETURN_IF_ERROR(lightfield::write_light_field(file->path(), light_field, write));
     record.end_step("convert");
-    E2LF_RETURN_IF_ERROR(record.write(file->record_path(), verb));
-    E2LF_RETURN_IF_ERROR(file->commit());
+    E2LF_RETURN_IF_ERROR(commit(*file, record, verb));
   }
   hide_progress();
   const lightfield::Shape& shape = light_field.shape();
-  if (common.json) {
-    const Json json = {{"views", {shape.views_y, shape.views_x}}, {"height", shape.height}, {"width", shape.width}};
-    std::printf("%s", json_text(json).c_str());
-  } else if (!common.quiet) {
-    std::printf("%zux%zu views of %zux%zu px in %s\n", shape.views_y, shape.views_x, shape.width, shape.height,
-                arguments.output.c_str());
-  }
+  print_result(common, {{"views", {shape.views_y, shape.views_x}}, {"height", shape.height}, {"width", shape.width}},
+               cat(shape.views_y, "x", shape.views_x, " views of ", shape.width, "x", shape.height, " px in ",
+                   arguments.output.string(), "\n"));
   return {};
 }
 
@@ -98,9 +89,8 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
   record.add_input(input);
   record.note("left_out", losses_json(reader.summary()));
   record.note("live", live_json(reader.summary()));
-  record.note("read_as", reading_json(reader.info()));
   record.note("sensor", sensor_json(reader.summary()));
-  if (is_live(input)) record.note("header", header_json(reader.info()));
+  record.note(reading_notes(input, reader.info()));
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::recorded_setup(input, reader.info()));
   setup.views = given.after(setup.views);
   record.note(pipeline::setup_notes(setup, output.path()));
@@ -169,12 +159,11 @@ Json part_json(const ConvertedPart& part) {
           {"warnings", report.warnings}};
 }
 
-void say_part(const ConvertedPart& part, std::FILE* to) {
-  std::fprintf(to, "%llu events and %llu triggers in %s%s\n", static_cast<unsigned long long>(part.report.events),
-               static_cast<unsigned long long>(part.report.triggers), part.named.c_str(),
-               sorted_text(part.report.summary).c_str());
+std::string part_text(const ConvertedPart& part) {
   const std::string sensor = recordings::sensor_text(part.report.summary);
-  if (!sensor.empty()) std::fprintf(to, "the sensor %s; its counts are not in the output\n", sensor.c_str());
+  return cat(part.report.events, " events and ", part.report.triggers, " triggers in ", part.named.string(),
+             sorted_text(part.report.summary), "\n",
+             sensor.empty() ? "" : cat("the sensor ", sensor, "; its counts are not in the output\n"));
 }
 
 Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb) {
@@ -208,12 +197,11 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
     E2LF_RETURN_IF_ERROR(part.output.commit());
     warn_of_losses(arguments.input, part.report.summary);
     verb.note_failed_input(part.report.summary.live.failure);
-    if (!common.json && !common.quiet) say_part(part, part.output.text());
+    if (!common.json) print_result(common, {}, part_text(part), part.output.text());
     json["parts"].push_back(part_json(part));
   }
-  if (!common.json) return {};
   if (parts.size() == 1) json = part_json(parts.front());
-  std::fprintf(parts.front().output.text(), "%s", json_text(json).c_str());
+  if (common.json) print_result(common, json, "", parts.front().output.text());
   return {};
 }
 
@@ -231,10 +219,8 @@ Result<std::string> event_image_extension(const ConvertArguments& arguments) {
 Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const std::string extension, event_image_extension(arguments));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite}));
-  RunRecord record("convert");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}));
+  RunRecord record("convert", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
   if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
     file.setup.views = given.after(file.setup.views);
@@ -246,50 +232,38 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
   }
   record.end_step("convert");
   record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(arguments.input), output.path()));
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   const capture::EventImages& first = file.cycles.front();
-  if (common.json) {
-    const Json json = {
-        {"cycles", file.cycles.size()}, {"transitions", first.count}, {"height", first.height}, {"width", first.width}};
-    std::printf("%s", json_text(json).c_str());
-  } else if (!common.quiet) {
-    std::printf("%zu cycles of %zu event images of %zux%zu px in %s\n", file.cycles.size(), first.count, first.width,
-                first.height, arguments.output.c_str());
-  }
+  print_result(
+      common,
+      {{"cycles", file.cycles.size()}, {"transitions", first.count}, {"height", first.height}, {"width", first.width}},
+      cat(file.cycles.size(), " cycles of ", first.count, " event images of ", first.width, "x", first.height,
+          " px in ", arguments.output.string(), "\n"));
   return {};
 }
 
 Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
-  switch (kind) {
-    case FileKind::kRecording:
-      E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
-      return convert_events(arguments, verb);
-    case FileKind::kLightField:
-      E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
-      return convert_light_field(arguments, verb);
-    case FileKind::kEventImages:
-      E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
-      E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
-      return convert_event_images(arguments, verb);
-    case FileKind::kImages:
-      return Error{ErrorCode::kUnsupported,
-                   cat("there is no other format for ", kind_text(kind), "; other programs read .npz"),
-                   arguments.input.string()};
-    case FileKind::kCycles:
-      return lightfield::detect_kind(arguments.input).error();
-    case FileKind::kTrainingRun:
-    case FileKind::kDisplay:
-    case FileKind::kResults:
-    case FileKind::kSettings:
-      return other_kind_error(arguments.input, kind, "a recording, event images or a light field");
-    case FileKind::kModel:
-      break;
+  if (kind == FileKind::kRecording) {
+    E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+    return convert_events(arguments, verb);
   }
-  return Error{ErrorCode::kUnsupported,
-               cat("this is ", kind_text(kind), "; other programs take it as ONNX, which `e2lf model export` writes"),
-               arguments.input.string()};
+  if (kind == FileKind::kLightField || kind == FileKind::kEventImages) {
+    E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
+    if (kind == FileKind::kLightField) return convert_light_field(arguments, verb);
+    E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+    return convert_event_images(arguments, verb);
+  }
+  if (kind == FileKind::kCycles) return lightfield::detect_kind(arguments.input).error();
+  const bool is_model = kind == FileKind::kModel;
+  if (!is_model && kind != FileKind::kImages) {
+    return other_kind_error(arguments.input, kind, "a recording, event images or a light field");
+  }
+  return Error{
+      ErrorCode::kUnsupported,
+      is_model ? cat("this is ", kind_text(kind), "; other programs take it as ONNX, which `e2lf model export` writes")
+               : cat("there is no other format for ", kind_text(kind), "; other programs read .npz"),
+      arguments.input.string()};
 }
 
 }  // namespace

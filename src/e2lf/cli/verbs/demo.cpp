@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: MIT
 // e2lf demo: renders a procedural scene, simulates its events and reconstructs its light field
-#include <cstdio>
-
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/cli/flags/model_option.h"
-#include "e2lf/cli/output/comparison_page.h"
-#include "e2lf/cli/output/light_field_output.h"
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/output/light_field_writer.h"
 #include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/pictures.h"
+#include "e2lf/cli/output/print.h"
+#include "e2lf/cli/output/report_output.h"
 #include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/live_view.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/files/options.h"
-#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"
@@ -56,26 +52,25 @@ Result<void> write_refocused(const fs::path& folder, const LightField& light_fie
   return lightfield::write_png(folder / "refocus_far.png", lightfield::refocus(light_field, 1.2F, open));
 }
 
-void print_result(const DemoArguments& arguments, const pipeline::OpenedMethod& method, const eval::EvalRow& row) {
-  const std::string name = method.network ? "network " + method.network->model().name
-                                          : "closed-form inversion (no trained model is bundled)";
-  std::printf("method: %s\n%s\nin %s:\n", name.c_str(), report::table_text(eval::quality_table({&row, 1})).c_str(),
-              arguments.output.c_str());
-  if (has_viewer()) {
-    std::printf(
-        "  index.html         open it in a browser: the scene beside its reconstruction, parallax, refocusing, EPI\n");
-  }
-  std::printf("  scene/             the true light field, 8x8 views\n");
-  std::printf("  events.npz         what the camera records of it (look at events.png)\n");
-  std::printf("  recon/             the reconstructed light field: views, contact_sheet.png, epi.png\n");
-  std::printf("  refocus_near.png   the reconstruction focused on the front; refocus_far.png: on the back\n");
+std::string result_text(const DemoArguments& arguments, const pipeline::OpenedMethod& method,
+                        const eval::EvalRow& row) {
+  return cat("method: ",
+             method.network ? "network " + method.network->model().name
+                            : "closed-form inversion (no trained model is bundled)",
+             "\n", report::table_text(eval::quality_table({&row, 1})), "\nin ", arguments.output.string(), ":\n",
+             has_viewer() ? "  index.html         open it in a browser: the scene beside its reconstruction, parallax, "
+                            "refocusing, EPI\n"
+                          : "",
+             "  scene/             the true light field, 8x8 views\n"
+             "  events.npz         what the camera records of it (look at events.png)\n"
+             "  recon/             the reconstructed light field: views, contact_sheet.png, epi.png\n"
+             "  refocus_near.png   the reconstruction focused on the front; refocus_far.png: on the back\n");
 }
 
 Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   const auto model = arguments.model.empty() ? bundled_file(kModel) : arguments.model;
-  const OutputRules rules{.inputs = {model.value_or("")}, .overwrite = common.overwrite};
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb, {model.value_or("")}));
   RunRecord record("demo");
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_method(model, record));
   E2LF_ASSIGN_OR_RETURN(const recon::Method reconstruct, method.ready());
@@ -114,13 +109,8 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   if (has_viewer()) E2LF_RETURN_IF_ERROR(write_comparison_page(folder / "index.html", scene, light_field));
   record.end_step("write");
   record.note("quality", eval::to_json(row));
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(output.commit(std::move(about)));
-  if (common.json) {
-    std::printf("%s", json_text(eval::to_json(row)).c_str());
-  } else if (!common.quiet) {
-    print_result(arguments, method, row);
-  }
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  print_result(common, eval::to_json(row), result_text(arguments, method, row));
   return {};
 }
 

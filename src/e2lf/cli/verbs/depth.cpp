@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // e2lf depth: light field -> disparity map
 #include <cmath>
-#include <cstdio>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/file_kind.h"
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/output/shown_light_field.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
@@ -79,18 +79,14 @@ Result<Estimate> estimate(const DepthArguments& arguments, const fs::path& path,
   if (arguments.has_range) options.range = depth::DisparityRange{arguments.least, arguments.most};
   if (arguments.has_view) options.view = depth::ViewIndex{arguments.view_row, arguments.view_column};
   ProgressBar bar("depth of " + path.filename().string(), is_quiet);
-  auto map = depth::estimate_disparity(light_field, options, bar.callback());
-  if (!map) {
-    Error error = map.error();
-    error.location = path.string();
-    return error;
-  }
-  const depth::ViewIndex view = map->view;
-  const depth::OcclusionSign sign = depth::occlusion_sign(light_field, *map);
+  E2LF_ASSIGN_OR_RETURN(depth::DisparityMap map,
+                        located(depth::estimate_disparity(light_field, options, bar.callback()), path));
+  const depth::ViewIndex view = map.view;
+  const depth::OcclusionSign sign = depth::occlusion_sign(light_field, map);
   warn_of_turned_views(path, sign);
-  E2LF_ASSIGN_OR_RETURN(const depth::FlippedAxis axis, depth::find_flipped_axis(light_field, *map));
+  E2LF_ASSIGN_OR_RETURN(const depth::FlippedAxis axis, depth::find_flipped_axis(light_field, map));
   warn_of_flipped_views(path, axis);
-  return Estimate{*std::move(map), lightfield::view_image(light_field, view.y, view.x), light_field.shape(), sign};
+  return Estimate{std::move(map), lightfield::view_image(light_field, view.y, view.x), light_field.shape(), sign};
 }
 
 void share(const DepthArguments& arguments, const depth::DisparityMap& map, Shared& shared) {
@@ -105,12 +101,12 @@ Result<void> write_array(const fs::path& path, const Image& image) {
 
 Result<void> write_points(const fs::path& path, const DepthArguments& arguments, const Estimate& estimate,
                           const Shared& shared) {
-  auto points = depth::encode_point_cloud(estimate.map, estimate.picture, estimate.shape,
-                                          {shared.infinity, arguments.field_width}, arguments.least_confidence);
-  if (points) return write_file(path, *points);
-  Error error = points.error();
-  error.location = arguments.input.string();
-  return error;
+  E2LF_ASSIGN_OR_RETURN(
+      const auto points,
+      located(depth::encode_point_cloud(estimate.map, estimate.picture, estimate.shape,
+                                        {shared.infinity, arguments.field_width}, arguments.least_confidence),
+              arguments.input));
+  return write_file(path, points);
 }
 
 /// Writes one file in the format of its extension.
@@ -150,43 +146,37 @@ Json json_of(const Estimate& estimate, const Shared& shared) {
           {"mean_confidence", depth::mean_confidence(map)}};
 }
 
-void print_result(const DepthArguments& arguments, const CommonOptions& common, const Json& maps) {
-  if (common.json) {
-    std::printf("%s", json_text(Json{{"output", arguments.output.string()}, {"maps", maps}}).c_str());
-  } else if (!common.quiet) {
-    const Json& first = maps.front();
-    std::printf("%zu disparity map%s in %s: view (%d, %d), most of it from %.2f to %.2f px per view step\n",
-                maps.size(), maps.size() == 1 ? "" : "s", arguments.output.c_str(), first["view"][0].get<int>(),
-                first["view"][1].get<int>(), first["shown_px"][0].get<double>(), first["shown_px"][1].get<double>());
-  }
+void print_maps(const DepthArguments& arguments, const CommonOptions& common, const Json& maps) {
+  const Json& first = maps.front();
+  print_result(common, {{"output", arguments.output.string()}, {"maps", maps}},
+               cat(counted(maps.size(), "disparity map"), " in ", arguments.output.string(),
+                   formatted(": view (%d, %d), most of it from %.2f to %.2f px per view step\n",
+                             first["view"][0].get<int>(), first["view"][1].get<int>(),
+                             first["shown_px"][0].get<double>(), first["shown_px"][1].get<double>())));
 }
 
 Result<void> to_file(const DepthArguments& arguments, const std::string& extension, const Verb& verb) {
-  const OutputRules rules{.inputs = {arguments.input}, .overwrite = verb.common().overwrite};
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
-  RunRecord record("depth");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}));
+  RunRecord record("depth", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const Estimate result, estimate(arguments, arguments.input, verb.common().quiet));
   record.end_step("estimate");
   Shared shared;
   share(arguments, result.map, shared);
   E2LF_RETURN_IF_ERROR(write_one(output.path(), extension, arguments, result, shared));
   record.note("maps", Json::array({json_of(result, shared)}));
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
-  print_result(arguments, verb.common(), Json::array({json_of(result, shared)}));
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  print_maps(arguments, verb.common(), Json::array({json_of(result, shared)}));
   return {};
 }
 
-/// Writes the folder of each cycle, which appears complete when it is done.
+/// Writes the folder of a light field, or one folder for each cycle, which appears complete when it is done.
 Result<void> to_folder(const DepthArguments& arguments, const std::vector<fs::path>& cycles, const Verb& verb) {
-  const OutputRules rules{.inputs = {arguments.input}, .overwrite = verb.common().overwrite};
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
-  RunRecord record("depth");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb, {arguments.input}));
+  RunRecord record("depth", {arguments.input});
   Shared shared;
   Json maps = Json::array();
-  for (const fs::path& cycle : cycles) {
+  const bool is_one = cycles.empty();
+  for (const fs::path& cycle : is_one ? std::vector{arguments.input} : cycles) {
     if (!maps.empty() && stop_requested()) break;
     const auto result = estimate(arguments, cycle, verb.common().quiet);
     if (!result && result.error().code == ErrorCode::kCancelled && !maps.empty()) break;
@@ -194,46 +184,32 @@ Result<void> to_folder(const DepthArguments& arguments, const std::vector<fs::pa
     share(arguments, result->map, shared);
     maps.push_back(json_of(*result, shared));
     const std::string name = cycle.filename().string();
-    E2LF_ASSIGN_OR_RETURN(const fs::path folder, output.begin_part(name));
+    fs::path folder = output.path();
+    if (!is_one) {
+      E2LF_ASSIGN_OR_RETURN(folder, output.begin_part(name));
+    }
     E2LF_RETURN_IF_ERROR(write_all(folder, arguments, *result, shared));
+    if (is_one) break;
     E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"map", maps.back()}}));
     if (maps.size() == 1) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
   }
   record.end_step("estimate");
   record.note("maps", maps);
   E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(output.update_record(std::move(about)));
-  print_result(arguments, verb.common(), maps);
+  E2LF_RETURN_IF_ERROR(is_one ? output.commit(std::move(about)) : output.update_record(std::move(about)));
+  print_maps(arguments, verb.common(), maps);
   return {};
 }
 
-Result<void> to_folder(const DepthArguments& arguments, const Verb& verb) {
-  const OutputRules rules{.inputs = {arguments.input}, .overwrite = verb.common().overwrite};
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
-  RunRecord record("depth");
-  record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(const Estimate result, estimate(arguments, arguments.input, verb.common().quiet));
-  record.end_step("estimate");
-  Shared shared;
-  share(arguments, result.map, shared);
-  E2LF_RETURN_IF_ERROR(write_all(output.path(), arguments, result, shared));
-  record.note("maps", Json::array({json_of(result, shared)}));
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(output.commit(std::move(about)));
-  print_result(arguments, verb.common(), Json::array({json_of(result, shared)}));
-  return {};
-}
-
-Result<void> run(DepthArguments& arguments, Verb& verb) {
-  const auto is_given = [&](const char* flag) { return verb.app().get_option(flag)->count() > 0; };
-  if (is_given("--min-disparity") != is_given("--max-disparity")) {
+Result<void> run(DepthArguments& arguments, const Verb& verb) {
+  if (verb.is_given("--min-disparity") != verb.is_given("--max-disparity")) {
     return Error{ErrorCode::kInvalidValue, "a range has two limits; give --min-disparity and --max-disparity", ""};
   }
-  if (is_given("--view-row") != is_given("--view-column")) {
+  if (verb.is_given("--view-row") != verb.is_given("--view-column")) {
     return Error{ErrorCode::kInvalidValue, "a view has a row and a column; give --view-row and --view-column", ""};
   }
-  arguments.has_range = is_given("--min-disparity");
-  arguments.has_view = is_given("--view-row");
+  arguments.has_range = verb.is_given("--min-disparity");
+  arguments.has_view = verb.is_given("--view-row");
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   const std::string extension = arguments.output.extension().string();
   const bool is_file = extension == ".npy" || extension == ".pfm" || extension == ".png" || extension == ".ply";
@@ -241,7 +217,7 @@ Result<void> run(DepthArguments& arguments, Verb& verb) {
     return to_folder(arguments, lightfield::cycle_folders(arguments.input), verb);
   }
   if (kind != FileKind::kLightField) return no_light_field_error(arguments.input);
-  return is_file ? to_file(arguments, extension, verb) : to_folder(arguments, verb);
+  return is_file ? to_file(arguments, extension, verb) : to_folder(arguments, {}, verb);
 }
 
 }  // namespace

@@ -2,11 +2,12 @@
 #include "e2lf/cli/verbs/describe.h"
 
 #include <algorithm>
+#include <fstream>
 #include <memory>
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/measurement_io.h"
-#include "e2lf/cli/output/pictures.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/report.h"
@@ -19,7 +20,6 @@
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
 #include "e2lf/model/video/video_model.h"
-#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/report/chart.h"
 
 namespace e2lf::cli {
@@ -134,10 +134,9 @@ Result<Description> describe_event_images(const fs::path& path) {
                {"codes", setup.codes.has_value()},
                {"orientation", orientation_text(setup.views)},
                {"first_cycle", eval::to_json(statistics)}};
-  std::string text =
-      cat("event images: ", file.cycles.size(), " cycle", file.cycles.size() == 1 ? "" : "s", " of ", first.count,
-          " transitions, ", first.width, "x", first.height, " px, codes ", setup.codes ? "included" : "not included",
-          ", views ", orientation_text(setup.views), "\nevents per pixel in the first cycle:");
+  std::string text = cat("event images: ", counted(file.cycles.size(), "cycle"), " of ", first.count, " transitions, ",
+                         first.width, "x", first.height, " px, codes ", setup.codes ? "included" : "not included",
+                         ", views ", orientation_text(setup.views), "\nevents per pixel in the first cycle:");
   for (const double count : statistics.events_per_pixel) text += cat(" ", count);
   text += cat(", total ", statistics.total_events_per_pixel, "\n");
   return Description{std::move(text), std::move(json), [kept](report::Page& page) { return show(*kept, page); }};
@@ -158,9 +157,9 @@ Result<Description> describe_images(const fs::path& path) {
                {"codes", file.setup.codes.has_value()},
                {"min", *low},
                {"max", *high}};
-  std::string text = cat("measurement (", capture::measurement_name(first.kind), "): ", file.cycles.size(), " cycle",
-                         file.cycles.size() == 1 ? "" : "s", " of ", first.images.count, " intensity image",
-                         first.images.count == 1 ? "" : "s");
+  std::string text =
+      cat("measurement (", capture::measurement_name(first.kind), "): ", counted(file.cycles.size(), "cycle"), " of ",
+          counted(first.images.count, "intensity image"));
   if (first.events.count > 0) text += cat(" and ", first.events.count, " event images");
   text += cat(", ", first.width(), "x", first.height(), " px, intensities ", *low, "..", *high, ", codes ",
               file.setup.codes ? "included" : "not included", "\n");
@@ -174,10 +173,7 @@ Result<Description> describe_images(const fs::path& path) {
 
 Result<Description> describe_light_field(const fs::path& path, const LightFieldFlags& flags) {
   E2LF_ASSIGN_OR_RETURN(const auto kind, lightfield::detect_kind(path));
-  lightfield::ReadOptions options = read_options(flags);
-  options.range = lightfield::RangePolicy::kKeep;
-  options.colour = true;
-  E2LF_ASSIGN_OR_RETURN(lightfield::LightField read, lightfield::read_light_field(path, options));
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField read, lightfield::read_light_field(path, unchanged_options(flags)));
   const auto light_field = std::make_shared<const lightfield::LightField>(std::move(read));
   const lightfield::Shape& shape = light_field->shape();
   E2LF_ASSIGN_OR_RETURN(const capture::Orientation stored, lightfield::stored_orientation(path));
@@ -199,11 +195,76 @@ Result<Description> describe_light_field(const fs::path& path, const LightFieldF
       [light_field, low = *low, high = *high](report::Page& page) { return show(*light_field, low, high, page); }};
 }
 
+/// Returns the names in a folder, sorted.
+std::vector<std::string> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    names.push_back(entry->path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// Returns the number at the start of the last line; 0 if there is none.
+uint64_t last_step(const fs::path& log) {
+  std::ifstream in(log);
+  uint64_t step = 0;
+  for (std::string line; std::getline(in, line);) step = std::strtoull(line.c_str(), nullptr, 10);
+  return step;
+}
+
+Result<Description> describe_training_run(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const Json config, read_json(path / "config.json"));
+  const Json::json_pointer name_at("/name"), steps_at("/train/steps");
+  const bool has_name = config.contains(name_at) && config[name_at].is_string();
+  const bool has_steps = config.contains(steps_at) && config[steps_at].is_number_unsigned();
+  const std::string name = has_name ? config[name_at].get<std::string>() : "model";
+  const uint64_t steps = has_steps ? config[steps_at].get<uint64_t>() : 0, done = last_step(path / "log.csv");
+  const fs::path model = path / (name + ".safetensors");
+  std::error_code error;
+  const bool has_model = fs::exists(model, error);
+  std::string text = cat("training run of ", name, ": ", done, " of ", steps, " steps are logged; `e2lf resume ",
+                         path.string(), "` continues it\n");
+  text += has_model ? cat("its model: `e2lf info ", model.string(), "`\n") : "it has no model yet\n";
+  if (fs::exists(path / "curves.html", error)) text += cat("its curves: ", (path / "curves.html").string(), "\n");
+  return Description{std::move(text),
+                     {{"kind", "training run"},
+                      {"name", name},
+                      {"steps", steps},
+                      {"logged_steps", done},
+                      {"model", has_model ? Json(model.string()) : Json()}},
+                     {}};
+}
+
+Result<Description> describe_display(const fs::path& path) {
+  const std::vector<std::string> names = names_in(path);
+  const auto frames =
+      std::count_if(names.begin(), names.end(), [](const std::string& name) { return name.starts_with("frame_"); });
+  return Description{
+      cat("images for an aperture display: ", frames, " frames in the order of their numbers, see ",
+          "contact_sheet.png\nschedule.csv is for the program that shows them, schedule.json for --schedule, and ",
+          "codes.json for --codes\n"),
+      {{"kind", "display"}, {"frames", frames}},
+      {}};
+}
+
+Result<Description> describe_results(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const Json record, read_json(path / "run.json"));
+  const std::string verb = record.value("verb", "");
+  std::vector<std::string> names = names_in(path);
+  std::erase(names, "run.json");
+  return Description{cat("results of `e2lf ", verb, "`: ", join(names),
+                         "\nrun.json describes the run that made them; give one of them for more information\n"),
+                     {{"kind", "results"}, {"verb", verb}, {"names", names}},
+                     {}};
+}
+
 Result<Description> describe_cycles(const fs::path& path, const LightFieldFlags& flags) {
   const std::vector<fs::path> folders = lightfield::cycle_folders(path);
   E2LF_ASSIGN_OR_RETURN(Description first, describe_light_field(folders.front(), flags));
   Json json = {{"kind", "cycles"}, {"cycles", folders.size()}, {"first_cycle", std::move(first.json)}};
-  return Description{cat("light fields of ", folders.size(), " cycle", folders.size() == 1 ? "" : "s", "; ",
+  return Description{cat("light fields of ", counted(folders.size(), "cycle"), "; ",
                          folders.front().filename().string(), ": ", first.text),
                      std::move(json), std::move(first.show)};
 }
@@ -223,9 +284,11 @@ Result<Description> describe(FileKind kind, const fs::path& path, const Describe
     case FileKind::kRecording:
       return describe_recording(path, options);
     case FileKind::kTrainingRun:
+      return describe_training_run(path);
     case FileKind::kDisplay:
+      return describe_display(path);
     case FileKind::kResults:
-      return describe_folder(kind, path);
+      return describe_results(path);
     case FileKind::kSettings:
       return describe_settings(path);
     case FileKind::kLightField:

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 
 #include "e2lf/base/progress.h"
@@ -11,6 +13,7 @@
 #include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/files/options.h"
+#include "e2lf/recordings/event.h"
 #include "e2lf/report/page.h"
 
 namespace e2lf::cli {
@@ -35,9 +38,6 @@ struct DescribeOptions {
 [[nodiscard]] Result<Description> describe(FileKind kind, const std::filesystem::path& path,
                                            const DescribeOptions& options);
 
-/// Describes a folder with several parts: a training run, the images for a display, or results of a verb.
-[[nodiscard]] Result<Description> describe_folder(FileKind kind, const std::filesystem::path& path);
-
 /// Describes a file of settings: a camera, a schedule, patterns, the record of a run, settings of a training, or
 /// biases.
 [[nodiscard]] Result<Description> describe_settings(const std::filesystem::path& path);
@@ -48,5 +48,32 @@ struct DescribeOptions {
 /// Reads a whole recording and describes it: format, sensor, events, triggers, duration, event rate and damage. Needs
 /// constant memory.
 [[nodiscard]] Result<Description> describe_recording(const std::filesystem::path& path, const DescribeOptions& options);
+
+/// Collects statistics of the triggers of a recording and the extent of its events, in constant memory.
+class RecordingStatistics {
+ public:
+  void add(const recordings::EventBatch& batch);
+
+  /// Returns the size in px of the smallest sensor that contains all events, or 0 if there are none.
+  [[nodiscard]] size_t width() const { return width_; }
+  [[nodiscard]] size_t height() const { return height_; }
+
+  /// Returns the number of rising and falling edges of each trigger input and the mean time between them.
+  [[nodiscard]] Json triggers_json() const;
+  [[nodiscard]] std::string triggers_text() const;
+
+ private:
+  struct Edges {
+    uint64_t count = 0;
+    int64_t first_us = 0, last_us = 0;
+    void add(int64_t t_us);
+    [[nodiscard]] double period_us() const;
+  };
+  struct Channel {
+    Edges rising, falling;
+  };
+  std::map<uint16_t, Channel> channels_;
+  size_t width_ = 0, height_ = 0;
+};
 
 }  // namespace e2lf::cli

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include <cstdio>
+#include <algorithm>
 
 #include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/verbs/describe.h"
-#include "e2lf/cli/verbs/recording_statistics.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {
@@ -43,11 +43,8 @@ std::string size_text(const recordings::RecordingInfo& info, const RecordingStat
 std::string time_text(const recordings::DecodeSummary& summary) {
   const double duration_s = static_cast<double>(summary.last_t_us - summary.first_t_us) * 1e-6;
   const double rate = duration_s > 0 ? static_cast<double>(summary.events()) * 1e-6 / duration_s : 0.0;
-  char text[160];
-  std::snprintf(text, sizeof text, "%lld .. %lld us (%.6f s), %.3f M events/s",
-                static_cast<long long>(summary.first_t_us), static_cast<long long>(summary.last_t_us), duration_s,
-                rate);
-  return text;
+  return cat(summary.first_t_us, " .. ", summary.last_t_us,
+             formatted(" us (%.6f s), %.3f M events/s", duration_s, rate));
 }
 
 std::string to_text(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
@@ -133,6 +130,57 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
                      to_json(reader->info(), summary, statistics, std::move(parts_json)),
                      {},
                      summary.live.failure};
+}
+
+namespace {
+
+size_t beyond(const recordings::Column<uint16_t>& coordinates, size_t known) {
+  if (coordinates.empty()) return known;
+  return std::max<size_t>(known, size_t{*std::max_element(coordinates.begin(), coordinates.end())} + 1);
+}
+
+}  // namespace
+
+void RecordingStatistics::Edges::add(int64_t t_us) {
+  if (count == 0) first_us = t_us;
+  last_us = t_us;
+  ++count;
+}
+
+double RecordingStatistics::Edges::period_us() const {
+  return count < 2 ? 0.0 : static_cast<double>(last_us - first_us) / static_cast<double>(count - 1);
+}
+
+void RecordingStatistics::add(const recordings::EventBatch& batch) {
+  width_ = beyond(batch.events.x, width_);
+  height_ = beyond(batch.events.y, height_);
+  for (const recordings::Trigger& trigger : batch.triggers) {
+    Channel& channel = channels_[trigger.id];
+    (trigger.p != 0 ? channel.rising : channel.falling).add(trigger.t);
+  }
+}
+
+Json RecordingStatistics::triggers_json() const {
+  Json json = Json::array();
+  for (const auto& [id, channel] : channels_) {
+    json.push_back({{"channel", id},
+                    {"rising", channel.rising.count},
+                    {"falling", channel.falling.count},
+                    {"rising_period_us", channel.rising.period_us()},
+                    {"falling_period_us", channel.falling.period_us()}});
+  }
+  return json;
+}
+
+std::string RecordingStatistics::triggers_text() const {
+  std::string text;
+  for (const auto& [id, channel] : channels_) {
+    const bool is_rising = channel.rising.count >= channel.falling.count;
+    const Edges& edges = is_rising ? channel.rising : channel.falling;
+    text += cat("           channel ", id, ": ", channel.rising.count, " rising and ", channel.falling.count,
+                " falling edges", edges.count < 2 ? "" : cat(", one every ", edges.period_us(), " us"), "\n");
+  }
+  return text;
 }
 
 }  // namespace e2lf::cli

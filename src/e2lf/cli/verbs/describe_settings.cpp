@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/orientation.h"
 #include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/verbs/describe.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/file.h"
@@ -27,10 +26,8 @@ Result<Description> describe_camera(const fs::path& path) {
   std::string text =
       cat("camera file, for --camera: ", printable(camera.name), ", event model ", camera.event_model, "\n");
   for (const auto& [key, constant] : json["constants"].items()) {
-    std::array<char, 120> line;
     const double value = constant.value("value", 0.0), uncertainty = constant.value("uncertainty", 0.0);
-    std::snprintf(line.data(), line.size(), "%-18s %10.4g", key.c_str(), value);
-    text += line.data();
+    text += formatted("%-18s %10.4g", key.c_str(), value);
     if (uncertainty > 0) text += cat(", uncertain by ", std::round(1000 * uncertainty) / 10, " %");
     text += "\n";
   }

@@ -5,11 +5,12 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/output/shown_light_field.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/lightfield/contact_sheet.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -22,18 +23,6 @@ struct EpiArguments {
   size_t row = 0, column = 0, view = 0, px_per_view = 6;
   LightFieldFlags light_field{.views = 0};
 };
-
-/// Repeats each pixel along the axis of the views.
-Image stretched(const Image& epi, size_t times_y, size_t times_x) {
-  Image image(epi.width * times_x, epi.height * times_y, epi.channels);
-  for (size_t y = 0; y < image.height; ++y) {
-    for (size_t x = 0; x < image.width; ++x) {
-      std::copy_n(epi.pixels.data() + (y / times_y * epi.width + x / times_x) * epi.channels, epi.channels,
-                  image.pixels.data() + (y * image.width + x) * epi.channels);
-    }
-  }
-  return image;
-}
 
 /// Fails if there are not that many.
 Result<void> check_place(const char* what, size_t place, size_t count, const fs::path& input) {
@@ -55,10 +44,10 @@ Result<Image> cut(const EpiArguments& arguments, const LightField& light_field, 
     E2LF_RETURN_IF_ERROR(check_place("column of views", options.view_x, shape.views_x, arguments.input));
   }
   if (has_row != has_column) {
-    return has_row ? stretched(lightfield::horizontal_epi(light_field, options.view_y, arguments.row),
-                               arguments.px_per_view, 1)
-                   : stretched(lightfield::vertical_epi(light_field, options.view_x, arguments.column), 1,
-                               arguments.px_per_view);
+    return has_row ? lightfield::enlarged(lightfield::horizontal_epi(light_field, options.view_y, arguments.row),
+                                          arguments.px_per_view, 1)
+                   : lightfield::enlarged(lightfield::vertical_epi(light_field, options.view_x, arguments.column), 1,
+                                          arguments.px_per_view);
   }
   if (has_row) {
     options.y = arguments.row;
@@ -70,23 +59,19 @@ Result<Image> cut(const EpiArguments& arguments, const LightField& light_field, 
 
 Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  const auto is_given = [&](const char* flag) { return verb.resolved_options().contains(flag); };
-  const bool has_row = is_given("row"), has_column = is_given("column"), has_view = is_given("view");
+  const bool has_row = verb.is_given("--row"), has_column = verb.is_given("--column");
+  const bool has_view = verb.is_given("--view");
   if (has_view && has_row == has_column) {
     return Error{ErrorCode::kInvalidValue, "--view selects the views of a single cut; give --row or --column", ""};
   }
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite,
-                                                                                 .ending = ".png"}));
-  RunRecord record("epi");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}, ".png"));
+  RunRecord record("epi", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet));
   E2LF_ASSIGN_OR_RETURN(const Image picture, cut(arguments, light_field, has_row, has_column, has_view));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));
   record.end_step("epi");
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   if (!common.quiet) std::printf("%zux%zu px in %s\n", picture.width, picture.height, arguments.output.c_str());
   return {};
 }
@@ -106,9 +91,7 @@ int run_epi(const std::vector<std::string>& arguments) {
   app.add_option("--column", cutting.column,
                  "column of pixels to cut along, counted from 0; views are stacked to the right");
   app.add_option("--view", cutting.view, "the row of views, or with --column the column; default: the middle one");
-  app.add_option("--px-per-view", cutting.px_per_view, "thickness of each view's line, px")
-      ->check(whole_number(1, 100))
-      ->capture_default_str();
+  add_count(app, "--px-per-view", cutting.px_per_view, 1, 100, "thickness of each view's line, px");
   add_light_field_options(app, cutting.light_field, /*has_views=*/true);
   add_orientation_options(app, cutting.light_field.orientation);
   return verb.run(arguments, [&] { return epi(cutting, verb); });

@@ -3,17 +3,15 @@
 #include "e2lf/recon/equivalence.h"
 
 #include <algorithm>
-#include <cstdio>
 
-#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/scene_input.h"
+#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/options.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -38,25 +36,17 @@ struct Row {
   recon::Equivalence found;
 };
 
-/// Moves black, which is first in most sequences, to the end.
-std::vector<size_t> default_order(size_t num_patterns) {
+/// Returns the other order of the patterns, counted from 0. By default, black, which is first in most sequences, moves
+/// to the end.
+Result<std::vector<size_t>> order_of(const EquivalenceArguments& arguments, size_t num_patterns) {
   std::vector<size_t> order;
   for (size_t n = 1; n <= num_patterns; ++n) order.push_back(n % num_patterns);
-  return order;
-}
-
-Result<std::vector<size_t>> order_of(const EquivalenceArguments& arguments, size_t num_patterns) {
-  if (arguments.order.empty()) return default_order(num_patterns);
-  std::vector<size_t> order, sorted = arguments.order;
-  std::sort(sorted.begin(), sorted.end());
-  std::vector<size_t> expected;
-  for (size_t n = 1; n <= num_patterns; ++n) expected.push_back(n);
-  if (sorted != expected) {
-    return Error{ErrorCode::kInvalidValue, cat("an order contains each of 1 to ", num_patterns, " once; e.g. 2,3,4,1"),
-                 "--order"};
-  }
-  for (const size_t n : arguments.order) order.push_back(n - 1);
-  return order;
+  if (arguments.order.empty()) return order;
+  std::vector<size_t> other;
+  for (const size_t n : arguments.order) other.push_back(n - 1);
+  if (std::ranges::is_permutation(other, order)) return other;
+  return Error{ErrorCode::kInvalidValue, cat("an order contains each of 1 to ", num_patterns, " once; e.g. 2,3,4,1"),
+               "--order"};
 }
 
 Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const pipeline::KnownCodes& known,
@@ -131,11 +121,10 @@ std::string page_of(const EquivalenceArguments& arguments, const std::vector<Row
 
 Result<void> run(const EquivalenceArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  const OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes},
-                          .overwrite = common.overwrite};
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, rules));
-  RunRecord record("equivalence");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(
+      ResultFolder output,
+      open_output_folder(arguments.output, verb, {arguments.input, arguments.codes.model, arguments.codes.codes}));
+  RunRecord record("equivalence", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> order, order_of(arguments, known.codes.num_patterns));
   const SceneOptions options{arguments.light_field, known.codes.views_y, known.codes.views_x};
@@ -147,13 +136,9 @@ Result<void> run(const EquivalenceArguments& arguments, const Verb& verb) {
   const report::Table table = table_of(rows);
   E2LF_RETURN_IF_ERROR(write_file(output.path() / "table.csv", report::table_csv(table)));
   E2LF_RETURN_IF_ERROR(write_file(output.path() / "index.html", page_of(arguments, rows)));
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(output.commit(std::move(about)));
-  if (common.json) {
-    std::printf("%s", json_text(report::table_json(table)).c_str());
-  } else if (!common.quiet) {
-    std::printf("%s\nin %s: index.html, table.csv\n", report::table_text(table).c_str(), arguments.output.c_str());
-  }
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  print_result(common, report::table_json(table),
+               cat(report::table_text(table), "\nin ", arguments.output.string(), ": index.html, table.csv\n"));
   return {};
 }
 

@@ -4,15 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
-#include <span>
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/scene_input.h"
+#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/report_output.h"
-#include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/compare/pictures.h"
 #include "e2lf/eval/metrics.h"
@@ -151,21 +148,20 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfiel
   return page;
 }
 
-Json json_of(const eval::EvalRow& row, size_t channels) {
-  Json json = eval::to_json(row);
-  json["channels"] = channels;
-  return json;
+/// Returns the figures of one reconstruction, or a list of them under "methods"; with `channels` unless it is 0.
+Json json_of(const std::vector<eval::EvalRow>& rows, size_t channels) {
+  Json methods = Json::array();
+  for (const eval::EvalRow& row : rows) {
+    methods.push_back(eval::to_json(row));
+    if (channels > 0) methods.back()["channels"] = channels;
+  }
+  return rows.size() == 1 ? methods.front() : Json{{"methods", methods}};
 }
 
-void print_result(const std::vector<eval::EvalRow>& rows, size_t channels, const EvalArguments& arguments,
-                  const CommonOptions& common) {
+void print_rows(const std::vector<eval::EvalRow>& rows, size_t channels, const EvalArguments& arguments,
+                const CommonOptions& common) {
   if (common.json) {
-    Json json = json_of(rows.front(), channels);
-    if (rows.size() > 1) {
-      json = Json{{"methods", Json::array()}};
-      for (const eval::EvalRow& row : rows) json["methods"].push_back(json_of(row, channels));
-    }
-    std::printf("%s", json_text(json).c_str());
+    std::printf("%s", json_text(json_of(rows, channels)).c_str());
   } else if (arguments.csv) {
     std::printf("%s", report::table_csv(eval::quality_table(rows)).c_str());
   } else if (!common.quiet) {
@@ -185,13 +181,6 @@ Result<eval::EventStatistics> read_events(const fs::path& path, const lightfield
                cat("event images of ", images.width, "x", images.height, " px do not belong to a light field of ",
                    shape.width, "x", shape.height, " px; give the events from which it was reconstructed"),
                path.string()};
-}
-
-Result<lightfield::LightField> read_candidate(const Candidate& candidate, bool quiet) {
-  lightfield::ReadOptions all = read_options({.views = 0});
-  all.range = lightfield::RangePolicy::kKeep;
-  all.colour = true;
-  return read_with_progress(candidate.path, all, quiet);
 }
 
 Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField field,
@@ -224,24 +213,22 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   OutputRules rules{.inputs = {arguments.truth, arguments.events}, .overwrite = verb.common().overwrite};
   for (const Candidate& candidate : candidates) rules.inputs.push_back(candidate.path);
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
-  std::optional<OutputFile> output;
   rules.streams = true;
-  if (!arguments.output.empty()) {
-    rules.ending = ".json";
-    E2LF_ASSIGN_OR_RETURN(output, OutputFile::create(arguments.output, rules));
-  }
-  E2LF_ASSIGN_OR_RETURN(lightfield::LightField first, read_candidate(candidates.front(), quiet));
-  // Reads as many views of the ground truth, in colour if the reconstruction is.
-  const lightfield::Shape shape = first.shape();
-  const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField truth, load_scene(arguments.truth, same, quiet));
+  rules.ending = ".json";
+  E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> output, open_optional(arguments.output, rules));
+  lightfield::LightField truth;
   std::vector<Compared> all;
-  E2LF_ASSIGN_OR_RETURN(Compared of_first, compare_one(candidates.front(), std::move(first), truth, arguments, quiet));
-  all.push_back(std::move(of_first));
-  for (const Candidate& candidate : std::span(candidates).subspan(1)) {
-    E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, read_candidate(candidate, quiet));
-    E2LF_ASSIGN_OR_RETURN(Compared further, compare_one(candidate, std::move(field), truth, arguments, quiet));
-    all.push_back(std::move(further));
+  for (const Candidate& candidate : candidates) {
+    E2LF_ASSIGN_OR_RETURN(lightfield::LightField field,
+                          read_with_progress(candidate.path, unchanged_options({.views = 0}), quiet));
+    if (all.empty()) {
+      // Reads as many views of the ground truth, in colour if the first reconstruction is.
+      const lightfield::Shape& shape = field.shape();
+      const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
+      E2LF_ASSIGN_OR_RETURN(truth, load_scene(arguments.truth, same, quiet));
+    }
+    E2LF_ASSIGN_OR_RETURN(Compared compared, compare_one(candidate, std::move(field), truth, arguments, quiet));
+    all.push_back(std::move(compared));
   }
   if (!arguments.events.empty()) {
     E2LF_ASSIGN_OR_RETURN(const eval::EventStatistics events, read_events(arguments.events, truth.shape()));
@@ -249,19 +236,14 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   }
   const std::vector<eval::EvalRow> rows = rows_of(all);
   if (output) {
-    Json json = eval::to_json(rows.front());
-    if (rows.size() > 1) {
-      json = Json{{"methods", Json::array()}};
-      for (const eval::EvalRow& row : rows) json["methods"].push_back(eval::to_json(row));
-    }
-    E2LF_RETURN_IF_ERROR(write_file(output->path(), json_text(json)));
+    E2LF_RETURN_IF_ERROR(write_file(output->path(), json_text(json_of(rows, 0))));
     E2LF_RETURN_IF_ERROR(output->commit());
   }
   if (reports.is_wanted()) {
     E2LF_ASSIGN_OR_RETURN(const report::Page page, eval_page(all, truth));
     E2LF_RETURN_IF_ERROR(reports.write(page));
   }
-  print_result(rows, shape.channels, arguments, verb.common());
+  print_rows(rows, truth.shape().channels, arguments, verb.common());
   return {};
 }
 

@@ -2,9 +2,7 @@
 // e2lf info: description of a file or folder
 #include <cstdio>
 
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/option_types.h"
-#include "e2lf/cli/output/output.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/verbs/describe.h"
@@ -42,13 +40,10 @@ Result<void> write_report(const Description& found, const InfoArguments& argumen
 Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, const Verb& verb) {
   const CommonOptions& common = verb.common();
   constexpr size_t kPlotBins = 2000;
-  std::optional<OutputFile> picture;
   recordings::EventRateCounter rate(kPlotBins);
-  if (!arguments.plot.empty()) {
-    const OutputRules rules{.inputs = {arguments.path}, .overwrite = common.overwrite, .streams = true};
-    E2LF_ASSIGN_OR_RETURN(picture, OutputFile::create(arguments.plot, rules));
-  }
-  if (picture || reports.is_wanted()) {
+  E2LF_ASSIGN_OR_RETURN(ChartOutput chart,
+                        ChartOutput::open(arguments.plot, {.inputs = {arguments.path}, .overwrite = common.overwrite}));
+  if (chart.is_wanted() || reports.is_wanted()) {
     arguments.options.on_batch = [&rate](const recordings::EventBatch& batch) { rate.add(batch); };
   }
   ProgressBar bar("read", common.quiet, "events");
@@ -58,10 +53,7 @@ Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, co
   verb.note_failed_input(found.failure);
   print(found, common);
   const std::string svg = report::chart_svg(rate_chart(rate.rate()));
-  if (picture) {
-    E2LF_RETURN_IF_ERROR(write_chart(svg, arguments.plot, picture->path()));
-    E2LF_RETURN_IF_ERROR(picture->commit());
-  }
+  if (chart.is_wanted()) E2LF_RETURN_IF_ERROR(chart.write(svg));
   return write_report(found, arguments, svg, reports);
 }
 
@@ -96,9 +88,7 @@ int run_info(const std::vector<std::string>& arguments) {
       .add_option("path,-i,--input", info.path, "file or folder, or a bundled model")
       ->required()
       ->type_name(kThingType);
-  verb.app()
-      .add_option("--plot", info.plot, "recordings: write a chart of the event rate over time (.svg, .png)")
-      ->check(chart_name());
+  add_chart_option(verb.app(), info.plot, "recordings: write a chart of the event rate over time (.svg, .png)");
   add_report_option(verb.app(), info.reports);
   add_recording_options(verb.app(), info.options.recording, kRecordingOptions);
   add_light_field_options(verb.app(), info.options.light_field, /*has_views=*/true);

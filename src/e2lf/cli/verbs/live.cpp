@@ -9,14 +9,9 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/camera_option.h"
-#include "e2lf/cli/flags/cycle_input.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/model_option.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/output/light_field_output.h"
-#include "e2lf/cli/output/method_notes.h"
+#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
@@ -24,7 +19,6 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/live/session.h"
-#include "e2lf/pipeline/method.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -32,8 +26,8 @@ namespace {
 
 struct LiveArguments {
   fs::path source, output, last, fine_model;
-  CodesSource codes;
-  std::string size = "auto", precision = "auto", gain = "auto", black = "auto", camera;
+  MethodFlags method;
+  std::string size = "auto";
   size_t average = 1;
   double seconds = 0;
   bool has_no_page = false, records = false;
@@ -83,14 +77,6 @@ struct Instrument {
   live::SessionOptions options;
 };
 
-Result<std::unique_ptr<live::LiveReader>> open_reader(const LiveArguments& arguments, const CycleFlags& flags,
-                                                      const fs::path& recordings) {
-  const live::OpenCycles open = [&](const auto& on_batch) {
-    return open_cycles(arguments.source, flags, {.on_batch = on_batch, .on_mark = {}});
-  };
-  return live::LiveReader::open(open, {recordings, flags.invert_polarity, flags.max_cycles});
-}
-
 /// Checks that the cycles have the number of event images that the network takes; otherwise, each cycle would fail.
 Result<void> check_network(const model::Model& model, const cycles::Schedule& schedule) {
   if (model.measurement() == capture::MeasurementKind::kEventImages &&
@@ -123,26 +109,27 @@ FineMethod fine_method(recon::Reconstructor network, const capture::Orientation&
 /// Opens a network, and checks that it takes the event images of the cycles.
 Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, const cycles::CycleReader& cycles,
                                             pipeline::MethodChoice choice) {
-  auto method = pipeline::open_method(std::move(choice));
-  if (!method) return by_flag(method.error(), arguments.source);
-  E2LF_RETURN_IF_ERROR(check_network(method->network->model(), cycles.schedule()));
+  E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod method,
+                        by_flag(pipeline::open_method(std::move(choice)), arguments.source));
+  E2LF_RETURN_IF_ERROR(check_network(method.network->model(), cycles.schedule()));
   return method;
 }
 
 Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
   Instrument instrument;
-  pipeline::MethodChoice choice{.precision = arguments.precision, .prefers_fast = true};
-  E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(arguments.codes, record));
-  E2LF_ASSIGN_OR_RETURN(choice.codes, read_named_codes(arguments.codes));
-  E2LF_ASSIGN_OR_RETURN(instrument.reader, open_reader(arguments, wanted_cycles(arguments.cycles, choice), recordings));
+  E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
+  choice.prefers_fast = true;
+  const CycleFlags flags = wanted_cycles(arguments.cycles, choice);
+  const live::OpenCycles open = [&](const auto& on_batch) {
+    return open_cycles(arguments.source, flags, {.on_batch = on_batch, .on_mark = {}});
+  };
+  E2LF_ASSIGN_OR_RETURN(instrument.reader,
+                        live::LiveReader::open(open, {recordings, flags.invert_polarity, flags.max_cycles}));
   const cycles::CycleReader& cycles = instrument.reader->cycles();
-  E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
-  if (!arguments.camera.empty()) {
-    E2LF_ASSIGN_OR_RETURN(choice.camera, load_camera(arguments.camera, record));
-  }
-  note_named_codes(arguments.codes, choice.codes, choice.events.codes, record);
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.source, cycles));
+  E2LF_RETURN_IF_ERROR(complete_choice(arguments.method, std::move(setup), record, choice));
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_network(arguments, cycles, choice));
-  note_method(method, arguments.source, arguments.codes.model, 1, record);
+  note_method(method, arguments.source, arguments.method.codes.model, 1, record);
   pipeline::OpenedMethod best = method;
   choice.prefers_fast = false;
   if (!arguments.fine_model.empty()) {
@@ -152,17 +139,14 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   if (!arguments.fine_model.empty() || method.bundled) {
     E2LF_ASSIGN_OR_RETURN(best, open_network(arguments, cycles, std::move(choice)));
   }
-  pipeline::Tone tone;
-  E2LF_ASSIGN_OR_RETURN(tone.gain, parse_gain(arguments.gain));
-  E2LF_ASSIGN_OR_RETURN(tone.black, parse_black(arguments.black));
+  E2LF_ASSIGN_OR_RETURN(pipeline::Tone tone, tone_of(arguments.method));
   tone = method.complete(tone);
-  E2LF_ASSIGN_OR_RETURN(const auto size, live::size_from_name(arguments.size));
-  instrument.options.size = size;
+  E2LF_ASSIGN_OR_RETURN(instrument.options.size, live::size_from_name(arguments.size));
   instrument.options.gain = tone.gain;
   instrument.options.black = tone.black;
   instrument.options.views = arguments.orientation.after(method.views).value_or(capture::Orientation{});
   instrument.reader->set_average(arguments.average);
-  if (arguments.codes.model.empty() && best.network->model().name != method.network->model().name) {
+  if (arguments.method.codes.model.empty() && best.network->model().name != method.network->model().name) {
     instrument.makers.emplace_back(*best.network);
   }
   instrument.makers.emplace_back(*method.network);
@@ -186,9 +170,9 @@ void print_field(const live::FieldReport& field, const CommonOptions& common) {
   if (common.json) {
     std::printf("%s\n", field_json(field).dump().c_str());
   } else if (!common.quiet) {
-    std::printf("light field %zu of cycle %zu: %s size, reconstructed in %.3f s, latency %.3f s\n",
-                static_cast<size_t>(field.serial), static_cast<size_t>(field.cycle), live::size_name(field.gait.size),
-                field.reconstruct_s, field.latency_s);
+    std::printf("light field %llu of cycle %llu: %s size, reconstructed in %.3f s, latency %.3f s\n",
+                static_cast<unsigned long long>(field.serial), static_cast<unsigned long long>(field.cycle),
+                live::size_name(field.gait.size), field.reconstruct_s, field.latency_s);
   }
   std::fflush(stdout);
 }
@@ -227,10 +211,9 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
     instrument.options.on_field = [&common](const live::FieldReport& field) { print_field(field, common); };
   }
   live::Session session(std::move(instrument.reader), std::move(instrument.makers), std::move(instrument.options));
-  std::optional<LivePage> page;
+  std::unique_ptr<LivePage> page;
   if (!arguments.has_no_page) {
-    E2LF_ASSIGN_OR_RETURN(LivePage started, LivePage::start(session, std::move(instrument.fine), arguments.port));
-    page.emplace(std::move(started));
+    E2LF_ASSIGN_OR_RETURN(page, start_live_page(session, std::move(instrument.fine), arguments.port));
     if (common.json) {
       std::printf("%s\n", Json{{"url", page->url()}}.dump().c_str());
     } else {
@@ -265,17 +248,17 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
     return Error{ErrorCode::kInvalidValue, "recordings need a folder; give one with -o", "--record"};
   }
   RunRecord record("live");
-  const std::vector<fs::path> inputs = {arguments.source,          arguments.codes.model, arguments.codes.codes,
-                                        arguments.cycles.schedule, arguments.camera,      arguments.fine_model};
+  const CodesSource& codes = arguments.method.codes;
+  const std::vector<fs::path> inputs = {
+      arguments.source,        codes.model,         codes.codes, arguments.cycles.schedule,
+      arguments.method.camera, arguments.fine_model};
   GrowingFolder folder("live", {});
   if (!arguments.output.empty()) {
     E2LF_RETURN_IF_ERROR(folder.open(arguments.output, {.inputs = inputs}, record.json_so_far(verb)));
   }
   std::optional<OutputFile> last;
   if (!arguments.last.empty()) {
-    E2LF_ASSIGN_OR_RETURN(
-        last,
-        OutputFile::create(arguments.last, {.inputs = inputs, .overwrite = verb.common().overwrite, .ending = ".npy"}));
+    E2LF_ASSIGN_OR_RETURN(last, OutputFile::create(arguments.last, verb, inputs, ".npy"));
   }
   Result<void> ran;
   auto instrument = make_instrument(arguments, folder.path(), record);
@@ -305,19 +288,12 @@ int run_live(const std::vector<std::string>& arguments) {
                  "camera://NAME, - for standard input, the path of a named pipe, tcp://127.0.0.1:PORT, or replay:FILE "
                  "(a recording at its own speed)")
       ->required();
-  add_codes_options(app, live_arguments.codes);
-  add_camera_option(app, live_arguments.camera,
-                    "the camera, for networks conditioned on the sensor profile; default: the one that the source "
-                    "states, or else the one for which the model was trained");
-  app.add_option(
-         "--size", live_arguments.size,
-         "full; half or quarter (each pixel is the sum of a block of 2x2 or 4x4); auto selects the largest that "
-         "keeps pace, and a better network if it does so, too")
-      ->check(CLI::IsMember({"auto", "full", "half", "quarter"}))
-      ->capture_default_str();
-  app.add_option("--average", live_arguments.average, "number of the last cycles that are summed, for static scenes")
-      ->check(whole_number(1, static_cast<int64_t>(live::kMostCycles)))
-      ->capture_default_str();
+  add_method_options(app, live_arguments.method, "the source");
+  add_choice(app, "--size", live_arguments.size, {"auto", "full", "half", "quarter"},
+             "full; half or quarter (each pixel is the sum of a block of 2x2 or 4x4); auto selects the largest that "
+             "keeps pace, and a better network if it does so, too");
+  add_count(app, "--average", live_arguments.average, 1, live::kMostCycles,
+            "number of the last cycles that are summed, for static scenes");
   add_model_option(
       app, "--fine", live_arguments.fine_model,
       "network that reconstructs a frozen cycle in several passes; default: that of -m, or the best bundled one");
@@ -330,16 +306,6 @@ int run_live(const std::vector<std::string>& arguments) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--port", live_arguments.port, "port of 127.0.0.1 on which the page is served; 0 = a free one")
-      ->capture_default_str();
-  app.add_option("--precision", live_arguments.precision, "arithmetic of the network: auto, float32, bfloat16 or int16")
-      ->check(CLI::IsMember({"auto", "float32", "bfloat16", "int16"}))
-      ->capture_default_str();
-  app.add_option("--gain", live_arguments.gain,
-                 "brightness of the output: auto (estimated from the first cycle) or a number; 1 = as computed")
-      ->capture_default_str();
-  app.add_option("--black", live_arguments.black,
-                 "brightness that becomes black: a number, or auto (0; with physical pixels and --gain auto, the "
-                 "darkest parts of the first cycle)")
       ->capture_default_str();
   add_cycle_options(app, live_arguments.cycles);
   add_orientation_options(app, live_arguments.orientation);

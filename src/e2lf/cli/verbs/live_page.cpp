@@ -28,12 +28,10 @@ Kept keep(lightfield::LightField light_field) {
   return kept;
 }
 
-}  // namespace
-
-class LivePage::Impl {
+class ServedLivePage : public LivePage {
  public:
-  Impl(live::Session& session, FineMethod fine) : session_(session), method_(std::move(fine)) {}
-  ~Impl() {
+  ServedLivePage(live::Session& session, FineMethod fine) : session_(session), method_(std::move(fine)) {}
+  ~ServedLivePage() override {
     if (server_) server_->end();
     for (std::thread* thread : {&serving_, &refining_}) {
       if (thread->joinable()) thread->join();
@@ -48,9 +46,9 @@ class LivePage::Impl {
     return {};
   }
 
-  [[nodiscard]] std::string url() const { return server_->url(); }
+  [[nodiscard]] std::string url() const override { return server_->url(); }
 
-  Result<void> finish() {
+  Result<void> finish() override {
     if (!stop_requested()) {
       hide_progress();
       std::fprintf(stderr, "the source has ended; the last light field is shown at %s; press Ctrl-C to end\n",
@@ -165,22 +163,12 @@ class LivePage::Impl {
   std::thread serving_, refining_;
 };
 
-LivePage::LivePage(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-LivePage::LivePage(LivePage&&) noexcept = default;
-LivePage::~LivePage() = default;
+}  // namespace
 
-Result<LivePage> LivePage::start(live::Session& session, FineMethod fine, uint16_t port) {
-  auto impl = std::make_unique<Impl>(session, std::move(fine));
-  E2LF_RETURN_IF_ERROR(impl->start(port));
-  return LivePage(std::move(impl));
-}
-
-std::string LivePage::url() const {
-  return impl_->url();
-}
-
-Result<void> LivePage::finish() {
-  return impl_->finish();
+Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine, uint16_t port) {
+  auto page = std::make_unique<ServedLivePage>(session, std::move(fine));
+  E2LF_RETURN_IF_ERROR(page->start(port));
+  return std::unique_ptr<LivePage>(std::move(page));
 }
 
 }  // namespace e2lf::cli

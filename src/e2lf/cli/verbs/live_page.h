@@ -20,21 +20,14 @@ using FineMethod = std::function<Result<lightfield::LightField>(const live::Live
 /// commands (POST) are freeze and fine; both return {"name"} of the light field that the page will contain.
 class LivePage {
  public:
-  /// Starts serving. `session` must outlive the page. Fails with kIo if the port is in use, and with kMissingDependency
-  /// in a build without the viewer.
-  [[nodiscard]] static Result<LivePage> start(live::Session& session, FineMethod fine, uint16_t port);
-  LivePage(LivePage&& other) noexcept;
-  LivePage& operator=(LivePage&& other) = delete;
-  ~LivePage();
-
-  [[nodiscard]] std::string url() const;
+  virtual ~LivePage() = default;
+  [[nodiscard]] virtual std::string url() const = 0;
   /// Continues to serve until stop_requested(). Fails with kIo.
-  [[nodiscard]] Result<void> finish();
-
- private:
-  class Impl;
-  explicit LivePage(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  [[nodiscard]] virtual Result<void> finish() = 0;
 };
+
+/// Starts serving. `session` must outlive the page. Fails with kIo if the port is in use, and with kMissingDependency
+/// in a build without the viewer.
+[[nodiscard]] Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine, uint16_t port);
 
 }  // namespace e2lf::cli

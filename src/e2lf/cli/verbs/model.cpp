@@ -5,11 +5,13 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/camera_option.h"
-#include "e2lf/cli/flags/model_option.h"
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs/describe.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/onnx/onnx_export.h"
@@ -20,42 +22,28 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-template <typename AnyModel>
-void print_model(const AnyModel& model, const Verb& verb) {
-  const std::string text = verb.common().json ? json_text(model::summary_json(model)) : model::summary_text(model);
-  std::printf("%s", text.c_str());
-}
-
 int run_model_info(const std::vector<std::string>& arguments) {
   Verb verb("model info", "Describe a model file.", "e2lf model info e2lf-n4");
   fs::path path;
   add_model_option(verb.app(), "model,-m,--model", path, "model file (.safetensors), or a bundled model")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
-    if (is_video) {
-      E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(path));
-      print_model(model, verb);
-      return {};
-    }
-    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
-    print_model(model, verb);
+    E2LF_ASSIGN_OR_RETURN(const Description found, describe(FileKind::kModel, path, {}));
+    std::printf("%s", verb.common().json ? json_text(found.json).c_str() : found.text.c_str());
     return {};
   });
 }
 
-Result<void> import_checkpoint(const fs::path& checkpoint, const std::string& as, const fs::path& output,
-                               const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {checkpoint},
-                                                                     .overwrite = verb.common().overwrite,
-                                                                     .ending = ".safetensors"}));
-  RunRecord record("model import");
-  record.add_input(checkpoint);
-  E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::import_event_video(checkpoint, as));
-  E2LF_RETURN_IF_ERROR(model::write_video_model(file.path(), model));
+/// Converts weights to a model file; read() reads them, and write() writes the model.
+template <typename Read, typename Write>
+Result<void> import_weights(const std::vector<fs::path>& inputs, const fs::path& output, const Verb& verb,
+                            const Read& read, const Write& write) {
+  E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, verb, inputs, ".safetensors"));
+  RunRecord record("model import", inputs);
+  E2LF_ASSIGN_OR_RETURN(const auto model, read());
+  E2LF_RETURN_IF_ERROR(write(file.path(), model));
   record.end_step("import");
-  record.resolve("as", model.name);
-  E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(file.commit());
+  if (inputs.size() == 1) record.resolve("as", model.name);
+  E2LF_RETURN_IF_ERROR(commit(file, record, verb));
   if (!verb.common().quiet) std::printf("%s: %s", output.c_str(), model::summary_text(model).c_str());
   return {};
 }
@@ -79,66 +67,73 @@ int run_model_import(const std::vector<std::string>& arguments) {
       ->excludes(of_release);
   verb.app().add_option("-o,--output", output, "model file to write")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    if (!checkpoint.empty()) return import_checkpoint(checkpoint, as, output, verb);
+    if (!checkpoint.empty()) {
+      return import_weights(
+          {checkpoint}, output, verb, [&] { return model::import_event_video(checkpoint, as); },
+          [](const auto& path, const auto& model) { return write_video_model(path, model); });
+    }
     if (release.empty()) {
       return Error{ErrorCode::kInvalidValue, "nothing to import; give --release or --checkpoint", "--release"};
     }
     // Many users will put the output beside the released weights, so only these are the inputs, not their folder.
-    E2LF_ASSIGN_OR_RETURN(
-        OutputFile file,
-        OutputFile::create(output, {.inputs = {release / "RecNet.safetensors", release / "AcqNet.safetensors"},
-                                    .overwrite = verb.common().overwrite,
-                                    .ending = ".safetensors"}));
-    RunRecord record("model import");
-    for (const char* name : {"RecNet.safetensors", "AcqNet.safetensors"}) record.add_input(release / name);
-    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::import_release(release));
-    E2LF_RETURN_IF_ERROR(model::write_model(file.path(), model));
-    record.end_step("import");
-    E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
-    E2LF_RETURN_IF_ERROR(file.commit());
-    if (!verb.common().quiet) std::printf("%s: %s", output.c_str(), model::summary_text(model).c_str());
-    return {};
+    return import_weights(
+        {release / "RecNet.safetensors", release / "AcqNet.safetensors"}, output, verb,
+        [&] { return model::import_release(release); },
+        [](const auto& path, const auto& model) { return write_model(path, model); });
   });
 }
 
-/// Sets the camera of a network that is conditioned on the sensor profile to that of --camera; "" leaves it unchanged.
-Result<void> set_camera(const std::string& camera, model::Model& model, RunRecord& record) {
-  if (camera.empty()) return {};
-  if (!model::is_told_the_camera(model)) {
-    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for a single camera; leave --camera out"),
-                 "--camera"};
+/// The flags of the verbs that write a model, and how they write it.
+struct RewriteArguments {
+  fs::path input, output;
+  std::string camera;
+};
+
+void add_rewrite_options(Verb& verb, RewriteArguments& arguments, const std::string& output_help,
+                         const std::string& camera_use) {
+  add_model_option(verb.app(), "model,-m,--model", arguments.input, "model file (.safetensors), or a bundled model")
+      ->required();
+  verb.app().add_option("-o,--output", arguments.output, output_help)->required();
+  add_camera_option(verb.app(), arguments.camera, "networks conditioned on the sensor profile: " + camera_use);
+}
+
+/// Reads the model, sets the camera for which it is conditioned if --camera names one, and writes the result of
+/// `write(path, model)`. Returns the model.
+template <typename Write>
+Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step, const char* ending, const Verb& verb,
+                             const Write& write) {
+  E2LF_ASSIGN_OR_RETURN(OutputFile file,
+                        OutputFile::create(arguments.output, verb, {arguments.input, arguments.camera}, ending));
+  RunRecord record(cat("model ", step), {arguments.input});
+  E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.input));
+  if (!arguments.camera.empty()) {
+    if (!model::is_told_the_camera(model)) {
+      return Error{ErrorCode::kInvalidValue, cat(model.name, " works for a single camera; leave --camera out"),
+                   "--camera"};
+    }
+    E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(arguments.camera, record));
   }
-  E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(camera, record));
-  return {};
+  E2LF_RETURN_IF_ERROR(write(file.path(), model));
+  record.end_step(step);
+  E2LF_RETURN_IF_ERROR(commit(file, record, verb));
+  return model;
 }
 
 int run_model_store(const std::vector<std::string>& arguments) {
   Verb verb("model store", "Store a model with weights of 16 or 32 bits, or with another default camera.",
             "e2lf model store MODEL.safetensors -o SMALL.safetensors --weights bfloat16");
-  fs::path input, output;
-  std::string weights = "bfloat16", camera;
-  add_model_option(verb.app(), "model,-m,--model", input, "model file (.safetensors), or a bundled model")->required();
-  verb.app().add_option("-o,--output", output, "model file to write")->required();
-  verb.app()
-      .add_option("--weights", weights, "bfloat16 (half the size, relative errors of 2^-8 at most) or float32")
-      ->check(CLI::IsMember({"bfloat16", "float32"}))
-      ->capture_default_str();
-  add_camera_option(verb.app(), camera,
-                    "networks conditioned on the sensor profile: the camera to use if `reconstruct` names none");
+  RewriteArguments rewriting;
+  std::string weights = "bfloat16";
+  add_rewrite_options(verb, rewriting, "model file to write", "the camera to use if `reconstruct` names none");
+  add_choice(verb.app(), "--weights", weights, {"bfloat16", "float32"},
+             "bfloat16 (half the size, relative errors of 2^-8 at most) or float32");
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, {.inputs = {input, camera},
-                                                                       .overwrite = verb.common().overwrite,
-                                                                       .ending = ".safetensors"}));
-    RunRecord record("model store");
-    record.add_input(input);
-    E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(input));
-    E2LF_RETURN_IF_ERROR(set_camera(camera, model, record));
-    const bool is_half = weights == "bfloat16";
-    E2LF_RETURN_IF_ERROR(model::write_model(
-        file.path(), model, is_half ? model::WeightStorage::kBfloat16 : model::WeightStorage::kFloat32));
-    record.end_step("store");
-    E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
-    return file.commit();
+    using model::WeightStorage;
+    const WeightStorage storage = weights == "bfloat16" ? WeightStorage::kBfloat16 : WeightStorage::kFloat32;
+    E2LF_RETURN_IF_ERROR(rewrite(rewriting, "store", ".safetensors", verb, [&](const auto& path, const auto& model) {
+      return model::write_model(path, model, storage);
+    }));
+    return {};
   });
 }
 
@@ -153,29 +148,21 @@ Json export_summary(const model::Model& model) {
   return summary;
 }
 
-Result<void> export_model(const fs::path& input, const fs::path& output, const std::string& camera, const Verb& verb) {
+Result<void> export_model(const RewriteArguments& arguments, const Verb& verb) {
+  const fs::path& output = arguments.output;
   if (output.extension() != ".onnx") {
     return Error{ErrorCode::kUnsupported, "models are exported as ONNX; name the output with .onnx", output.string()};
   }
   E2LF_ASSIGN_OR_RETURN(
-      OutputFile file,
-      OutputFile::create(output, {.inputs = {input, camera}, .overwrite = verb.common().overwrite, .ending = ".onnx"}));
-  RunRecord record("model export");
-  record.add_input(input);
-  E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(input));
-  E2LF_RETURN_IF_ERROR(set_camera(camera, model, record));
-  E2LF_ASSIGN_OR_RETURN(const std::string bytes, model::onnx_file(model));
-  E2LF_RETURN_IF_ERROR(write_file(file.path(), bytes));
-  record.end_step("export");
-  E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(file.commit());
-  if (verb.common().json) {
-    std::printf("%s", json_text(export_summary(model)).c_str());
-  } else if (!verb.common().quiet) {
-    std::printf("%s takes events [batch, %zu, y, x]%s and returns views [batch, %zu, y, x]\n", output.c_str(),
-                model.num_patterns - 1, model::is_told_the_camera(model) ? ", traits" : "",
-                model.views_y * model.views_x);
-  }
+      const model::Model model,
+      rewrite(arguments, "export", ".onnx", verb, [](const fs::path& path, const model::Model& model) -> Result<void> {
+        E2LF_ASSIGN_OR_RETURN(const std::string bytes, model::onnx_file(model));
+        return write_file(path, bytes);
+      }));
+  print_result(verb.common(), export_summary(model),
+               cat(output.string(), " takes events [batch, ", model.num_patterns - 1, ", y, x]",
+                   model::is_told_the_camera(model) ? ", traits" : "", " and returns views [batch, ",
+                   model.views_y * model.views_x, ", y, x]\n"));
   return {};
 }
 
@@ -183,13 +170,9 @@ int run_model_export(const std::vector<std::string>& arguments) {
   Verb verb("model export",
             "Export a model as ONNX for other programs, with event images as input and views as output.",
             "e2lf model export e2lf-n4 -o e2lf-n4.onnx");
-  fs::path input, output;
-  std::string camera;
-  add_model_option(verb.app(), "model,-m,--model", input, "model file (.safetensors), or a bundled model")->required();
-  verb.app().add_option("-o,--output", output, "file to write (.onnx)")->required();
-  add_camera_option(verb.app(), camera,
-                    "networks conditioned on the sensor profile: the camera that records the events");
-  return verb.run(arguments, [&] { return export_model(input, output, camera, verb); });
+  RewriteArguments exporting;
+  add_rewrite_options(verb, exporting, "file to write (.onnx)", "the camera that records the events");
+  return verb.run(arguments, [&] { return export_model(exporting, verb); });
 }
 
 }  // namespace

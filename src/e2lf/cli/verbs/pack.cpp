@@ -2,9 +2,8 @@
 // e2lf pack: light fields and photographs -> one file for training
 #include "e2lf/learn/data/pack.h"
 
-#include <cstdio>
-
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -24,24 +23,19 @@ int run_pack(const std::vector<std::string>& arguments) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("-o,--output", output, "file to write (.safetensors)")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    OutputRules rules{.inputs = options.light_fields, .overwrite = verb.common().overwrite, .ending = ".safetensors"};
-    rules.inputs.insert(rules.inputs.end(), options.textures.begin(), options.textures.end());
-    E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, rules));
-    RunRecord record("pack");
-    for (const fs::path& input : rules.inputs) record.add_input(input);
+    std::vector<fs::path> inputs = options.light_fields;
+    inputs.insert(inputs.end(), options.textures.begin(), options.textures.end());
+    E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, verb, inputs, ".safetensors"));
+    RunRecord record("pack", inputs);
     ProgressBar bar("pack", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(file.path(), options, bar.callback()));
     hide_progress();
     record.end_step("pack");
-    E2LF_RETURN_IF_ERROR(record.write(file.record_path(), verb));
-    E2LF_RETURN_IF_ERROR(file.commit());
-    if (verb.common().json) {
-      std::printf("{\"light_fields\": %zu, \"textures\": %zu, \"bytes\": %zu}\n", summary.light_fields,
-                  summary.textures, summary.bytes);
-    } else if (!verb.common().quiet) {
-      std::printf("packed %zu light fields and %zu photographs, %.0f MB\n", summary.light_fields, summary.textures,
-                  static_cast<double>(summary.bytes) / 1e6);
-    }
+    E2LF_RETURN_IF_ERROR(commit(file, record, verb));
+    print_result(verb.common(),
+                 {{"light_fields", summary.light_fields}, {"textures", summary.textures}, {"bytes", summary.bytes}},
+                 formatted("packed %zu light fields and %zu photographs, %.0f MB\n", summary.light_fields,
+                           summary.textures, static_cast<double>(summary.bytes) / 1e6));
     return {};
   });
 }

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
 // e2lf record: writes a live input to a file, byte for byte
-#include <cstdio>
-#include <fstream>
-
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/option_types.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/file.h"
@@ -122,17 +118,14 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
                     output.is_stream() ? "" : "; its record lists them"));
   }
   verb.note_failed_input(summary.live.failure);
-  if (verb.common().json) {
-    const Json json = {{"file", arguments.output.string()},
-                       {"bytes", copied.bytes},
-                       {"biases", bias_file.string()},
-                       {"live", live_json(summary)}};
-    std::fprintf(output.text(), "%s", json_text(json).c_str());
-  } else if (!verb.common().quiet) {
-    std::fprintf(output.text(), "%llu bytes in %s%s\n", static_cast<unsigned long long>(copied.bytes),
-                 arguments.output.c_str(),
-                 bias_file.empty() ? "" : cat(", and the biases in ", bias_file.string()).c_str());
-  }
+  print_result(verb.common(),
+               {{"file", arguments.output.string()},
+                {"bytes", copied.bytes},
+                {"biases", bias_file.string()},
+                {"live", live_json(summary)}},
+               cat(copied.bytes, " bytes in ", arguments.output.string(),
+                   bias_file.empty() ? "" : cat(", and the biases in ", bias_file.string()), "\n"),
+               output.text());
   return copied.written;
 }
 
@@ -144,8 +137,7 @@ Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
                                                                                  .recover = recover_recording({})}));
   // This is checked before the camera starts, because its data must not wait for it.
   if (!output.is_stream() && recordings::is_camera_name(arguments.input.string())) {
-    E2LF_ASSIGN_OR_RETURN(const fs::path bias_file, bias_place(arguments, verb.common().overwrite));
-    static_cast<void>(bias_file);
+    E2LF_RETURN_IF_ERROR(bias_place(arguments, verb.common().overwrite));
   }
   RunRecord record("record");
   E2LF_ASSIGN_OR_RETURN(const auto sink, recordings::open_file_sink(output.path()));

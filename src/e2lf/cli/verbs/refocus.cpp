@@ -4,11 +4,10 @@
 
 #include <cstdio>
 
-#include "e2lf/base/text.h"
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/output/shown_light_field.h"
 #include "e2lf/cli/verb.h"
 
 namespace e2lf::cli {
@@ -52,18 +51,14 @@ Result<lightfield::Aperture> aperture_of(const RefocusArguments& arguments, cons
                arguments.input.string()};
 }
 
-Result<void> refocus(RefocusArguments& arguments, Verb& verb) {
+Result<void> refocus(RefocusArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  arguments.is_round = verb.app().get_option("--aperture")->count() > 0;
-  const auto is_moved = [&](const char* flag) { return verb.app().get_option(flag)->count() > 0; };
-  if (!arguments.is_round && (is_moved("--centre-row") || is_moved("--centre-column"))) {
+  arguments.is_round = verb.is_given("--aperture");
+  if (!arguments.is_round && (verb.is_given("--centre-row") || verb.is_given("--centre-column"))) {
     return Error{ErrorCode::kInvalidValue, "the centre of the whole aperture is fixed; also give --aperture", ""};
   }
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = common.overwrite,
-                                                                                 .ending = ".png"}));
-  RunRecord record("refocus");
-  record.add_input(arguments.input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}, ".png"));
+  RunRecord record("refocus", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet, arguments.disparities));
   E2LF_ASSIGN_OR_RETURN(const lightfield::Aperture aperture, aperture_of(arguments, light_field.shape()));
@@ -73,11 +68,10 @@ Result<void> refocus(RefocusArguments& arguments, Verb& verb) {
   }
   record.end_step("refocus");
   E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), side_by_side(pictures)));
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   if (!common.quiet) {
-    std::printf("%zu image%s of %zux%zu px in %s\n", pictures.size(), pictures.size() == 1 ? "" : "s",
-                pictures.front().width, pictures.front().height, arguments.output.c_str());
+    std::printf("%s of %zux%zu px in %s\n", counted(pictures.size(), "image").c_str(), pictures.front().width,
+                pictures.front().height, arguments.output.c_str());
   }
   return {};
 }

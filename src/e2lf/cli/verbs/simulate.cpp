@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // e2lf simulate: simulates event images or a recording of a light field
-#include <cstdio>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "e2lf/base/log.h"
@@ -9,15 +9,13 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/capture/measurement/measurement_io.h"
-#include "e2lf/cli/flags/camera_option.h"
 #include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/number_check.h"
-#include "e2lf/cli/flags/scene_input.h"
-#include "e2lf/cli/output/next_step.h"
+#include "e2lf/cli/flags/option_values.h"
+#include "e2lf/cli/flags/stream_flags.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/simulate_stream.h"
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/eval/event_statistics.h"
@@ -46,54 +44,25 @@ struct SimulateArguments {
   StreamFlags stream;
 };
 
-/// Returns the constants of the flags, or else those of the model, or else the paper's.
-capture::SensorConstants constants_of(const SimulateArguments& arguments, const pipeline::KnownCodes& known) {
-  return {.eps = arguments.eps.value_or(known.constants.eps),
-          .tau = arguments.tau.value_or(known.constants.tau),
-          .sigma_w = arguments.sigma_w.value_or(known.constants.sigma_w),
-          .sigma_z = arguments.sigma_z.value_or(known.constants.sigma_z),
-          .sigma_i = arguments.sigma_i.value_or(known.constants.sigma_i)};
-}
-
-/// Prints the number and size of intensity images, if there are any.
-void print_images(const capture::Measurement& measured, const CommonOptions& common) {
+/// Prints the number and size of the intensity images and the statistics of the events, as far as there are any.
+void print_measurement(const capture::Measurement& measured, const CommonOptions& common) {
   const capture::CodedIntensities& images = measured.images;
-  if (images.count == 0) return;
-  if (common.json && measured.events.count == 0) {
-    const Json json = {{"measurement", capture::measurement_name(measured.kind)},
-                       {"images", images.count},
-                       {"height", images.height},
-                       {"width", images.width}};
-    std::printf("%s", json_text(json).c_str());
-  } else if (!common.json && !common.quiet) {
-    std::printf("%s: %zu intensity image%s of %zux%zu px\n", capture::measurement_name(measured.kind), images.count,
-                images.count == 1 ? "" : "s", images.width, images.height);
+  const capture::EventImages& events = measured.events;
+  const char* const kind = capture::measurement_name(measured.kind);
+  std::string text;
+  Json json = {{"measurement", kind}, {"images", images.count}, {"height", images.height}, {"width", images.width}};
+  if (images.count > 0) {
+    text = cat(kind, ": ", counted(images.count, "intensity image"), " of ", images.width, "x", images.height, " px\n");
   }
-}
-
-void print_statistics(const capture::EventImages& images, const CommonOptions& common) {
-  if (images.count == 0) return;
-  const eval::EventStatistics statistics = eval::event_statistics(images);
-  if (common.json) {
-    std::printf("%s", json_text(eval::to_json(statistics)).c_str());
-  } else if (!common.quiet) {
-    std::printf(
+  if (events.count > 0) {
+    const eval::EventStatistics statistics = eval::event_statistics(events);
+    json = eval::to_json(statistics);
+    text += formatted(
         "%zu transitions of %zux%zu px, %.2f events per pixel; a sensor of 1.066 G events/s needs at least %.1f ms\n",
-        images.count, images.width, images.height, statistics.total_events_per_pixel, statistics.min_measurement_ms);
+        events.count, events.width, events.height, statistics.total_events_per_pixel, statistics.min_measurement_ms);
   }
+  print_result(common, json, text);
 }
-
-/// Records the constants that were used.
-void record_constants(const capture::SensorConstants& constants, const std::string& event_model, RunRecord& record) {
-  record.resolve("event-model", event_model);
-  record.resolve("eps", json_number(constants.eps));
-  record.resolve("tau", json_number(constants.tau));
-  record.resolve("sigma-w", json_number(constants.sigma_w));
-  record.resolve("sigma-z", json_number(constants.sigma_z));
-}
-
-using MeasuredIn = std::function<Result<capture::Measurement>(uint64_t cycle)>;
-using ImagesOf = std::function<Result<capture::EventImages>(uint64_t cycle)>;
 
 /// Fails if constants of the paper's model are given for physical pixels.
 Result<void> check_model_flags(const SimulateArguments& arguments, const capture::SensorProfile& camera) {
@@ -107,36 +76,11 @@ Result<void> check_model_flags(const SimulateArguments& arguments, const capture
       "--camera " + arguments.camera};
 }
 
-Result<void> write_images(const SimulateArguments& arguments, const fs::path& path, const capture::RecordedSetup& setup,
-                          const ImagesOf& images_of) {
-  E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(path));
-  writer.keep(setup);
-  for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
-    E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, images_of(cycle));
-    E2LF_RETURN_IF_ERROR(writer.add(images));
-  }
-  return writer.finish();
-}
-
-/// Writes a recording like that of the paper's camera: the inverse patterns, then the patterns, with a burst of events
-/// after each change.
-Result<void> write_recording(const SimulateArguments& arguments, const fs::path& path,
-                             const capture::RecordedSetup& setup, const lightfield::Shape& shape,
-                             const ImagesOf& images_of) {
-  E2LF_ASSIGN_OR_RETURN(const auto writer, create_simulated_recording(path, arguments.output, setup, shape.height,
-                                                                      shape.width, !arguments.no_triggers));
-  cycles::SynthesisOptions synthesis;
-  synthesis.schedule = cycles::paper_schedule_of(*setup.codes);
-  if (arguments.no_triggers) synthesis.trigger_channel.reset();
-  E2LF_RETURN_IF_ERROR(cycles::synthesise_recording(*writer, arguments.cycles, synthesis, images_of));
-  return writer->finish();
-}
-
-Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_images, bool overwrite) {
+Result<OutputFile> open_output(const SimulateArguments& arguments, bool overwrite) {
   OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera,
                                arguments.stream.schedule},
                     .overwrite = overwrite};
-  if (!as_images) {
+  if (arguments.output.extension() != ".npz") {
     E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place, recordings::place_of_recording(arguments.output, ""));
     rules.streams = place.streams;
     rules.side_file = place.side_file;
@@ -144,170 +88,209 @@ Result<OutputFile> open_output(const SimulateArguments& arguments, bool as_image
   return OutputFile::create(arguments.output, rules);
 }
 
-/// Patterns, camera and event model.
+/// Patterns, camera, event model and constants, and how the scene is read.
 struct Setup {
   pipeline::KnownCodes known;
   std::optional<capture::SensorProfile> camera;
-  std::optional<capture::Orientation> views;  ///< as the camera or the schedule states
+  std::optional<cycles::Schedule> schedule;  ///< absent = the paper's
+  SceneOptions scene;                        ///< one view for each cell of the patterns, oriented as the camera sees it
+  capture::RecordedSetup recorded;           ///< what is stored in the result
+  bool as_images = true;                     ///< the output holds measurements, and is not a recording
   [[nodiscard]] bool is_pixel() const { return camera && camera->is_pixel(); }
+  [[nodiscard]] bool has_images() const { return known.measurement != capture::MeasurementKind::kEventImages; }
 };
 
+/// Reads patterns and camera. Flags take precedence over the camera, the camera over the model, and the model over the
+/// paper.
 Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) {
   Setup setup;
+  setup.as_images = arguments.output.extension() == ".npz";
   E2LF_ASSIGN_OR_RETURN(setup.known, load_codes(arguments.codes, record));
+  const capture::Codes& codes = setup.known.codes;
+  std::string& event_model = setup.known.event_model;
+  capture::SensorConstants& constants = setup.known.constants;
+  std::optional<capture::Orientation> views;
   if (!arguments.camera.empty()) {
     E2LF_ASSIGN_OR_RETURN(setup.camera, load_camera(arguments.camera, record));
     E2LF_RETURN_IF_ERROR(check_model_flags(arguments, *setup.camera));
-    setup.known.constants = setup.camera->constants;
-    if (!setup.is_pixel()) setup.known.event_model = setup.camera->event_model;
-    setup.views = setup.camera->views;
+    constants = setup.camera->constants;
+    if (!setup.is_pixel()) event_model = setup.camera->event_model;
+    views = setup.camera->views;
   }
-  if (!setup.views && !arguments.stream.schedule.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const cycles::Schedule schedule, cycles::read_schedule(arguments.stream.schedule));
-    setup.views = schedule.views;
+  if (!arguments.stream.schedule.empty()) {
+    record.add_input(arguments.stream.schedule);
+    E2LF_ASSIGN_OR_RETURN(setup.schedule, cycles::read_schedule(arguments.stream.schedule));
+    if (!views) views = setup.schedule->views;
+    if (capture::codes_of_whole_cycle(codes)) setup.schedule = with_all_transitions(*setup.schedule);
   }
-  if (!arguments.event_model.empty()) setup.known.event_model = arguments.event_model;
+  setup.scene = {arguments.light_field, codes.views_y, codes.views_x};
+  if (views) setup.scene.flags.orientation = {false, views->flip_x, views->flip_y};
+  if (!arguments.colour_filter.empty()) {
+    E2LF_ASSIGN_OR_RETURN(setup.scene.filter, capture::colour_filter_from_name(arguments.colour_filter));
+  }
+  if (!arguments.event_model.empty()) event_model = arguments.event_model;
   if (!arguments.measurement.empty()) {
     E2LF_ASSIGN_OR_RETURN(setup.known.measurement, capture::measurement_from_name(arguments.measurement));
   }
   record.resolve("measurement", capture::measurement_name(setup.known.measurement));
-  if (!setup.is_pixel()) record_constants(constants_of(arguments, setup.known), setup.known.event_model, record);
-  return setup;
-}
-
-/// Returns the options for a scene with one view for each cell of the patterns, in the orientation that the camera
-/// sees.
-Result<SceneOptions> scene_options(const SimulateArguments& arguments, const Setup& setup) {
-  SceneOptions options{arguments.light_field, setup.known.codes.views_y, setup.known.codes.views_x};
-  if (setup.views) options.flags.orientation = {false, setup.views->flip_x, setup.views->flip_y};
-  if (arguments.colour_filter.empty()) return options;
-  if (arguments.stream.has_turntable()) {
-    return Error{ErrorCode::kInvalidValue, "the turntable is grey; leave the colour filter out", "--colour-filter"};
+  constants = {.eps = arguments.eps.value_or(constants.eps),
+               .tau = arguments.tau.value_or(constants.tau),
+               .sigma_w = arguments.sigma_w.value_or(constants.sigma_w),
+               .sigma_z = arguments.sigma_z.value_or(constants.sigma_z),
+               .sigma_i = arguments.sigma_i.value_or(constants.sigma_i)};
+  setup.recorded = {codes, setup.camera, views};
+  if (setup.is_pixel()) return setup;
+  // Camera files do not support ESIM and v2e.
+  setup.recorded.camera.reset();
+  if (sensor::event_model_from_name(event_model)) {
+    setup.recorded.camera = setup.camera.value_or(capture::SensorProfile{});
+    setup.recorded.camera->event_model = event_model;
+    setup.recorded.camera->constants = constants;
   }
-  E2LF_ASSIGN_OR_RETURN(options.filter, capture::colour_filter_from_name(arguments.colour_filter));
-  return options;
-}
-
-/// Returns the setup that is stored in the result. It has no camera for ESIM and v2e, which camera files do not
-/// support.
-capture::RecordedSetup recorded_setup(const SimulateArguments& arguments, const Setup& setup) {
-  capture::RecordedSetup recorded{setup.known.codes, setup.camera, setup.views};
-  if (setup.is_pixel()) return recorded;
-  if (!sensor::event_model_from_name(setup.known.event_model)) return {setup.known.codes, std::nullopt, setup.views};
-  capture::SensorProfile& camera = recorded.camera ? *recorded.camera : recorded.camera.emplace();
-  camera.event_model = setup.known.event_model;
-  camera.constants = constants_of(arguments, setup.known);
-  return recorded;
+  record.resolve("event-model", event_model);
+  record.resolve("eps", json_number(constants.eps));
+  record.resolve("tau", json_number(constants.tau));
+  record.resolve("sigma-w", json_number(constants.sigma_w));
+  record.resolve("sigma-z", json_number(constants.sigma_z));
+  return setup;
 }
 
 /// Returns true if events must be simulated one by one. Recordings of the paper's models are otherwise generated from
 /// counts per pattern.
-bool is_stream(const SimulateArguments& arguments, const Setup& setup, bool as_images) {
-  if (need_stream(arguments.stream) || (setup.is_pixel() && !as_images)) return true;
+bool is_stream(const SimulateArguments& arguments, const Setup& setup) {
+  if (need_stream(arguments.stream) || (setup.is_pixel() && !setup.as_images)) return true;
   const std::string& model = setup.known.event_model;
   return !sensor::event_model_from_name(model) && streams::stream_model_from_name(model);
 }
 
-Result<capture::Measurement> run_stream(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
-                                        const CommonOptions& common, RunRecord& record) {
-  if (arguments.residue != 0.0F) {
-    return Error{ErrorCode::kInvalidValue,
-                 "--residue does nothing event by event, where earlier events say where references are; leave it out",
-                 ""};
-  }
-  StreamRun run;
-  run.input = arguments.input;
-  run.flags = arguments.stream;
-  E2LF_ASSIGN_OR_RETURN(run.scene, scene_options(arguments, setup));
-  run.codes = setup.known.codes;
-  run.camera = setup.camera.value_or(capture::SensorProfile{});
-  E2LF_ASSIGN_OR_RETURN(run.stream, stream_options(arguments.stream, setup.known.event_model,
-                                                   constants_of(arguments, setup.known), setup.camera, common.seed));
-  run.recorded = recorded_setup(arguments, setup);
-  run.gain = arguments.scene_gain;
-  run.cycles = arguments.cycles;
-  run.is_quiet = common.quiet;
-  run.has_triggers = !arguments.no_triggers;
-  if (!arguments.stream.schedule.empty()) record.add_input(arguments.stream.schedule);
-  E2LF_ASSIGN_OR_RETURN(capture::EventImages first, simulate_stream(run, place, arguments.output, record));
-  return capture::Measurement(std::move(first));
-}
+/// One cycle of a simulation.
+struct SimulatedCycle {
+  capture::Measurement measured;  ///< of a recording, only that of the first cycle is needed
+  recordings::EventBatch batch;   ///< for recordings: its events and triggers
+  uint64_t lost_events = 0;       ///< lost to the readout in all cycles so far
+};
+using NextCycle = std::function<Result<SimulatedCycle>(uint64_t cycle)>;
 
-pipeline::SimulatedCamera camera_of(const SimulateArguments& arguments, const Setup& setup, uint64_t seed) {
+/// Simulates the counts of each pattern; in a recording, the events are distributed over its duration.
+Result<NextCycle> counted_cycles(const SimulateArguments& arguments, const Setup& setup, const StreamScene& scene,
+                                 uint64_t seed) {
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, scene.scene.at(0));
   pipeline::SimulatedCamera camera{.measurement = setup.known.measurement,
                                    .codes = setup.known.codes,
                                    .profile = setup.camera.value_or(capture::SensorProfile{}),
                                    .gain = arguments.scene_gain,
                                    .residue = arguments.residue,
                                    .seed = seed};
-  camera.profile.constants = constants_of(arguments, setup.known);
+  camera.profile.constants = setup.known.constants;
   if (!setup.is_pixel()) camera.profile.event_model = setup.known.event_model;
-  return camera;
+  cycles::SynthesisOptions synthesis;
+  if (!setup.as_images) synthesis.schedule = cycles::paper_schedule_of(camera.codes);
+  if (arguments.no_triggers) synthesis.trigger_channel.reset();
+  return NextCycle(
+      [=, field = std::move(field), as_images = setup.as_images](uint64_t cycle) -> Result<SimulatedCycle> {
+        SimulatedCycle simulated;
+        E2LF_ASSIGN_OR_RETURN(simulated.measured, pipeline::simulate_cycle(camera, field, cycle));
+        if (!as_images) simulated.batch = cycles::synthesise_cycle(simulated.measured.events, cycle, synthesis).batch;
+        return simulated;
+      });
 }
 
-/// Writes intensity images and, if the measurement has any, event images.
-Result<void> write_measurements(const SimulateArguments& arguments, const fs::path& path,
-                                const capture::RecordedSetup& setup, const MeasuredIn& measured_in) {
-  capture::MeasurementFile file{{}, setup};
-  for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
-    E2LF_ASSIGN_OR_RETURN(capture::Measurement measured, measured_in(cycle));
-    file.cycles.push_back(std::move(measured));
-  }
-  return capture::write_measurements(path, file);
+/// Simulates the events one by one with a virtual rig.
+Result<NextCycle> played_cycles(const SimulateArguments& arguments, const Setup& setup,
+                                const streams::StreamOptions& stream, StreamScene& scene) {
+  const capture::Codes& codes = setup.known.codes;
+  streams::RigOptions options{.schedule = setup.schedule ? *setup.schedule : cycles::paper_schedule_of(codes),
+                              .gain = arguments.scene_gain,
+                              .rise_us = arguments.stream.rise_us};
+  if (arguments.no_triggers) options.trigger_channel.reset();
+  E2LF_ASSIGN_OR_RETURN(streams::VirtualRig rig,
+                        streams::VirtualRig::create(codes, setup.camera.value_or(capture::SensorProfile{}), stream,
+                                                    options, std::move(scene.scene), scene.height, scene.width));
+  const auto shared = std::make_shared<streams::VirtualRig>(std::move(rig));
+  return NextCycle([shared, as_images = setup.as_images](uint64_t cycle) -> Result<SimulatedCycle> {
+    SimulatedCycle simulated;
+    E2LF_ASSIGN_OR_RETURN(simulated.batch, shared->play_cycle());
+    if (as_images || cycle == 0) simulated.measured = shared->sum_windows(simulated.batch);
+    simulated.lost_events = shared->lost_events();
+    return simulated;
+  });
 }
 
-/// Simulates the counts of each pattern; in a recording, the events are distributed over its duration.
-Result<capture::Measurement> run_counts(const SimulateArguments& arguments, const Setup& setup, const fs::path& place,
-                                        const CommonOptions& common, RunRecord& record) {
-  E2LF_RETURN_IF_ERROR(sensor::event_model_from_name(setup.known.event_model));
-  E2LF_ASSIGN_OR_RETURN(const SceneOptions options, scene_options(arguments, setup));
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField scene, load_scene(arguments.input, options, common.quiet));
-  record.end_step("read");
-  const pipeline::SimulatedCamera camera = camera_of(arguments, setup, common.seed);
-  ProgressBar bar("simulate", common.quiet);
-  capture::Measurement first;
-  const MeasuredIn measured_in = [&](uint64_t cycle) {
-    bar.update(cycle, arguments.cycles);
-    auto measured = pipeline::simulate_cycle(camera, scene, cycle);
-    if (measured && cycle == 0) first = *measured;
-    return measured;
-  };
-  const ImagesOf images_of = [&](uint64_t cycle) -> Result<capture::EventImages> {
-    E2LF_ASSIGN_OR_RETURN(capture::Measurement measured, measured_in(cycle));
-    return std::move(measured.events);
-  };
-  const capture::RecordedSetup recorded = recorded_setup(arguments, setup);
-  if (setup.known.measurement != capture::MeasurementKind::kEventImages) {
-    E2LF_RETURN_IF_ERROR(write_measurements(arguments, place, recorded, measured_in));
-  } else if (arguments.output.extension() == ".npz") {
-    E2LF_RETURN_IF_ERROR(write_images(arguments, place, recorded, images_of));
-  } else {
-    E2LF_RETURN_IF_ERROR(write_recording(arguments, place, recorded, scene.shape(), images_of));
+/// The file that a simulation writes cycle by cycle: a recording, event images, or measurements with intensity images.
+class SimulatedFile {
+ public:
+  /// Creates the file, with the setup in it. Warns if its format cannot hold the triggers.
+  static Result<SimulatedFile> create(const fs::path& place, const SimulateArguments& arguments, const Setup& setup,
+                                      const StreamScene& scene) {
+    SimulatedFile file;
+    if (setup.has_images()) {
+      file.measurements_path_ = place;
+      file.measurements_.setup = setup.recorded;
+    } else if (setup.as_images) {
+      E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter images, capture::EventImageWriter::create(place));
+      images.keep(setup.recorded);
+      file.images_.emplace(std::move(images));
+    } else {
+      recordings::RecordingInfo info;
+      info.height = scene.height;
+      info.width = scene.width;
+      info.header = pipeline::header_of(setup.recorded);
+      E2LF_ASSIGN_OR_RETURN(file.recording_, recordings::create_recording(place, "", info));
+      if (!arguments.no_triggers && !file.recording_->holds_triggers()) {
+        log_warning(cat(arguments.output.string(), ": this format cannot hold triggers, so they are left out; write ",
+                        ".raw, .hdf5 or .dat for them"));
+      }
+    }
+    return file;
   }
-  return first;
-}
+
+  Result<void> add(SimulatedCycle cycle) {
+    if (recording_) return recording_->write(cycle.batch);
+    if (images_) return images_->add(cycle.measured.events);
+    measurements_.cycles.push_back(std::move(cycle.measured));
+    return {};
+  }
+
+  Result<void> finish() {
+    if (recording_) return recording_->finish();
+    return images_ ? images_->finish() : capture::write_measurements(measurements_path_, measurements_);
+  }
+
+ private:
+  std::unique_ptr<recordings::RecordingWriter> recording_;
+  std::optional<capture::EventImageWriter> images_;
+  capture::MeasurementFile measurements_;
+  fs::path measurements_path_;
+};
 
 /// Fails if an option would have no effect.
-Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, bool as_images, bool is_stream,
-                       const Verb& verb) {
-  const bool has_intensities = setup.known.measurement != capture::MeasurementKind::kEventImages;
-  if (has_intensities && (!as_images || is_stream)) {
+Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, bool is_stream, const Verb& verb) {
+  const auto useless = [](const char* flag, const char* why) {
+    return Error{ErrorCode::kInvalidValue, cat(why, "; leave it out"), flag};
+  };
+  if (setup.has_images() && (!setup.as_images || is_stream)) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the measurement ", capture::measurement_name(setup.known.measurement),
                      " is not a stream of events; write an .npz, without options of streams"),
                  arguments.output.string()};
   }
-  if (!has_intensities && arguments.sigma_i) {
-    return Error{ErrorCode::kInvalidValue, "event images have no noise of intensity images; leave it out", "--sigma-i"};
+  if (!setup.has_images() && arguments.sigma_i) {
+    return useless("--sigma-i", "event images have no noise of intensity images");
   }
-  const auto useless = [](const char* flag, const char* why) {
-    return Error{ErrorCode::kInvalidValue, cat(why, "; leave it out"), flag};
-  };
-  if (has_intensities && !arguments.colour_filter.empty()) {
+  if (!arguments.colour_filter.empty() && arguments.stream.has_turntable()) {
+    return Error{ErrorCode::kInvalidValue, "the turntable is grey; leave the colour filter out", "--colour-filter"};
+  }
+  if (setup.has_images() && !arguments.colour_filter.empty()) {
     return useless("--colour-filter", "colours can only be reconstructed from event images");
   }
-  if (as_images && arguments.no_triggers) return useless("--no-triggers", "event images do not contain triggers");
-  if (!is_stream) return verb.refuse_options(kStreamOptions, "counts of whole patterns");
+  if (setup.as_images && arguments.no_triggers) {
+    return useless("--no-triggers", "event images do not contain triggers");
+  }
+  if (!is_stream) {
+    E2LF_RETURN_IF_ERROR(verb.refuse_options(kStreamOptions, "counts of whole patterns"));
+    E2LF_RETURN_IF_ERROR(sensor::event_model_from_name(setup.known.event_model));
+    return {};
+  }
   const StreamFlags defaults;
   const bool is_v2e = !setup.is_pixel() && setup.known.event_model == "v2e";
   if (arguments.stream.v2e_preset != defaults.v2e_preset && !is_v2e) {
@@ -317,7 +300,8 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
   if (has_size && !arguments.stream.has_turntable()) {
     return useless("--width, --height", "the size is that of the input");
   }
-  return {};
+  if (arguments.residue == 0.0F) return {};
+  return useless("", "--residue does nothing event by event, where earlier events say where references are");
 }
 
 /// Returns the flags with which these events can be reconstructed. Networks for the patterns of bundled models are
@@ -326,40 +310,65 @@ std::string network_flags(const SimulateArguments& arguments, const Setup& setup
   const fs::path& model = arguments.codes.model;
   if (!model.empty() && model == bundled_model()) return "";
   if (!model.empty()) return " -m " + shell_word(shown_name(kBundledModels, model));
-  if (setup.known.measurement != capture::MeasurementKind::kEventImages) return " -m MODEL";
+  if (setup.has_images()) return " -m MODEL";
   const fs::path& codes = arguments.codes.codes;
   return codes.empty() || shown_name(kBundledModels, codes) != codes ? "" : " --method inversion";
 }
 
-std::string next_step(const SimulateArguments& arguments, const Setup& setup, bool as_images) {
+std::string next_step(const SimulateArguments& arguments, const Setup& setup) {
   const std::string events = shell_word(arguments.output.string());
   fs::path result = arguments.output;
-  if (!as_images) return cat("e2lf accumulate ", events, " -o ", shell_word(result.replace_extension(".npz").string()));
+  if (!setup.as_images)
+    return cat("e2lf accumulate ", events, " -o ", shell_word(result.replace_extension(".npz").string()));
   result.replace_extension();
   return cat("e2lf reconstruct ", events, network_flags(arguments, setup), " -o ",
              shell_word(result.string() + "-lightfield"));
 }
 
 Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
-  const bool as_images = arguments.output.extension() == ".npz";
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments, as_images, verb.common().overwrite));
+  const CommonOptions& common = verb.common();
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments, common.overwrite));
   RunRecord record("simulate");
   if (!arguments.input.empty()) record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(const Setup setup, read_setup(arguments, record));
-  const bool by_events = is_stream(arguments, setup, as_images);
-  E2LF_RETURN_IF_ERROR(check_use(arguments, setup, as_images, by_events, verb));
-  const auto run = by_events ? run_stream : run_counts;
-  E2LF_ASSIGN_OR_RETURN(const capture::Measurement first, run(arguments, setup, output.path(), verb.common(), record));
+  const bool by_events = is_stream(arguments, setup);
+  E2LF_RETURN_IF_ERROR(check_use(arguments, setup, by_events, verb));
+  streams::StreamOptions stream;
+  if (by_events) {
+    E2LF_ASSIGN_OR_RETURN(stream, stream_options(arguments.stream, setup.known.event_model, setup.known.constants,
+                                                 setup.camera, common.seed));
+  }
+  E2LF_ASSIGN_OR_RETURN(StreamScene scene,
+                        open_stream_scene(arguments.input, arguments.stream, setup.scene, common.seed, common.quiet));
+  E2LF_ASSIGN_OR_RETURN(const NextCycle next, by_events ? played_cycles(arguments, setup, stream, scene)
+                                                        : counted_cycles(arguments, setup, scene, common.seed));
+  record.end_step("read");
+  E2LF_ASSIGN_OR_RETURN(SimulatedFile file, SimulatedFile::create(output.path(), arguments, setup, scene));
+  ProgressBar bar("simulate", common.quiet);
+  capture::Measurement first;
+  uint64_t events = 0, lost = 0;
+  for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
+    bar.update(cycle, arguments.cycles);
+    E2LF_ASSIGN_OR_RETURN(SimulatedCycle simulated, next(cycle));
+    if (cycle == 0) first = simulated.measured;
+    events += simulated.batch.events.size();
+    lost = simulated.lost_events;
+    E2LF_RETURN_IF_ERROR(file.add(std::move(simulated)));
+  }
+  E2LF_RETURN_IF_ERROR(file.finish());
   hide_progress();
-  if (!as_images && !output.is_stream())
-    record.note(pipeline::setup_notes(recorded_setup(arguments, setup), output.path()));
-  if (!output.is_stream()) record.note(pipeline::colour_filter_notes(arguments.colour_filter, output.path()));
+  if (by_events) record.note({{"events", events}, {"events_lost_to_readout", lost}});
+  if (lost > 0) {
+    log_warning(cat(lost, " of ", events + lost, " events waited too long for the readout and were lost"));
+  }
+  if (!output.is_stream()) {
+    if (!setup.as_images) record.note(pipeline::setup_notes(setup.recorded, output.path()));
+    record.note(pipeline::colour_filter_notes(arguments.colour_filter, output.path()));
+  }
   record.end_step("simulate");
-  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
-  print_images(first, verb.common());
-  print_statistics(first.events, verb.common());
-  if (!output.is_stream()) print_next_step(next_step(arguments, setup, as_images), verb.common());
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  print_measurement(first, common);
+  if (!output.is_stream()) print_next_step(next_step(arguments, setup), common);
   return {};
 }
 
@@ -399,9 +408,7 @@ int run_simulate(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   app.add_option("--scene-gain", simulation.scene_gain, "brightness of the scene relative to the light field")
       ->capture_default_str();
-  app.add_option("--cycles", simulation.cycles, "number of pattern cycles, each with independent noise")
-      ->check(whole_number(1))
-      ->capture_default_str();
+  add_count(app, "--cycles", simulation.cycles, 1, INT64_MAX, "number of pattern cycles, each with independent noise");
   app.add_flag("--no-triggers", simulation.no_triggers, "recordings: omit the trigger at the start of each pattern");
   add_stream_options(app, simulation.stream);
   app.callback([&simulation] {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 // e2lf video: recording -> frames
 #include <chrono>
-#include <cstdio>
 #include <optional>
 
 #include "e2lf/base/clock.h"
-#include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/file_kind.h"
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/event_windows.h"
@@ -43,11 +43,6 @@ struct VideoArguments {
   RecordingFlags recording;
 };
 
-cycles::TriggerEdge edge_of(const std::string& name) {
-  if (name == "falling") return cycles::TriggerEdge::kFalling;
-  return name == "both" ? cycles::TriggerEdge::kBoth : cycles::TriggerEdge::kRising;
-}
-
 Result<cycles::WindowOptions> window_options(const VideoArguments& arguments) {
   const int kinds =
       (arguments.window_us ? 1 : 0) + (arguments.window_events ? 1 : 0) + (arguments.window_triggers ? 1 : 0);
@@ -57,7 +52,7 @@ Result<cycles::WindowOptions> window_options(const VideoArguments& arguments) {
                  "--window-us, --window-events, --window-triggers"};
   }
   cycles::WindowOptions options;
-  options.edge = edge_of(arguments.edge);
+  options.edge = choice_of(arguments.edge, kTriggerEdges);
   options.channel = arguments.channel;
   if (arguments.window_triggers) {
     options.kind = cycles::WindowKind::kTriggers;
@@ -136,9 +131,7 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
 }
 
 std::string frame_name(uint64_t number) {
-  std::string digits = std::to_string(number);
-  digits.insert(0, digits.size() < 6 ? 6 - digits.size() : 0, '0');
-  return cat("frame_", digits, ".png");
+  return formatted("frame_%06llu.png", static_cast<unsigned long long>(number));
 }
 
 /// A summary of the result.
@@ -210,8 +203,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(cycles::WindowOptions options, window_options(arguments));
   E2LF_ASSIGN_OR_RETURN(ResultFolder output,
-                        open_output_folder(arguments.output, {.inputs = {arguments.input, arguments.model},
-                                                              .overwrite = common.overwrite}));
+                        open_output_folder(arguments.output, verb, {arguments.input, arguments.model}));
   RunRecord record("video");
   E2LF_ASSIGN_OR_RETURN(auto reader, open_input(arguments));
   E2LF_ASSIGN_OR_RETURN(FrameMaker maker, make_frame_maker(arguments, reader->info(), record));
@@ -230,16 +222,11 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   record.note("video", json);
   record.note("read_as", reading_json(windows.recording().info()));
   record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(output.commit(std::move(about)));
-  if (common.json) {
-    json["output"] = arguments.output.string();
-    std::printf("%s", json_text(json).c_str());
-  } else if (!common.quiet) {
-    std::printf("%llu frames of %llu events in %s: frame_000000.png ..., frames.csv, run.json\n",
-                static_cast<unsigned long long>(report.frames), static_cast<unsigned long long>(report.events),
-                arguments.output.c_str());
-  }
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  json["output"] = arguments.output.string();
+  print_result(common, json,
+               cat(report.frames, " frames of ", report.events, " events in ", arguments.output.string(),
+                   ": frame_000000.png ..., frames.csv, run.json\n"));
   return {};
 }
 
@@ -249,9 +236,7 @@ void add_window_options(CLI::App& app, VideoArguments& video) {
       ->check(whole_number(1));
   app.add_option("--window-events", video.window_events, "number of events of each frame")->check(whole_number(1));
   app.add_flag("--window-triggers", video.window_triggers, "make a frame of the events from each trigger to the next");
-  app.add_option("--edge", video.edge, "edge of the triggers: rising, falling or both")
-      ->check(CLI::IsMember({"rising", "falling", "both"}))
-      ->capture_default_str();
+  add_choice(app, "--edge", video.edge, words_of(kTriggerEdges), "edge of the triggers: rising, falling or both");
   app.add_option("--channel", video.channel, "trigger input; default: all");
 }
 
@@ -273,17 +258,12 @@ int run_video(const std::vector<std::string>& arguments) {
   app.add_flag("--plain", video.is_plain,
                "sums of signed events: grey for equally many ON and OFF events, white for more ON");
   add_window_options(app, video);
-  app.add_option("--tone", video.tone,
-                 "tone of the network's frames: auto (as the model states), none, robust (1 % and 99 % of the pixels "
-                 "become black and white), standard (the extremes do) or exp-robust")
-      ->check(CLI::IsMember({"auto", "none", "robust", "standard", "exp-robust"}))
-      ->capture_default_str();
-  app.add_option("--full-scale", video.full_scale, "plain frames: surplus of ON events that is white")
-      ->check(whole_number(1, 1000000))
-      ->capture_default_str();
-  app.add_option("--precision", video.precision, "arithmetic of the network: float32 or bfloat16")
-      ->check(CLI::IsMember({"float32", "bfloat16"}))
-      ->capture_default_str();
+  add_choice(app, "--tone", video.tone, {"auto", "none", "robust", "standard", "exp-robust"},
+             "tone of the network's frames: auto (as the model states), none, robust (1 % and 99 % of the pixels "
+             "become black and white), standard (the extremes do) or exp-robust");
+  add_count(app, "--full-scale", video.full_scale, 1, 1000000, "plain frames: surplus of ON events that is white");
+  add_choice(app, "--precision", video.precision, {"float32", "bfloat16"},
+             "arithmetic of the network: float32 or bfloat16");
   app.add_option("--max-frames", video.max_frames, "largest number of frames; 0 = all")->capture_default_str();
   add_recording_options(app, video.recording, kRecordingOptions);
   verb.stop_gently();

@@ -2,16 +2,24 @@
 // e2lf view: serves the viewer to a browser, or writes it as one HTML file
 #include <cstdio>
 
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/disparity_input.h"
 #include "e2lf/cli/flags/file_kind.h"
 #include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/option_types.h"
+#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/depth/disparity.h"
+#include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/matching_cost.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/light_field.h"
+#include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/page.h"
@@ -20,6 +28,7 @@
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
+using lightfield::Image;
 namespace {
 
 struct ViewArguments {
@@ -45,6 +54,87 @@ std::string name_of(const fs::path& path) {
   return folder.empty() || folder == ".." ? whole.filename().string() : (folder / whole.filename()).string();
 }
 
+/// Disparity maps of one view, px per view step: one, or one for each cycle.
+struct DisparityMaps {
+  std::vector<Image> maps;
+  depth::ViewIndex view;
+};
+
+Result<Image> read_array(const fs::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
+  if (array.shape.size() != 2 || array.num_elements() == 0) {
+    return Error{ErrorCode::kShape, cat("has shape ", shape_text(array.shape), "; a disparity map is [y, x]"),
+                 path.string()};
+  }
+  Image image(array.shape[1], array.shape[0], 1);
+  E2LF_ASSIGN_OR_RETURN(image.pixels, array.to_float(path.string()));
+  return image;
+}
+
+Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
+  Image image;
+  if (path.extension() == ".npy") {
+    E2LF_ASSIGN_OR_RETURN(image, read_array(path));
+  } else if (path.extension() == ".pfm") {
+    const auto decode = [&](const std::vector<uint8_t>& bytes) { return depth::decode_pfm(bytes, path.string()); };
+    E2LF_ASSIGN_OR_RETURN(image, read_file(path).and_then(decode));
+  } else {
+    return Error{ErrorCode::kUnsupported, "this is not a disparity map; give .npy, .pfm or a folder of `e2lf depth`",
+                 path.string()};
+  }
+  if (image.width == shape.width && image.height == shape.height) return image;
+  return Error{ErrorCode::kShape,
+               cat("has ", image.width, "x", image.height, " px, the views have ", shape.width, "x", shape.height,
+                   "; give the map of this light field"),
+               path.string()};
+}
+
+/// Returns the files of the maps in `path`, in the order of the cycles.
+std::vector<fs::path> files_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return {path};
+  std::vector<fs::path> files;
+  for (const fs::path& cycle : lightfield::cycle_folders(path)) files.push_back(cycle / "disparity.npy");
+  if (files.empty()) files.push_back(path / "disparity.npy");
+  return files;
+}
+
+/// Returns the view that the record of `e2lf depth` states; maps of other programs have no record.
+depth::ViewIndex view_of(const fs::path& path, const lightfield::Shape& shape) {
+  std::error_code error;
+  const auto record = read_json(fs::is_directory(path, error) ? path / "run.json" : record_path_beside(path));
+  const depth::ViewIndex middle = depth::middle_view(shape);
+  if (!record) return middle;
+  const Json::json_pointer place("/notes/maps/0/view");
+  if (!record->contains(place)) return middle;
+  const Json& view = record->at(place);
+  if (!view.is_array() || view.size() != 2 || !view[0].is_number_unsigned() || !view[1].is_number_unsigned()) {
+    return middle;
+  }
+  const depth::ViewIndex named{view[0].get<size_t>(), view[1].get<size_t>()};
+  return named.y < shape.views_y && named.x < shape.views_x ? named : middle;
+}
+
+/// Reads the disparity maps of a light field with the given shape and number of cycles: float32 [y, x] as .npy or .pfm,
+/// or a folder that `e2lf depth` wrote (disparity.npy, or one in each of cycle_00000 ...). The record beside the maps
+/// states to which view they belong; without a record it is depth::middle_view(). Fails with kNotFound, kFormat, and
+/// kShape (the size or number of the maps does not match).
+Result<DisparityMaps> read_disparity(const fs::path& path, const lightfield::Shape& shape, size_t cycles) {
+  const std::vector<fs::path> files = files_of(path);
+  if (files.size() != 1 && files.size() != cycles) {
+    return Error{ErrorCode::kShape,
+                 cat("there are ", files.size(), " disparity maps for ", cycles,
+                     " cycles; give one, or those of this light field"),
+                 path.string()};
+  }
+  DisparityMaps found{{}, view_of(path, shape)};
+  for (const fs::path& file : files) {
+    E2LF_ASSIGN_OR_RETURN(Image map, read_map(file, shape));
+    found.maps.push_back(std::move(map));
+  }
+  return found;
+}
+
 class DocumentMaker {
  public:
   explicit DocumentMaker(const ViewArguments& arguments) : arguments_(arguments) {}
@@ -55,27 +145,18 @@ class DocumentMaker {
                    path.string()};
     }
     E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
-    switch (kind) {
-      case FileKind::kModel:
-        return add_model(path);
-      case FileKind::kEventImages:
-        return add_event_images(path);
-      case FileKind::kImages:
-        return Error{ErrorCode::kUnsupported,
-                     "the viewer does not show measurements with intensity images; reconstruct a light field from it",
-                     path.string()};
-      case FileKind::kLightField:
-      case FileKind::kCycles:
-        return add_light_field(path);
-      case FileKind::kRecording:
-        break;
-      case FileKind::kTrainingRun:
-      case FileKind::kDisplay:
-      case FileKind::kResults:
-      case FileKind::kSettings:
-        return other_kind_error(path, kind, "something that the viewer can show");
+    if (kind == FileKind::kModel) {
+      E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
+      document_.add_model(model);
+      return {};
     }
-    return add_recording(path);
+    if (kind == FileKind::kEventImages) return add_event_images(path);
+    if (kind == FileKind::kLightField || kind == FileKind::kCycles) return add_light_field(path);
+    if (kind == FileKind::kRecording) return add_recording(path);
+    if (kind != FileKind::kImages) return other_kind_error(path, kind, "something that the viewer can show");
+    return Error{ErrorCode::kUnsupported,
+                 "the viewer does not show measurements with intensity images; reconstruct a light field from it",
+                 path.string()};
   }
 
   /// Compares every light field with the first one of the same shape.
@@ -105,12 +186,6 @@ class DocumentMaker {
   view::Document take() { return std::move(document_); }
 
  private:
-  Result<void> add_model(const fs::path& path) {
-    E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
-    document_.add_model(model);
-    return {};
-  }
-
   Result<void> add_event_images(const fs::path& path) {
     E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
     const std::optional<capture::Codes>& codes = file.setup.codes;
@@ -119,10 +194,7 @@ class DocumentMaker {
   }
 
   Result<void> add_light_field(const fs::path& path) {
-    lightfield::ReadOptions options = read_options(arguments_.light_field);
-    options.range = lightfield::RangePolicy::kKeep;
-    options.colour = true;
-    E2LF_ASSIGN_OR_RETURN(auto cycles, view::LightFieldCycles::open(path, options));
+    E2LF_ASSIGN_OR_RETURN(auto cycles, view::LightFieldCycles::open(path, unchanged_options(arguments_.light_field)));
     light_fields_.push_back({document_.num_items(), cycles});
     document_.add_light_field(name_of(path), cycles);
     return {};
@@ -174,11 +246,8 @@ Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   std::vector<fs::path> inputs = arguments.things;
   if (!arguments.disparity.empty()) inputs.push_back(arguments.disparity);
-  E2LF_ASSIGN_OR_RETURN(
-      OutputFile output,
-      OutputFile::create(arguments.page, {.inputs = inputs, .overwrite = common.overwrite, .ending = ".html"}));
-  RunRecord record("view");
-  for (const fs::path& input : inputs) record.add_input(input);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.page, verb, inputs, ".html"));
+  RunRecord record("view", inputs);
   E2LF_ASSIGN_OR_RETURN(const view::Document document, make_document(arguments));
   record.end_step("read");
   {
@@ -186,8 +255,7 @@ Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
     E2LF_RETURN_IF_ERROR(view::write_page(output.path(), document, bar.callback()));
   }
   record.end_step("write");
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   if (!common.quiet) std::printf("%s: open it in a browser\n", arguments.page.c_str());
   return {};
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // e2lf view, reconstruct --view and the pages of the demo and of e2lf live in a build without the viewer
-#include "e2lf/cli/output/comparison_page.h"
+#include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/verbs/live_page.h"
-#include "e2lf/cli/verbs/live_view.h"
 
 namespace e2lf::cli {
 namespace {
@@ -25,39 +24,13 @@ Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const 
   return no_viewer();
 }
 
-class LiveView::Impl {};
-LiveView::LiveView(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-LiveView::LiveView(LiveView&&) noexcept = default;
-LiveView::~LiveView() = default;
-
-Result<LiveView> LiveView::start(const std::string& /*name*/, const std::filesystem::path& /*folder*/,
-                                 uint16_t /*port*/) {
+Result<std::unique_ptr<LiveView>> start_live_view(const std::string& /*name*/, const std::filesystem::path& /*folder*/,
+                                                  uint16_t /*port*/) {
   return no_viewer();
 }
 
-void LiveView::add(const std::string& /*cycle*/, lightfield::LightField /*light_field*/, const std::string& /*note*/) {}
-
-void LiveView::set_folder(const std::filesystem::path& /*folder*/) {}
-
-Result<void> LiveView::finish() {
-  return {};
-}
-
-class LivePage::Impl {};
-LivePage::LivePage(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-LivePage::LivePage(LivePage&&) noexcept = default;
-LivePage::~LivePage() = default;
-
-Result<LivePage> LivePage::start(live::Session& /*session*/, FineMethod /*fine*/, uint16_t /*port*/) {
+Result<std::unique_ptr<LivePage>> start_live_page(live::Session& /*session*/, FineMethod /*fine*/, uint16_t /*port*/) {
   return no_viewer();
-}
-
-std::string LivePage::url() const {
-  return "";
-}
-
-Result<void> LivePage::finish() {
-  return {};
 }
 
 int run_view(const std::vector<std::string>& arguments) {

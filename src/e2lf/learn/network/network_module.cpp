@@ -14,40 +14,6 @@ namespace {
 using model::Layer;
 using model::Op;
 
-/// Returns the number of output channels of a layer, from those of its inputs.
-size_t output_channels(const Layer& layer, const std::vector<size_t>& inputs) {
-  switch (layer.op) {
-    case Op::kConv:
-    case Op::kConvTransposed:
-    case Op::kPrevious:
-    case Op::kConvGru:
-    case Op::kConvLstm:
-      return layer.out_channels;
-    case Op::kDynamicFilter:
-      return inputs[1] / (layer.kernel * layer.kernel) * inputs[0];
-    case Op::kPixelUnshuffle:
-      return inputs.front() * layer.stride * layer.stride;
-    case Op::kPixelShuffle:
-      return inputs.front() / (layer.stride * layer.stride);
-    case Op::kConcat: {
-      size_t sum = 0;
-      for (const size_t channels : inputs) sum += channels;
-      return sum;
-    }
-    case Op::kUpsample:
-    case Op::kUpsampleBilinear:
-    case Op::kAdd:
-    case Op::kMean:
-    case Op::kSigmoid:
-    case Op::kTanh:
-    case Op::kLayerNorm:
-    case Op::kPositionCode:
-    case Op::kAttention:
-      return inputs.front();
-  }
-  return 0;
-}
-
 /// Returns the convolutions inside a recurrent layer, "gates" and, for a GRU, "candidate", with their numbers of
 /// outputs.
 std::vector<std::pair<std::string, int64_t>> cell_convolutions(const Layer& layer) {
@@ -93,13 +59,14 @@ torch::Tensor run_cell(const Layer& layer, const torch::Tensor& x, const NamedTe
 }  // namespace
 
 NetworkModule::NetworkModule(model::Network network, torch::Device device) : network_(std::move(network)) {
+  const std::vector<model::LayerShape> shapes = model::infer_shapes(network_).value();
   std::map<std::string, size_t> channels = {{"input", network_.input_channels}};
-  for (const Layer& layer : network_.layers) {
-    std::vector<size_t> inputs;
-    for (const std::string& name : layer.inputs) inputs.push_back(channels.at(name));
-    channels[layer.name] = output_channels(layer, inputs);
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    const Layer& layer = network_.layers[i];
+    channels[layer.name] = shapes[i].channels;
+    const auto in = static_cast<int64_t>(layer.inputs.empty() ? 0 : channels.at(layer.inputs.front()));
     if (model::is_cell(layer)) {
-      const auto depth = static_cast<int64_t>(inputs.front() + layer.out_channels);
+      const int64_t depth = in + static_cast<int64_t>(layer.out_channels);
       const auto size = static_cast<int64_t>(layer.kernel);
       for (const auto& [name, outputs] : cell_convolutions(layer)) {
         const double scale = 1.0 / std::sqrt(static_cast<double>(depth * size * size));
@@ -110,14 +77,12 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
       continue;
     }
     if (layer.op == Op::kLayerNorm) {
-      const auto size = static_cast<int64_t>(inputs.front());
-      parameters_[layer.name + ".weight"] = torch::ones({size}, torch::device(device)).set_requires_grad(true);
-      parameters_[layer.name + ".bias"] = torch::zeros({size}, torch::device(device)).set_requires_grad(true);
+      parameters_[layer.name + ".weight"] = torch::ones({in}, torch::device(device)).set_requires_grad(true);
+      parameters_[layer.name + ".bias"] = torch::zeros({in}, torch::device(device)).set_requires_grad(true);
     }
     if (layer.op != Op::kConv && layer.op != Op::kConvTransposed) continue;
 
-    const auto in = static_cast<int64_t>(inputs.front()), out = static_cast<int64_t>(layer.out_channels);
-    const auto kernel = static_cast<int64_t>(layer.kernel);
+    const auto out = static_cast<int64_t>(layer.out_channels), kernel = static_cast<int64_t>(layer.kernel);
     const bool transposed = layer.op == Op::kConvTransposed;
     const double fan_in = static_cast<double>(transposed ? in : in * kernel * kernel);
     auto weight = torch::randn({transposed ? in : out, transposed ? out : in, kernel, kernel}) *

@@ -23,29 +23,30 @@ Layer layer(const std::string& name, Op op, std::vector<std::string> inputs) {
 
 TEST(NetworkModule, ShufflesChannelsAsTorchDoes) {
   Network network;
-  network.input_channels = 8;
-  network.layers = {layer("up", Op::kPixelShuffle, {"input"}), layer("down", Op::kPixelUnshuffle, {"up"})};
+  network.input_channels = 2;
+  network.layers = {layer("down", Op::kPixelUnshuffle, {"input"}), layer("up", Op::kPixelShuffle, {"down"})};
   network.layers[0].stride = network.layers[1].stride = 2;
-  const auto input = torch::randn({2, 8, 3, 5});
+  const auto input = torch::randn({2, 2, 6, 10});
   EXPECT_TRUE(torch::equal(NetworkModule(network, torch::kCPU).forward(input, torch::kFloat), input));
   network.layers.pop_back();
   EXPECT_TRUE(
-      torch::equal(NetworkModule(network, torch::kCPU).forward(input, torch::kFloat), at::pixel_shuffle(input, 2)));
+      torch::equal(NetworkModule(network, torch::kCPU).forward(input, torch::kFloat), at::pixel_unshuffle(input, 2)));
 }
 
 TEST(NetworkModule, TransposedConvolutionMatchesTorch) {
   torch::manual_seed(1);
   Network network;
   network.input_channels = 3;
-  network.layers = {layer("up", Op::kConvTransposed, {"input"})};
-  network.layers[0].out_channels = 5;
-  network.layers[0].kernel = network.layers[0].stride = 2;
+  network.layers = {layer("down", Op::kPixelUnshuffle, {"input"}), layer("up", Op::kConvTransposed, {"down"})};
+  network.layers[1].out_channels = 5;
+  network.layers[0].stride = network.layers[1].kernel = network.layers[1].stride = 2;
   const NetworkModule module(network, torch::kCPU);
   torch::NoGradGuard no_grad;
   auto bias = module.parameters().at("up.bias");
   bias.normal_();
   const auto input = torch::randn({2, 3, 4, 6});
-  const auto expected = at::conv_transpose2d(input, module.parameters().at("up.weight"), bias, 2);
+  const auto down = at::pixel_unshuffle(input, 2);
+  const auto expected = at::conv_transpose2d(down, module.parameters().at("up.weight"), bias, 2);
   EXPECT_LT((module.forward(input, torch::kFloat) - expected).abs().max().item<float>(), 1e-5F);
 }
 
@@ -54,17 +55,19 @@ TEST(NetworkModule, AddsTheResidualBeforeTheActivationAndJoinsTensors) {
   Network network;
   network.input_channels = 2;
   network.layers = {layer("a", Op::kConv, {"input"}), layer("sum", Op::kAdd, {"a", "input"}),
-                    layer("both", Op::kConcat, {"sum", "a"}), layer("large", Op::kUpsample, {"both"})};
+                    layer("both", Op::kConcat, {"sum", "a"}), layer("down", Op::kPixelUnshuffle, {"both"}),
+                    layer("large", Op::kUpsample, {"down"})};
   network.layers[0].out_channels = 2;
   network.layers[0].kernel = 3;
   network.layers[0].residual = "input";
   network.layers[0].relu = true;
-  network.layers[3].stride = 2;
+  network.layers[3].stride = network.layers[4].stride = 2;
   const NetworkModule module(network, torch::kCPU);
   const auto input = torch::randn({1, 2, 4, 4});
   // A convolution with a residual starts at zero: a = relu(input).
   const auto a = torch::relu(input);
-  const auto expected = at::upsample_nearest2d(torch::cat({a + input, a}, 1), {8, 8});
+  const auto down = at::pixel_unshuffle(torch::cat({a + input, a}, 1), 2);
+  const auto expected = at::upsample_nearest2d(down, {4, 4});
   EXPECT_TRUE(torch::equal(module.forward(input, torch::kFloat).detach(), expected));
 }
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/flags/number_check.h"
+#include "e2lf/cli/flags/option_values.h"
 
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 
 #include "e2lf/base/text.h"
 
@@ -77,6 +76,11 @@ CLI::Validator positive_number() {
                                                   : cat(text, " is not above 0; give a positive number");
   };
   return {check, "above 0"};
+}
+
+CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
+                        const std::vector<std::string>& choices, const std::string& help) {
+  return app.add_option(name, value, help)->check(CLI::IsMember(choices))->capture_default_str();
 }
 
 }  // namespace e2lf::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cli/verbs/live_view.h"
+#include "e2lf/cli/output/viewer.h"
 
 #include <cstdio>
 #include <thread>
@@ -8,24 +8,22 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/terminal/progress_bar.h"
+#include "e2lf/view/page.h"
 #include "e2lf/view/server.h"
 
 namespace e2lf::cli {
+namespace {
 
-bool has_viewer() {
-  return true;
-}
-
-class LiveView::Impl {
+class ServedLiveView : public LiveView {
  public:
-  Impl(std::string name, const std::filesystem::path& folder, view::Server server)
+  ServedLiveView(std::string name, const std::filesystem::path& folder, view::Server server)
       : name_(std::move(name)), server_(std::move(server)) {
     cycles_->set_folder(folder);
     thread_ = std::thread([this] { result_ = server_.run(); });
   }
-  ~Impl() { end(); }
+  ~ServedLiveView() override { end(); }
 
-  void add(const std::string& cycle, lightfield::LightField light_field, const std::string& note) {
+  void add(const std::string& cycle, lightfield::LightField light_field, const std::string& note) override {
     if (const auto fits = view::check_browser_memory(light_field.shape(), name_); !fits) {
       if (!has_warned_) log_warning("the light fields cannot be shown: " + fits.error().message);
       has_warned_ = true;
@@ -36,9 +34,9 @@ class LiveView::Impl {
     show(/*is_growing=*/true);
   }
 
-  void set_folder(const std::filesystem::path& folder) { cycles_->set_folder(folder); }
+  void set_folder(const std::filesystem::path& folder) override { cycles_->set_folder(folder); }
 
-  Result<void> finish() {
+  Result<void> finish() override {
     show(/*is_growing=*/false);
     if (!stop_requested()) {
       hide_progress();
@@ -48,8 +46,6 @@ class LiveView::Impl {
     end();
     return result_;
   }
-
-  [[nodiscard]] std::string url() const { return server_.url(); }
 
  private:
   void show(bool is_growing) {
@@ -73,28 +69,32 @@ class LiveView::Impl {
   std::thread thread_;
 };
 
-LiveView::LiveView(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-LiveView::LiveView(LiveView&&) noexcept = default;
-LiveView::~LiveView() = default;
+}  // namespace
 
-Result<LiveView> LiveView::start(const std::string& name, const std::filesystem::path& folder, uint16_t port) {
+bool has_viewer() {
+  return true;
+}
+
+Result<std::unique_ptr<LiveView>> start_live_view(const std::string& name, const std::filesystem::path& folder,
+                                                  uint16_t port) {
   view::Document nothing_yet;
   nothing_yet.set_growing();
   E2LF_ASSIGN_OR_RETURN(view::Server server, view::Server::create(std::move(nothing_yet), port));
   std::fprintf(stderr, "open %s in a browser to see each cycle when it is done\n", server.url().c_str());
-  return LiveView(std::make_unique<Impl>(name, folder, std::move(server)));
+  return std::unique_ptr<LiveView>(std::make_unique<ServedLiveView>(name, folder, std::move(server)));
 }
 
-void LiveView::add(const std::string& cycle, lightfield::LightField light_field, const std::string& note) {
-  impl_->add(cycle, std::move(light_field), note);
-}
-
-void LiveView::set_folder(const std::filesystem::path& folder) {
-  impl_->set_folder(folder);
-}
-
-Result<void> LiveView::finish() {
-  return impl_->finish();
+Result<void> write_comparison_page(const std::filesystem::path& path, const lightfield::LightField& truth,
+                                   const lightfield::LightField& reconstruction) {
+  view::Document document;
+  for (const auto& [name, light_field] : {std::pair("scene", &truth), std::pair("reconstruction", &reconstruction)}) {
+    E2LF_RETURN_IF_ERROR(view::check_browser_memory(light_field->shape(), path));
+    const auto cycles = std::make_shared<view::LightFieldCycles>();
+    cycles->add(name, *light_field);
+    document.add_light_field(name, cycles);
+  }
+  document.add_comparison(0, 1, {view::psnr_of_views(truth, reconstruction)});
+  return view::write_page(path, document);
 }
 
 }  // namespace e2lf::cli

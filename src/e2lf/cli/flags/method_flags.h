@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+
+#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/output/run_record.h"
+#include "e2lf/pipeline/field_sequence.h"
+#include "e2lf/pipeline/method.h"
+
+namespace e2lf::cli {
+
+/// The flags of the verbs that reconstruct light fields.
+struct MethodFlags {
+  CodesSource codes;
+  std::string precision = "auto", gain = "auto", black = "auto", camera;
+};
+
+/// Declares -m, --codes, --camera, --precision, --gain and --black. `source` is what may state the camera.
+void add_method_options(CLI::App& app, MethodFlags& flags, const std::string& source);
+
+/// Reads the model and the patterns that the flags name, and takes over the precision. Fails as reading them does.
+[[nodiscard]] Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record);
+
+/// Adds the setup of the events and the camera that the flags name. Warns if --codes and the events differ. Fails as
+/// load_camera() does.
+[[nodiscard]] Result<void> complete_choice(const MethodFlags& flags, capture::RecordedSetup events, RunRecord& record,
+                                           pipeline::MethodChoice& choice);
+
+/// Parses --gain (a positive number) and --black (a number of at least 0); "auto" leaves them to the method. Fails with
+/// kInvalidValue.
+[[nodiscard]] Result<pipeline::Tone> tone_of(const MethodFlags& flags);
+
+/// Logs which bundled network was chosen because no model was given.
+void say_bundled_network(const pipeline::BundledNetwork& network);
+
+/// Logs and records the decisions behind a method for `events`: the network or patterns that were chosen by default,
+/// the sources of the patterns and the sensor profile, and any mismatch between these and the method. `model` is the
+/// file that the user gave, and `passes` the requested number of passes.
+void note_method(const pipeline::OpenedMethod& method, const std::filesystem::path& events,
+                 const std::filesystem::path& model, size_t passes, RunRecord& record);
+
+}  // namespace e2lf::cli

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "e2lf/base/result.h"
+#include "e2lf/cli/flags/option_values.h"
+#include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/files/options.h"
+
+/// What is said of the cycles that were found in a recording.
+namespace e2lf::cli {
+
+/// Returns whether the events hardly confirm the times of a cycle.
+[[nodiscard]] bool is_doubtful(const cycles::Cycle& cycle, cycles::CycleSource source);
+
+/// Collects how well the events confirm the times of the cycles.
+class ConfidenceWatch {
+ public:
+  void add(const cycles::Cycle& cycle, cycles::CycleSource source);
+  [[nodiscard]] float least() const { return least_; }
+  /// Warns about cycles whose stated changes of pattern the events do not confirm or contradict, about inverted
+  /// polarity and triggers that are out of step, and about assumptions.
+  void warn(const std::filesystem::path& input, const cycles::CycleReport& report,
+            const cycles::Schedule& schedule) const;
+
+ private:
+  float least_ = 1.0F;
+  uint64_t cycles_ = 0, doubtful_ = 0;
+  bool is_by_schedule_ = false;
+};
+
+/// The values of --source.
+inline constexpr Choice<cycles::CycleSource> kCycleSources[] = {{"auto", cycles::CycleSource::kAuto},
+                                                                {"triggers", cycles::CycleSource::kTriggers},
+                                                                {"bursts", cycles::CycleSource::kBursts},
+                                                                {"schedule", cycles::CycleSource::kSchedule}};
+[[nodiscard]] inline const char* source_name(cycles::CycleSource source) {
+  return word_of(source, kCycleSources);
+}
+
+/// Returns one line of text: the number of cycles that were found and dropped, with the reasons.
+[[nodiscard]] std::string report_text(const cycles::CycleReport& report);
+/// Returns the error for a recording without a complete cycle, with advice.
+[[nodiscard]] Error no_cycle_error(const std::filesystem::path& input, const cycles::CycleReport& report);
+[[nodiscard]] Json report_json(const cycles::CycleReport& report);
+
+/// Returns a cycle as JSON: number, times, events, confidence.
+[[nodiscard]] Json cycle_json(const cycles::Cycle& cycle);
+
+/// Logs the progress of live input, whose end is not known: one line for each completed cycle, and totals at the end.
+/// Independent of whether stderr is a terminal; silent with --quiet.
+class LiveLog {
+ public:
+  /// Logs a completed cycle; `latency_s` is the time since the end of its last pattern.
+  void add(uint64_t cycle, uint64_t events, double latency_s);
+  /// Logs the totals at the end of the input. Does nothing if add() was never called.
+  void finish(const cycles::CycleReport& report) const;
+
+ private:
+  uint64_t cycles_ = 0, events_ = 0;
+  double sum_s_ = 0, most_s_ = 0;
+};
+
+}  // namespace e2lf::cli

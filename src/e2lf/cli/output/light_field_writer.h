@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "e2lf/cli/output/cycle_report.h"
+#include "e2lf/files/options.h"
+#include "e2lf/lightfield/light_field.h"
+#include "e2lf/pipeline/cycle_input.h"
+#include "e2lf/pipeline/field_sequence.h"
+#include "e2lf/recon/event_judgement.h"
+
+namespace e2lf::cli {
+
+/// Writes a reconstructed light field to an existing folder: its views in `format` ("png" and "png16": VV_UU.png;
+/// "npy": lightfield.npy, not clamped), contact_sheet.png and epi.png. `views` is the orientation of the views; all
+/// images are written upright, and `light_field` is upright afterwards. Only lightfield.npy keeps the order of the
+/// views, which is that of the patterns.
+[[nodiscard]] Result<void> write_reconstruction(const std::filesystem::path& folder,
+                                                lightfield::LightField& light_field, const std::string& format,
+                                                const capture::Orientation& views, const ProgressFn& progress);
+
+/// Returns the orientation of the views in the files of write_reconstruction().
+[[nodiscard]] capture::Orientation stored_views(const std::string& format, const capture::Orientation& views);
+
+/// Returns the name of the folder of a cycle: cycle_00000, cycle_00001, ...
+[[nodiscard]] std::string cycle_name(size_t cycle);
+
+/// The settings of all light fields of a run.
+struct LightFieldWriterOptions {
+  std::filesystem::path input;  ///< name of the input, for messages
+  std::string format;           ///< output format; see write_reconstruction()
+  bool is_quiet = false;
+  std::optional<capture::Orientation> views = {};  ///< orientation in which views are reconstructed
+  std::optional<capture::Codes> codes = {};        ///< patterns that determine the signs of the events
+};
+
+/// Reconstructs cycles one by one, writes their light fields, and keeps a record of them.
+class LightFieldWriter {
+ public:
+  LightFieldWriter(LightFieldWriterOptions options, pipeline::FieldSequence sequence)
+      : options_(std::move(options)), sequence_(std::move(sequence)) {}
+
+  /// Reconstructs a cycle and writes it to an existing folder. Returns the light field in upright orientation.
+  Result<lightfield::LightField> process(const pipeline::CycleImages& cycle, const std::filesystem::path& folder);
+
+  /// Returns the notes about the orientation of the views for the run records.
+  [[nodiscard]] Json notes() const;
+  [[nodiscard]] const Json& cycles() const { return cycles_; }
+  [[nodiscard]] const LiveLog& live_log() const { return live_log_; }
+  /// Returns the brightness of all cycles. At least one must have been processed.
+  [[nodiscard]] const pipeline::Tone& tone() const { return sequence_.tone(); }
+
+ private:
+  /// Warns about implausible events in the first cycles.
+  void warn_of_events(const pipeline::CycleImages& cycle);
+
+  LightFieldWriterOptions options_;
+  pipeline::FieldSequence sequence_;
+  size_t warned_ = 0;
+  Json cycles_ = Json::array();
+  LiveLog live_log_;
+};
+
+/// Returns the judgement of a light field for the record: {"verdict", "error", "noise_error", "ratio", ...}. If the
+/// times of its cycle are doubtful, a favourable verdict is replaced by "unconfirmed": the light field may explain the
+/// events of wrong times, too.
+[[nodiscard]] Json check_json(const recon::EventJudgement& judgement, bool is_doubtful);
+
+/// Returns a line on the difference between the events of a cycle of the record and those that its light field would
+/// cause, with the verdict.
+[[nodiscard]] std::string event_error_text(const Json& cycle);
+
+/// Logs a warning with a remedy if the verdict on a cycle of the record is that something is probably wrong.
+void warn_of_verdict(const Json& cycle);
+
+}  // namespace e2lf::cli

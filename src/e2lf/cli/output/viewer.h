@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "e2lf/base/result.h"
+#include "e2lf/lightfield/light_field.h"
+
+/// What other verbs show in the viewer. In a build without it, these functions fail with kMissingDependency.
+namespace e2lf::cli {
+
+/// Returns true if this build includes `e2lf view`.
+[[nodiscard]] bool has_viewer();
+
+/// Shows the light fields of a reconstruction in a browser while they are being computed. The viewer is served by a
+/// separate thread.
+class LiveView {
+ public:
+  virtual ~LiveView() = default;
+
+  /// Adds a completed cycle; `note` is shown beside it. Views that exceed a browser's memory are omitted, with a
+  /// warning.
+  virtual void add(const std::string& cycle, lightfield::LightField light_field, const std::string& note) = 0;
+
+  /// Sets the folder of the cycles.
+  virtual void set_folder(const std::filesystem::path& folder) = 0;
+
+  /// Declares that no cycle will follow, and continues to serve until stop_requested(). Fails with kIo.
+  [[nodiscard]] virtual Result<void> finish() = 0;
+};
+
+/// Starts serving and prints the address to standard error. `name` is that of the light field, and `folder` is where
+/// the cycles are written. Fails with kIo if the port is in use.
+[[nodiscard]] Result<std::unique_ptr<LiveView>> start_live_view(const std::string& name,
+                                                                const std::filesystem::path& folder, uint16_t port);
+
+/// Writes a self-contained HTML file in which the viewer shows a light field beside its reconstruction. Fails with kIo,
+/// and with kUnsupported (a browser would not have enough memory for the views).
+[[nodiscard]] Result<void> write_comparison_page(const std::filesystem::path& path, const lightfield::LightField& truth,
+                                                 const lightfield::LightField& reconstruction);
+
+}  // namespace e2lf::cli
