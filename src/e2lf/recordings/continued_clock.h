@@ -16,6 +16,6 @@ enum class EventOrder { kByTime, kAny };
 /// a restart if the times before it increase and are later, and the times after it continue from it. Events are delayed
 /// until at most kRestartWitnesses later ones are known, and each call of next() reads one block or returns false.
 /// Triggers belong to the later part if they follow a decrease of their own times, or a block with a restart.
-[[nodiscard]] std::unique_ptr<EventBlocks> make_continued(std::unique_ptr<EventBlocks> blocks, EventOrder order);
+[[nodiscard]] BlocksPtr make_continued(BlocksPtr blocks, EventOrder order);
 
 }  // namespace e2lf::recordings

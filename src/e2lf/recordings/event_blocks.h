@@ -34,11 +34,12 @@ class EventBlocks {
   [[nodiscard]] virtual Result<void> seek_before(int64_t t_us) = 0;
 };
 
+using BlocksPtr = std::unique_ptr<EventBlocks>;
+
 /// Creates a reader of blocks. It divides them into the requested batches, drops implausible events (EventGate), begins
 /// a part at each of restarts(), and delivers triggers with the events of their time; these come from the blocks or, if
 /// they are stored separately, from `triggers`.
-[[nodiscard]] std::unique_ptr<RecordingReader> make_block_reader(std::unique_ptr<EventBlocks> blocks,
-                                                                 RecordingInfo info, const std::string& name,
-                                                                 const OpenOptions& options, TriggerFeed triggers = {});
+[[nodiscard]] ReaderPtr make_block_reader(BlocksPtr blocks, RecordingInfo info, const std::string& name,
+                                          const OpenOptions& options, TriggerFeed triggers = {});
 
 }  // namespace e2lf::recordings

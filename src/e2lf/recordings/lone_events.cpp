@@ -25,8 +25,7 @@ double seconds(int64_t us) {
 
 class ToldBlocks final : public EventBlocks {
  public:
-  ToldBlocks(std::unique_ptr<EventBlocks> blocks, std::string name)
-      : blocks_(std::move(blocks)), name_(std::move(name)) {}
+  ToldBlocks(BlocksPtr blocks, std::string name) : blocks_(std::move(blocks)), name_(std::move(name)) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     E2LF_ASSIGN_OR_RETURN(const bool more, blocks_->next(block, summary));
@@ -81,7 +80,7 @@ class ToldBlocks final : public EventBlocks {
     }
   }
 
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
   std::string name_;
   std::vector<int64_t> first_us_, last_us_;  ///< the times of the first and last events, kMostLone + 1 at most
   uint64_t count_ = 0;
@@ -90,8 +89,7 @@ class ToldBlocks final : public EventBlocks {
 
 }  // namespace
 
-std::unique_ptr<EventBlocks> make_lone_events_told(std::unique_ptr<EventBlocks> blocks, std::string name,
-                                                   const OpenOptions& options) {
+BlocksPtr make_lone_events_told(BlocksPtr blocks, std::string name, const OpenOptions& options) {
   if (options.from_us != INT64_MIN || options.to_us != INT64_MAX) return blocks;
   return std::make_unique<ToldBlocks>(std::move(blocks), std::move(name));
 }

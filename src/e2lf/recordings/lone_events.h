@@ -12,7 +12,6 @@ namespace e2lf::recordings {
 /// nine events at the beginning or the end are separated from all others by more than a hundred times the duration of
 /// these, as after damage of a single time, or if all of a hundred events or more have the same time. Does not warn if
 /// `options` select a range of times. `name` is the location.
-[[nodiscard]] std::unique_ptr<EventBlocks> make_lone_events_told(std::unique_ptr<EventBlocks> blocks, std::string name,
-                                                                 const OpenOptions& options);
+[[nodiscard]] BlocksPtr make_lone_events_told(BlocksPtr blocks, std::string name, const OpenOptions& options);
 
 }  // namespace e2lf::recordings

@@ -77,7 +77,7 @@ Result<std::string> first_line(ByteSource& source) {
 
 class SideTriggerFile final : public TriggerSource {
  public:
-  explicit SideTriggerFile(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+  explicit SideTriggerFile(SourcePtr source) : source_(std::move(source)) {}
 
   /// Returns all triggers at once, sorted.
   Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
@@ -131,7 +131,7 @@ class SideTriggerFile final : public TriggerSource {
     }
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   bool is_within_line_ = false;  ///< whether the beginning of the current line was too long
 };
 
@@ -162,7 +162,7 @@ Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
   return make_side_trigger_feed(std::move(source));
 }
 
-TriggerFeed make_side_trigger_feed(std::unique_ptr<ByteSource> source) {
+TriggerFeed make_side_trigger_feed(SourcePtr source) {
   return TriggerFeed(std::make_unique<SideTriggerFile>(std::move(source)));
 }
 

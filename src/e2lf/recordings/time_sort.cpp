@@ -32,7 +32,7 @@ class OrderCounter {
 /// Sorts a source that cannot be read twice: the latest events are buffered, so that earlier ones can precede them.
 class SortedPipe final : public EventBlocks {
  public:
-  SortedPipe(std::unique_ptr<EventBlocks> blocks, std::string name, size_t window)
+  SortedPipe(BlocksPtr blocks, std::string name, size_t window)
       : blocks_(std::move(blocks)), name_(std::move(name)), window_(window) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -66,7 +66,7 @@ class SortedPipe final : public EventBlocks {
             name_};
   }
 
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
   std::string name_;
   size_t window_;
   OrderCounter order_;
@@ -77,8 +77,7 @@ class SortedPipe final : public EventBlocks {
 /// Sorts a source that can be read twice. The first next() or seek_before() determines how.
 class SortedFile final : public EventBlocks {
  public:
-  SortedFile(std::unique_ptr<EventBlocks> blocks, const TimeSortOptions& options)
-      : blocks_(std::move(blocks)), options_(options) {}
+  SortedFile(BlocksPtr blocks, const TimeSortOptions& options) : blocks_(std::move(blocks)), options_(options) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     E2LF_RETURN_IF_ERROR(prepare());
@@ -169,7 +168,7 @@ class SortedFile final : public EventBlocks {
     triggers_.insert(triggers_.end(), block.triggers.begin(), block.triggers.end());
   }
 
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
   TimeSortOptions options_;
   Way way_ = Way::kUnknown;
   OrderCounter order_;
@@ -183,8 +182,7 @@ class SortedFile final : public EventBlocks {
 
 }  // namespace
 
-std::unique_ptr<EventBlocks> make_time_sorted(std::unique_ptr<EventBlocks> blocks, bool is_seekable, std::string name,
-                                              const TimeSortOptions& options) {
+BlocksPtr make_time_sorted(BlocksPtr blocks, bool is_seekable, std::string name, const TimeSortOptions& options) {
   blocks = make_continued(std::move(blocks), EventOrder::kAny);
   if (is_seekable) return std::make_unique<SortedFile>(std::move(blocks), options);
   return std::make_unique<SortedPipe>(std::move(blocks), std::move(name), options.pipe_events);

@@ -20,7 +20,7 @@ struct TimeSortOptions {
 /// A seekable source is first read once to check its order. If it is not in order and contains more than memory_events,
 /// it is sorted with a temporary file (SortedRuns). Other sources are sorted while they are read, and next() fails with
 /// kUnsupported if an event is more than pipe_events too late. `name` is the location in errors.
-[[nodiscard]] std::unique_ptr<EventBlocks> make_time_sorted(std::unique_ptr<EventBlocks> blocks, bool is_seekable,
-                                                            std::string name, const TimeSortOptions& options = {});
+[[nodiscard]] BlocksPtr make_time_sorted(BlocksPtr blocks, bool is_seekable, std::string name,
+                                         const TimeSortOptions& options = {});
 
 }  // namespace e2lf::recordings

@@ -17,7 +17,7 @@ inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 /// Applies the settings to a camera, and starts it and a thread that reads its bytes. The source ends with the camera,
 /// and stops it when it is destroyed. If the camera fails after its first bytes, the source ends there with a warning,
 /// and LiveBacklog::failure contains the reason. Fails as Camera::set_up() and Camera::start() do.
-[[nodiscard]] Result<std::unique_ptr<LiveSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name,
+[[nodiscard]] Result<std::unique_ptr<LiveSource>> start_camera_source(CameraPtr camera, std::string name,
                                                                       const CameraSetup& setup = {});
 
 }  // namespace e2lf::recordings

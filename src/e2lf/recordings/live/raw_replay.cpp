@@ -26,7 +26,7 @@ constexpr uint32_t kMostSteps = 64;
 
 class RawReplay final : public Camera {
  public:
-  RawReplay(std::unique_ptr<ByteSource> source, const ReplayAddress& replay)
+  RawReplay(SourcePtr source, const ReplayAddress& replay)
       : source_(std::move(source)), speed_(replay.speed), repeats_(replay.repeat - 1) {}
 
   Result<void> start() override {
@@ -125,7 +125,7 @@ class RawReplay final : public Camera {
   static constexpr uint16_t kUnknown = 0xFFFF;
   static constexpr uint16_t kTimeHighBits = evt3::kTimeHigh << 12;
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   double speed_;
   uint64_t repeats_;       ///< number of remaining repetitions
   bool is_header_ = true;  ///< whether the header is delivered next
@@ -146,7 +146,7 @@ Result<bool> is_evt3_recording(ByteSource& source) {
   return header && header->info.format == "evt3";
 }
 
-std::unique_ptr<Camera> make_raw_replay(std::unique_ptr<ByteSource> source, const ReplayAddress& replay) {
+CameraPtr make_raw_replay(SourcePtr source, const ReplayAddress& replay) {
   return std::make_unique<RawReplay>(std::move(source), replay);
 }
 

@@ -15,6 +15,6 @@ namespace e2lf::recordings {
 /// Makes a camera that delivers the bytes of a RAW recording in EVT3 as they are, each when its time has come. A step
 /// of the clock by more than a quarter of a second, where data is missing or damaged, takes no time. When it is played
 /// again, the clock continues, and its TIME_HIGH words are shifted. `source` must then be seekable.
-[[nodiscard]] std::unique_ptr<Camera> make_raw_replay(std::unique_ptr<ByteSource> source, const ReplayAddress& replay);
+[[nodiscard]] CameraPtr make_raw_replay(SourcePtr source, const ReplayAddress& replay);
 
 }  // namespace e2lf::recordings

@@ -20,7 +20,7 @@ constexpr size_t kBatchEvents = size_t{1} << 16;
 
 class ReplayCamera final : public Camera {
  public:
-  ReplayCamera(std::unique_ptr<RecordingReader> reader, double speed) : reader_(std::move(reader)), speed_(speed) {}
+  ReplayCamera(ReaderPtr reader, double speed) : reader_(std::move(reader)), speed_(speed) {}
 
   /// Creates the encoder, whose header is delivered first.
   Result<void> open() {
@@ -92,9 +92,9 @@ class ReplayCamera final : public Camera {
     while (!is_stopped_ && Clock::now() < due) std::this_thread::sleep_until(std::min(due, Clock::now() + kNap));
   }
 
-  std::unique_ptr<RecordingReader> reader_;
+  ReaderPtr reader_;
   double speed_;
-  std::unique_ptr<RecordingWriter> writer_;
+  WriterPtr writer_;
   std::vector<uint8_t> encoded_;
   EventBatch batch_, stretch_;
   size_t event_ = 0, trigger_ = 0;  ///< first ones of batch_ that were not delivered yet
@@ -108,7 +108,7 @@ class ReplayCamera final : public Camera {
 
 }  // namespace
 
-Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& address) {
+Result<CameraPtr> open_replay_camera(const std::string& address) {
   E2LF_ASSIGN_OR_RETURN(const ReplayAddress replayed, parse_replay_address(address));
   const std::string& path = replayed.path;
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
@@ -122,8 +122,7 @@ Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& address) {
   E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(std::filesystem::path(path), {.policy = DecodePolicy::kSkip}));
   auto replay = std::make_unique<ReplayCamera>(std::move(reader), replayed.speed);
   E2LF_RETURN_IF_ERROR(replay->open());
-  std::unique_ptr<Camera> camera = std::move(replay);
-  return camera;
+  return CameraPtr(std::move(replay));
 }
 
 }  // namespace e2lf::recordings

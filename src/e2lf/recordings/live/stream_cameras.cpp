@@ -86,8 +86,8 @@ Result<void> wait_for_bytes(int descriptor, const std::string& address) {
 
 }  // namespace
 
-Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
-  std::unique_ptr<Camera> camera;
+Result<CameraPtr> open_pipe_camera(const std::string& address) {
+  CameraPtr camera;
   if (address.empty()) {
     camera = std::make_unique<DescriptorCamera>(STDIN_FILENO, /*owned=*/false, "stdin");
     return camera;
@@ -104,11 +104,10 @@ Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
   return camera;
 }
 
-Result<std::unique_ptr<Camera>> open_tcp_camera(const std::string& address) {
+Result<CameraPtr> open_tcp_camera(const std::string& address) {
   const std::string name = "tcp://" + address;
   E2LF_ASSIGN_OR_RETURN(const int descriptor, connect_tcp(name));
-  std::unique_ptr<Camera> camera = std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, name);
-  return camera;
+  return CameraPtr(std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, name));
 }
 
 }  // namespace e2lf::recordings

@@ -106,11 +106,11 @@ class V4l2Camera final : public Camera {
 
 }  // namespace
 
-std::unique_ptr<Camera> make_v4l2_camera(V4l2System& system, const std::string& folder, const std::string& address) {
+CameraPtr make_v4l2_camera(V4l2System& system, const std::string& folder, const std::string& address) {
   return std::make_unique<V4l2Camera>(system, folder, address);
 }
 
-Result<std::unique_ptr<Camera>> open_v4l2_camera(const std::string& address) {
+Result<CameraPtr> open_v4l2_camera(const std::string& address) {
   return make_v4l2_camera(kernel(), kDeviceFolder, address);
 }
 

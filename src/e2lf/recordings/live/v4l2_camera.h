@@ -10,7 +10,6 @@
 namespace e2lf::recordings {
 
 /// Creates the camera of open_v4l2_camera() (cameras.h), whose devices are in `folder`. `system` must outlive it.
-[[nodiscard]] std::unique_ptr<Camera> make_v4l2_camera(V4l2System& system, const std::string& folder,
-                                                       const std::string& address);
+[[nodiscard]] CameraPtr make_v4l2_camera(V4l2System& system, const std::string& folder, const std::string& address);
 
 }  // namespace e2lf::recordings

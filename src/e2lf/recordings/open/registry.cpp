@@ -245,7 +245,7 @@ Result<const Codec*> find_codec(const std::string& name) {
 namespace {
 
 /// Only formats that may contain several streams list them.
-Result<std::unique_ptr<RecordingReader>> check_stream(std::unique_ptr<RecordingReader> reader) {
+Result<ReaderPtr> check_stream(ReaderPtr reader) {
   const RecordingInfo& info = reader->info();
   if (reader->options().stream.empty() || !info.streams.empty()) return reader;
   return Error{
@@ -262,8 +262,7 @@ bool is_recording_folder(const std::filesystem::path& path) {
                      [&](const Codec* codec) { return codec->is_folder != nullptr && codec->is_folder(path); });
 }
 
-Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
-                                                        const OpenOptions& options) {
+Result<ReaderPtr> open_recording(SourcePtr source, const OpenOptions& options) {
   std::shared_ptr<DecodeSummary> losses;
   // No more bytes than needed: a live source of a named format may not have more for a while.
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
@@ -286,7 +285,7 @@ Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSour
   return check_stream(std::move(reader));
 }
 
-Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::path& path, const OpenOptions& options) {
+Result<ReaderPtr> open_recording(const std::filesystem::path& path, const OpenOptions& options) {
   for (const Codec* codec : codecs()) {
     if (codec->is_folder == nullptr || !codec->is_folder(path)) continue;
     E2LF_ASSIGN_OR_RETURN(auto reader, codec->open_folder(path, options));
@@ -301,8 +300,8 @@ Result<RecordingPlace> place_of_recording(const std::filesystem::path& path, con
   return RecordingPlace{codec->create != nullptr, codec->side_file, codec->is_written_at_end, codec->recover};
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem::path& path, const std::string& format,
-                                                          const RecordingInfo& info) {
+Result<WriterPtr> create_recording(const std::filesystem::path& path, const std::string& format,
+                                   const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
   const bool to_stream = path == "-" || is_stream(path);
   if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
@@ -317,8 +316,7 @@ Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem:
   return codec->create(std::move(sink), info);
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_recording(std::unique_ptr<ByteSink> sink, const std::string& format,
-                                                          const RecordingInfo& info) {
+Result<WriterPtr> create_recording(SinkPtr sink, const std::string& format, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, find_codec(format));
   if (codec->create == nullptr) return unsupported(*codec, "stream", sink->name());
   return codec->create(std::move(sink), info);

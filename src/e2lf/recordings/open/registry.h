@@ -25,19 +25,15 @@ struct Codec {
   bool (*detect)(std::span<const uint8_t> head) = nullptr;
 
   /// Null if the format cannot be read or written, respectively.
-  Result<std::unique_ptr<RecordingReader>> (*open)(std::unique_ptr<ByteSource> source,
-                                                   const OpenOptions& options) = nullptr;
-  Result<std::unique_ptr<RecordingWriter>> (*create)(std::unique_ptr<ByteSink> sink,
-                                                     const RecordingInfo& info) = nullptr;
+  Result<ReaderPtr> (*open)(SourcePtr source, const OpenOptions& options) = nullptr;
+  Result<WriterPtr> (*create)(SinkPtr sink, const RecordingInfo& info) = nullptr;
 
   /// For formats that write their file themselves, instead of `create`.
-  Result<std::unique_ptr<RecordingWriter>> (*create_file)(const std::filesystem::path& path,
-                                                          const RecordingInfo& info) = nullptr;
+  Result<WriterPtr> (*create_file)(const std::filesystem::path& path, const RecordingInfo& info) = nullptr;
 
   /// For formats that are folders of files.
   bool (*is_folder)(const std::filesystem::path& path) = nullptr;
-  Result<std::unique_ptr<RecordingReader>> (*open_folder)(const std::filesystem::path& path,
-                                                          const OpenOptions& options) = nullptr;
+  Result<ReaderPtr> (*open_folder)(const std::filesystem::path& path, const OpenOptions& options) = nullptr;
 
   /// Returns the path of the file with triggers that the format cannot hold, if the reader looks for it.
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;

@@ -13,7 +13,7 @@ namespace {
 /// Drops the unused rows of a table.
 class UsedRows final : public EventBlocks {
  public:
-  UsedRows(std::unique_ptr<EventBlocks> blocks, int64_t zero_us) : blocks_(std::move(blocks)), zero_us_(zero_us) {}
+  UsedRows(BlocksPtr blocks, int64_t zero_us) : blocks_(std::move(blocks)), zero_us_(zero_us) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     E2LF_ASSIGN_OR_RETURN(const bool more, blocks_->next(block, summary));
@@ -63,7 +63,7 @@ class UsedRows final : public EventBlocks {
     for (; zeros_ > 0; --zeros_) used_.push_back({0, 0, 0, zero_us_});
   }
 
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
   int64_t zero_us_;
   EventColumns used_;
   uint64_t zeros_ = 0;      ///< number of rows of zeros that were withheld
@@ -75,7 +75,7 @@ class UsedRows final : public EventBlocks {
 /// are unchanged. Seeking behind a wrap goes to the first block.
 class UnwrappedBlocks final : public EventBlocks {
  public:
-  UnwrappedBlocks(std::unique_ptr<EventBlocks> blocks, TimeUnit unit)
+  UnwrappedBlocks(BlocksPtr blocks, TimeUnit unit)
       : blocks_(std::move(blocks)), is_ns_(unit == TimeUnit::kNanoseconds), us_per_unit_(us_per(unit)) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -125,7 +125,7 @@ class UnwrappedBlocks final : public EventBlocks {
     return loops_;
   }
 
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
   bool is_ns_;
   int64_t us_per_unit_;
   std::optional<int64_t> last_;
@@ -136,9 +136,9 @@ class UnwrappedBlocks final : public EventBlocks {
 
 }  // namespace
 
-std::unique_ptr<RecordingReader> make_table_reader(std::unique_ptr<EventBlocks> blocks, TimeUnit unit, bool is_seekable,
-                                                   RecordingInfo info, const std::string& name,
-                                                   const OpenOptions& options, TriggerFeed triggers, int64_t zero_us) {
+ReaderPtr make_table_reader(BlocksPtr blocks, TimeUnit unit, bool is_seekable, RecordingInfo info,
+                            const std::string& name, const OpenOptions& options, TriggerFeed triggers,
+                            int64_t zero_us) {
   blocks = std::make_unique<UsedRows>(std::move(blocks), zero_us);
   blocks = std::make_unique<UnwrappedBlocks>(std::move(blocks), unit);
   blocks = make_time_sorted(std::move(blocks), is_seekable, name);

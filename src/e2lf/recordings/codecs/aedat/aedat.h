@@ -27,12 +27,10 @@ namespace e2lf::recordings::aedat {
 
 /// Opens an AEDAT 2 recording. Fails with kFormat (no such header) and kInvalidValue (a size that contradicts the
 /// header).
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_aedat2(std::unique_ptr<ByteSource> source,
-                                                                   const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_aedat2(SourcePtr source, const OpenOptions& options);
 
 /// Opens an AEDAT 3 recording. Fails with kFormat (no such header), kUnsupported (compressed packets) and kInvalidValue
 /// (no stream with this name).
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource> source,
-                                                                   const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_aedat3(SourcePtr source, const OpenOptions& options);
 
 }  // namespace e2lf::recordings::aedat

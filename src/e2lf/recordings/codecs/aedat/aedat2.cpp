@@ -49,7 +49,7 @@ constexpr uint8_t kFallingTrigger = 2, kRisingTrigger = 3;
 /// blocks contain triggers as events with the polarities above.
 class Aedat2Blocks final : public EventBlocks {
  public:
-  Aedat2Blocks(std::unique_ptr<ByteSource> source, const AddressBits& bits, size_t width, size_t height)
+  Aedat2Blocks(SourcePtr source, const AddressBits& bits, size_t width, size_t height)
       : source_(std::move(source)), bits_(bits), width_(width), height_(height), header_bytes_(source_->position()) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -112,7 +112,7 @@ class Aedat2Blocks final : public EventBlocks {
                             static_cast<uint8_t>(is_on), t_us});
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   AddressBits bits_;
   size_t width_, height_;
   uint64_t header_bytes_;
@@ -122,7 +122,7 @@ class Aedat2Blocks final : public EventBlocks {
 /// Moves the triggers among the events of blocks to where they belong.
 class TriggersApart final : public EventBlocks {
  public:
-  explicit TriggersApart(std::unique_ptr<EventBlocks> blocks) : blocks_(std::move(blocks)) {}
+  explicit TriggersApart(BlocksPtr blocks) : blocks_(std::move(blocks)) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     E2LF_ASSIGN_OR_RETURN(const bool more, blocks_->next(block, summary));
@@ -148,7 +148,7 @@ class TriggersApart final : public EventBlocks {
   Result<void> seek_before(int64_t t_us) override { return blocks_->seek_before(t_us); }
 
  private:
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
 };
 
 struct Camera {
@@ -202,7 +202,7 @@ bool detect_aedat2(std::span<const uint8_t> head) {
   return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kVersionLine);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_aedat2(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_aedat2(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersionLine)) {

@@ -52,7 +52,7 @@ constexpr TriggerMeaning kMeanings[] = {{2, 0, 1}, {3, 0, 0},  {4, 0, 1},  {6, 1
 class Aedat3Blocks final : public EventBlocks {
  public:
   /// `flip_height` is the height of the sensor if rows are counted from the bottom, otherwise 0.
-  Aedat3Blocks(std::unique_ptr<ByteSource> source, int16_t chosen, bool has_chosen, size_t flip_height)
+  Aedat3Blocks(SourcePtr source, int16_t chosen, bool has_chosen, size_t flip_height)
       : source_(std::move(source)),
         chosen_(chosen),
         has_chosen_(has_chosen),
@@ -121,7 +121,7 @@ class Aedat3Blocks final : public EventBlocks {
     return false;
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   int16_t chosen_;
   bool has_chosen_;
   size_t flip_height_;
@@ -150,7 +150,7 @@ bool detect_aedat3(std::span<const uint8_t> head) {
   return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kVersion);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_aedat3(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersion)) {

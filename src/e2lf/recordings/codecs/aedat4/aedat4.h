@@ -20,7 +20,6 @@ namespace e2lf::recordings::aedat4 {
 
 /// Opens an AEDAT 4 recording. Fails with kFormat and kTruncated (header), kUnsupported (an unknown compression),
 /// kMissingDependency (Zstd) and kInvalidValue (no stream with this name).
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source,
-                                                            const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options);
 
 }  // namespace e2lf::recordings::aedat4

@@ -40,7 +40,7 @@ Use use_of_stream(const Stream& stream, const Stream& events, bool has_several_c
 class Aedat4Blocks final : public EventBlocks {
  public:
   /// `events` is the stream to read, one of `event_streams`.
-  Aedat4Blocks(std::unique_ptr<ByteSource> source, Header header, std::unique_ptr<Decompressor> decompressor,
+  Aedat4Blocks(SourcePtr source, Header header, std::unique_ptr<Decompressor> decompressor,
                const std::vector<Stream>& event_streams, const Stream& events, bool has_chosen)
       : source_(std::move(source)), header_(std::move(header)), decompressor_(std::move(decompressor)) {
     const bool has_several_cameras =
@@ -240,7 +240,7 @@ class Aedat4Blocks final : public EventBlocks {
     return false;
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   Header header_;
   uint64_t first_table_position_ = header_.table_position;
   std::unique_ptr<Decompressor> decompressor_;
@@ -267,7 +267,7 @@ bool detect(std::span<const uint8_t> head) {
   return header_size(head).has_value();
 }
 
-Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kVersionLine.size() + 4));
   const auto size = header_size(bytes);

@@ -16,16 +16,13 @@ namespace e2lf::recordings::dat {
 /// stored in a second file: name_trigger.dat for name_cd.dat or name.dat, which is read if it exists.
 
 [[nodiscard]] bool detect(std::span<const uint8_t> head);
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source,
-                                                            const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options);
 
 /// Writes version 2 with the low 32 bits of the times. The first event must be before 2^32 us; otherwise writing fails
 /// with kInvalidValue, and the recording must be shifted to zero. A sink only receives events; if the recording is a
 /// file, triggers are written to a second one.
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
-                                                              const RecordingInfo& info);
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path,
-                                                                   const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info);
 
 /// Returns name_trigger.dat for name_cd.dat or name.dat.
 [[nodiscard]] std::filesystem::path trigger_path(const std::filesystem::path& path);

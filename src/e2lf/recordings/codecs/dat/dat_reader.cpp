@@ -64,8 +64,7 @@ Result<Header> read_header(ByteSource& source) {
 class TriggerFile final : public TriggerSource {
  public:
   /// `header_bytes` is the offset of the records and the position of the source.
-  TriggerFile(std::unique_ptr<ByteSource> source, size_t header_bytes)
-      : source_(std::move(source)), header_bytes_(header_bytes) {}
+  TriggerFile(SourcePtr source, size_t header_bytes) : source_(std::move(source)), header_bytes_(header_bytes) {}
 
   Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kRecordBytes));
@@ -82,7 +81,7 @@ class TriggerFile final : public TriggerSource {
   }
 
  private:
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   size_t header_bytes_;
   TimeUnwrapper unwrap_;
 };
@@ -102,7 +101,7 @@ size_t find_text(std::span<const uint8_t> records) {
 /// The records of a file of events.
 class DatBlocks final : public EventBlocks {
  public:
-  DatBlocks(std::unique_ptr<ByteSource> source, const Header& header)
+  DatBlocks(SourcePtr source, const Header& header)
       : source_(std::move(source)), header_bytes_(header.bytes), bits_(header.version == 1 ? kVersion1 : kVersion2) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -151,7 +150,7 @@ class DatBlocks final : public EventBlocks {
   /// Few enough to stay in the cache until they are used.
   static constexpr size_t kBlockRecords = size_t{1} << 15;
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   size_t header_bytes_;
   PlaceBits bits_;
   uint64_t byte_ = 0;
@@ -161,8 +160,7 @@ class DatBlocks final : public EventBlocks {
 /// Reads a file of triggers that was opened as a recording.
 class DatTriggerReader final : public RecordingReader {
  public:
-  DatTriggerReader(std::unique_ptr<ByteSource> source, const Header& header, const OpenOptions& options)
-      : RecordingReader(options) {
+  DatTriggerReader(SourcePtr source, const Header& header, const OpenOptions& options) : RecordingReader(options) {
     info_ = header.info;
     name_ = source->name();
     triggers_ = TriggerFeed(std::make_unique<TriggerFile>(std::move(source), header.bytes));
@@ -204,15 +202,14 @@ bool is_trigger_file(const std::filesystem::path& path) {
   return header && header->type == kTypeTrigger;
 }
 
-Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(Header header, read_header(*source));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, header.info, source->name()));
   if (header.type == kTypeTrigger) {
-    std::unique_ptr<RecordingReader> reader = std::make_unique<DatTriggerReader>(std::move(source), header, options);
-    return reader;
+    return ReaderPtr(std::make_unique<DatTriggerReader>(std::move(source), header, options));
   }
   TriggerFeed triggers;
-  std::unique_ptr<ByteSource> trigger_source;
+  SourcePtr trigger_source;
   if (const std::filesystem::path path = source->logical_path(); !path.empty()) {
     E2LF_ASSIGN_OR_RETURN(trigger_source, open_file_beside(trigger_path(path)));
   }

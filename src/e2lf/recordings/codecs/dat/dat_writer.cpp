@@ -21,7 +21,7 @@ std::span<const uint8_t> bytes_of(const std::string& text) {
 class DatWriter final : public RecordingWriter {
  public:
   /// If `trigger_file` is empty, triggers are dropped.
-  DatWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info, std::filesystem::path trigger_file)
+  DatWriter(SinkPtr sink, const RecordingInfo& info, std::filesystem::path trigger_file)
       : sink_(std::move(sink)),
         info_(info),
         trigger_file_(std::move(trigger_file)),
@@ -89,30 +89,28 @@ class DatWriter final : public RecordingWriter {
                  sink_->name(), Setting::kShiftTime};
   }
 
-  std::unique_ptr<ByteSink> sink_;
+  SinkPtr sink_;
   RecordingInfo info_;
   std::filesystem::path trigger_file_;
   BatchCheck check_;
-  std::unique_ptr<ByteSink> trigger_sink_;
+  SinkPtr trigger_sink_;
   std::vector<uint8_t> buffer_;
   TimeUnwrapper unwrap_event_, unwrap_trigger_;
 };
 
-Result<std::unique_ptr<RecordingWriter>> start(std::unique_ptr<ByteSink> sink, const RecordingInfo& info,
-                                               std::filesystem::path trigger_file) {
+Result<WriterPtr> start(SinkPtr sink, const RecordingInfo& info, std::filesystem::path trigger_file) {
   auto writer = std::make_unique<DatWriter>(std::move(sink), info, std::move(trigger_file));
   E2LF_RETURN_IF_ERROR(writer->begin());
-  std::unique_ptr<RecordingWriter> result = std::move(writer);
-  return result;
+  return WriterPtr(std::move(writer));
 }
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info) {
   return start(std::move(sink), info, {});
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
+Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(auto sink, open_file_sink(path));
   return start(std::move(sink), info, trigger_path(path));
 }

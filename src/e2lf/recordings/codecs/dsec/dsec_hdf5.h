@@ -16,15 +16,14 @@ namespace e2lf::recordings::hdf5_events {
 
 /// Creates a recording in this layout, uncompressed. Its write() fails with kInvalidValue for times more than 71
 /// minutes after the first event.
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_dsec_file(const std::filesystem::path& path,
-                                                                        const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create_dsec_file(const std::filesystem::path& path, const RecordingInfo& info);
 
 /// Opens a table of events (event_places.h) whose columns have any numeric type. If there are several tables,
 /// options.stream selects one by its number or name. OpenOptions::time_unit states the unit of the times. Assumptions
 /// are added to `info`. Fails with kNotFound if the file contains no table, and with kShape if columns differ in
 /// length.
 struct TableOfEvents {
-  std::unique_ptr<EventBlocks> blocks;
+  BlocksPtr blocks;
   TimeUnit unit = TimeUnit::kMicroseconds;
   int64_t zero_us = 0;  ///< time of a row of zeros
 };

@@ -32,7 +32,7 @@ bool has_vendor_layout(hid_t dataset) {
 
 }  // namespace
 
-Result<std::unique_ptr<EventBlocks>> EventChunks::open(hid_t file, const std::string& location, int threads) {
+Result<BlocksPtr> EventChunks::open(hid_t file, const std::string& location, int threads) {
   const LibraryLock lock;
   auto chunks = std::make_unique<EventChunks>();
   E2LF_ASSIGN_OR_RETURN(chunks->shape_, open_dataset(file, "CD/events", location));
@@ -43,8 +43,7 @@ Result<std::unique_ptr<EventBlocks>> EventChunks::open(hid_t file, const std::st
   const bool is_ecf = shape.storage.filters.size() == 1 && shape.storage.filters[0] == kEcfFilter;
   chunks->is_direct_ = is_ecf && shape.chunk_length != 0 && has_vendor_layout(shape.dataset.get());
   if (!chunks->is_direct_) E2LF_RETURN_IF_ERROR(e2lf::hdf5::check_filters(shape.storage, chunks->location_));
-  std::unique_ptr<EventBlocks> blocks = std::move(chunks);
-  return blocks;
+  return BlocksPtr(std::move(chunks));
 }
 
 Result<bool> EventChunks::next_records(EventColumns& events) {

@@ -18,7 +18,7 @@ class EventChunks final : public EventBlocks {
  public:
   /// Opens the events. Fails as open_dataset() does, and with kMissingDependency for a filter that neither e2lf nor the
   /// library has.
-  [[nodiscard]] static Result<std::unique_ptr<EventBlocks>> open(hid_t file, const std::string& location, int threads);
+  [[nodiscard]] static Result<BlocksPtr> open(hid_t file, const std::string& location, int threads);
 
   /// Reads the next block. A chunk that cannot be decoded is counted as kBadRecord and skipped. In a damaged chunk,
   /// events that are later than the first time of the next chunk are dropped (kTimeJump).

@@ -17,13 +17,11 @@ namespace e2lf::recordings::hdf5_events {
 [[nodiscard]] bool detect(std::span<const uint8_t> head);
 
 /// Opens a recording in this layout or in that of DSEC (see dsec_hdf5.h). Fails with kNotFound if the file has neither.
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source,
-                                                            const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options);
 
 /// Creates a recording. Chunks that ECF cannot represent (coordinates of 2048 and above, negative times) are stored
 /// without compression.
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path,
-                                                                   const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info);
 
 /// Fails if a file whose writer was killed cannot be read, that is, within the first second of writing.
 [[nodiscard]] Result<void> recover(const std::filesystem::path& path);

@@ -78,7 +78,7 @@ bool detect(std::span<const uint8_t> head) {
   return false;
 }
 
-Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   const LibraryLock lock;
   const std::string name = source->name();
   // The data sets keep the file open.
@@ -86,7 +86,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   RecordingInfo info = read_info(file.get());
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
-  std::unique_ptr<EventBlocks> blocks;
+  BlocksPtr blocks;
   TriggerFeed triggers;
   if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
     E2LF_RETURN_IF_ERROR(table::refuse_table_options(options, "hdf5", name));

@@ -235,12 +235,11 @@ Result<void> MetavisionWriter::finish() {
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
+Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
   auto writer = std::make_unique<MetavisionWriter>(std::move(file), info);
   E2LF_RETURN_IF_ERROR(writer->begin(info));
-  std::unique_ptr<RecordingWriter> result = std::move(writer);
-  return result;
+  return WriterPtr(std::move(writer));
 }
 
 }  // namespace e2lf::recordings::hdf5_events

@@ -56,7 +56,7 @@ void reverse_big_endian(std::span<const uint8_t> bytes, const NpyHeader& header,
 
 class NpyBlocks final : public EventBlocks {
  public:
-  NpyBlocks(std::unique_ptr<ByteSource> source, NpyHeader header, RecordFields fields)
+  NpyBlocks(SourcePtr source, NpyHeader header, RecordFields fields)
       : source_(std::move(source)), header_(std::move(header)), fields_(std::move(fields)) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -114,7 +114,7 @@ class NpyBlocks final : public EventBlocks {
     return to_events(records, fields_, count, events);
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   NpyHeader header_;
   RecordFields fields_;
   size_t next_ = 0;
@@ -234,7 +234,7 @@ bool detect_npy(std::span<const uint8_t> head) {
   return header.ok() && (is_by_column(*header) || has_four_columns(header->array) || has_event_fields(header->array));
 }
 
-Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, read_header(head.first(std::min(head.size(), kDetectBytes)), name));

@@ -148,7 +148,7 @@ class MemoryBlocks final : public EventBlocks {
 
 class NpzWriter final : public RecordingWriter {
  public:
-  NpzWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info)
+  NpzWriter(SinkPtr sink, const RecordingInfo& info)
       : sink_(std::move(sink)), info_(info), check_(info.width, info.height, sink_->name()) {}
 
   bool holds_triggers() const override { return true; }
@@ -198,7 +198,7 @@ class NpzWriter final : public RecordingWriter {
                           "an .npz file is written as a whole: write .raw, .npy or .hdf5 instead", sink_->name());
   }
 
-  std::unique_ptr<ByteSink> sink_;
+  SinkPtr sink_;
   RecordingInfo info_;
   BatchCheck check_;
   EventBatch all_;
@@ -370,8 +370,8 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
 }
 
 /// Creates a reader of decoded arrays; `info` contains format and size.
-Result<std::unique_ptr<RecordingReader>> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
-                                                     const OpenOptions& options) {
+Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
+                              const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   E2LF_RETURN_IF_ERROR(simplify(arrays, name));
   const NpyArray* const rows = find_rows(arrays);
@@ -402,7 +402,7 @@ bool detect_npz(std::span<const uint8_t> head) {
   return std::find(std::begin(kColumns), std::end(kColumns), first) != std::end(kColumns);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_RETURN_IF_ERROR(require_memory(source->size().value_or(0), kReadRemedy, name));
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
@@ -414,8 +414,7 @@ Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> so
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_npy_columns(std::unique_ptr<ByteSource> source,
-                                                          const OpenOptions& options) {
+Result<ReaderPtr> open_npy_columns(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_RETURN_IF_ERROR(require_memory(3 * source->size().value_or(0), "store the events as [events, 4]", name));
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
@@ -455,8 +454,7 @@ bool is_event_folder(const std::filesystem::path& path) {
   return !field_files(path).empty();
 }
 
-Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem::path& path,
-                                                           const OpenOptions& options) {
+Result<ReaderPtr> open_event_folder(const std::filesystem::path& path, const OpenOptions& options) {
   NpzArrays arrays;
   for (const std::string& key : field_files(path)) {
     const std::filesystem::path file = path / cat(key, ".npy");
@@ -479,9 +477,8 @@ Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem
   return open_arrays(std::move(arrays), std::move(info), path.string(), options);
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
-  std::unique_ptr<RecordingWriter> writer = std::make_unique<NpzWriter>(std::move(sink), info);
-  return writer;
+Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info) {
+  return WriterPtr(std::make_unique<NpzWriter>(std::move(sink), info));
 }
 
 }  // namespace e2lf::recordings::numpy

@@ -16,29 +16,23 @@ namespace e2lf::recordings::numpy {
 /// whole, in memory. table/layout.h describes columns, names, units and polarities.
 
 [[nodiscard]] bool detect_npy(std::span<const uint8_t> head);
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> source,
-                                                                const OpenOptions& options);
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_npy_file(const std::filesystem::path& path,
-                                                                       const RecordingInfo& info);
+[[nodiscard]] Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options);
+[[nodiscard]] Result<WriterPtr> create_npy_file(const std::filesystem::path& path, const RecordingInfo& info);
 /// Corrects the number of events in a file whose create_npy_file() writer was killed. Fails with kFormat (not such a
 /// file) and kIo.
 [[nodiscard]] Result<void> recover_npy(const std::filesystem::path& path);
 
 [[nodiscard]] bool detect_npz(std::span<const uint8_t> head);
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> source,
-                                                                const OpenOptions& options);
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink,
-                                                                  const RecordingInfo& info);
+[[nodiscard]] Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options);
+[[nodiscard]] Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info);
 
 /// Opens an array [4, events], or one of [events, 4] in Fortran order, which is read as a whole, in memory.
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_npy_columns(std::unique_ptr<ByteSource> source,
-                                                                        const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_npy_columns(SourcePtr source, const OpenOptions& options);
 
 /// A folder with a .npy file for each field of an event, as those of EVREAL (events_ts, events_xy [events, 2],
 /// events_p) and EV-IMO have, and optionally metadata.json with sensor_resolution = [height, width]. It is read as a
 /// whole, in memory.
 [[nodiscard]] bool is_event_folder(const std::filesystem::path& path);
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem::path& path,
-                                                                         const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_event_folder(const std::filesystem::path& path, const OpenOptions& options);
 
 }  // namespace e2lf::recordings::numpy

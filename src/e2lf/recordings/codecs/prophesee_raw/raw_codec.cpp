@@ -15,13 +15,11 @@ namespace e2lf::recordings {
 namespace {
 
 template <WordCodec Codec>
-std::unique_ptr<RecordingReader> make_reader(std::unique_ptr<ByteSource> source, RawHeader header,
-                                             const OpenOptions& options) {
+ReaderPtr make_reader(SourcePtr source, RawHeader header, const OpenOptions& options) {
   return std::make_unique<RawReader<Codec>>(std::move(source), std::move(header), options);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_evt21(std::unique_ptr<ByteSource> source, RawHeader header,
-                                                    const OpenOptions& options) {
+Result<ReaderPtr> open_evt21(SourcePtr source, RawHeader header, const OpenOptions& options) {
   constexpr size_t kLookedAtBytes = 4096;
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> words, source->fetch(kLookedAtBytes));
   const evt21::ByteOrder order = evt21::find_byte_order(words, header.endianness);
@@ -32,7 +30,7 @@ Result<std::unique_ptr<RecordingReader>> open_evt21(std::unique_ptr<ByteSource> 
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_raw(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(RawHeader header, read_raw_header(*source, options));
   if (header.info.format == "evt2.1") return open_evt21(std::move(source), std::move(header), options);
   if (header.info.format == "evt2") return make_reader<evt2::Codec>(std::move(source), std::move(header), options);
@@ -40,7 +38,7 @@ Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> so
   return make_reader<evt3::Codec>(std::move(source), std::move(header), options);
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_raw(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create_raw(SinkPtr sink, const RecordingInfo& info) {
   if (info.format == "evt2") return evt2::create(std::move(sink), info);
   if (info.format == "evt2.1") return evt21::create(std::move(sink), info);
   return evt3::create(std::move(sink), info);

@@ -9,11 +9,9 @@ namespace e2lf::recordings {
 
 /// Opens a Prophesee RAW recording: EVT2, EVT2.1 (either byte order), EVT3 or EVT4, as its header or options.format
 /// states.
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> source,
-                                                                const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_raw(SourcePtr source, const OpenOptions& options);
 
 /// Creates a RAW recording in info.format, or in EVT3 if that is not a RAW encoding.
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_raw(std::unique_ptr<ByteSink> sink,
-                                                                  const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create_raw(SinkPtr sink, const RecordingInfo& info);
 
 }  // namespace e2lf::recordings

@@ -36,13 +36,15 @@ class Bag {
   [[nodiscard]] virtual Result<void> rewind() = 0;
 };
 
+using BagPtr = std::unique_ptr<Bag>;
+
 /// Returns whether messages of a type contain events.
 [[nodiscard]] bool is_event_type(const std::string& type);
 
 /// Largest plausible message, in bytes.
 inline constexpr size_t kMaxMessageBytes = size_t{1} << 26;
 
-[[nodiscard]] Result<std::unique_ptr<Bag>> open_sqlite_bag(std::unique_ptr<ByteSource> source);
-[[nodiscard]] Result<std::unique_ptr<Bag>> open_mcap_bag(std::unique_ptr<ByteSource> source);
+[[nodiscard]] Result<BagPtr> open_sqlite_bag(SourcePtr source);
+[[nodiscard]] Result<BagPtr> open_mcap_bag(SourcePtr source);
 
 }  // namespace e2lf::recordings::rosbag

@@ -57,7 +57,7 @@ std::optional<Compression> compression_of(const std::string& name) {
 
 class McapBag final : public Bag {
  public:
-  explicit McapBag(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+  explicit McapBag(SourcePtr source) : source_(std::move(source)) {}
 
   Result<void> open() {
     E2LF_ASSIGN_OR_RETURN(const auto head, source_->fetch(kMagic.size()));
@@ -213,7 +213,7 @@ class McapBag final : public Bag {
     return false;
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   std::map<uint16_t, std::string> types_;
   std::deque<Channel> channels_;     ///< event topics in the order in which the file names them
   std::optional<BagMessage> first_;  ///< for a stream: read to determine its topic, and not returned yet
@@ -233,11 +233,10 @@ bool detect_mcap(std::span<const uint8_t> head) {
   return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kMagic);
 }
 
-Result<std::unique_ptr<Bag>> open_mcap_bag(std::unique_ptr<ByteSource> source) {
+Result<BagPtr> open_mcap_bag(SourcePtr source) {
   auto bag = std::make_unique<McapBag>(std::move(source));
   E2LF_RETURN_IF_ERROR(bag->open());
-  std::unique_ptr<Bag> result = std::move(bag);
-  return result;
+  return BagPtr(std::move(bag));
 }
 
 }  // namespace e2lf::recordings::rosbag

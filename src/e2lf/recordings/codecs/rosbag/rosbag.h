@@ -25,16 +25,13 @@ namespace e2lf::recordings::rosbag {
 /// Opens a bag. A database that does not come from a file is read into memory. Fails with kFormat (damaged, not a bag,
 /// or no event topic), kMissingDependency (SQLite, Zstd), kUnsupported (an unknown encoding) and kInvalidValue (no
 /// stream with this name).
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_sqlite(std::unique_ptr<ByteSource> source,
-                                                                   const OpenOptions& options);
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_mcap(std::unique_ptr<ByteSource> source,
-                                                                 const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_sqlite(SourcePtr source, const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_mcap(SourcePtr source, const OpenOptions& options);
 
 /// Returns whether a folder contains a metadata.yaml and files of a bag.
 [[nodiscard]] bool is_bag_folder(const std::filesystem::path& path);
 
 /// Opens the files of a folder in the order of metadata.yaml.
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_folder(const std::filesystem::path& path,
-                                                                   const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_folder(const std::filesystem::path& path, const OpenOptions& options);
 
 }  // namespace e2lf::recordings::rosbag

@@ -94,7 +94,7 @@ BadLines parse_lines(std::string_view text, const Layout& layout, EventColumns& 
 
 class CsvBlocks final : public EventBlocks {
  public:
-  CsvBlocks(std::unique_ptr<ByteSource> source, Layout layout, RecordingInfo info, int threads)
+  CsvBlocks(SourcePtr source, Layout layout, RecordingInfo info, int threads)
       : source_(std::move(source)),
         layout_(std::move(layout)),
         info_(std::move(info)),
@@ -210,7 +210,7 @@ class CsvBlocks final : public EventBlocks {
     return all_bad;
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   Layout layout_;
   RecordingInfo info_;
   int threads_;
@@ -317,8 +317,7 @@ Result<Layout> decide(ByteSource& source, const OpenOptions& options, TextHead h
 }
 
 /// Opens a text. The formats differ in the assumptions about what a file does not state.
-Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options,
-                                              const char* format, const char* usual_order) {
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char* format, const char* usual_order) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(TextHead head, fetch_head(*source, name));
   E2LF_RETURN_IF_ERROR(check_head(head, name));
@@ -352,11 +351,11 @@ bool detect(std::span<const uint8_t> head) {
   return read.ok() && read->columns > 0 && 2 * read->bad_lines <= read->lines;
 }
 
-Result<std::unique_ptr<RecordingReader>> open_csv(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_csv(SourcePtr source, const OpenOptions& options) {
   return open(std::move(source), options, "csv", "xypt");
 }
 
-Result<std::unique_ptr<RecordingReader>> open_txt(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_txt(SourcePtr source, const OpenOptions& options) {
   return open(std::move(source), options, "txt", "txyp");
 }
 

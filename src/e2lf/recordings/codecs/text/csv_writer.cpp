@@ -121,7 +121,7 @@ char* format_lines(const EventColumns& events, size_t begin, size_t end, bool is
 
 class CsvWriter final : public RecordingWriter {
  public:
-  CsvWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info, bool is_seconds)
+  CsvWriter(SinkPtr sink, const RecordingInfo& info, bool is_seconds)
       : sink_(std::move(sink)), is_seconds_(is_seconds), check_(info.width, info.height, sink_->name()) {}
 
   Result<void> begin(const RecordingInfo& info) {
@@ -179,28 +179,26 @@ class CsvWriter final : public RecordingWriter {
 
   Result<void> finish_writing() { return writing_.valid() ? writing_.get() : Result<void>(); }
 
-  std::unique_ptr<ByteSink> sink_;
+  SinkPtr sink_;
   bool is_seconds_;
   BatchCheck check_;
   Text text_, written_;
   std::future<Result<void>> writing_;  ///< writes written_; last, because it uses the members above
 };
 
-Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info,
-                                                bool is_seconds) {
+Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info, bool is_seconds) {
   auto writer = std::make_unique<CsvWriter>(std::move(sink), info, is_seconds);
   E2LF_RETURN_IF_ERROR(writer->begin(info));
-  std::unique_ptr<RecordingWriter> result = std::move(writer);
-  return result;
+  return WriterPtr(std::move(writer));
 }
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingWriter>> create_csv(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create_csv(SinkPtr sink, const RecordingInfo& info) {
   return create(std::move(sink), info, /*is_seconds=*/false);
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_txt(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create_txt(SinkPtr sink, const RecordingInfo& info) {
   return create(std::move(sink), info, /*is_seconds=*/true);
 }
 

@@ -18,14 +18,10 @@ namespace e2lf::recordings::text {
 /// Returns whether the first lines are rows of numbers.
 [[nodiscard]] bool detect(std::span<const uint8_t> head);
 
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_csv(std::unique_ptr<ByteSource> source,
-                                                                const OpenOptions& options);
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_txt(std::unique_ptr<ByteSource> source,
-                                                                const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_csv(SourcePtr source, const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_txt(SourcePtr source, const OpenOptions& options);
 
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_csv(std::unique_ptr<ByteSink> sink,
-                                                                  const RecordingInfo& info);
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_txt(std::unique_ptr<ByteSink> sink,
-                                                                  const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create_csv(SinkPtr sink, const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create_txt(SinkPtr sink, const RecordingInfo& info);
 
 }  // namespace e2lf::recordings::text

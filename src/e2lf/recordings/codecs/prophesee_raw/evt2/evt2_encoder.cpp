@@ -15,7 +15,7 @@ void Encoder::put_trigger(const Trigger& trigger, WordBuffer& out) {
   out.put(timed::trigger_head(trigger));
 }
 
-Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info) {
   RecordingInfo raw = info;
   raw.format = "evt2";
   return create_raw_writer<Encoder>(std::move(sink), raw);

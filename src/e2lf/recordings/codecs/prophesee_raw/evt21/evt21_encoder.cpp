@@ -31,7 +31,7 @@ void Encoder::put_trigger(const Trigger& trigger, WordBuffer& out) {
   put(timed::trigger_head(trigger), 0, out);
 }
 
-Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info) {
   RecordingInfo raw = info;
   raw.format = "evt2.1";
   return create_raw_writer<Encoder>(std::move(sink), raw);

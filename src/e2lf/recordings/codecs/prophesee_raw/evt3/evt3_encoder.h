@@ -38,7 +38,6 @@ class Encoder {
 };
 
 /// Creates a RAW recording of EVT3 words.
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
-                                                              const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info);
 
 }  // namespace e2lf::recordings::evt3

@@ -29,8 +29,7 @@ enum Type : uint32_t {
 
 class Evt4Blocks final : public EventBlocks {
  public:
-  explicit Evt4Blocks(std::unique_ptr<ByteSource> source)
-      : source_(std::move(source)), header_bytes_(source_->position()) {}
+  explicit Evt4Blocks(SourcePtr source) : source_(std::move(source)), header_bytes_(source_->position()) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
@@ -86,7 +85,7 @@ class Evt4Blocks final : public EventBlocks {
     }
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   uint64_t header_bytes_;
   int64_t high_us_ = 0;
   bool has_time_ = false;
@@ -94,8 +93,7 @@ class Evt4Blocks final : public EventBlocks {
 
 }  // namespace
 
-std::unique_ptr<RecordingReader> make_reader(std::unique_ptr<ByteSource> source, RecordingInfo info,
-                                             const OpenOptions& options) {
+ReaderPtr make_reader(SourcePtr source, RecordingInfo info, const OpenOptions& options) {
   const std::string name = source->name();
   auto blocks = make_continued(std::make_unique<Evt4Blocks>(std::move(source)), EventOrder::kByTime);
   return make_block_reader(std::move(blocks), std::move(info), name, options);

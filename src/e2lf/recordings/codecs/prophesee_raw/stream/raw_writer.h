@@ -37,7 +37,7 @@ class WordBuffer {
 template <typename Encoder>
 class RawWriter final : public RecordingWriter {
  public:
-  RawWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info)
+  RawWriter(SinkPtr sink, const RecordingInfo& info)
       : sink_(std::move(sink)), name_(sink_->name()), check_(info.width, info.height, name_), encoder_(info) {}
 
   [[nodiscard]] bool holds_triggers() const override { return true; }
@@ -112,7 +112,7 @@ class RawWriter final : public RecordingWriter {
     return {};
   }
 
-  std::unique_ptr<ByteSink> sink_;
+  SinkPtr sink_;
   std::string name_;
   BatchCheck check_;
   Encoder encoder_;
@@ -122,7 +122,7 @@ class RawWriter final : public RecordingWriter {
 
 /// Creates a writer: checks the size and writes the header. Fails with kInvalidValue and kIo.
 template <typename Encoder>
-Result<std::unique_ptr<RecordingWriter>> create_raw_writer(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create_raw_writer(SinkPtr sink, const RecordingInfo& info) {
   if (info.width == 0 || info.height == 0 || info.width > 2048 || info.height > 2048) {
     return Error{ErrorCode::kInvalidValue,
                  cat("a RAW recording is 1 to 2048 px wide and high, not ", info.width, "x", info.height,
@@ -131,8 +131,7 @@ Result<std::unique_ptr<RecordingWriter>> create_raw_writer(std::unique_ptr<ByteS
   }
   const std::string header = raw_header_text(info);
   E2LF_RETURN_IF_ERROR(sink->write(std::span(reinterpret_cast<const uint8_t*>(header.data()), header.size())));
-  std::unique_ptr<RecordingWriter> writer = std::make_unique<RawWriter<Encoder>>(std::move(sink), info);
-  return writer;
+  return WriterPtr(std::make_unique<RawWriter<Encoder>>(std::move(sink), info));
 }
 
 }  // namespace e2lf::recordings
