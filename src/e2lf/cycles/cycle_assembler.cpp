@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "e2lf/recordings/count_on.h"
+#include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {
 namespace {

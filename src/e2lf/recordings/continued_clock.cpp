@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/continued_clock.h"
-
 #include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/restart.h"
 
 namespace e2lf::recordings {

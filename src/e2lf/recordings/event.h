@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -112,6 +113,9 @@ struct EventColumns {
   }
   bool operator==(const EventColumns&) const = default;
 };
+
+/// Returns the number of polarities that are ON; each is 0 or 1.
+[[nodiscard]] uint64_t count_on(std::span<const uint8_t> p);
 
 /// A section of a recording: events and triggers, each sorted by time.
 struct EventBatch {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/lone_events.h"
-
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings {
 namespace {

@@ -8,7 +8,6 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/count_on.h"
 
 namespace e2lf::recordings {
 namespace {

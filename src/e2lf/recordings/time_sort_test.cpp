@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/time_sort.h"
-
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <numeric>
@@ -8,6 +6,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "testing/chunked_source.h"
 #include "testing/test_streams.h"
 

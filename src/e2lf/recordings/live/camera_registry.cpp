@@ -6,9 +6,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"
-#include "e2lf/recordings/live/plugin_camera.h"
 
 namespace e2lf::recordings {
 namespace {

@@ -14,7 +14,6 @@
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"
 #include "testing/test_log.h"
 #include "testing/test_streams.h"

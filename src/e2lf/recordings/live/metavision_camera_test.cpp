@@ -12,7 +12,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/live/camera_source.h"
+#include "e2lf/recordings/live/cameras.h"
 #include "testing/test_log.h"
 #include "testing/test_streams.h"
 

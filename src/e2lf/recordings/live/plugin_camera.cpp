@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/live/plugin_camera.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -11,6 +9,8 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/live/camera_plugin.h"
+#include "e2lf/recordings/live/cameras.h"
 #include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::recordings {

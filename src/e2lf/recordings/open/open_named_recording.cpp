@@ -6,7 +6,6 @@
 
 #include "e2lf/files/is_stream.h"
 #include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"
 
 namespace e2lf::recordings {

@@ -7,22 +7,10 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/is_stream.h"
-#include "e2lf/recordings/codecs/aedat/aedat.h"
-#include "e2lf/recordings/codecs/aedat4/aedat4.h"
-#include "e2lf/recordings/codecs/dat/dat.h"
-#include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
-#include "e2lf/recordings/codecs/numpy/numpy.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_encoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_encoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
-#include "e2lf/recordings/codecs/rosbag/rosbag.h"
-#include "e2lf/recordings/codecs/text/text.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 #include "e2lf/recordings/open/foreign_file.h"
-#include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/layout.h"
 
@@ -47,9 +35,9 @@ std::deque<Codec> built_in_codecs() {
        .detect = is_raw_header,
        .open = open_raw,
        .create = create_raw},
-      {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = evt2::create},
-      {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = evt21::create},
-      {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = evt3::create},
+      {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = create_evt2},
+      {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = create_evt21},
+      {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = create_evt3},
       {.name = "evt4", .description = "Prophesee RAW, EVT4", .open = open_raw},
       {.name = "hdf5",
        .extensions = {".hdf5"},
@@ -206,15 +194,6 @@ std::string names_to_write() {
   return join(names);
 }
 
-Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
-  if (!format.empty()) return find_codec(format);
-  if (const Codec* codec = codec_of_extension(path)) return codec;
-  return Error{ErrorCode::kInvalidValue,
-               cat("no format has this extension; use another, e.g. .raw or .hdf5, or give the format, one of ",
-                   names_to_write()),
-               path.string(), Setting::kOutputFormat};
-}
-
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {
   return {ErrorCode::kUnsupported, cat("cannot ", action, " the format ", codec.name, "; choose another"), name};
 }
@@ -256,6 +235,15 @@ Result<ReaderPtr> check_stream(ReaderPtr reader) {
 
 }  // namespace
 
+Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
+  if (!format.empty()) return find_codec(format);
+  if (const Codec* codec = codec_of_extension(path)) return codec;
+  return Error{ErrorCode::kInvalidValue,
+               cat("no format has this extension; use another, e.g. .raw or .hdf5, or give the format, one of ",
+                   names_to_write()),
+               path.string(), Setting::kOutputFormat};
+}
+
 bool is_recording_folder(const std::filesystem::path& path) {
   const auto all = codecs();
   return std::any_of(all.begin(), all.end(),
@@ -293,11 +281,6 @@ Result<ReaderPtr> open_recording(const std::filesystem::path& path, const OpenOp
   }
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
   return open_recording(std::move(source), options);
-}
-
-Result<RecordingPlace> place_of_recording(const std::filesystem::path& path, const std::string& format) {
-  E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
-  return RecordingPlace{codec->create != nullptr, codec->side_file, codec->is_written_at_end, codec->recover};
 }
 
 Result<WriterPtr> create_recording(const std::filesystem::path& path, const std::string& format,

@@ -51,6 +51,10 @@ struct Codec {
 /// Adds a format for this process. It is tried before all others, and thus also replaces a format with the same name.
 void add_codec(Codec codec);
 
+/// Returns the codec of a new recording, by the same rules as create_recording(): the one with the name `format`, or if
+/// that is empty, the one of the extension. Fails with kInvalidValue.
+[[nodiscard]] Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format);
+
 /// Returns whether a folder is a recording, such as a ROS 2 bag.
 [[nodiscard]] bool is_recording_folder(const std::filesystem::path& path);
 

@@ -4,8 +4,7 @@
 #include <cstdlib>
 #include <optional>
 
-#include "e2lf/recordings/lone_events.h"
-#include "e2lf/recordings/time_sort.h"
+#include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings::table {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/dat/dat_seek.h"
 
 #include <algorithm>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/codecs/dat/dat_header.h"
+#include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::dat {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/dat/dat_seek.h"
-
 #include <algorithm>
 #include <gtest/gtest.h>
 
 #include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/recording.h"
 #include "testing/test_streams.h"
 

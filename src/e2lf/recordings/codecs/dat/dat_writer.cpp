@@ -5,8 +5,8 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/dat/dat.h"
-#include "e2lf/recordings/codecs/dat/time_unwrapper.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/dat/dat_format.h"
 
 namespace e2lf::recordings::dat {
 namespace {

@@ -5,10 +5,10 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/event_chunks.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
-#include "e2lf/recordings/continued_clock.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/dsec/event_places.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/layout.h"
 #include "e2lf/recordings/table/table_reader.h"
@@ -90,7 +90,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   TriggerFeed triggers;
   if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
     E2LF_RETURN_IF_ERROR(table::refuse_table_options(options, "hdf5", name));
-    E2LF_ASSIGN_OR_RETURN(blocks, EventChunks::open(file.get(), name, options.threads));
+    E2LF_ASSIGN_OR_RETURN(blocks, open_event_chunks(file.get(), name, options.threads));
     blocks = make_continued(std::move(blocks), EventOrder::kByTime);
     if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
       triggers = TriggerFeed(std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events"));

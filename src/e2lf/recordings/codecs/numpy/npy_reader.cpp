@@ -5,7 +5,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/npy_header.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/numpy/numpy.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/column_names.h"

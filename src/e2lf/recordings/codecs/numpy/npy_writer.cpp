@@ -5,7 +5,7 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy_header.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/numpy/numpy.h"
+#include "e2lf/recordings/codecs/codecs.h"
 
 namespace e2lf::recordings::numpy {
 namespace {

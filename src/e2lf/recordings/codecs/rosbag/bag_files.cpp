@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/rosbag/bag_files.h"
-
 #include <algorithm>
 #include <fstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/codecs/rosbag/rosbag.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/rosbag/bag.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 
 namespace e2lf::recordings::rosbag {

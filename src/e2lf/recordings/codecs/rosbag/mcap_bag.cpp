@@ -7,8 +7,8 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/rosbag/bag.h"
-#include "e2lf/recordings/codecs/rosbag/rosbag.h"
 #include "e2lf/recordings/io/decompress.h"
 
 /// MCAP as specified at mcap.dev: records with a kind (u8), a length (u64) and content; chunks contain records.

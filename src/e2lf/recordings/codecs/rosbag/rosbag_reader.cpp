@@ -5,11 +5,9 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
-#include "e2lf/recordings/codecs/rosbag/bag_files.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/rosbag/bag.h"
 #include "e2lf/recordings/codecs/rosbag/event_message.h"
-#include "e2lf/recordings/codecs/rosbag/rosbag.h"
-#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/stream_choice.h"
 

@@ -9,7 +9,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/text/text.h"
+#include "e2lf/recordings/codecs/codecs.h"
 
 namespace e2lf::recordings::text {
 namespace {

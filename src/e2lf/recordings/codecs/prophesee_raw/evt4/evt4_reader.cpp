@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/continued_clock.h"
 #include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings::evt4 {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <ctime>
 #include <optional>
 
 #include "e2lf/base/text.h"
@@ -175,6 +176,14 @@ bool is_rewritten_key(const std::string& key) {
   return key == "evt" || key == "format" || key == "geometry" || key == "endianness" || key == "end";
 }
 
+std::string local_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::localtime_r(&now, &parts);
+  char text[32];
+  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
+}
+
 }  // namespace
 
 Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, const std::string& name) {
@@ -271,6 +280,16 @@ std::string raw_header_text(const RecordingInfo& info) {
   add("format", cat(encoding->format, is_evt21 ? cat(";endianness=", endianness) : "", ";height=", info.height,
                     ";width=", info.width));
   add("geometry", cat(info.width, "x", info.height));
+  return text + "% end\n";
+}
+
+std::string camera_header(std::map<std::string, std::string> keys) {
+  keys.erase("end");
+  keys.emplace("date", local_time());
+  std::string text;
+  for (const auto& [key, value] : keys) {
+    if (!value.empty()) text += cat("% ", key, " ", header_text(value), "\n");
+  }
   return text + "% end\n";
 }
 

@@ -29,6 +29,7 @@ class WordBuffer {
 
 /// Writes a RAW recording: the header, then events and triggers, merged by time and encoded by an Encoder:
 ///   Encoder(info)
+///   kFormat                             the name of the encoding in e2lf
 ///   kMaxFirstUs                         the latest time of the first event
 ///   kMaxPauseUs                         the longest time without events and triggers
 ///   kMaxTriggerId
@@ -120,7 +121,8 @@ class RawWriter final : public RecordingWriter {
   int64_t latest_us_ = -1;  ///< of what was written; -1 = nothing yet
 };
 
-/// Creates a writer: checks the size and writes the header. Fails with kInvalidValue and kIo.
+/// Creates a writer: checks the size and writes the header of the format Encoder::kFormat. Fails with kInvalidValue and
+/// kIo.
 template <typename Encoder>
 Result<WriterPtr> create_raw_writer(SinkPtr sink, const RecordingInfo& info) {
   if (info.width == 0 || info.height == 0 || info.width > 2048 || info.height > 2048) {
@@ -129,9 +131,11 @@ Result<WriterPtr> create_raw_writer(SinkPtr sink, const RecordingInfo& info) {
                      "; give the sensor's size"),
                  sink->name(), Setting::kSensorSize};
   }
-  const std::string header = raw_header_text(info);
+  RecordingInfo raw = info;
+  raw.format = Encoder::kFormat;
+  const std::string header = raw_header_text(raw);
   E2LF_RETURN_IF_ERROR(sink->write(std::span(reinterpret_cast<const uint8_t*>(header.data()), header.size())));
-  return WriterPtr(std::make_unique<RawWriter<Encoder>>(std::move(sink), info));
+  return WriterPtr(std::make_unique<RawWriter<Encoder>>(std::move(sink), raw));
 }
 
 }  // namespace e2lf::recordings
