@@ -63,7 +63,7 @@ void CycleAssembler::add_events(recordings::EventColumns& events) {
     next_ = 0;
   } else {
     if (next_ > events_.size() / 2) {
-      events_.drop_front(std::exchange(next_, 0));
+      events_.erase(0, std::exchange(next_, 0));
     }
     events_.append(events);
   }

@@ -287,8 +287,7 @@ Result<EventBatch> read_all(RecordingReader& reader) {
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch));
     if (!more) return all;
-    all.events.append(batch.events);
-    all.triggers.insert(all.triggers.end(), batch.triggers.begin(), batch.triggers.end());
+    all.append(batch);
   }
 }
 

@@ -43,12 +43,7 @@ std::vector<Event> sorted_records(const EventColumns& events) {
 /// Sorts events by time; the order of events with equal times is preserved.
 void sort_by_time(EventColumns& events) {
   const std::vector<Event> records = sorted_records(events);
-  for (size_t i = 0; i < records.size(); ++i) {
-    events.x[i] = records[i].x;
-    events.y[i] = records[i].y;
-    events.p[i] = records[i].p;
-    events.t[i] = records[i].t;
-  }
+  for (size_t i = 0; i < records.size(); ++i) events.set(i, records[i]);
 }
 
 /// Sorts more events than memory should hold, with a temporary file that has no name: sorted runs are added and then

@@ -54,17 +54,14 @@ class Gzip final : public Unpacker {
 #ifdef E2LF_HAVE_ZSTD
 class Zstd final : public Unpacker {
  public:
-  Zstd() : context_(ZSTD_createDCtx()) { ZSTD_DCtx_setParameter(context_, ZSTD_d_windowLogMax, 27); }
-  Zstd(const Zstd&) = delete;
-  Zstd& operator=(const Zstd&) = delete;
-  ~Zstd() override { ZSTD_freeDCtx(context_); }
+  Zstd() { ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, 27); }
 
   /// Provides the bytes of one block at a time: if one of several is damaged, the library returns none of them.
   State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
     do {
       ZSTD_inBuffer in = {packed.data(), std::min(packed.size(), wanted_), 0};
       ZSTD_outBuffer out = {room.data(), room.size(), 0};
-      const size_t hint = ZSTD_decompressStream(context_, &out, &in);
+      const size_t hint = ZSTD_decompressStream(context_.get(), &out, &in);
       packed = packed.subspan(in.pos);
       room = room.subspan(out.pos);
       if (ZSTD_isError(hint)) return State::kDamaged;
@@ -77,7 +74,7 @@ class Zstd final : public Unpacker {
  private:
   static constexpr size_t kFirstBytes = 5;  ///< of a frame, which determine the size of its header
   size_t wanted_ = kFirstBytes;
-  ZSTD_DCtx* context_;
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context_{ZSTD_createDCtx(), &ZSTD_freeDCtx};
 };
 #endif
 

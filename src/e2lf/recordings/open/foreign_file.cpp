@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -64,7 +65,7 @@ constexpr Beginning kBeginnings[] = {
 }  // namespace
 
 std::optional<std::string> foreign_file_text(std::span<const uint8_t> head) {
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const std::string_view text = as_text(head);
   for (const Beginning& beginning : kBeginnings) {
     if (text.size() < beginning.offset || !text.substr(beginning.offset).starts_with(beginning.bytes)) continue;
     const std::string_view what = beginning.text;

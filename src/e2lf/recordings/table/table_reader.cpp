@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/table/table_reader.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <optional>
 
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/table/time_units.h"
 
 namespace e2lf::recordings::table {
 namespace {
@@ -75,7 +78,9 @@ class UsedRows final : public EventBlocks {
 class UnwrappedBlocks final : public EventBlocks {
  public:
   UnwrappedBlocks(BlocksPtr blocks, TimeUnit unit)
-      : blocks_(std::move(blocks)), is_ns_(unit == TimeUnit::kNanoseconds), us_per_unit_(us_per(unit)) {}
+      : blocks_(std::move(blocks)),
+        is_ns_(unit == TimeUnit::kNanoseconds),
+        us_per_unit_(std::max<int64_t>(1, std::llround(us_per(unit)))) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     E2LF_ASSIGN_OR_RETURN(const bool more, blocks_->next(block, summary));
@@ -95,10 +100,6 @@ class UnwrappedBlocks final : public EventBlocks {
  private:
   static constexpr int64_t kCircle = int64_t{1} << 32;
   static constexpr int kMaxOdd = 16;
-
-  static int64_t us_per(TimeUnit unit) {
-    return unit == TimeUnit::kSeconds ? 1'000'000 : unit == TimeUnit::kMilliseconds ? 1000 : 1;
-  }
 
   /// In the units of the times; nanoseconds are in whole microseconds.
   [[nodiscard]] int64_t circle() const { return is_ns_ ? kCircle / 1000 : kCircle; }

@@ -10,6 +10,7 @@
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::aedat {
 namespace {
@@ -64,8 +65,7 @@ class Aedat2Blocks final : public EventBlocks {
     if (begins_header(bytes.data())) {
       E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source_));
       if (header.bytes == 0) {
-        summary.add(Violation::kBadRecord, source_->position());
-        ++summary.dropped_words;
+        summary.add_dropped(Violation::kBadRecord, source_->position());
         source_->consume(kRecordBytes);
       }
       clock_ = {};
@@ -80,8 +80,7 @@ class Aedat2Blocks final : public EventBlocks {
       if ((load_big_endian(record) & bits_.impossible) == 0) {
         append(record, block);
       } else {
-        summary.add(Violation::kBadRecord, source_->position() + i * kRecordBytes);
-        ++summary.dropped_words;
+        summary.add_dropped(Violation::kBadRecord, source_->position() + i * kRecordBytes);
       }
     }
     source_->consume(count * kRecordBytes);
@@ -133,11 +132,7 @@ class TriggersApart final : public EventBlocks {
         block.triggers.push_back({event.t, 0, static_cast<uint8_t>(event.p - kFallingTrigger)});
         continue;
       }
-      events.x[kept] = event.x;
-      events.y[kept] = event.y;
-      events.p[kept] = event.p;
-      events.t[kept] = event.t;
-      ++kept;
+      events.set(kept++, event);
     }
     events.resize(kept);
     return more;
@@ -198,7 +193,7 @@ Result<Camera> find_camera(ByteSource& source, const TextHeader& header, const O
 }  // namespace
 
 bool detect_aedat2(std::span<const uint8_t> head) {
-  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kVersionLine);
+  return as_text(head).starts_with(kVersionLine);
 }
 
 Result<ReaderPtr> open_aedat2(SourcePtr source, const OpenOptions& options) {

@@ -10,6 +10,7 @@
 #include "e2lf/recordings/codecs/aedat/text_header.h"
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::recordings::aedat {
@@ -146,7 +147,7 @@ std::map<int16_t, std::string> sources_of(const TextHeader& header) {
 }  // namespace
 
 bool detect_aedat3(std::span<const uint8_t> head) {
-  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kVersion);
+  return as_text(head).starts_with(kVersion);
 }
 
 Result<ReaderPtr> open_aedat3(SourcePtr source, const OpenOptions& options) {

@@ -5,6 +5,7 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::aedat4 {
 namespace {
@@ -19,7 +20,7 @@ class FlatBuffer {
   /// Returns the position of the root table if the identifier of the buffer is `id` (four characters).
   [[nodiscard]] std::optional<size_t> root(std::string_view id) const {
     const auto place = follow(0);
-    if (!place || bytes_.size() < 8 || text(4, 4) != id) return std::nullopt;
+    if (!place || bytes_.size() < 8 || as_text(bytes_.subspan(4, 4)) != id) return std::nullopt;
     return place;
   }
 
@@ -71,10 +72,6 @@ class FlatBuffer {
   [[nodiscard]] size_t place_of(const uint8_t* element) const { return static_cast<size_t>(element - bytes_.data()); }
 
  private:
-  [[nodiscard]] std::string_view text(size_t place, size_t length) const {
-    return {reinterpret_cast<const char*>(bytes_.data()) + place, length};
-  }
-
   std::span<const uint8_t> bytes_;
 };
 
@@ -155,7 +152,7 @@ std::vector<Stream> parse_streams(std::string_view xml) {
 std::optional<size_t> header_size(std::span<const uint8_t> head) {
   const size_t line = kVersionLine.size();
   if (head.size() < line + 4) return std::nullopt;
-  if (std::string_view(reinterpret_cast<const char*>(head.data()), line) != kVersionLine) return std::nullopt;
+  if (!as_text(head).starts_with(kVersionLine)) return std::nullopt;
   return line + 4 + load_le<uint32_t>(head.data() + line);
 }
 
@@ -174,7 +171,7 @@ Result<Header> parse_header(std::span<const uint8_t> bytes, const std::string& n
   header.table_position = table > 0 ? static_cast<uint64_t>(table) : 0;
   const auto info = buffer.vector_field(*root, kInfoField, 1);
   if (!info) return malformed;
-  header.streams = parse_streams({reinterpret_cast<const char*>(info->data()), info->size()});
+  header.streams = parse_streams(as_text(*info));
   return header;
 }
 

@@ -38,8 +38,8 @@ Use use_of_stream(const Stream& stream, const Stream& events, bool has_several_c
 class Aedat4Blocks final : public EventBlocks {
  public:
   /// `events` is the stream to read, one of `event_streams`.
-  Aedat4Blocks(SourcePtr source, Header header, std::unique_ptr<Decompressor> decompressor,
-               const std::vector<Stream>& event_streams, const Stream& events, bool has_chosen)
+  Aedat4Blocks(SourcePtr source, Header header, DecompressorPtr decompressor, const std::vector<Stream>& event_streams,
+               const Stream& events, bool has_chosen)
       : source_(std::move(source)), header_(std::move(header)), decompressor_(std::move(decompressor)) {
     const bool has_several_cameras =
         std::any_of(event_streams.begin(), event_streams.end(),
@@ -68,8 +68,7 @@ class Aedat4Blocks final : public EventBlocks {
     if (packet->use == Use::kLeftOut) {
       ++summary.other_streams;
     } else if (packet->use != Use::kNone && !append_packet(packed, packet->use, block)) {
-      summary.add(Violation::kBadRecord, position);
-      ++summary.dropped_words;
+      summary.add_dropped(Violation::kBadRecord, position);
     }
     source_->consume(packet->bytes);
     return true;
@@ -241,7 +240,7 @@ class Aedat4Blocks final : public EventBlocks {
   SourcePtr source_;
   Header header_;
   uint64_t first_table_position_ = header_.table_position;
-  std::unique_ptr<Decompressor> decompressor_;
+  DecompressorPtr decompressor_;
   std::vector<std::pair<int32_t, Use>> uses_;
   std::vector<uint8_t> unpacked_;
   std::vector<uint64_t> event_packets_, trigger_packets_;  ///< their positions, once has_noted_

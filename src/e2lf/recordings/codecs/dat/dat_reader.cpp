@@ -130,8 +130,7 @@ class DatBlocks final : public EventBlocks {
         bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
       }
     }
-    summary.add(Violation::kBadRecord, byte_, bad);
-    summary.dropped_words += bad;
+    summary.add_dropped(Violation::kBadRecord, byte_, bad);
     source_->consume(count == 0 ? bytes.size() : count * kRecordBytes);
     return count > 0;
   }

@@ -7,16 +7,13 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/dat/dat_format.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::dat {
 namespace {
 
 constexpr uint16_t kMaxCoordinate = 0x3FFF;
 constexpr uint16_t kMaxTriggerId = 0x3F;
-
-std::span<const uint8_t> bytes_of(const std::string& text) {
-  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
 
 class DatWriter final : public RecordingWriter {
  public:
@@ -27,7 +24,7 @@ class DatWriter final : public RecordingWriter {
         trigger_file_(std::move(trigger_file)),
         check_(most_pixels(info.width), most_pixels(info.height), sink_->name()) {}
 
-  Result<void> begin() { return sink_->write(bytes_of(make_header(info_, kTypeCd))); }
+  Result<void> begin() { return sink_->write(as_bytes(make_header(info_, kTypeCd))); }
 
   bool holds_triggers() const override { return !trigger_file_.empty(); }
 
@@ -62,7 +59,7 @@ class DatWriter final : public RecordingWriter {
     if (triggers.empty()) return {};
     if (!trigger_sink_) {
       E2LF_ASSIGN_OR_RETURN(trigger_sink_, open_file_sink(trigger_file_));
-      E2LF_RETURN_IF_ERROR(trigger_sink_->write(bytes_of(make_header(info_, kTypeTrigger))));
+      E2LF_RETURN_IF_ERROR(trigger_sink_->write(as_bytes(make_header(info_, kTypeTrigger))));
     }
     buffer_.resize(triggers.size() * kRecordBytes);
     for (size_t i = 0; i < triggers.size(); ++i) {

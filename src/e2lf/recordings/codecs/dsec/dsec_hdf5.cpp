@@ -145,8 +145,7 @@ class ColumnBlocks final : public EventBlocks {
       const std::string& dataset = place.columns[i];
       const std::string field = !place.fields[i].empty() ? place.fields[i] : dataset.substr(dataset.rfind('/') + 1);
       const NumberColumn& column = columns_[i];
-      sample.columns.push_back({sample.is_ordered ? "" : field, TimeUnit::kAuto, values(column, count),
-                                table::is_integer_type(column.field.type), column.field.type == "f4"});
+      sample.columns.push_back(table::sample_of(sample.is_ordered ? "" : field, numbers(column), column.field, count));
     }
     const std::string group = place.rows.empty() && place.name != "/" ? place.name : "";
     read_time_attributes(file, parts_.back().shape.dataset.get(), group, sample);
@@ -176,21 +175,15 @@ class ColumnBlocks final : public EventBlocks {
       return false;
     }
     E2LF_RETURN_IF_ERROR(read(next_, count));
-    Column<uint8_t> bad(count, 0);
-    EventColumns& events = block.events;
-    events.resize(count);
-    const NumberColumn &x = column(Field::kX), &y = column(Field::kY), &p = column(Field::kP);
-    table::to_column(numbers(x), x.field, count, events.x.data(), bad.data());
-    table::to_column(numbers(y), y.field, count, events.y.data(), bad.data());
-    table::to_polarities(numbers(p), p.field, layout_.polarity, count, events.p.data(), bad.data());
-    take_times(count, events.t.data(), bad.data());
-    for (int64_t& t_us : events.t) {
+    const NumberColumn &x = column(Field::kX), &y = column(Field::kY), &p = column(Field::kP), &t = column(Field::kT);
+    const table::RecordFields fields = {x.field, y.field, p.field, t.field, layout_.unit, layout_.polarity};
+    const size_t num_bad =
+        table::to_events({numbers(x), numbers(y), numbers(p), numbers(t)}, fields, count, block.events);
+    for (int64_t& t_us : block.events.t) {
       // An invalid time stays invalid, and EventGate drops it.
       t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
     }
-    const size_t num_bad = table::remove_bad(events, 0, bad);
-    summary.add(Violation::kBadRecord, 0, num_bad);
-    summary.dropped_words += num_bad;
+    summary.add_dropped(Violation::kBadRecord, 0, num_bad);
     next_ += count;
     return true;
   }
@@ -202,7 +195,8 @@ class ColumnBlocks final : public EventBlocks {
       Column<uint8_t> bad(count);
       std::vector<int64_t> times_us(count);
       E2LF_RETURN_IF_ERROR(read(parts_[column(Field::kT).part], i, count));
-      take_times(count, times_us.data(), bad.data());
+      table::to_times(numbers(column(Field::kT)), column(Field::kT).field, layout_.unit, count, times_us.data(),
+                      bad.data());
       const int64_t since_us = median_time(std::move(times_us));
       return is_time(since_us) ? since_us + offset_us_ : since_us;
     };
@@ -268,10 +262,6 @@ class ColumnBlocks final : public EventBlocks {
   [[nodiscard]] const uint8_t* numbers(const NumberColumn& column) const { return parts_[column.part].numbers.data(); }
   [[nodiscard]] std::vector<double> values(const NumberColumn& column, uint64_t count) const {
     return table::to_doubles(numbers(column), column.field, count);
-  }
-  void take_times(uint64_t count, int64_t* times_us, uint8_t* bad) const {
-    const NumberColumn& t = column(Field::kT);
-    table::to_times(numbers(t), t.field, layout_.unit, count, times_us, bad);
   }
 
   std::string location_;

@@ -13,17 +13,6 @@ namespace {
 constexpr uint64_t kBlockEvents = 8 * kChunkEvents;
 constexpr size_t kMaxChunkBytes = size_t{1} << 26;
 
-/// Removes the events [from, to) from the columns.
-void erase(EventColumns& events, size_t from, size_t to) {
-  const auto cut = [from, to](auto& column) {
-    column.erase(column.begin() + static_cast<ptrdiff_t>(from), column.begin() + static_cast<ptrdiff_t>(to));
-  };
-  cut(events.x);
-  cut(events.y);
-  cut(events.p);
-  cut(events.t);
-}
-
 bool has_vendor_layout(hid_t dataset) {
   const Handle stored(H5Dget_type(dataset), H5Tclose);
   return H5Tequal(stored.get(), event_type().get()) > 0;
@@ -166,10 +155,7 @@ class EventChunks final : public EventBlocks {
       chunk.error = done.error();
       return;
     }
-    std::copy_n(full.x.begin(), wanted, events.x.begin() + static_cast<ptrdiff_t>(begin));
-    std::copy_n(full.y.begin(), wanted, events.y.begin() + static_cast<ptrdiff_t>(begin));
-    std::copy_n(full.p.begin(), wanted, events.p.begin() + static_cast<ptrdiff_t>(begin));
-    std::copy_n(full.t.begin(), wanted, events.t.begin() + static_cast<ptrdiff_t>(begin));
+    for (size_t i = 0; i < wanted; ++i) events.set(begin + i, full[i]);
     chunk.count = wanted;
   }
 
@@ -217,7 +203,7 @@ class EventChunks final : public EventBlocks {
     }
     if (begin + kept == end) return;
     summary.dropped_words += end - begin - kept;
-    erase(events, begin + kept, end);
+    events.erase(begin + kept, end);
   }
 
   DatasetShape shape_;
@@ -262,10 +248,7 @@ Handle index_type() {
 void columns_from_records(const EventRecord* records, size_t count, EventColumns& events, size_t begin) {
   for (size_t i = 0; i < count; ++i) {
     const EventRecord& record = records[i];
-    events.x[begin + i] = record.x;
-    events.y[begin + i] = record.y;
-    events.p[begin + i] = record.p > 0;
-    events.t[begin + i] = record.t;
+    events.set(begin + i, {record.x, record.y, static_cast<uint8_t>(record.p > 0), record.t});
   }
 }
 

@@ -209,13 +209,7 @@ Result<void> MetavisionWriter::write_chunks(bool is_last) {
         events_.append_chunk(chunk.bytes, chunk.size, end_of(i) - i * kChunkEvents, chunk.is_filtered));
   }
   // In place, because allocating new columns costs more than encoding.
-  const auto drop = [events](auto& column) {
-    column.erase(column.begin(), column.begin() + static_cast<ptrdiff_t>(events));
-  };
-  drop(pending_.x);
-  drop(pending_.y);
-  drop(pending_.p);
-  drop(pending_.t);
+  pending_.erase(0, events);
   return {};
 }
 

@@ -73,8 +73,7 @@ class NpyBlocks final : public EventBlocks {
       return false;
     }
     const size_t bad = convert(bytes.first(count * item), count, block.events);
-    if (bad > 0) summary.add(Violation::kBadRecord, byte, bad);
-    summary.dropped_words += bad;
+    summary.add_dropped(Violation::kBadRecord, byte, bad);
     source_->consume(count * item);
     next_ += count;
     return true;
@@ -111,7 +110,7 @@ class NpyBlocks final : public EventBlocks {
       reverse_big_endian(bytes, header_, little_);
       records = little_.data();
     }
-    return to_events(records, fields_, count, events);
+    return to_events({records, records, records, records}, fields_, count, events);
   }
 
   SourcePtr source_;
@@ -200,9 +199,7 @@ Result<RecordFields> decide_fields(ByteSource& source, const OpenOptions& option
                    cat("field \"", column.name, "\" is of type ", column.type, "; store numbers, as u2 and i8"), name};
     }
     fields.push_back({column.type, column.offset, item});
-    sample.columns.push_back({column.name, TimeUnit::kAuto,
-                              table::to_doubles(records.data(), fields.back(), records.size() / item),
-                              table::is_integer_type(column.type), column.type == "f4"});
+    sample.columns.push_back(table::sample_of(column.name, records.data(), fields.back(), records.size() / item));
   }
   if (source.seekable()) {
     sample.more_values = [&](size_t column, bool is_first) -> Result<std::vector<double>> {

@@ -118,8 +118,7 @@ class MemoryBlocks final : public EventBlocks {
     block.clear();
     if (!std::exchange(has_begun_, true)) {
       block.triggers = all_.triggers;
-      if (bad_ > 0) summary.add(Violation::kBadRecord, 0, bad_);
-      summary.dropped_words += bad_;
+      summary.add_dropped(Violation::kBadRecord, 0, bad_);
     }
     const size_t end = std::min(all_.events.size(), next_ + kBlockEvents);
     block.events.append(all_.events, next_, end);
@@ -156,8 +155,7 @@ class NpzWriter final : public RecordingWriter {
   Result<void> write(const EventBatch& batch) override {
     E2LF_RETURN_IF_ERROR(check_(batch));
     E2LF_RETURN_IF_ERROR(check_room(batch.events.size()));
-    all_.events.append(batch.events);
-    all_.triggers.insert(all_.triggers.end(), batch.triggers.begin(), batch.triggers.end());
+    all_.append(batch);
     return {};
   }
 
@@ -329,27 +327,19 @@ Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is
   sample.is_ordered = is_ordered;
   sample.usual_unit = unit;
   for (const NpzColumn& column : columns) {
-    sample.columns.push_back({column.name, TimeUnit::kAuto,
-                              table::to_doubles(column.array->bytes.data(), column.field, sampled),
-                              table::is_integer_type(column.field.type), column.field.type == "f4"});
+    sample.columns.push_back(table::sample_of(column.name, column.array->bytes.data(), column.field, sampled));
   }
   sample.more_values = [&](size_t i, bool is_first) -> Result<std::vector<double>> {
     return table::to_doubles(columns[i].array->bytes.data(), columns[i].field, is_first ? count : 0);
   };
   E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, name, info));
   unit = layout.unit;
-  Column<uint8_t> bad(count, 0);
+  const auto [x, y, p, t] = layout.columns;
+  const auto bytes_of = [&](size_t column) { return columns[column].array->bytes.data(); };
+  const table::RecordFields fields = {columns[x].field, columns[y].field, columns[p].field,
+                                      columns[t].field, layout.unit,      layout.polarity};
   EventColumns events;
-  events.resize(count);
-  const auto bytes_of = [&](Field field) {
-    return columns[layout.columns[static_cast<size_t>(field)]].array->bytes.data();
-  };
-  const auto field_of = [&](Field field) { return columns[layout.columns[static_cast<size_t>(field)]].field; };
-  table::to_column(bytes_of(Field::kX), field_of(Field::kX), count, events.x.data(), bad.data());
-  table::to_column(bytes_of(Field::kY), field_of(Field::kY), count, events.y.data(), bad.data());
-  table::to_polarities(bytes_of(Field::kP), field_of(Field::kP), layout.polarity, count, events.p.data(), bad.data());
-  table::to_times(bytes_of(Field::kT), field_of(Field::kT), unit, count, events.t.data(), bad.data());
-  num_bad = table::remove_bad(events, 0, bad);
+  num_bad = table::to_events({bytes_of(x), bytes_of(y), bytes_of(p), bytes_of(t)}, fields, count, events);
   return events;
 }
 

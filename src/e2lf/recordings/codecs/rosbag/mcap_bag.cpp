@@ -10,6 +10,7 @@
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/rosbag/bag.h"
 #include "e2lf/recordings/io/decompress.h"
+#include "e2lf/recordings/io/header_text.h"
 
 /// MCAP as specified at mcap.dev: records with a kind (u8), a length (u64) and content; chunks contain records.
 namespace e2lf::recordings::rosbag {
@@ -148,8 +149,7 @@ class McapBag final : public Bag {
     if (is_whole) {
       records_ = unpacked_;
     } else {
-      summary.add(Violation::kBadRecord, position_);
-      ++summary.dropped_words;
+      summary.add_dropped(Violation::kBadRecord, position_);
     }
     return {};
   }
@@ -218,7 +218,7 @@ class McapBag final : public Bag {
   std::deque<Channel> channels_;     ///< event topics in the order in which the file names them
   std::optional<BagMessage> first_;  ///< for a stream: read to determine its topic, and not returned yet
   DecodeSummary losses_of_first_;
-  std::unique_ptr<Decompressor> decompressor_;
+  DecompressorPtr decompressor_;
   std::optional<Compression> chunk_compression_;  ///< of decompressor_
   std::vector<uint8_t> unpacked_;
   std::span<const uint8_t> records_;  ///< records of the chunk that were not read yet
@@ -230,7 +230,7 @@ class McapBag final : public Bag {
 }  // namespace
 
 bool detect_mcap(std::span<const uint8_t> head) {
-  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kMagic);
+  return as_text(head).starts_with(kMagic);
 }
 
 Result<BagPtr> open_mcap_bag(SourcePtr source) {

@@ -9,6 +9,7 @@
 #include "e2lf/recordings/codecs/rosbag/bag.h"
 #include "e2lf/recordings/codecs/rosbag/event_message.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::recordings::rosbag {
@@ -82,10 +83,7 @@ class ChosenMessages {
     }
   }
 
-  void count_bad(DecodeSummary& summary) const {
-    summary.add(Violation::kBadRecord, byte_);
-    ++summary.dropped_words;
-  }
+  void count_bad(DecodeSummary& summary) const { summary.add_dropped(Violation::kBadRecord, byte_); }
 
   Result<void> rewind() {
     held_.clear();
@@ -263,7 +261,7 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
 
 bool detect_sqlite(std::span<const uint8_t> head) {
   using namespace std::string_view_literals;
-  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with("SQLite format 3\0"sv);
+  return as_text(head).starts_with("SQLite format 3\0"sv);
 }
 
 Result<ReaderPtr> open_sqlite(SourcePtr source, const OpenOptions& options) {

@@ -10,6 +10,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::text {
 namespace {
@@ -128,7 +129,7 @@ class CsvWriter final : public RecordingWriter {
     if (info.width == 0 || info.height == 0) return {};
     const std::string line =
         is_seconds_ ? cat(info.width, ' ', info.height, '\n') : cat("%geometry:", info.width, ',', info.height, '\n');
-    return sink_->write({reinterpret_cast<const uint8_t*>(line.data()), line.size()});
+    return sink_->write(as_bytes(line));
   }
 
   bool holds_triggers() const override { return false; }

@@ -51,8 +51,7 @@ class Evt4Blocks final : public EventBlocks {
         if (has_time_)
           block.triggers.push_back({time_of(word), static_cast<uint16_t>(word >> 8 & 0x1F), uint8_t(word & 1)});
       } else if (type != kOthers && type != kContinued && type != kPadding) {
-        summary.add(Violation::kUnknownWord, source_->position() + i * kWordBytes);
-        ++summary.dropped_words;
+        summary.add_dropped(Violation::kUnknownWord, source_->position() + i * kWordBytes);
       }
     }
     // An incomplete word, or a vector without its pixels.

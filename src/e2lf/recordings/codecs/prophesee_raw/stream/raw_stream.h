@@ -12,6 +12,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
 #include "e2lf/recordings/io/decode_summary.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
 
@@ -321,7 +322,7 @@ class RawStream {
   /// text is not a plausible sequence of words for long, no other place is inspected. `is_whole` is set if the header
   /// is complete.
   size_t find_header(const Input& input, size_t end, bool& is_whole) const {
-    const std::string_view text(reinterpret_cast<const char*>(input.data()), std::min(end, input.num_bytes()));
+    const std::string_view text = as_text(input.bytes.subspan(input.position)).substr(0, end);
     for (size_t at = text.find("% "); at != std::string_view::npos; at = text.find("% ", at + 1)) {
       const HeaderPlace place = find_raw_header(input.bytes.subspan(input.position + at), input.ended);
       is_whole = place == HeaderPlace::kHere;

@@ -9,6 +9,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
@@ -134,7 +135,7 @@ Result<WriterPtr> create_raw_writer(SinkPtr sink, const RecordingInfo& info) {
   RecordingInfo raw = info;
   raw.format = Encoder::kFormat;
   const std::string header = raw_header_text(raw);
-  E2LF_RETURN_IF_ERROR(sink->write(std::span(reinterpret_cast<const uint8_t*>(header.data()), header.size())));
+  E2LF_RETURN_IF_ERROR(sink->write(as_bytes(header)));
   return WriterPtr(std::make_unique<RawWriter<Encoder>>(std::move(sink), raw));
 }
 
