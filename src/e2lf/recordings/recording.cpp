@@ -17,9 +17,7 @@ namespace {
 std::optional<int64_t> first_time(const EventBatch& batch, size_t events, size_t triggers) {
   std::optional<int64_t> first_us;
   if (events < batch.events.size()) first_us = batch.events.t[events];
-  if (triggers < batch.triggers.size()) {
-    first_us = std::min(first_us.value_or(INT64_MAX), batch.triggers[triggers].t);
-  }
+  if (triggers < batch.triggers.size()) first_us = std::min(first_us.value_or(INT64_MAX), batch.triggers[triggers].t);
   return first_us;
 }
 

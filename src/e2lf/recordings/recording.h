@@ -39,10 +39,10 @@ struct TableReading {
 
 /// The properties that a recording states.
 struct RecordingInfo {
-  std::string format;  ///< the codec: "evt2", "evt2.1", "evt3", "dat", "hdf5", "aedat4", "csv", ...
-  size_t width = 0;    ///< of the sensor, px; 0 if the file does not state it
+  std::string format = {};  ///< the codec: "evt2", "evt2.1", "evt3", "dat", "hdf5", "aedat4", "csv", ...
+  size_t width = 0;         ///< of the sensor, px; 0 if the file does not state it
   size_t height = 0;
-  std::vector<std::pair<std::string, std::string>> header;  ///< keys and values in the order of the file
+  std::vector<std::pair<std::string, std::string>> header = {};  ///< keys and values in the order of the file
   std::vector<Assumption> assumptions = {};
   std::vector<std::string> streams = {};   ///< streams of events, if the format may hold several
   std::optional<TableReading> table = {};  ///< only for tables

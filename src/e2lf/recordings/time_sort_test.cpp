@@ -155,9 +155,7 @@ TEST(TimeSort, NothingIsLostOfAShuffledRecording) {
   const EventColumns events = shuffled(20'000);
   for (const char* format : {"csv", "npz"}) {
     const std::vector<uint8_t> bytes = format == std::string("csv") ? as_text(events) : as_npz(events);
-    OpenOptions options;
-    options.format = format;
-    options.policy = DecodePolicy::kStrict;
+    OpenOptions options = {.format = format, .policy = DecodePolicy::kStrict};
     auto reader = open_recording(make_memory_source(std::span(bytes)), options).value();
     EXPECT_EQ(read_all(*reader)->events, in_order(events)) << format;
     EXPECT_EQ(reader->summary().out_of_order, late_events(events)) << format;

@@ -178,9 +178,7 @@ class ReplayCamera final : public TimedCamera {
 
   /// Creates the encoder, whose header is delivered first.
   Result<void> open() {
-    RecordingInfo info = reader_->info();
-    info.format = "evt3";
-    E2LF_ASSIGN_OR_RETURN(writer_, create_recording(make_memory_sink(encoded_), "evt3", info));
+    E2LF_ASSIGN_OR_RETURN(writer_, create_recording(make_memory_sink(encoded_), "evt3", reader_->info()));
     return {};
   }
 

@@ -157,10 +157,10 @@ const Codec* codec_of_extension(const std::filesystem::path& path) {
   return nullptr;
 }
 
-std::string codec_names() {
+std::vector<std::string> codec_names() {
   std::vector<std::string> names;
   for (const Codec* codec : codecs()) names.push_back(codec->name);
-  return join(names);
+  return names;
 }
 
 Result<const Codec*> detect_codec(ByteSource& source) {
@@ -182,8 +182,8 @@ Result<const Codec*> detect_codec(ByteSource& source) {
     return Error{ErrorCode::kUnsupported, cat("these are ", *text), source.name()};
   }
   return Error{ErrorCode::kFormat,
-               cat("this is not a recording of a known format; give its format, one of ", codec_names()), source.name(),
-               Setting::kInputFormat};
+               cat("this is not a recording of a known format; give its format, one of ", join(codec_names())),
+               source.name(), Setting::kInputFormat};
 }
 
 std::string names_to_write() {
@@ -213,12 +213,10 @@ void add_codec(Codec codec) {
 }
 
 Result<const Codec*> find_codec(const std::string& name) {
-  std::vector<std::string> names;
   for (const Codec* codec : codecs()) {
     if (codec->name == name) return codec;
-    names.push_back(codec->name);
   }
-  return Error{ErrorCode::kInvalidValue, cat("unknown format \"", name, "\"; ", suggestion(name, names)), ""};
+  return Error{ErrorCode::kInvalidValue, cat("unknown format \"", name, "\"; ", suggestion(name, codec_names())), ""};
 }
 
 namespace {

@@ -164,8 +164,7 @@ Result<ReaderPtr> open_aedat3(SourcePtr source, const OpenOptions& options) {
   }
   std::map<int16_t, std::string> sources = sources_of(header);
   if (sources.empty()) sources[0] = "";
-  RecordingInfo info;
-  info.format = "aedat3";
+  RecordingInfo info{.format = "aedat3"};
   std::vector<NamedStream> streams;
   for (const auto& [number, camera] : sources) streams.push_back({cat(number), "", camera});
   E2LF_ASSIGN_OR_RETURN(const size_t chosen, choose_stream(streams, options, name, info));

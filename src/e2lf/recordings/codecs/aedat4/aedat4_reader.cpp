@@ -276,8 +276,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   source->consume(header.bytes);
   E2LF_ASSIGN_OR_RETURN(auto decompressor, make_decompressor(header.compression));
 
-  RecordingInfo info;
-  info.format = "aedat4";
+  RecordingInfo info{.format = "aedat4"};
   const std::vector<Stream> event_streams = streams_of_events(header);
   std::vector<NamedStream> named;
   for (const Stream& stream : event_streams) named.push_back({cat(stream.id), stream.output, stream.source});

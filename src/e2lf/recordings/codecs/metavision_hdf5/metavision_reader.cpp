@@ -59,8 +59,7 @@ void parse_geometry(const std::string& text, RecordingInfo& info) {
 }
 
 RecordingInfo read_info(hid_t file) {
-  RecordingInfo info;
-  info.format = "hdf5";
+  RecordingInfo info{.format = "hdf5"};
   info.header = read_text_attributes(file);
   parse_geometry(info.find("geometry").value_or(""), info);
   return info;

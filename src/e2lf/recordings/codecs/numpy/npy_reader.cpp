@@ -236,8 +236,7 @@ Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, read_header(head.first(std::min(head.size(), kDetectBytes)), name));
   if (is_by_column(header)) return open_npy_columns(std::move(source), options);
-  RecordingInfo info;
-  info.format = "npy";
+  RecordingInfo info{.format = "npy"};
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   source->consume(header.data_offset);
   E2LF_ASSIGN_OR_RETURN(RecordFields fields, decide_fields(*source, options, header, info));

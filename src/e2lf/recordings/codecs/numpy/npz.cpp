@@ -398,8 +398,7 @@ Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
   E2LF_RETURN_IF_ERROR(check_memory(bytes, name));
   E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, decode_npz(bytes, name));
-  RecordingInfo info;
-  info.format = "npz";
+  RecordingInfo info{.format = "npz"};
   if (options.width == 0 || options.height == 0) read_size(arrays, info);
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
@@ -410,8 +409,7 @@ Result<ReaderPtr> open_npy_columns(SourcePtr source, const OpenOptions& options)
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
   NpzArrays arrays;
   E2LF_ASSIGN_OR_RETURN(arrays["events"], decode_npy(bytes, name));
-  RecordingInfo info;
-  info.format = "npy";
+  RecordingInfo info{.format = "npy"};
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 
@@ -453,8 +451,7 @@ Result<ReaderPtr> open_event_folder(const std::filesystem::path& path, const Ope
     if (!error) E2LF_RETURN_IF_ERROR(require_memory(3 * bytes, "store the events as .raw or .hdf5", file.string()));
     E2LF_ASSIGN_OR_RETURN(arrays[key], read_npy(file));
   }
-  RecordingInfo info;
-  info.format = "evreal";
+  RecordingInfo info{.format = "evreal"};
   if (const auto metadata = read_json(path / "metadata.json"); metadata && metadata->is_object()) {
     Json size = metadata->value("sensor_resolution", Json());
     if (!size.is_array()) size = {metadata->value("height", Json()), metadata->value("width", Json())};

@@ -220,8 +220,7 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
         "the bag contains no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); give another bag",
         name};
   }
-  RecordingInfo info;
-  info.format = format;
+  RecordingInfo info{.format = format};
   std::vector<NamedStream> streams;
   for (const Topic& topic : topics) streams.push_back({cat(streams.size()), topic.name, ""});
   E2LF_ASSIGN_OR_RETURN(const size_t chosen, choose_stream(streams, options, name, info));

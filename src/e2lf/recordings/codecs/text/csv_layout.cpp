@@ -43,9 +43,7 @@ bool has_decimal_commas(const std::vector<std::string_view>& lines) {
   for (const std::string_view line : lines) {
     if (line.find(',') == std::string_view::npos || is_comment(line)) continue;
     bool is_within = split(line, true).size() >= 4;
-    for (const std::string_view word : split(line, true)) {
-      is_within = is_within && parse_cell(word, true).has_value();
-    }
+    for (const std::string_view word : split(line, true)) is_within = is_within && parse_cell(word, true).has_value();
     (is_within ? within : between) += 1;
   }
   return within > between;
