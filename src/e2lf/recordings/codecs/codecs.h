@@ -50,6 +50,14 @@ namespace e2lf::recordings {
 
 }  // namespace e2lf::recordings
 
+namespace e2lf::recordings::evt4 {
+
+/// Returns a reader of EVT4 words, which begin at the position of the source; `info` contains the header. Times
+/// continue where the 34-bit clock wraps around, after 4 h 46 min, and where it starts again (make_continued()).
+[[nodiscard]] ReaderPtr make_reader(SourcePtr source, RecordingInfo info, const OpenOptions& options);
+
+}  // namespace e2lf::recordings::evt4
+
 namespace e2lf::recordings::hdf5_events {
 
 /// Metavision HDF5: /CD/events with records {x u2, y u2, p i2, t i8} in chunks of 16384 with the ECF filter, which is

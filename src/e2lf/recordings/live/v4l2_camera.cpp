@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <linux/videodev2.h>
 #include <poll.h>
+#include <span>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -142,7 +143,7 @@ class V4l2Device {
   V4l2Device& operator=(const V4l2Device&) = delete;
   ~V4l2Device() {
     if (is_started_) static_cast<void>(control(VIDIOC_STREAMOFF, &type_));
-    for (const Memory& memory : memory_) system_.unmap(const_cast<uint8_t*>(memory.bytes), memory.length);
+    for (const auto memory : memory_) system_.unmap(const_cast<uint8_t*>(memory.data()), memory.size());
     system_.close(descriptor_);  // also returns the buffers
   }
 
@@ -204,11 +205,6 @@ class V4l2Device {
   }
 
  private:
-  struct Memory {
-    const uint8_t* bytes;
-    size_t length;
-  };
-
   V4l2Device(V4l2System& system, std::string path, int descriptor)
       : system_(system), path_(std::move(path)), descriptor_(descriptor) {}
 
@@ -282,16 +278,15 @@ class V4l2Device {
       const off_t offset = has_planes(type_) ? one.m.mem_offset : of_driver.buffer.m.offset;
       void* const memory = system_.map(length, descriptor_, offset);
       if (memory == nullptr) return failure("the memory of the driver cannot be shared");
-      memory_.push_back({static_cast<const uint8_t*>(memory), length});
+      memory_.emplace_back(static_cast<const uint8_t*>(memory), length);
     }
     if (control(VIDIOC_QBUF, &of_driver.buffer) < 0) return failure("the driver does not accept buffers");
     return {};
   }
 
   void append(size_t memory, uint32_t offset, uint32_t used, std::vector<uint8_t>& bytes) const {
-    const size_t end = std::min<size_t>(used, memory_[memory].length);
-    const size_t begin = std::min<size_t>(offset, end);
-    bytes.insert(bytes.end(), memory_[memory].bytes + begin, memory_[memory].bytes + end);
+    const auto part = memory_[memory].first(std::min<size_t>(used, memory_[memory].size()));
+    bytes.insert(bytes.end(), part.begin() + static_cast<ptrdiff_t>(std::min<size_t>(offset, part.size())), part.end());
   }
 
   V4l2System& system_;
@@ -300,7 +295,7 @@ class V4l2Device {
   uint32_t type_ = 0;  ///< type of its buffers: with one plane, or with several
   uint32_t width_ = 0, height_ = 0, planes_ = 1;
   const V4l2Encoding* encoding_ = nullptr;
-  std::vector<Memory> memory_;  ///< [buffer, plane]
+  std::vector<std::span<const uint8_t>> memory_;  ///< [buffer, plane]
   bool is_started_ = false;
   bool has_sequence_ = false;
   uint32_t sequence_ = 0;  ///< expected number of the next frame

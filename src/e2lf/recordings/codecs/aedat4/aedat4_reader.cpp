@@ -84,7 +84,7 @@ class Aedat4Blocks final : public EventBlocks {
       const auto& times = packet.events.t;
       // Unreadable packets are treated as late, so that the search ends before them.
       if (times.empty()) return INT64_MAX;
-      return median_time({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
+      return median<int64_t>({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
     };
     uint64_t position = header_.bytes;
     // If the clock starts again, only the first part could be bisected.

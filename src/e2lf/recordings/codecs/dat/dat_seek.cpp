@@ -52,7 +52,7 @@ class Search {
     if (count == 0) return Error{ErrorCode::kIo, "the file became shorter while it was read", source_.name()};
     std::vector<int64_t> times(count);
     for (size_t i = 0; i < count; ++i) times[i] = load_le<uint32_t>(&bytes[i * kRecordBytes]);
-    return median_time(std::move(times));
+    return median(std::move(times));
   }
 
   /// Reads a record after another one.

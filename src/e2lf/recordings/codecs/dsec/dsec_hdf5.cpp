@@ -197,7 +197,7 @@ class ColumnBlocks final : public EventBlocks {
       E2LF_RETURN_IF_ERROR(read(parts_[column(Field::kT).part], i, count));
       table::to_times(numbers(column(Field::kT)), column(Field::kT).field, layout_.unit, count, times_us.data(),
                       bad.data());
-      const int64_t since_us = median_time(std::move(times_us));
+      const int64_t since_us = median(std::move(times_us));
       return is_time(since_us) ? since_us + offset_us_ : since_us;
     };
     E2LF_ASSIGN_OR_RETURN(next_, find_place_before(length_, t_us, time_at));

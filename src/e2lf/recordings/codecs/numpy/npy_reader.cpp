@@ -100,7 +100,7 @@ class NpyBlocks final : public EventBlocks {
     EventColumns events;
     convert(bytes.first(count * item), count, events);
     if (events.empty()) return INT64_MAX;
-    return median_time({events.t.begin(), events.t.end()});
+    return median<int64_t>({events.t.begin(), events.t.end()});
   }
 
   /// Returns how many records are not events.

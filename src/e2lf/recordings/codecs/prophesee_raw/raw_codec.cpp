@@ -2,7 +2,6 @@
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt4/evt4_reader.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_reader.h"
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_codec.h"
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_encoder.h"

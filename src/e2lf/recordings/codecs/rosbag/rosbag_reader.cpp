@@ -7,7 +7,6 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/rosbag/bag.h"
-#include "e2lf/recordings/codecs/rosbag/event_message.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/text/csv_line.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "e2lf/recordings/codecs/text/csv_layout.h"
 
 namespace e2lf::recordings::text {
 namespace {

@@ -152,7 +152,7 @@ class CsvBlocks final : public EventBlocks {
     parse_lines(text, layout_, events);
     if (events.empty()) return INT64_MAX;
     const size_t count = std::min(kTimesPerProbe, events.size());
-    return median_time({events.t.begin(), events.t.begin() + static_cast<ptrdiff_t>(count)});
+    return median<int64_t>({events.t.begin(), events.t.begin() + static_cast<ptrdiff_t>(count)});
   }
 
   /// Returns the complete lines that are available; empty at the end.

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/prophesee_raw/evt4/evt4_reader.h"
-
 #include <bit>
 #include <utility>
 
 #include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings::evt4 {
