@@ -188,7 +188,7 @@ TEST_P(Container, SliceOfTimeIsTheSameFromAFileAndAStream) {
   expected.append(stream.events, static_cast<size_t>(begin - stream.events.t.begin()),
                   static_cast<size_t>(end - stream.events.t.begin()));
   EXPECT_TRUE(read(options)->events == expected);
-  auto live = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 100003), options);
+  auto live = open_recording(chunked(bytes, 100003), options);
   ASSERT_TRUE(live.ok()) << live.error().text();
   EXPECT_TRUE(read_all(**live)->events == expected);
   // The slice is of the sensor's clock, whatever times are handed out, or since the first event.

@@ -43,13 +43,10 @@ TEST(HostileNpz, TimesBeyondAnyClockAreDropped) {
   NpzArrays arrays;
   arrays.emplace("t", npy_column<int64_t>({INT64_MIN, 5, 6, INT64_MAX}));
   for (const char* key : {"x", "y", "p"}) arrays.emplace(key, npy_column<int32_t>({1, 1, 1, 1}));
-  OpenOptions options = {.policy = DecodePolicy::kSkip, .time = TimeOrigin::kZero};
-  const auto bytes = encode_npz(arrays);
-  auto reader = open_bytes(bytes, options).value();
-  const EventBatch batch = read_all(*reader).value();
-  ASSERT_EQ(batch.events.size(), 2u);
-  EXPECT_EQ(batch.events.t.back(), 1);
-  EXPECT_EQ(reader->summary().num_violations(), 2u);
+  const Decoded read = decoded(encode_npz(arrays), {.time = TimeOrigin::kZero});
+  ASSERT_EQ(read.batch.events.size(), 2u);
+  EXPECT_EQ(read.batch.events.t.back(), 1);
+  EXPECT_EQ(read.summary.num_violations(), 2u);
 }
 
 /// A DSEC file whose t_offset holds `count` numbers.
@@ -124,10 +121,9 @@ TEST(HostileText, ALineThatNeverEndsIsOneBadLineFromAnySource) {
   const std::string text = "1,2,1,5\n" + std::string(9000, 'x') + "3,4,1,6\n5,6,0,7\n";
   const std::vector<uint8_t> bytes(text.begin(), text.end());
   for (const size_t step : {size_t{1}, size_t{4000}, bytes.size()}) {
-    OpenOptions options = {.format = "csv", .policy = DecodePolicy::kSkip};
-    auto reader = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step), options).value();
-    EXPECT_EQ(read_all(*reader).value().events.size(), 2u) << step;
-    EXPECT_EQ(reader->summary().num_violations(), 1u) << step;
+    const Decoded read = decoded(chunked(bytes, step), {.format = "csv"});
+    EXPECT_EQ(read.batch.events.size(), 2u) << step;
+    EXPECT_EQ(read.summary.num_violations(), 1u) << step;
   }
 }
 

@@ -107,9 +107,9 @@ TEST_P(ClockThatStartsAgain, GoesOnBehindTheEarlierPart) {
     EXPECT_TRUE(decode(bytes_, threads, 64) == one) << threads;
   }
   for (const size_t step : {size_t{501}, size_t{70'001}}) {
-    const Decoded chunked = decode(std::make_unique<ChunkedSource>(bytes_, std::vector<size_t>(), step), 1);
-    EXPECT_TRUE(chunked.batch == expected) << step;
-    EXPECT_EQ(chunked.summary.restarts, one.summary.restarts) << step;
+    const Decoded pieces = decode(chunked(bytes_, step), 1);
+    EXPECT_TRUE(pieces.batch == expected) << step;
+    EXPECT_EQ(pieces.summary.restarts, one.summary.restarts) << step;
   }
 }
 
@@ -254,9 +254,9 @@ TEST(DatOfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
   const EventBatch expected = continued(first, second, shift_us, false);
   const Bytes bytes = joined(first, second, "dat", true);
   EXPECT_TRUE(decode(bytes, 1).batch == expected);
-  const Decoded chunked = decode(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 501), 1);
-  EXPECT_TRUE(chunked.batch == expected);
-  EXPECT_EQ(chunked.summary.num_violations(), 0U);
+  const Decoded pieces = decode(chunked(bytes, 501), 1);
+  EXPECT_TRUE(pieces.batch == expected);
+  EXPECT_EQ(pieces.summary.num_violations(), 0U);
 }
 
 TEST(DatOfThreeParts, GoesOnBehindAPartOfWhichNothingIsBelievable) {
@@ -318,12 +318,7 @@ Decoded decode_text(const std::vector<Event>& events, RestartPolicy restart = Re
   std::string text = "x,y,p,t\n";
   for (const Event& event : events) text += cat(event.x, ",", event.y, ",", int{event.p}, ",", event.t, "\n");
   OpenOptions options = {.policy = DecodePolicy::kSkip, .restart = restart};
-  auto reader =
-      open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end()), "text"), options).value();
-  Decoded decoded;
-  decoded.batch = read_all(*reader).value();
-  decoded.summary = reader->summary();
-  return decoded;
+  return decoded(open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end()), "text"), options));
 }
 
 std::vector<Event> events_of(const EventBatch& batch) {
@@ -442,7 +437,7 @@ TEST(Evt3Frames, PaddingBehindTheEndOfAMipiFrameChangesNothing) {
   bytes.insert(bytes.end(), {0x01, 0x80, 0x03, 0x60, 0x04, 0x20});
   OpenOptions options = {.format = "evt3", .policy = DecodePolicy::kStrict};
   for (const size_t step : {size_t{7}, size_t{5000}}) {
-    auto reader = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step), options).value();
+    auto reader = open_recording(chunked(bytes, step), options).value();
     const auto all = read_all(*reader);
     ASSERT_TRUE(all) << all.error().text();
     ASSERT_EQ(all->events.size(), 101U);

@@ -164,9 +164,7 @@ TEST(TimeSort, NothingIsLostOfAShuffledRecording) {
 
 TEST(TimeSort, ShuffledTextFromAPipeIsSorted) {
   const EventColumns events = shuffled(20'000);
-  auto reader =
-      open_recording(std::make_unique<ChunkedSource>(as_text(events), std::vector<size_t>(), 1000), {.format = "csv"})
-          .value();
+  auto reader = open_recording(chunked(as_text(events), 1000), {.format = "csv"}).value();
   EXPECT_EQ(read_all(*reader)->events, in_order(events));
 }
 

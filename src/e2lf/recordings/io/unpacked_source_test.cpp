@@ -38,9 +38,7 @@ TEST(Unpacked, RecordingsOfEveryFormatAreReadFromMemoryAndPipes) {
       const Decoded plain = decoded(make_memory_source(std::span<const uint8_t>(packed)));
       EXPECT_EQ(plain.batch.events, events.events) << format;
       EXPECT_TRUE(losses(plain.summary).empty()) << format;
-      EXPECT_EQ(decoded(std::make_unique<ChunkedSource>(packed, std::vector<size_t>(), 1000)).batch.events,
-                events.events)
-          << format;
+      EXPECT_EQ(decoded(chunked(packed, 1000)).batch.events, events.events) << format;
     }
   }
 }
@@ -84,7 +82,7 @@ TEST(Unpacked, WhatStandsBeforeDamageIsTheSameFromAFileAndAPipe) {
     const Decoded file = decoded(make_memory_source(std::span<const uint8_t>(damaged)));
     EXPECT_GT(file.batch.events.size(), 60'000U);
     for (const size_t step : {1U, 1000U, 300'000U}) {
-      const Decoded pipe = decoded(std::make_unique<ChunkedSource>(damaged, std::vector<size_t>(), step));
+      const Decoded pipe = decoded(chunked(damaged, step));
       EXPECT_EQ(pipe.batch, file.batch) << step;
       EXPECT_EQ(pipe.summary.num_violations(), file.summary.num_violations()) << step;
     }

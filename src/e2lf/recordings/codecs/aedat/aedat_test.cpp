@@ -91,7 +91,7 @@ TEST(Aedat2, TriggersBesideARestartBelongToThePartOfTheirPlaceInAFileAndAPipe) {
   EXPECT_EQ(file.batch.triggers, expected);
   EXPECT_EQ(file.summary.num_violations(), 0U);
   for (const size_t step : {8U, 100U, 1000U}) {
-    EXPECT_EQ(decoded(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step)).batch, file.batch) << step;
+    EXPECT_EQ(decoded(chunked(bytes, step)).batch, file.batch) << step;
   }
 }
 

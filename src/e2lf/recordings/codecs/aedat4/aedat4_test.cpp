@@ -100,30 +100,25 @@ Bytes two_cameras() {
 
 TEST(Aedat4, TheSecondCameraIsCountedAsLeftOut) {
   const Bytes bytes = two_cameras();
-  auto reader = open_bytes(bytes, {.policy = DecodePolicy::kSkip});
-  ASSERT_TRUE(reader.ok()) << reader.error().text();
-  const EventBatch batch = read_all(**reader).value();
-  EXPECT_EQ(batch.events.x, (Column<uint16_t>{1, 1}));
-  EXPECT_EQ(batch.triggers, (std::vector<Trigger>{{150, 0, 1}}));
-  EXPECT_EQ((*reader)->summary().other_streams, 2U);
-  const auto left_out = losses((*reader)->summary());
+  const Decoded read = decoded(bytes);
+  EXPECT_EQ(read.batch.events.x, (Column<uint16_t>{1, 1}));
+  EXPECT_EQ(read.batch.triggers, (std::vector<Trigger>{{150, 0, 1}}));
+  EXPECT_EQ(read.summary.other_streams, 2U);
+  const auto left_out = losses(read.summary);
   ASSERT_EQ(left_out.size(), 1U);
   EXPECT_EQ(left_out[0].reason, "other_stream");
-  ASSERT_EQ((*reader)->info().assumptions.size(), 1U);
-  EXPECT_NE((*reader)->info().assumptions[0].text.find("4 (events of DVXplorer_2)"), std::string::npos);
+  ASSERT_EQ(read.info.assumptions.size(), 1U);
+  EXPECT_NE(read.info.assumptions[0].text.find("4 (events of DVXplorer_2)"), std::string::npos);
 }
 
 TEST(Aedat4, AStreamIsChosenByNumberOrCamera) {
   const Bytes bytes = two_cameras();
   for (const char* stream : {"4", "DVXplorer_2"}) {
-    OpenOptions options{.policy = DecodePolicy::kStrict, .stream = stream};
-    auto reader = open_bytes(bytes, options);
-    ASSERT_TRUE(reader.ok()) << reader.error().text();
-    EXPECT_EQ((*reader)->info().width, 640U);
-    const EventBatch batch = read_all(**reader).value();
-    EXPECT_EQ(batch.events.x, (Column<uint16_t>{600, 600}));
-    EXPECT_EQ(batch.triggers, (std::vector<Trigger>{{160, 0, 0}}));
-    EXPECT_TRUE(losses((*reader)->summary()).empty());
+    const Decoded read = decoded(open_bytes(bytes, {.policy = DecodePolicy::kStrict, .stream = stream}));
+    EXPECT_EQ(read.info.width, 640U);
+    EXPECT_EQ(read.batch.events.x, (Column<uint16_t>{600, 600}));
+    EXPECT_EQ(read.batch.triggers, (std::vector<Trigger>{{160, 0, 0}}));
+    EXPECT_TRUE(losses(read.summary).empty());
   }
 }
 

@@ -116,8 +116,7 @@ TEST_P(Damaged, EveryPathGivesTheSame) {
     EXPECT_EQ(read_bytes(bytes), expected) << trial;
     const size_t cut = random() % bytes.size();
     EXPECT_EQ(decoded(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>{cut}, bytes.size())).batch, expected);
-    EXPECT_EQ(decoded(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 1 + random() % 500)).batch,
-              expected);
+    EXPECT_EQ(decoded(chunked(bytes, 1 + random() % 500)).batch, expected);
   }
 }
 
@@ -145,7 +144,7 @@ TEST(ZerosAtTheEnd, OfAnInterruptedCopyAreCountedAndCostNoEvent) {
       std::vector<uint8_t> bytes = recording.bytes;
       bytes.resize(bytes.size() + zeros * word_bytes);
       for (const size_t step : {size_t{5}, size_t{1000}, bytes.size()}) {
-        const Decoded read = decoded(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step));
+        const Decoded read = decoded(chunked(bytes, step));
         EXPECT_EQ(read.batch, recording.batch) << format;
         EXPECT_EQ(read.summary.of(Violation::kZeros), (ViolationCount{zeros, recording.bytes.size()})) << format;
         EXPECT_EQ(read.summary.num_violations(), zeros) << format;

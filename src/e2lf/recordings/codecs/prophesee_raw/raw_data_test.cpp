@@ -126,10 +126,10 @@ TEST_P(Anchors, ChunksOfAnySizeGiveTheSameEvents) {
   const EventBatch first = read_whole(make_memory_source(std::span<const uint8_t>(begin)));
   ASSERT_GT(first.events.size(), 100u);
   for (const size_t step : {1, 3, 7, 64}) {
-    EXPECT_EQ(read_whole(std::make_unique<ChunkedSource>(begin, std::vector<size_t>(), step)), first) << step;
+    EXPECT_EQ(read_whole(chunked(begin, step)), first) << step;
   }
   for (const size_t step : {1001, 65'537}) {
-    EXPECT_EQ(read_whole(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step)), whole) << step;
+    EXPECT_EQ(read_whole(chunked(bytes, step)), whole) << step;
   }
 }
 

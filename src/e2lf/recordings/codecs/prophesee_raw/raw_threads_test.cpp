@@ -159,8 +159,7 @@ TEST_P(Shapes, DamagedStreamsGiveWhatTheScalarReferenceGives) {
       expect_same(decode(bytes, with_threads(threads)), expected, std::to_string(threads));
       expect_same(decode(std::make_unique<StingySource>(bytes, 37), with_threads(threads)), expected, "stingy");
     }
-    auto chunked = std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 1 + random() % 50'000);
-    expect_same(decode(std::move(chunked), with_threads(1)), expected, "chunks");
+    expect_same(decode(chunked(bytes, 1 + random() % 50'000), with_threads(1)), expected, "chunks");
   }
   EXPECT_GT(violations, 20u);
 }

@@ -54,8 +54,7 @@ TEST(Rosbag, McapIsReadWithAndWithoutChunks) {
     EXPECT_EQ(opened.batch.events[3], (Event{2, 3, 0, kBaseUs + 21}));
     EXPECT_TRUE(losses(opened.summary).empty());
     const OpenOptions options{.policy = DecodePolicy::kSkip};
-    const Decoded live =
-        decoded(open_recording(std::make_unique<ChunkedSource>(file, std::vector<size_t>(), 7), options));
+    const Decoded live = decoded(open_recording(chunked(file, 7), options));
     EXPECT_EQ(live.batch, opened.batch);
   }
 }

@@ -21,7 +21,7 @@ TEST(Evt4, EventsVectorsAndTriggersAreRead) {
                                     evt4_event(0xA, 63, 63, 47)});
   OpenOptions options = {.policy = DecodePolicy::kSkip};
   for (const size_t step : {size_t{1}, size_t{7}, size_t{4096}}) {
-    auto reader = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step), options).value();
+    auto reader = open_recording(chunked(bytes, step), options).value();
     EXPECT_EQ(reader->info().format, "evt4");
     const auto all = read_all(*reader);
     ASSERT_TRUE(all) << all.error().text();
@@ -48,11 +48,10 @@ TEST(Evt4, StreamsComeBackAsTheyWereWritten) {
 
 TEST(Evt4, WhatIsCutOrUnknownIsCounted) {
   auto bytes = evt4_of_words({0xE0000002, evt4_event(0xB, 3, 5, 6), 0x12345678, evt4_event(0xC, 4, 30, 7)});
-  OpenOptions options = {.policy = DecodePolicy::kSkip};
-  auto reader = open_bytes(bytes, options).value();
-  EXPECT_EQ(read_all(*reader).value().events.size(), 1U);
-  EXPECT_EQ(reader->summary().of(Violation::kUnknownWord).count, 1U);
-  EXPECT_EQ(reader->summary().of(Violation::kTruncated).count, 1U);
+  const Decoded read = decoded(bytes);
+  EXPECT_EQ(read.batch.events.size(), 1U);
+  EXPECT_EQ(read.summary.of(Violation::kUnknownWord).count, 1U);
+  EXPECT_EQ(read.summary.of(Violation::kTruncated).count, 1U);
 }
 
 }  // namespace
