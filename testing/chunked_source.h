@@ -45,4 +45,9 @@ class ChunkedSource final : public ByteSource {
   std::vector<uint8_t> piece_;
 };
 
+/// Returns a source of pieces of `step` bytes.
+inline SourcePtr chunked(std::vector<uint8_t> bytes, size_t step) {
+  return std::make_unique<ChunkedSource>(std::move(bytes), std::vector<size_t>(), step);
+}
+
 }  // namespace e2lf::recordings

@@ -38,6 +38,52 @@ inline EventBatch random_stream(const RandomStream& options) {
   return batch;
 }
 
+/// Returns the bytes of a recording in a format.
+inline std::vector<uint8_t> encoded(const EventBatch& batch, const std::string& format,
+                                    const RecordingInfo& info = {.width = 640, .height = 480}) {
+  std::vector<uint8_t> bytes;
+  const auto writer = create_recording(make_memory_sink(bytes), format, info).value();
+  writer->write(batch).value();
+  writer->finish().value();
+  return bytes;
+}
+
+/// Writes a recording to a file; without a format, its extension selects it.
+inline void write_recording(const std::filesystem::path& path, const EventBatch& batch, const RecordingInfo& info,
+                            const std::string& format = "") {
+  const auto writer = create_recording(path, format, info).value();
+  writer->write(batch).value();
+  writer->finish().value();
+}
+
+/// Opens a recording in memory, which the caller keeps.
+inline Result<ReaderPtr> open_bytes(std::span<const uint8_t> bytes, const OpenOptions& options = {}) {
+  return open_recording(make_memory_source(bytes), options);
+}
+
+/// What a reader returned.
+struct Decoded {
+  EventBatch batch;
+  DecodeSummary summary;
+  RecordingInfo info = {};
+  bool operator==(const Decoded& other) const { return batch == other.batch && summary == other.summary; }
+};
+
+inline Decoded decoded(Result<ReaderPtr> opened) {
+  const ReaderPtr reader = std::move(opened).value();
+  EventBatch batch = read_all(*reader).value();
+  return {std::move(batch), reader->summary(), reader->info()};
+}
+
+/// Reads a recording without warnings of damage.
+inline Decoded decoded(SourcePtr source, OpenOptions options = {}) {
+  options.policy = DecodePolicy::kSkip;
+  return decoded(open_recording(std::move(source), options));
+}
+inline Decoded decoded(std::span<const uint8_t> bytes, const OpenOptions& options = {}) {
+  return decoded(make_memory_source(bytes), options);
+}
+
 /// Returns the path of a data file ("events/other/sample.aedat4"), or an empty path if E2LF_DATA is not set or has no
 /// such file.
 inline std::filesystem::path data_file(const std::string& name) {

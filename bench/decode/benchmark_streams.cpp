@@ -9,10 +9,9 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
-#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_words.h"
+#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_codec.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::bench {
@@ -115,7 +114,7 @@ std::optional<TimeWords> time_words(const recordings::RawHeader& header, std::sp
   if (header.info.format == "evt2") return TimeWords{4, 0, true};
   if (header.info.format != "evt2.1") return std::nullopt;
   const bool is_little =
-      recordings::evt21::find_byte_order(payload, header.endianness) == recordings::evt21::ByteOrder::kLittle;
+      recordings::timed::find_byte_order(payload, header.endianness) == recordings::timed::ByteOrder::kLittle;
   return TimeWords{8, is_little ? size_t{4} : size_t{0}, true};
 }
 

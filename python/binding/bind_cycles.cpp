@@ -11,7 +11,7 @@
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/open/open_named_recording.h"
-#include "e2lf/recordings/open/recording_place.h"
+#include "e2lf/recordings/open/registry.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/open_arguments.h"
@@ -271,10 +271,10 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
                        "cycles"});
   }
   without_gil([&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place, recordings::place_of_recording(path, ""));
-    E2LF_ASSIGN_OR_RETURN(cli::OutputFile output,
-                          cli::OutputFile::create(
-                              path, {.overwrite = overwrite, .streams = place.streams, .side_file = place.side_file}));
+    E2LF_ASSIGN_OR_RETURN(const recordings::Codec* codec, recordings::codec_to_write(path, ""));
+    E2LF_ASSIGN_OR_RETURN(cli::OutputFile output, cli::OutputFile::create(path, {.overwrite = overwrite,
+                                                                                 .streams = codec->create != nullptr,
+                                                                                 .side_file = codec->side_file}));
     E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(output.path(), "", info));
     if (triggers && !writer->holds_triggers()) {
       return Error{ErrorCode::kUnsupported,

@@ -8,7 +8,7 @@
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/recordings/convert.h"
-#include "e2lf/recordings/open/recording_place.h"
+#include "e2lf/recordings/open/registry.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/open_arguments.h"
@@ -19,9 +19,10 @@ namespace {
 
 Result<cli::OutputFile> open_output(const fs::path& path, const std::string& format,
                                     const std::vector<fs::path>& inputs, bool overwrite) {
-  E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place, recordings::place_of_recording(path, format));
+  E2LF_ASSIGN_OR_RETURN(const recordings::Codec* codec, recordings::codec_to_write(path, format));
   return cli::OutputFile::create(
-      path, {.inputs = inputs, .overwrite = overwrite, .streams = place.streams, .side_file = place.side_file});
+      path,
+      {.inputs = inputs, .overwrite = overwrite, .streams = codec->create != nullptr, .side_file = codec->side_file});
 }
 
 /// A recording that is being written. It appears at finish().

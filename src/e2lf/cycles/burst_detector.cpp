@@ -6,7 +6,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/cycles/event_runs.h"
-#include "e2lf/recordings/count_on.h"
+#include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {
 namespace {

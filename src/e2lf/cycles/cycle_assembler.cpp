@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "e2lf/recordings/count_on.h"
+#include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {
 namespace {
@@ -63,7 +63,7 @@ void CycleAssembler::add_events(recordings::EventColumns& events) {
     next_ = 0;
   } else {
     if (next_ > events_.size() / 2) {
-      events_.drop_front(std::exchange(next_, 0));
+      events_.erase(0, std::exchange(next_, 0));
     }
     events_.append(events);
   }

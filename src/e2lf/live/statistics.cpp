@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "e2lf/recordings/count_on.h"
+#include "e2lf/recordings/event.h"
 
 namespace e2lf::live {
 namespace {

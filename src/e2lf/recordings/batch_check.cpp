@@ -2,6 +2,7 @@
 #include "e2lf/recordings/batch_check.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "e2lf/base/text.h"
 
@@ -48,6 +49,24 @@ bool is_good(const EventColumns& events, uint32_t width, uint32_t height) {
          largest(events.p.data(), count) <= 1 && is_sorted(events.t.data(), count);
 }
 
+/// Returns the sum of bytes that are 0 or 1.
+uint64_t sum(const uint8_t* bytes, size_t count) {
+  uint64_t total = 0;
+  size_t i = 0;
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+  const hn::ScalableTag<uint8_t> d;
+  const hn::Repartition<uint64_t, decltype(d)> d64;
+  const size_t lanes = hn::Lanes(d);
+  auto first = hn::Zero(d64), second = hn::Zero(d64);
+  for (; i + 2 * lanes <= count; i += 2 * lanes) {
+    first = hn::Add(first, hn::SumsOf8(hn::LoadU(d, bytes + i)));
+    second = hn::Add(second, hn::SumsOf8(hn::LoadU(d, bytes + i + lanes)));
+  }
+  total = hn::GetLane(hn::SumOfLanes(d64, hn::Add(first, second)));
+#endif
+  return std::accumulate(bytes + i, bytes + count, total);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace e2lf::recordings
 HWY_AFTER_NAMESPACE();
@@ -56,6 +75,7 @@ HWY_AFTER_NAMESPACE();
 namespace e2lf::recordings {
 
 HWY_EXPORT(is_good);
+HWY_EXPORT(sum);
 
 Error BatchCheck::find_error(const EventColumns& events) const {
   const auto place = [&](size_t i) { return cat(name_, ": event ", events_done_ + i); };
@@ -100,6 +120,10 @@ Result<void> BatchCheck::operator()(const EventBatch& batch) {
     last_trigger_us_ = trigger.t;
   }
   return {};
+}
+
+uint64_t count_on(std::span<const uint8_t> p) {
+  return HWY_DYNAMIC_DISPATCH(sum)(p.data(), p.size());
 }
 
 Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, const std::string& name) {

@@ -18,8 +18,7 @@ TEST(BatchCheck, FindsOneBadValueWhereverItIs) {
   for (const std::string& isa : available_isas()) {
     ASSERT_TRUE(set_max_isa(isa));
     for (const size_t count : {1, 2, 63, 64, 65, 150}) {
-      RandomStream options;
-      options.events = count;
+      RandomStream options = {.events = count};
       EventBatch batch = random_stream(options);
       batch.events.x[0] = 639;
       batch.events.y[0] = 479;

@@ -11,8 +11,8 @@ namespace {
 
 class BlockReader final : public RecordingReader {
  public:
-  BlockReader(std::unique_ptr<EventBlocks> blocks, RecordingInfo info, const std::string& name,
-              const OpenOptions& options, TriggerFeed triggers)
+  BlockReader(BlocksPtr blocks, RecordingInfo info, const std::string& name, const OpenOptions& options,
+              TriggerFeed triggers)
       : RecordingReader(options),
         blocks_(std::move(blocks)),
         triggers_apart_(std::move(triggers)),
@@ -144,7 +144,7 @@ class BlockReader final : public RecordingReader {
     return false;
   }
 
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
   TriggerFeed triggers_apart_;
   EventGate gate_;
   EventBatch block_;
@@ -159,9 +159,8 @@ class BlockReader final : public RecordingReader {
 
 }  // namespace
 
-std::unique_ptr<RecordingReader> make_block_reader(std::unique_ptr<EventBlocks> blocks, RecordingInfo info,
-                                                   const std::string& name, const OpenOptions& options,
-                                                   TriggerFeed triggers) {
+ReaderPtr make_block_reader(BlocksPtr blocks, RecordingInfo info, const std::string& name, const OpenOptions& options,
+                            TriggerFeed triggers) {
   return std::make_unique<BlockReader>(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }
 

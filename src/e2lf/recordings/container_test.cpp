@@ -55,8 +55,7 @@ class Container : public testing::TestWithParam<Format> {
       E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch, max_events));
       if (!more) break;
       EXPECT_LE(batch.events.size(), max_events);
-      all.events.append(batch.events);
-      all.triggers.insert(all.triggers.end(), batch.triggers.begin(), batch.triggers.end());
+      all.append(batch);
     }
     if (summary != nullptr) *summary = reader->summary();
     return all;
@@ -68,7 +67,7 @@ class Container : public testing::TestWithParam<Format> {
   }
 
   TestFolder folder_;
-  RecordingInfo info_ = {.format = "", .width = 640, .height = 480, .header = {{"serial_number", "12"}}};
+  RecordingInfo info_ = {.width = 640, .height = 480, .header = {{"serial_number", "12"}}};
   mutable bool holds_triggers_ = false;
 };
 
@@ -103,12 +102,11 @@ TEST_P(Container, MemoryAndPipesReadTheSame) {
   ASSERT_TRUE(bytes.ok());
   FILE* pipe = ::popen(("cat '" + path().string() + "'").c_str(), "r");
   ASSERT_NE(pipe, nullptr);
-  std::vector<std::unique_ptr<ByteSource>> sources;
+  std::vector<SourcePtr> sources;
   sources.push_back(make_memory_source(std::span<const uint8_t>(*bytes)));
   sources.push_back(make_descriptor_source(::fileno(pipe), /*owned=*/false, "pipe"));
   for (auto& source : sources) {
-    OpenOptions options;
-    options.format = GetParam().name;
+    OpenOptions options = {.format = GetParam().name};
     auto reader = open_recording(std::move(source), options);
     ASSERT_TRUE(reader.ok()) << reader.error().text();
     auto back = read_all(**reader);
@@ -190,7 +188,7 @@ TEST_P(Container, SliceOfTimeIsTheSameFromAFileAndAStream) {
   expected.append(stream.events, static_cast<size_t>(begin - stream.events.t.begin()),
                   static_cast<size_t>(end - stream.events.t.begin()));
   EXPECT_TRUE(read(options)->events == expected);
-  auto live = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 100003), options);
+  auto live = open_recording(chunked(bytes, 100003), options);
   ASSERT_TRUE(live.ok()) << live.error().text();
   EXPECT_TRUE(read_all(**live)->events == expected);
   // The slice is of the sensor's clock, whatever times are handed out, or since the first event.

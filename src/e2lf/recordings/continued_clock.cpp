@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/continued_clock.h"
-
 #include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/restart.h"
 
 namespace e2lf::recordings {
@@ -18,7 +17,7 @@ bool is_monotonic(std::span<const T> values) {
 
 class ContinuedClock final : public EventBlocks {
  public:
-  ContinuedClock(std::unique_ptr<EventBlocks> blocks, EventOrder order) : blocks_(std::move(blocks)), order_(order) {}
+  ContinuedClock(BlocksPtr blocks, EventOrder order) : blocks_(std::move(blocks)), order_(order) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
@@ -193,7 +192,7 @@ class ContinuedClock final : public EventBlocks {
 
   static constexpr int kMostBlocks = 4;
 
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
   EventOrder order_;
   std::vector<Restart> restarts_;
   std::vector<int64_t> history_;           ///< the last times of the current part, before the shift
@@ -209,7 +208,7 @@ class ContinuedClock final : public EventBlocks {
 
 }  // namespace
 
-std::unique_ptr<EventBlocks> make_continued(std::unique_ptr<EventBlocks> blocks, EventOrder order) {
+BlocksPtr make_continued(BlocksPtr blocks, EventOrder order) {
   return std::make_unique<ContinuedClock>(std::move(blocks), order);
 }
 

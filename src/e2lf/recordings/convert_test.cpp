@@ -25,19 +25,13 @@ Result<ConvertReport> convert(const std::filesystem::path& from, const std::file
 
 /// A file of random events with triggers in a format that holds both.
 std::filesystem::path write_example(const TestFolder& folder, const EventBatch& batch) {
-  RecordingInfo info;
-  info.width = 640;
-  info.height = 480;
-  auto writer = create_recording(folder / "start.hdf5", "", info);
-  EXPECT_TRUE(writer.ok() && (*writer)->write(batch).ok() && (*writer)->finish().ok());
+  write_recording(folder / "start.hdf5", batch, {.width = 640, .height = 480});
   return folder / "start.hdf5";
 }
 
 TEST(Convert, EventsAndTriggersSurviveAChainThroughEveryFormat) {
   TestFolder folder;
-  RandomStream stream;
-  stream.events = 20000;
-  stream.trigger_every = 400;
+  RandomStream stream = {.events = 20000, .trigger_every = 400};
   const EventBatch batch = random_stream(stream);
   std::filesystem::path last = write_example(folder, batch);
   int step = 0;
@@ -57,8 +51,7 @@ TEST(Convert, EventsAndTriggersSurviveAChainThroughEveryFormat) {
 
 TEST(Convert, TriggersWithoutAPlaceGoToAFileBesideWithAWarning) {
   TestFolder folder;
-  RandomStream stream;
-  stream.trigger_every = 100;
+  RandomStream stream = {.trigger_every = 100};
   const auto from = write_example(folder, random_stream(stream));
   auto report = convert(from, folder / "out.csv");
   ASSERT_TRUE(report.ok());
@@ -150,8 +143,7 @@ TEST(Convert, TextHasTheOrderAndUnitsItsUsersExpect) {
 TEST(Convert, Hdf5OpensInTheVendorNeutralTools) {
   if (std::system("h5dump --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "h5dump is not installed";
   TestFolder folder;
-  RandomStream stream;
-  stream.trigger_every = 100;
+  RandomStream stream = {.trigger_every = 100};
   const auto path = write_example(folder, random_stream(stream));
   const std::string command = "h5dump -p -d CD/indexes -d EXT_TRIGGER/events '" + path.string() +
                               "' 2>&1 && h5dump -p -H '" + path.string() + "' 2>&1";
@@ -166,9 +158,7 @@ TEST(Convert, Hdf5OpensInTheVendorNeutralTools) {
 
 TEST(EventRate, BinsHoldEveryEventOfAnyLength) {
   EventRateCounter counter(64);
-  RandomStream stream;
-  stream.events = 5000;
-  stream.trigger_every = 10;
+  RandomStream stream = {.events = 5000, .trigger_every = 10};
   for (uint32_t part = 0; part < 20; ++part) {
     stream.begin_us = 1000 + part * 1'000'000;
     counter.add(random_stream(stream));

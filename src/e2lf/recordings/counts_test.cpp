@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "e2lf/base/isa.h"
-#include "e2lf/recordings/count_on.h"
+#include "e2lf/recordings/event.h"
 
 namespace e2lf::recordings {
 namespace {

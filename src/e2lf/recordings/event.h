@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -72,16 +73,16 @@ struct EventColumns {
 
   /// Sets the length; the values of new elements are unspecified.
   void resize(size_t count) {
-    x.resize(count);
-    y.resize(count);
-    p.resize(count);
-    t.resize(count);
+    for_each_column([count](auto& column) { column.resize(count); });
   }
   void reserve(size_t count) {
-    x.reserve(count);
-    y.reserve(count);
-    p.reserve(count);
-    t.reserve(count);
+    for_each_column([count](auto& column) { column.reserve(count); });
+  }
+  void set(size_t i, const Event& event) {
+    x[i] = event.x;
+    y[i] = event.y;
+    p[i] = event.p;
+    t[i] = event.t;
   }
   void push_back(const Event& event) {
     x.push_back(event.x);
@@ -100,18 +101,26 @@ struct EventColumns {
     copy(t, other.t);
   }
   void append(const EventColumns& other) { append(other, 0, other.size()); }
-  /// Removes the first events without releasing memory.
-  void drop_front(size_t count) {
-    const auto drop = [count](auto& column) {
-      column.erase(column.begin(), column.begin() + static_cast<ptrdiff_t>(count));
-    };
-    drop(x);
-    drop(y);
-    drop(p);
-    drop(t);
+  /// Removes the events [begin, end) without releasing memory.
+  void erase(size_t begin, size_t end) {
+    for_each_column([begin, end](auto& column) {
+      column.erase(column.begin() + static_cast<ptrdiff_t>(begin), column.begin() + static_cast<ptrdiff_t>(end));
+    });
   }
   bool operator==(const EventColumns&) const = default;
+
+ private:
+  template <typename Visit>
+  void for_each_column(const Visit& visit) {
+    visit(x);
+    visit(y);
+    visit(p);
+    visit(t);
+  }
 };
+
+/// Returns the number of polarities that are ON; each is 0 or 1.
+[[nodiscard]] uint64_t count_on(std::span<const uint8_t> p);
 
 /// A section of a recording: events and triggers, each sorted by time.
 struct EventBatch {
@@ -122,6 +131,10 @@ struct EventBatch {
   void clear() {
     events.clear();
     triggers.clear();
+  }
+  void append(const EventBatch& other) {
+    events.append(other.events);
+    triggers.insert(triggers.end(), other.triggers.begin(), other.triggers.end());
   }
   bool operator==(const EventBatch&) const = default;
 };

@@ -40,16 +40,11 @@ size_t EventGate::remove_unbelievable(EventColumns& events, size_t begin, size_t
       const Violation kind = outside     ? Violation::kOutOfRange
                              : backwards ? Violation::kTimeBackwards
                                          : Violation::kTimeJump;
-      summary.add(kind, place);
-      ++summary.dropped_words;
+      summary.add_dropped(kind, place);
       continue;
     }
     last_us_ = events.t[i];
-    events.x[kept] = events.x[i];
-    events.y[kept] = events.y[i];
-    events.p[kept] = events.p[i];
-    events.t[kept] = events.t[i];
-    ++kept;
+    events.set(kept++, events[i]);
   }
   return kept;
 }

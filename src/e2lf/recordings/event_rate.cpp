@@ -10,9 +10,7 @@ namespace {
 
 /// Adds neighbouring bins, which halves their number.
 void merge_pairs(std::vector<uint64_t>& counts) {
-  for (size_t i = 0; i < counts.size(); i += 2) {
-    counts[i / 2] = counts[i] + (i + 1 < counts.size() ? counts[i + 1] : 0);
-  }
+  for (size_t i = 0; i < counts.size(); i += 2) counts[i / 2] = counts[i] + (i + 1 < counts.size() ? counts[i + 1] : 0);
   counts.resize((counts.size() + 1) / 2);
 }
 

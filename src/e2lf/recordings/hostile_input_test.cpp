@@ -21,9 +21,7 @@ NpyArray npy_column(std::vector<T> values) {
 }
 
 Result<EventBatch> read_bytes(std::vector<uint8_t> bytes, const std::string& format) {
-  OpenOptions options;
-  options.format = format;
-  options.policy = DecodePolicy::kSkip;
+  OpenOptions options = {.format = format, .policy = DecodePolicy::kSkip};
   E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(make_memory_source(std::move(bytes)), options));
   return read_all(*reader);
 }
@@ -45,22 +43,15 @@ TEST(HostileNpz, TimesBeyondAnyClockAreDropped) {
   NpzArrays arrays;
   arrays.emplace("t", npy_column<int64_t>({INT64_MIN, 5, 6, INT64_MAX}));
   for (const char* key : {"x", "y", "p"}) arrays.emplace(key, npy_column<int32_t>({1, 1, 1, 1}));
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  options.time = TimeOrigin::kZero;
-  const auto bytes = encode_npz(arrays);
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).value();
-  const EventBatch batch = read_all(*reader).value();
-  ASSERT_EQ(batch.events.size(), 2u);
-  EXPECT_EQ(batch.events.t.back(), 1);
-  EXPECT_EQ(reader->summary().num_violations(), 2u);
+  const Decoded read = decoded(encode_npz(arrays), {.time = TimeOrigin::kZero});
+  ASSERT_EQ(read.batch.events.size(), 2u);
+  EXPECT_EQ(read.batch.events.t.back(), 1);
+  EXPECT_EQ(read.summary.num_violations(), 2u);
 }
 
 /// A DSEC file whose t_offset holds `count` numbers.
 void write_dsec_with_offsets(const std::filesystem::path& path, hsize_t count, int64_t value) {
-  auto writer = create_recording(path, "dsec", {.format = "", .width = 64, .height = 48, .header = {}}).value();
-  ASSERT_TRUE(writer->write(random_stream({.events = 10, .width = 64, .height = 48})).ok());
-  ASSERT_TRUE(writer->finish().ok());
+  write_recording(path, random_stream({.events = 10, .width = 64, .height = 48}), {.width = 64, .height = 48}, "dsec");
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   H5Ldelete(file, "t_offset", H5P_DEFAULT);
   const hid_t space = H5Screate_simple(1, &count, nullptr);
@@ -88,8 +79,7 @@ TEST(DatWriter, RefusesAJumpThatReadsAsAStep) {
   const int64_t wrap_us = int64_t{1} << 32;
   for (const int64_t jump_us : {int64_t{1000}, 3 * wrap_us / 4}) {
     std::vector<uint8_t> bytes;
-    auto writer =
-        create_recording(make_memory_sink(bytes), "dat", {.format = "dat", .width = 64, .height = 48, .header = {}});
+    auto writer = create_recording(make_memory_sink(bytes), "dat", {.width = 64, .height = 48});
     EventBatch batch;
     for (const int64_t t_us : {wrap_us - 5, wrap_us + 5, wrap_us + 5 + jump_us})
       batch.events.push_back({1, 1, 1, t_us});
@@ -102,8 +92,7 @@ TEST(DatWriter, RefusesAJumpThatReadsAsAStep) {
 
 TEST(Hdf5Writer, RefusesAPauseThatItsIndexWouldHaveToFill) {
   TestFolder folder;
-  auto writer =
-      create_recording(folder / "a.hdf5", "", {.format = "", .width = 64, .height = 48, .header = {}}).value();
+  auto writer = create_recording(folder / "a.hdf5", "", {.width = 64, .height = 48}).value();
   EventBatch batch;
   batch.events.push_back({1, 1, 1, 100});
   batch.events.push_back({1, 1, 1, kTimeLimitUs});
@@ -112,11 +101,8 @@ TEST(Hdf5Writer, RefusesAPauseThatItsIndexWouldHaveToFill) {
 
 TEST(EmptyText, KeepsTheSizeOfTheSensor) {
   for (const char* format : {"csv", "txt"}) {
-    std::vector<uint8_t> bytes;
-    auto writer =
-        create_recording(make_memory_sink(bytes), format, {.format = "", .width = 640, .height = 480, .header = {}});
-    ASSERT_TRUE((*writer)->finish().ok());
-    auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), {.format = format}).value();
+    const std::vector<uint8_t> bytes = encoded({}, format);
+    auto reader = open_bytes(bytes, {.format = format}).value();
     EXPECT_EQ(reader->info().width, 640u) << format;
     EXPECT_TRUE(read_all(*reader).value().empty());
     EXPECT_EQ(reader->summary().num_violations(), 0u) << format;
@@ -125,8 +111,7 @@ TEST(EmptyText, KeepsTheSizeOfTheSensor) {
 
 TEST(DatWriter, RefusesCoordinatesThatTheFormatWouldCut) {
   std::vector<uint8_t> bytes;
-  auto writer =
-      create_recording(make_memory_sink(bytes), "dat", {.format = "dat", .width = 65536, .height = 480, .header = {}});
+  auto writer = create_recording(make_memory_sink(bytes), "dat", {.width = 65536, .height = 480});
   EventBatch batch;
   batch.events.push_back({20000, 5, 1, 10});
   EXPECT_EQ((*writer)->write(batch).error().code, ErrorCode::kInvalidValue);
@@ -136,22 +121,17 @@ TEST(HostileText, ALineThatNeverEndsIsOneBadLineFromAnySource) {
   const std::string text = "1,2,1,5\n" + std::string(9000, 'x') + "3,4,1,6\n5,6,0,7\n";
   const std::vector<uint8_t> bytes(text.begin(), text.end());
   for (const size_t step : {size_t{1}, size_t{4000}, bytes.size()}) {
-    OpenOptions options;
-    options.format = "csv";
-    options.policy = DecodePolicy::kSkip;
-    auto reader = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step), options).value();
-    EXPECT_EQ(read_all(*reader).value().events.size(), 2u) << step;
-    EXPECT_EQ(reader->summary().num_violations(), 1u) << step;
+    const Decoded read = decoded(chunked(bytes, step), {.format = "csv"});
+    EXPECT_EQ(read.batch.events.size(), 2u) << step;
+    EXPECT_EQ(read.summary.num_violations(), 1u) << step;
   }
 }
 
 TEST(HostileText, NamesThatBreakOffAreNoOrderOfColumns) {
   const std::string text = "640 480\nx 1 1 0\n";
   const std::vector<uint8_t> bytes(text.begin(), text.end());
-  OpenOptions options;
-  options.format = "txt";
-  options.policy = DecodePolicy::kSkip;
-  const auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options);
+  OpenOptions options = {.format = "txt", .policy = DecodePolicy::kSkip};
+  const auto reader = open_bytes(bytes, options);
   ASSERT_FALSE(reader.ok());
   EXPECT_EQ(reader.error().code, ErrorCode::kFormat);
   EXPECT_NE(reader.error().message.find("are unknown"), std::string::npos);
@@ -161,8 +141,7 @@ TEST(RawWriter, RefusesTriggersThatTheEncodingWouldRename) {
   for (const auto& [format, last_id] : {std::pair("evt3", 15), {"evt2", 31}, {"evt2.1", 31}}) {
     for (const int id : {last_id, last_id + 1}) {
       std::vector<uint8_t> bytes;
-      auto writer = create_recording(make_memory_sink(bytes), format,
-                                     {.format = format, .width = 64, .height = 48, .header = {}});
+      auto writer = create_recording(make_memory_sink(bytes), format, {.width = 64, .height = 48});
       EventBatch batch;
       batch.triggers.push_back({100, static_cast<uint16_t>(id), 1});
       const auto written = (*writer)->write(batch);
@@ -175,8 +154,7 @@ TEST(RawWriter, RefusesTriggersThatTheEncodingWouldRename) {
 
 TEST(RawWriter, RefusesAPauseThatItWouldHaveToFill) {
   std::vector<uint8_t> bytes;
-  auto writer =
-      create_recording(make_memory_sink(bytes), "evt3", {.format = "evt3", .width = 64, .height = 48, .header = {}});
+  auto writer = create_recording(make_memory_sink(bytes), "evt3", {.width = 64, .height = 48});
   EventBatch batch;
   batch.events.push_back({1, 1, 1, 100});
   batch.events.push_back({1, 1, 1, 100 + (int64_t{1} << 37)});
@@ -188,11 +166,8 @@ TEST(HostileEvt21, TheByteOrderIsFoundThoughOneOfTheFirstWordsIsDamaged) {
   EventBatch batch;
   for (int64_t i = 0; i < 400; ++i) batch.events.push_back({12, static_cast<uint16_t>(i % 48), 1, 1000 + i});
   for (const std::string order : {"legacy", "little"}) {
-    std::vector<uint8_t> bytes;
-    auto writer = create_recording(make_memory_sink(bytes), "evt2.1",
-                                   {.format = "evt2.1", .width = 64, .height = 48, .header = {{"endianness", order}}});
-    ASSERT_TRUE((*writer)->write(batch).ok());
-    ASSERT_TRUE((*writer)->finish().ok());
+    std::vector<uint8_t> bytes =
+        encoded(batch, "evt2.1", {.width = 64, .height = 48, .header = {{"endianness", order}}});
     const std::string key = "endianness=" + order, end = "% end\n";
     std::fill_n(std::search(bytes.begin(), bytes.end(), key.begin(), key.end()), key.size(), uint8_t{'x'});
     // The type of the third word, whichever half it is in.
@@ -207,13 +182,9 @@ TEST(HostileEvt21, TheByteOrderIsFoundThoughOneOfTheFirstWordsIsDamaged) {
 /// 400 events of the pixels x = 30, y = i % 48 at 1000 + i us, but for the one at 1160 us (64 * 18 + 8): its vector
 /// says 64 * 18 + 60 and has no events.
 std::vector<uint8_t> with_empty_vector() {
-  std::vector<uint8_t> bytes;
-  auto writer = create_recording(make_memory_sink(bytes), "evt2.1",
-                                 {.format = "evt2.1", .width = 64, .height = 48, .header = {}});
   EventBatch batch;
   for (int64_t i = 0; i < 400; ++i) batch.events.push_back({30, static_cast<uint16_t>(i % 48), 1, 1000 + i});
-  EXPECT_TRUE((*writer)->write(batch).ok());
-  EXPECT_TRUE((*writer)->finish().ok());
+  std::vector<uint8_t> bytes = encoded(batch, "evt2.1", {.width = 64, .height = 48});
 
   const auto head = [](uint32_t low_us) { return 1u << 28 | low_us << 22 | 160 % 48; };
   const auto as_bytes = [](uint64_t word) {

@@ -8,7 +8,6 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/count_on.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -18,9 +17,7 @@ namespace {
 std::optional<int64_t> first_time(const EventBatch& batch, size_t events, size_t triggers) {
   std::optional<int64_t> first_us;
   if (events < batch.events.size()) first_us = batch.events.t[events];
-  if (triggers < batch.triggers.size()) {
-    first_us = std::min(first_us.value_or(INT64_MAX), batch.triggers[triggers].t);
-  }
+  if (triggers < batch.triggers.size()) first_us = std::min(first_us.value_or(INT64_MAX), batch.triggers[triggers].t);
   return first_us;
 }
 
@@ -288,8 +285,7 @@ Result<EventBatch> read_all(RecordingReader& reader) {
   for (;;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch));
     if (!more) return all;
-    all.events.append(batch.events);
-    all.triggers.insert(all.triggers.end(), batch.triggers.begin(), batch.triggers.end());
+    all.append(batch);
   }
 }
 

@@ -39,10 +39,10 @@ struct TableReading {
 
 /// The properties that a recording states.
 struct RecordingInfo {
-  std::string format;  ///< the codec: "evt2", "evt2.1", "evt3", "dat", "hdf5", "aedat4", "csv", ...
-  size_t width = 0;    ///< of the sensor, px; 0 if the file does not state it
+  std::string format = {};  ///< the codec: "evt2", "evt2.1", "evt3", "dat", "hdf5", "aedat4", "csv", ...
+  size_t width = 0;         ///< of the sensor, px; 0 if the file does not state it
   size_t height = 0;
-  std::vector<std::pair<std::string, std::string>> header;  ///< keys and values in the order of the file
+  std::vector<std::pair<std::string, std::string>> header = {};  ///< keys and values in the order of the file
   std::vector<Assumption> assumptions = {};
   std::vector<std::string> streams = {};   ///< streams of events, if the format may hold several
   std::optional<TableReading> table = {};  ///< only for tables
@@ -205,24 +205,22 @@ class RecordingWriter {
   [[nodiscard]] virtual Result<void> finish() = 0;
 };
 
+using ReaderPtr = std::unique_ptr<RecordingReader>;
+using WriterPtr = std::unique_ptr<RecordingWriter>;
+
 /// Opens a recording. Fails with kNotFound, kFormat (not a recording, or one whose header contradicts itself),
 /// kUnsupported (a known format that cannot be read) and kInvalidValue (unknown options.format).
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::path& path,
-                                                                      const OpenOptions& options = {});
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
-                                                                      const OpenOptions& options = {});
+[[nodiscard]] Result<ReaderPtr> open_recording(const std::filesystem::path& path, const OpenOptions& options = {});
+[[nodiscard]] Result<ReaderPtr> open_recording(SourcePtr source, const OpenOptions& options = {});
 
 /// Creates a recording. If `format` is empty, the extension of the path selects it; .raw keeps info.format if that is a
 /// RAW encoding, and is EVT3 otherwise. `info` provides the sensor size and header keys. An existing file is replaced
 /// at finish(). Fails with kInvalidValue (unknown format, or missing or unsuitable size) and kIo.
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem::path& path,
-                                                                        const std::string& format,
-                                                                        const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create_recording(const std::filesystem::path& path, const std::string& format,
+                                                 const RecordingInfo& info);
 
 /// Creates a recording in any sink. Fails with kUnsupported for formats that require a file (HDF5).
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create_recording(std::unique_ptr<ByteSink> sink,
-                                                                        const std::string& format,
-                                                                        const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create_recording(SinkPtr sink, const std::string& format, const RecordingInfo& info);
 
 /// Reads the whole recording into one batch, for tests and small files.
 [[nodiscard]] Result<EventBatch> read_all(RecordingReader& reader);

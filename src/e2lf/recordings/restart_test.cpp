@@ -24,17 +24,6 @@ EventBatch part_of(size_t events, int64_t begin_us, int64_t end_us, uint32_t see
       {.events = events, .begin_us = begin_us, .max_gap_us = gap_us, .trigger_every = 500, .seed = seed});
 }
 
-Bytes encode(const EventBatch& batch, const std::string& format) {
-  RecordingInfo info;
-  info.width = 640;
-  info.height = 480;
-  Bytes bytes;
-  auto writer = create_recording(make_memory_sink(bytes), format, info).value();
-  writer->write(batch).value();
-  writer->finish().value();
-  return bytes;
-}
-
 size_t header_bytes(const Bytes& bytes, const std::string& format) {
   if (format == "dat")
     return static_cast<size_t>(std::search(bytes.begin(), bytes.end(), "% end", "% end" + 5) - bytes.begin()) + 8;
@@ -43,35 +32,21 @@ size_t header_bytes(const Bytes& bytes, const std::string& format) {
 
 /// Two recordings in one file.
 Bytes joined(const EventBatch& first, const EventBatch& second, const std::string& format, bool with_header) {
-  Bytes bytes = encode(first, format);
-  const Bytes later = encode(second, format);
+  Bytes bytes = encoded(first, format);
+  const Bytes later = encoded(second, format);
   const size_t skipped = with_header ? 0 : header_bytes(later, format);
   bytes.insert(bytes.end(), later.begin() + static_cast<ptrdiff_t>(skipped), later.end());
   return bytes;
 }
 
-struct Continued {
-  EventBatch batch;
-  DecodeSummary summary;
-  bool operator==(const Continued&) const = default;
-};
-
-Continued decode(std::unique_ptr<ByteSource> source, int threads, size_t max_events = RecordingReader::kDefaultBatch) {
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  options.threads = threads;
-  auto reader = open_recording(std::move(source), options).value();
-  Continued decoded;
-  EventBatch batch;
-  while (reader->read(batch, max_events).value()) {
-    decoded.batch.events.append(batch.events);
-    decoded.batch.triggers.insert(decoded.batch.triggers.end(), batch.triggers.begin(), batch.triggers.end());
-  }
-  decoded.summary = reader->summary();
-  return decoded;
+Decoded decode(SourcePtr source, int threads, size_t max_events = RecordingReader::kDefaultBatch) {
+  auto reader = open_recording(std::move(source), {.policy = DecodePolicy::kSkip, .threads = threads}).value();
+  EventBatch all, batch;
+  while (reader->read(batch, max_events).value()) all.append(batch);
+  return {std::move(all), reader->summary()};
 }
 
-Continued decode(const Bytes& bytes, int threads, size_t max_events = RecordingReader::kDefaultBatch) {
+Decoded decode(const Bytes& bytes, int threads, size_t max_events = RecordingReader::kDefaultBatch) {
   return decode(make_memory_source(std::span<const uint8_t>(bytes)), threads, max_events);
 }
 
@@ -93,8 +68,7 @@ EventBatch continued(EventBatch first, const EventBatch& second, int64_t& shift_
   shift_us = last_time(first) + 1 - first_time(later);
   for (int64_t& t : later.events.t) t += shift_us;
   for (Trigger& trigger : later.triggers) trigger.t += shift_us;
-  first.events.append(later.events);
-  first.triggers.insert(first.triggers.end(), later.triggers.begin(), later.triggers.end());
+  first.append(later);
   return first;
 }
 
@@ -121,7 +95,7 @@ class ClockThatStartsAgain : public testing::TestWithParam<Case> {
 TEST_P(ClockThatStartsAgain, GoesOnBehindTheEarlierPart) {
   int64_t shift_us = 0;
   const EventBatch expected = continued(first_, second_, shift_us, has_triggers_);
-  const Continued one = decode(bytes_, 1);
+  const Decoded one = decode(bytes_, 1);
   EXPECT_TRUE(one.batch == expected);
   ASSERT_EQ(one.summary.num_restarts, 1U);
   EXPECT_EQ(one.summary.restarts[0].shift_us, shift_us);
@@ -133,17 +107,16 @@ TEST_P(ClockThatStartsAgain, GoesOnBehindTheEarlierPart) {
     EXPECT_TRUE(decode(bytes_, threads, 64) == one) << threads;
   }
   for (const size_t step : {size_t{501}, size_t{70'001}}) {
-    const Continued chunked = decode(std::make_unique<ChunkedSource>(bytes_, std::vector<size_t>(), step), 1);
-    EXPECT_TRUE(chunked.batch == expected) << step;
-    EXPECT_EQ(chunked.summary.restarts, one.summary.restarts) << step;
+    const Decoded pieces = decode(chunked(bytes_, step), 1);
+    EXPECT_TRUE(pieces.batch == expected) << step;
+    EXPECT_EQ(pieces.summary.restarts, one.summary.restarts) << step;
   }
 }
 
 TEST_P(ClockThatStartsAgain, CanBeSought) {
   int64_t shift_us = 0;
   const EventBatch expected = continued(first_, second_, shift_us, has_triggers_);
-  auto reader =
-      open_recording(make_memory_source(std::span<const uint8_t>(bytes_)), {.policy = DecodePolicy::kSkip}).value();
+  auto reader = open_bytes(bytes_, {.policy = DecodePolicy::kSkip}).value();
   EventBatch batch;
   for (const size_t i : {size_t{90'000}, size_t{30'000}, size_t{119'000}}) {
     const int64_t t_us = expected.events.t[i];
@@ -156,10 +129,8 @@ TEST_P(ClockThatStartsAgain, CanBeSought) {
 }
 
 TEST_P(ClockThatStartsAgain, CanBeKeptApart) {
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  options.restart = RestartPolicy::kSplit;
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes_)), options).value();
+  OpenOptions options = {.policy = DecodePolicy::kSkip, .restart = RestartPolicy::kSplit};
+  auto reader = open_bytes(bytes_, options).value();
   for (EventBatch* part : {&first_, &second_}) {
     if (!has_triggers_) part->triggers.clear();
     EXPECT_TRUE(read_all(*reader).value() == *part);
@@ -169,9 +140,8 @@ TEST_P(ClockThatStartsAgain, CanBeKeptApart) {
 }
 
 TEST_P(ClockThatStartsAgain, CanBeRefused) {
-  OpenOptions options;
-  options.restart = RestartPolicy::kRefuse;
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes_)), options).value();
+  OpenOptions options = {.restart = RestartPolicy::kRefuse};
+  auto reader = open_bytes(bytes_, options).value();
   const auto all = read_all(*reader);
   ASSERT_FALSE(all);
   EXPECT_NE(all.error().text().find("the clock starts again"), std::string::npos) << all.error().text();
@@ -190,7 +160,7 @@ TEST(JoinedRecordings, OfOneClockKeepTheirTimes) {
   const EventBatch first = part_of(20'000, 1000, 3'000'000, 1);
   const EventBatch second = part_of(20'000, 5'000'000, 9'000'000, 2);
   for (const char* format : {"evt2", "evt2.1", "evt3"}) {
-    const Continued both = decode(joined(first, second, format, true), 1);
+    const Decoded both = decode(joined(first, second, format, true), 1);
     EXPECT_EQ(both.summary.num_restarts, 0U) << format;
     EXPECT_EQ(both.batch.events.t.back(), second.events.t.back()) << format;
     EXPECT_EQ(both.batch.events.size(), 40'000U) << format;
@@ -201,11 +171,11 @@ TEST(JoinedRecordings, AreFoundBehindACutWord) {
   const EventBatch first = part_of(20'000, 1000, 3'000'000, 1), second = part_of(20'000, 1000, 3'000'000, 2);
   for (const char* format : {"evt2", "evt2.1", "evt3"}) {
     for (size_t cut = 1; cut < 8; ++cut) {
-      Bytes bytes = encode(first, format);
+      Bytes bytes = encoded(first, format);
       bytes.resize(bytes.size() - cut);
-      const Bytes later = encode(second, format);
+      const Bytes later = encoded(second, format);
       bytes.insert(bytes.end(), later.begin(), later.end());
-      const Continued both = decode(bytes, 1);
+      const Decoded both = decode(bytes, 1);
       EXPECT_EQ(both.summary.num_restarts, 1U) << format << cut;
       EXPECT_GE(both.batch.events.size(), 39'960U) << format << cut;
       EXPECT_EQ(both.batch.events.x.back(), second.events.x.back()) << format << cut;
@@ -215,11 +185,11 @@ TEST(JoinedRecordings, AreFoundBehindACutWord) {
 
 TEST(JoinedRecordings, OfAnotherEncodingOrSizeAreRefusedWithTheirPlace) {
   const EventBatch part = part_of(20'000, 1000, 3'000'000, 1);
-  Bytes bytes = encode(part, "evt3");
+  Bytes bytes = encoded(part, "evt3");
   const size_t place = bytes.size();
-  const Bytes later = encode(part, "evt2");
+  const Bytes later = encoded(part, "evt2");
   bytes.insert(bytes.end(), later.begin(), later.end());
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes))).value();
+  auto reader = open_bytes(bytes).value();
   const auto all = read_all(*reader);
   ASSERT_FALSE(all);
   EXPECT_EQ(all.error().location, "memory: byte " + std::to_string(place));
@@ -257,17 +227,16 @@ TEST(ContainersOfTwoParts, GoOnBehindTheEarlierPart) {
     int64_t shift_us = 0;
     const EventBatch expected = continued(first, second, shift_us, bytes != &dat);
     for (const size_t max_events : {RecordingReader::kDefaultBatch, size_t{64}, size_t{1000}}) {
-      const Continued decoded = decode(*bytes, 1, max_events);
+      const Decoded decoded = decode(*bytes, 1, max_events);
       EXPECT_TRUE(decoded.batch == expected) << max_events;
       ASSERT_EQ(decoded.summary.num_restarts, 1U);
       EXPECT_EQ(decoded.summary.restarts[0].shift_us, shift_us);
       EXPECT_EQ(decoded.summary.num_violations(), 0U);
       if (bytes == &dat) {
-        EXPECT_EQ(decoded.summary.restarts[0].byte, encode(first, "dat").size());
+        EXPECT_EQ(decoded.summary.restarts[0].byte, encoded(first, "dat").size());
       }
     }
-    auto reader =
-        open_recording(make_memory_source(std::span<const uint8_t>(*bytes)), {.policy = DecodePolicy::kSkip}).value();
+    auto reader = open_bytes(*bytes, {.policy = DecodePolicy::kSkip}).value();
     EventBatch batch;
     for (const size_t i : {size_t{90'000}, size_t{30'000}, size_t{119'000}}) {
       const int64_t t_us = expected.events.t[i];
@@ -285,9 +254,9 @@ TEST(DatOfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
   const EventBatch expected = continued(first, second, shift_us, false);
   const Bytes bytes = joined(first, second, "dat", true);
   EXPECT_TRUE(decode(bytes, 1).batch == expected);
-  const Continued chunked = decode(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 501), 1);
-  EXPECT_TRUE(chunked.batch == expected);
-  EXPECT_EQ(chunked.summary.num_violations(), 0U);
+  const Decoded pieces = decode(chunked(bytes, 501), 1);
+  EXPECT_TRUE(pieces.batch == expected);
+  EXPECT_EQ(pieces.summary.num_violations(), 0U);
 }
 
 TEST(DatOfThreeParts, GoesOnBehindAPartOfWhichNothingIsBelievable) {
@@ -301,7 +270,7 @@ TEST(DatOfThreeParts, GoesOnBehindAPartOfWhichNothingIsBelievable) {
   for (size_t at = begin - later.size(); at < begin; at += 8) bytes[at + 5] |= 0x20;
   int64_t shift_us = 0;
   const EventBatch expected = continued(first, second, shift_us, false);
-  const Continued decoded = decode(bytes, 1);
+  const Decoded decoded = decode(bytes, 1);
   EXPECT_TRUE(decoded.batch.events == expected.events);
   EXPECT_EQ(decoded.summary.num_restarts, 1U);
   EXPECT_EQ(decoded.summary.of(Violation::kOutOfRange).count, second.events.size());
@@ -314,7 +283,7 @@ TEST(Aedat4OfTwoParts, GoesOnBehindTheHeaderOfTheLaterOne) {
   bytes.insert(bytes.end(), later.begin(), later.end());
   int64_t shift_us = 0;
   const EventBatch expected = continued(first, second, shift_us);
-  const Continued decoded = decode(bytes, 1);
+  const Decoded decoded = decode(bytes, 1);
   EXPECT_TRUE(decoded.batch.events == expected.events);
   EXPECT_EQ(decoded.summary.num_violations(), 0U);
 }
@@ -323,12 +292,7 @@ TEST(DatOfTwoParts, TakesTheTriggersOfEachPartFromTheFileBesideIt) {
   const TestFolder folder;
   const EventBatch first = part_of(60'000, 1000, 6'000'000, 1), second = part_of(60'000, 500, 6'000'000, 2);
   const auto write = [&](const EventBatch& batch, const std::string& name) {
-    RecordingInfo info;
-    info.width = 640;
-    info.height = 480;
-    auto writer = create_recording(folder / name, "dat", info).value();
-    writer->write(batch).value();
-    writer->finish().value();
+    write_recording(folder / name, batch, {.width = 640, .height = 480}, "dat");
   };
   const auto append_records = [&](const std::string& from, const std::string& to) {
     const auto later = read_file(folder / from).value();
@@ -350,20 +314,11 @@ TEST(DatOfTwoParts, TakesTheTriggersOfEachPartFromTheFileBesideIt) {
 }
 
 /// Reads all of a text whose events are these, in this order.
-Continued decode_text(const std::vector<Event>& events, RestartPolicy restart = RestartPolicy::kContinue) {
+Decoded decode_text(const std::vector<Event>& events, RestartPolicy restart = RestartPolicy::kContinue) {
   std::string text = "x,y,p,t\n";
-  for (const Event& event : events) {
-    text += cat(event.x, ",", event.y, ",", int{event.p}, ",", event.t, "\n");
-  }
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  options.restart = restart;
-  auto reader =
-      open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end()), "text"), options).value();
-  Continued decoded;
-  decoded.batch = read_all(*reader).value();
-  decoded.summary = reader->summary();
-  return decoded;
+  for (const Event& event : events) text += cat(event.x, ",", event.y, ",", int{event.p}, ",", event.t, "\n");
+  OpenOptions options = {.policy = DecodePolicy::kSkip, .restart = restart};
+  return decoded(open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end()), "text"), options));
 }
 
 std::vector<Event> events_of(const EventBatch& batch) {
@@ -378,7 +333,7 @@ TEST(JoinedTexts, GoOnBehindTheEarlierPartAndAreNotMixed) {
   const std::vector<Event> later = events_of(second);
   both.insert(both.end(), later.begin(), later.end());
   const int64_t shift_us = first.events.t.back() + 1 - second.events.t.front();
-  const Continued decoded = decode_text(both);
+  const Decoded decoded = decode_text(both);
   ASSERT_EQ(decoded.summary.num_restarts, 1U);
   EXPECT_EQ(decoded.summary.restarts[0].shift_us, shift_us);
   EXPECT_EQ(decoded.summary.out_of_order, 0U);
@@ -394,7 +349,7 @@ TEST(ImpossibleTimes, AreLeftOutAndCounted) {
   all.insert(all.end(), later.begin(), later.end());
   const auto place = all.begin() + static_cast<ptrdiff_t>(first.events.size());
   all.insert(place, 100, Event{1, 1, 1, 9'151'595'965'040'361'472});
-  const Continued decoded = decode_text(all);
+  const Decoded decoded = decode_text(all);
   int64_t shift_us = 0;
   EXPECT_TRUE(decoded.batch.events == continued(first, second, shift_us, false).events);
   EXPECT_EQ(decoded.summary.num_violations(), 100U);
@@ -415,7 +370,7 @@ TEST(UnsortedTexts, AreSortedAndNotTakenForJoinedOnes) {
        {by([](const Event& e) { return e.p; }), by([](const Event& e) { return -e.p; }),
         by([](const Event& e) { return e.y; }), by([](const Event& e) { return e.x; }),
         by([](const Event& e) { return (e.t * 7919) % 10007; })}) {
-    const Continued decoded = decode_text(events);
+    const Decoded decoded = decode_text(events);
     EXPECT_EQ(decoded.summary.num_restarts, 0U);
     EXPECT_EQ(of_times(decoded.batch), of_times(part));
     EXPECT_GT(decoded.summary.out_of_order, 0U);
@@ -424,12 +379,12 @@ TEST(UnsortedTexts, AreSortedAndNotTakenForJoinedOnes) {
 
 TEST(DamagedTimes, OfDatAreNoRestarts) {
   const EventBatch part = part_of(50'000, 1000, 6'000'000, 1);
-  Bytes bytes = encode(part, "dat");
+  Bytes bytes = encoded(part, "dat");
   const size_t header = header_bytes(bytes, "dat");
   // Single times far ahead and far behind, and a stretch of zeros.
   for (size_t i = 1000; i < 40'000; i += 777) bytes[header + 8 * i + 2] ^= 0x20;
   std::fill_n(bytes.begin() + static_cast<ptrdiff_t>(header + 8 * 41'000), 8 * 300, uint8_t{0});
-  const Continued decoded = decode(bytes, 1);
+  const Decoded decoded = decode(bytes, 1);
   EXPECT_EQ(decoded.summary.num_restarts, 0U);
   EXPECT_EQ(decoded.batch.events.t.back(), part.events.t.back());
 }
@@ -437,7 +392,7 @@ TEST(DamagedTimes, OfDatAreNoRestarts) {
 TEST(SmallStepsBack, AreNoRestarts) {
   // One glitch of each kind: a TIME_HIGH word that falls by one step for a while, one that falls by seconds once.
   const EventBatch part = part_of(50'000, 1000, 500'000, 1);
-  Bytes bytes = encode(part, "evt3");
+  Bytes bytes = encoded(part, "evt3");
   const size_t header = header_bytes(bytes, "evt3");
   size_t highs = 0, changed = 0;
   for (size_t at = header; at + 1 < bytes.size(); at += 2) {
@@ -452,7 +407,7 @@ TEST(SmallStepsBack, AreNoRestarts) {
     ++changed;
   }
   ASSERT_EQ(changed, 7U);
-  const Continued decoded = decode(bytes, 1);
+  const Decoded decoded = decode(bytes, 1);
   EXPECT_EQ(decoded.summary.num_restarts, 0U);
   EXPECT_GT(decoded.summary.of(Violation::kTimeBackwards).count, 0U);
   EXPECT_EQ(decoded.batch.events.t.back(), part.events.t.back());
@@ -465,10 +420,8 @@ TEST(Evt3Reports, CountsOfTheSensorAreSummed) {
   // TIME_HIGH, TIME_LOW, OTHERS 0x14 with 0x1002003 (28 bits), OTHERS 0x16 with 5 (24 bits), Y, X.
   const Bytes bytes = {0x01, 0x80, 0x02, 0x60, 0x14, 0xe0, 0x03, 0xf0, 0x02, 0xf0, 0x01,
                        0x70, 0x16, 0xe0, 0x05, 0xf0, 0x00, 0xf0, 0x02, 0x00, 0x03, 0x20};
-  OpenOptions options;
-  options.format = "evt3";
-  options.counts_reports = true;
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).value();
+  OpenOptions options = {.format = "evt3", .counts_reports = true};
+  auto reader = open_bytes(bytes, options).value();
   EXPECT_EQ(read_all(*reader).value().events.size(), 1U);
   EXPECT_EQ(reader->summary().sensor_events_in, 0x1002003U);
   EXPECT_EQ(reader->summary().sensor_events_sent, 5U);
@@ -482,11 +435,9 @@ TEST(Evt3Frames, PaddingBehindTheEndOfAMipiFrameChangesNothing) {
   bytes.insert(bytes.end(), {0x19, 0xe0, 0x42, 0xfc, 0x00, 0xf0});
   bytes.resize(bytes.size() + 2000);
   bytes.insert(bytes.end(), {0x01, 0x80, 0x03, 0x60, 0x04, 0x20});
-  OpenOptions options;
-  options.format = "evt3";
-  options.policy = DecodePolicy::kStrict;
+  OpenOptions options = {.format = "evt3", .policy = DecodePolicy::kStrict};
   for (const size_t step : {size_t{7}, size_t{5000}}) {
-    auto reader = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step), options).value();
+    auto reader = open_recording(chunked(bytes, step), options).value();
     const auto all = read_all(*reader);
     ASSERT_TRUE(all) << all.error().text();
     ASSERT_EQ(all->events.size(), 101U);

@@ -10,6 +10,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 
 namespace e2lf::recordings {
@@ -19,16 +20,11 @@ constexpr size_t kLongestTriggerLine = 256;
 
 constexpr std::string_view kBlanks = " \t\r\"";  // and quotation marks
 
-std::string_view trimmed(std::string_view text) {
-  text.remove_prefix(std::min(text.size(), text.find_first_not_of(kBlanks)));
-  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
-}
-
 std::optional<Trigger> parse_line(std::string_view line) {
   int64_t values[3] = {};
   for (int i = 0; i < 3; ++i) {
     const size_t comma = i < 2 ? std::min(line.find(','), line.size()) : line.size();
-    const std::string_view word = trimmed(line.substr(0, comma));
+    const std::string_view word = trimmed(line.substr(0, comma), kBlanks);
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), values[i]);
     if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
     line.remove_prefix(std::min(line.size(), comma + 1));
@@ -46,27 +42,22 @@ bool is_usual_header(std::string_view line) {
   return lower_case(names) == "p,id,t";
 }
 
-std::string_view without_mark(std::string_view text) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
-}
-
 /// Returns whether a line contains names of columns.
 bool is_header(std::string_view line) {
-  line = trimmed(without_mark(line));
+  line = trimmed(without_mark(line), kBlanks);
   return !line.empty() && std::isalpha(static_cast<unsigned char>(line[0])) != 0;
 }
 
 /// Returns whether a line is empty, a comment, or the column names in front of the triggers.
 bool is_remark(std::string_view line) {
-  line = trimmed(without_mark(line));
+  line = trimmed(without_mark(line), kBlanks);
   return line.empty() || line[0] == '#' || line[0] == '%' || is_usual_header(line);
 }
 
 /// Returns the first line that is neither a comment nor the usual names of the columns.
 Result<std::string> first_line(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
-  std::string_view text(reinterpret_cast<const char*>(head.data()), std::min(head.size(), kDetectBytes));
+  std::string_view text = as_text(head).substr(0, kDetectBytes);
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
     if (line.starts_with("%geometry") || !is_remark(line)) return std::string(line);
@@ -77,7 +68,7 @@ Result<std::string> first_line(ByteSource& source) {
 
 class SideTriggerFile final : public TriggerSource {
  public:
-  explicit SideTriggerFile(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+  explicit SideTriggerFile(SourcePtr source) : source_(std::move(source)) {}
 
   /// Returns all triggers at once, sorted.
   Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
@@ -103,7 +94,7 @@ class SideTriggerFile final : public TriggerSource {
   Result<bool> read_lines(std::vector<Trigger>& block, DecodeSummary& summary) {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestTriggerLine));
     if (bytes.empty()) return false;
-    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string_view text = as_text(bytes);
     size_t used = 0;
     for (size_t end = 0; (end = text.find('\n', used)) != std::string_view::npos; used = end + 1) {
       add_line(text.substr(used, end - used), source_->position() + used, block, summary);
@@ -126,12 +117,11 @@ class SideTriggerFile final : public TriggerSource {
     if (trigger) {
       block.push_back(*trigger);
     } else {
-      summary.add(Violation::kBadRecord, byte);
-      ++summary.dropped_words;
+      summary.add_dropped(Violation::kBadRecord, byte);
     }
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   bool is_within_line_ = false;  ///< whether the beginning of the current line was too long
 };
 
@@ -155,14 +145,14 @@ Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
   }
   if (is_header(first)) {
     return Error{ErrorCode::kFormat,
-                 cat("the columns of triggers are ", printable(trimmed(first)),
+                 cat("the columns of triggers are ", printable(trimmed(first, kBlanks)),
                      "; write p,id,t in this order, with t in whole microseconds"),
                  source->name()};
   }
   return make_side_trigger_feed(std::move(source));
 }
 
-TriggerFeed make_side_trigger_feed(std::unique_ptr<ByteSource> source) {
+TriggerFeed make_side_trigger_feed(SourcePtr source) {
   return TriggerFeed(std::make_unique<SideTriggerFile>(std::move(source)));
 }
 
@@ -174,7 +164,7 @@ Result<void> SideTriggerWriter::write(std::span<const Trigger> triggers) {
     text = "p,id,t\n";
   }
   for (const Trigger& trigger : triggers) text += cat(int{trigger.p}, ',', trigger.id, ',', trigger.t, '\n');
-  return sink_->write({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  return sink_->write(as_bytes(text));
 }
 
 Result<void> SideTriggerWriter::finish() {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
 
@@ -25,7 +24,7 @@ namespace e2lf::recordings {
 [[nodiscard]] Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording);
 
 /// Returns a feed of the triggers in the text of a source.
-[[nodiscard]] TriggerFeed make_side_trigger_feed(std::unique_ptr<ByteSource> source);
+[[nodiscard]] TriggerFeed make_side_trigger_feed(SourcePtr source);
 
 /// Writes the file. It appears at finish(), and only if there was a trigger.
 class SideTriggerWriter {
@@ -38,7 +37,7 @@ class SideTriggerWriter {
 
  private:
   std::filesystem::path path_;
-  std::unique_ptr<ByteSink> sink_;
+  SinkPtr sink_;
 };
 
 }  // namespace e2lf::recordings

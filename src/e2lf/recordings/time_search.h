@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <span>
-#include <vector>
 
 #include "e2lf/base/median.h"
 #include "e2lf/base/result.h"
@@ -13,11 +11,6 @@ namespace e2lf::recordings {
 
 /// Number of neighbouring times that are inspected for one, so that a single damaged time does not mislead the search.
 inline constexpr size_t kTimesPerProbe = 5;
-
-/// Returns the median of the times.
-[[nodiscard]] inline int64_t median_time(std::vector<int64_t> times_us) {
-  return median(std::move(times_us));
-}
 
 /// Finds a position in [0, count) after which no event at or after t_us is missed, near the first of them, by bisecting
 /// sorted positions with time_at(position), which returns a Result<int64_t>. Meant for positions that are looked up one

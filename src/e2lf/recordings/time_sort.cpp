@@ -1,15 +1,169 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/time_sort.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <functional>
+#include <unistd.h>
 #include <utility>
+#include <vector>
 
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/continued_clock.h"
-#include "e2lf/recordings/sorted_runs.h"
+#include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings {
 namespace {
+
+constexpr size_t kBufferedEvents = size_t{1} << 22;  // for all runs together during the merge
+constexpr size_t kLeastBuffer = 256;                 // for one run
+
+std::filesystem::path temporary_folder() {
+  std::error_code error;
+  const auto folder = std::filesystem::temp_directory_path(error);
+  return error ? std::filesystem::path("/tmp") : folder;
+}
+
+Error io_error(const char* action) {
+  return {ErrorCode::kIo,
+          cat("cannot ", action, " the temporary file that sorts the events by time (", std::strerror(errno),
+              "); free space there, or set TMPDIR to a folder with 16 bytes for each event"),
+          temporary_folder().string()};
+}
+
+std::vector<Event> sorted_records(const EventColumns& events) {
+  std::vector<Event> records(events.size());
+  for (size_t i = 0; i < events.size(); ++i) records[i] = events[i];
+  std::stable_sort(records.begin(), records.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
+  return records;
+}
+
+/// Sorts events by time; the order of events with equal times is preserved.
+void sort_by_time(EventColumns& events) {
+  const std::vector<Event> records = sorted_records(events);
+  for (size_t i = 0; i < records.size(); ++i) events.set(i, records[i]);
+}
+
+/// Sorts more events than memory should hold, with a temporary file that has no name: sorted runs are added and then
+/// merged. Needs 16 bytes of disk space per event in TMPDIR or /tmp, which are released with the object or the process.
+class SortedRuns {
+ public:
+  SortedRuns() = default;
+  SortedRuns(const SortedRuns&) = delete;
+  SortedRuns& operator=(const SortedRuns&) = delete;
+  ~SortedRuns() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  /// Sorts the events and adds them as the next run. Fails with kIo.
+  Result<void> add(EventColumns& events) {
+    if (descriptor_ < 0) E2LF_RETURN_IF_ERROR(open_file());
+    const std::vector<Event> records = sorted_records(events);
+    const auto* next = reinterpret_cast<const uint8_t*>(records.data());
+    auto offset = static_cast<off_t>(begins_.back() * sizeof(Event));
+    for (size_t left = records.size() * sizeof(Event); left > 0;) {
+      const ssize_t written = ::pwrite(descriptor_, next, left, offset);
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) return io_error("write");
+      next += written;
+      offset += written;
+      left -= static_cast<size_t>(written);
+    }
+    begins_.push_back(begins_.back() + records.size());
+    return {};
+  }
+
+  /// Starts merging from the first event; runs that are added later are not included.
+  void rewind() { is_merging_ = false; }
+
+  /// Replaces `events` by the next ones, at most `max_events`. Of events with equal times, those of earlier runs come
+  /// first. Returns false when there are no more. Fails with kIo.
+  Result<bool> next(EventColumns& events, size_t max_events) {
+    if (!is_merging_) E2LF_RETURN_IF_ERROR(begin_merge());
+    events.clear();
+    while (events.size() < max_events && !heads_.empty()) {
+      std::pop_heap(heads_.begin(), heads_.end(), std::greater<>());
+      Head& head = heads_.back();
+      Run& run = runs_[head.run];
+      events.push_back(run.buffer[run.place++]);
+      bool more = run.place < run.buffer.size();
+      if (!more) {
+        E2LF_ASSIGN_OR_RETURN(more, refill(run));
+      }
+      if (!more) {
+        heads_.pop_back();
+        continue;
+      }
+      head.t_us = run.buffer[run.place].t;
+      std::push_heap(heads_.begin(), heads_.end(), std::greater<>());
+    }
+    return !events.empty();
+  }
+
+ private:
+  /// The remainder of a run, and the part of it in memory.
+  struct Run {
+    uint64_t next = 0, end = 0;  ///< indices of events in the file
+    std::vector<Event> buffer;
+    size_t place = 0;
+  };
+  /// The position of the next event of a run in the overall order.
+  struct Head {
+    int64_t t_us = 0;
+    size_t run = 0;
+    bool operator>(const Head& other) const { return t_us != other.t_us ? t_us > other.t_us : run > other.run; }
+  };
+
+  Result<void> open_file() {
+    std::string name = (temporary_folder() / "e2lf_sort_XXXXXX").string();
+    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+    if (descriptor_ < 0) return io_error("make");
+    ::unlink(name.c_str());
+    return {};
+  }
+
+  /// Reads the next events of a run into memory; returns false at its end.
+  Result<bool> refill(Run& run) {
+    const size_t share = std::max(kLeastBuffer, kBufferedEvents / runs_.size());
+    const auto count = static_cast<size_t>(std::min<uint64_t>(share, run.end - run.next));
+    run.buffer.resize(count);
+    run.place = 0;
+    auto* next = reinterpret_cast<uint8_t*>(run.buffer.data());
+    auto offset = static_cast<off_t>(run.next * sizeof(Event));
+    for (size_t left = count * sizeof(Event); left > 0;) {
+      const ssize_t got = ::pread(descriptor_, next, left, offset);
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return io_error("read");
+      next += got;
+      offset += got;
+      left -= static_cast<size_t>(got);
+    }
+    run.next += count;
+    return count > 0;
+  }
+
+  Result<void> begin_merge() {
+    runs_.assign(begins_.size() - 1, Run());
+    heads_.clear();
+    for (size_t i = 0; i < runs_.size(); ++i) {
+      runs_[i].next = begins_[i];
+      runs_[i].end = begins_[i + 1];
+      E2LF_ASSIGN_OR_RETURN(const bool more, refill(runs_[i]));
+      if (more) heads_.push_back({runs_[i].buffer.front().t, i});
+    }
+    std::make_heap(heads_.begin(), heads_.end(), std::greater<>());
+    is_merging_ = true;
+    return {};
+  }
+
+  int descriptor_ = -1;
+  std::vector<uint64_t> begins_ = {0};  ///< begin of each run in events, and the end of the last
+  std::vector<Run> runs_;               ///< while merging
+  std::vector<Head> heads_;             ///< a heap, the earliest in front
+  bool is_merging_ = false;
+};
 
 constexpr size_t kBlockEvents = size_t{1} << 17;
 
@@ -32,7 +186,7 @@ class OrderCounter {
 /// Sorts a source that cannot be read twice: the latest events are buffered, so that earlier ones can precede them.
 class SortedPipe final : public EventBlocks {
  public:
-  SortedPipe(std::unique_ptr<EventBlocks> blocks, std::string name, size_t window)
+  SortedPipe(BlocksPtr blocks, std::string name, size_t window)
       : blocks_(std::move(blocks)), name_(std::move(name)), window_(window) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -66,7 +220,7 @@ class SortedPipe final : public EventBlocks {
             name_};
   }
 
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
   std::string name_;
   size_t window_;
   OrderCounter order_;
@@ -77,8 +231,7 @@ class SortedPipe final : public EventBlocks {
 /// Sorts a source that can be read twice. The first next() or seek_before() determines how.
 class SortedFile final : public EventBlocks {
  public:
-  SortedFile(std::unique_ptr<EventBlocks> blocks, const TimeSortOptions& options)
-      : blocks_(std::move(blocks)), options_(options) {}
+  SortedFile(BlocksPtr blocks, const TimeSortOptions& options) : blocks_(std::move(blocks)), options_(options) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     E2LF_RETURN_IF_ERROR(prepare());
@@ -169,7 +322,7 @@ class SortedFile final : public EventBlocks {
     triggers_.insert(triggers_.end(), block.triggers.begin(), block.triggers.end());
   }
 
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
   TimeSortOptions options_;
   Way way_ = Way::kUnknown;
   OrderCounter order_;
@@ -183,8 +336,7 @@ class SortedFile final : public EventBlocks {
 
 }  // namespace
 
-std::unique_ptr<EventBlocks> make_time_sorted(std::unique_ptr<EventBlocks> blocks, bool is_seekable, std::string name,
-                                              const TimeSortOptions& options) {
+BlocksPtr make_time_sorted(BlocksPtr blocks, bool is_seekable, std::string name, const TimeSortOptions& options) {
   blocks = make_continued(std::move(blocks), EventOrder::kAny);
   if (is_seekable) return std::make_unique<SortedFile>(std::move(blocks), options);
   return std::make_unique<SortedPipe>(std::move(blocks), std::move(name), options.pipe_events);

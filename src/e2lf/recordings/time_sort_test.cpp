@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/time_sort.h"
-
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <numeric>
@@ -8,6 +6,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "testing/chunked_source.h"
 #include "testing/test_streams.h"
 
@@ -156,9 +155,7 @@ TEST(TimeSort, NothingIsLostOfAShuffledRecording) {
   const EventColumns events = shuffled(20'000);
   for (const char* format : {"csv", "npz"}) {
     const std::vector<uint8_t> bytes = format == std::string("csv") ? as_text(events) : as_npz(events);
-    OpenOptions options;
-    options.format = format;
-    options.policy = DecodePolicy::kStrict;
+    OpenOptions options = {.format = format, .policy = DecodePolicy::kStrict};
     auto reader = open_recording(make_memory_source(std::span(bytes)), options).value();
     EXPECT_EQ(read_all(*reader)->events, in_order(events)) << format;
     EXPECT_EQ(reader->summary().out_of_order, late_events(events)) << format;
@@ -167,9 +164,7 @@ TEST(TimeSort, NothingIsLostOfAShuffledRecording) {
 
 TEST(TimeSort, ShuffledTextFromAPipeIsSorted) {
   const EventColumns events = shuffled(20'000);
-  auto reader =
-      open_recording(std::make_unique<ChunkedSource>(as_text(events), std::vector<size_t>(), 1000), {.format = "csv"})
-          .value();
+  auto reader = open_recording(chunked(as_text(events), 1000), {.format = "csv"}).value();
   EXPECT_EQ(read_all(*reader)->events, in_order(events));
 }
 

@@ -33,8 +33,7 @@ bool TriggerFeed::is_believable(DecodeSummary& summary) const {
   const auto time_at = [&](size_t i) { return block_[i].t; };
   if (!backwards && is_time(block_[next_].t) && !is_ahead_of_successors(next_, block_.size(), last_us_, time_at))
     return true;
-  summary.add(backwards ? Violation::kTimeBackwards : Violation::kTimeJump, 0);
-  ++summary.dropped_words;
+  summary.add_dropped(backwards ? Violation::kTimeBackwards : Violation::kTimeJump, 0);
   return false;
 }
 

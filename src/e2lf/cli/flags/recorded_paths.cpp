@@ -6,7 +6,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/recordings/live/replay_address.h"
+#include "e2lf/recordings/live/cameras.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -15,8 +15,8 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/recordings/codecs/dat/dat.h"
-#include "e2lf/recordings/open/recording_place.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -85,8 +85,8 @@ fs::path other_owner(const fs::path& triggers, const fs::path& target) {
   for (fs::directory_iterator entry(target.parent_path(), error), end; !error && entry != end; entry.increment(error)) {
     std::error_code ignored;
     if (entry->path() == target || !entry->is_regular_file(ignored)) continue;
-    const auto place = recordings::place_of_recording(entry->path(), "");
-    if (place && place->side_file != nullptr && place->side_file(entry->path()) == triggers) return entry->path();
+    const auto codec = recordings::codec_to_write(entry->path(), "");
+    if (codec && (*codec)->side_file != nullptr && (*codec)->side_file(entry->path()) == triggers) return entry->path();
   }
   return {};
 }
@@ -126,8 +126,8 @@ void append_side_files(const fs::path& input, std::vector<fs::path>& files) {
   std::error_code error;
   if (!fs::is_regular_file(name, error)) return;
   files.push_back(record_path_beside(name));
-  const auto place = recordings::place_of_recording(name, "");
-  if (place && place->side_file != nullptr) files.push_back(place->side_file(name));
+  const auto codec = recordings::codec_to_write(name, "");
+  if (codec && (*codec)->side_file != nullptr) files.push_back((*codec)->side_file(name));
 }
 
 bool is_same_content(const fs::path& a, const fs::path& b) {
@@ -264,12 +264,12 @@ std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
   return cat(*cycles, *cycles == 1 ? " cycle" : " cycles");
 }
 
-Recover recover_recording(const recordings::RecordingPlace& place) {
-  return [place](const fs::path& partial, const fs::path& kept) -> std::string {
+Recover recover_recording(const recordings::Codec& codec) {
+  return [recover = codec.recover](const fs::path& partial, const fs::path& kept) -> std::string {
     std::error_code error;
     const auto bytes = fs::file_size(partial, error);
     if (error || bytes == 0) return {};
-    if (place.recover != nullptr && !place.recover(partial)) {
+    if (recover != nullptr && !recover(partial)) {
       log_warning(cat(kept.string(), ": not kept, because what an interrupted run had written cannot be read; ",
                       "record to .raw, which can be read up to where it ends"));
       return {};

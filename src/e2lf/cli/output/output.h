@@ -11,7 +11,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/files/workspace.h"
-#include "e2lf/recordings/open/recording_place.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::cli {
 
@@ -38,7 +38,7 @@ struct OutputRules {
 
 /// The recovery functions for event images and for recordings.
 [[nodiscard]] std::string recover_cycles(const std::filesystem::path& partial, const std::filesystem::path& kept);
-[[nodiscard]] Recover recover_recording(const recordings::RecordingPlace& place);
+[[nodiscard]] Recover recover_recording(const recordings::Codec& codec);
 
 /// A result file with the files that belong to it: its record (<file>.run.json) and its triggers (<stem>_triggers.csv,
 /// <stem>_trigger.dat). They are checked together, appear together and are replaced together. If a file of triggers

@@ -18,7 +18,7 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/open/open_named_recording.h"
-#include "e2lf/recordings/open/recording_place.h"
+#include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -111,14 +111,14 @@ fs::path part_path(const fs::path& output, size_t number) {
                      : output.parent_path() / cat(output.stem().string(), "_", number, output.extension().string());
 }
 
-Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recordings::RecordingPlace& place,
-                                  size_t number, const CommonOptions& common) {
+Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recordings::Codec& codec, size_t number,
+                                  const CommonOptions& common) {
   const fs::path named = part_path(arguments.output, number);
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, {.inputs = {arguments.input},
                                                                       .overwrite = common.overwrite,
-                                                                      .streams = place.streams,
-                                                                      .side_file = place.side_file,
-                                                                      .recover = recover_recording(place)}));
+                                                                      .streams = codec.create != nullptr,
+                                                                      .side_file = codec.side_file,
+                                                                      .recover = recover_recording(codec)}));
   if (number > 1 && output.is_stream()) {
     return Error{ErrorCode::kUnsupported, "a stream can take only one part of the recording; give a file",
                  arguments.output.string()};
@@ -168,15 +168,14 @@ std::string part_text(const ConvertedPart& part) {
 
 Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place,
-                        recordings::place_of_recording(arguments.output, arguments.format));
+  E2LF_ASSIGN_OR_RETURN(const recordings::Codec* codec, recordings::codec_to_write(arguments.output, arguments.format));
   E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording, true));
   // Before a stream is opened, because it cannot be repeated.
   std::vector<ConvertedPart> parts;
-  E2LF_ASSIGN_OR_RETURN(ConvertedPart first, create_part(arguments, place, 1, common));
+  E2LF_ASSIGN_OR_RETURN(ConvertedPart first, create_part(arguments, *codec, 1, common));
   parts.push_back(std::move(first));
   // A replay can be repeated.
-  if (place.is_written_at_end && is_live(arguments.input) && !arguments.input.string().starts_with("replay:")) {
+  if (codec->is_written_at_end && is_live(arguments.input) && !arguments.input.string().starts_with("replay:")) {
     log_warning(cat(arguments.output.string(),
                     ": this format is written at the end of a recording, so that nothing is left after a ",
                     "crash; record to .raw to be safe"));
@@ -189,7 +188,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
     E2LF_RETURN_IF_ERROR(convert_part(arguments, *reader, parts.back(), verb));
     E2LF_ASSIGN_OR_RETURN(more, reader->next_part());
     if (!more) break;
-    E2LF_ASSIGN_OR_RETURN(ConvertedPart next, create_part(arguments, place, parts.size() + 1, common));
+    E2LF_ASSIGN_OR_RETURN(ConvertedPart next, create_part(arguments, *codec, parts.size() + 1, common));
     parts.push_back(std::move(next));
   }
   Json json;

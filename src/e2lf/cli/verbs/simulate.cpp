@@ -24,7 +24,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/pipeline/simulated_cycles.h"
-#include "e2lf/recordings/open/recording_place.h"
+#include "e2lf/recordings/open/registry.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/terminal/progress_bar.h"
 
@@ -81,9 +81,9 @@ Result<OutputFile> open_output(const SimulateArguments& arguments, bool overwrit
                                arguments.stream.schedule},
                     .overwrite = overwrite};
   if (arguments.output.extension() != ".npz") {
-    E2LF_ASSIGN_OR_RETURN(const recordings::RecordingPlace place, recordings::place_of_recording(arguments.output, ""));
-    rules.streams = place.streams;
-    rules.side_file = place.side_file;
+    E2LF_ASSIGN_OR_RETURN(const recordings::Codec* codec, recordings::codec_to_write(arguments.output, ""));
+    rules.streams = codec->create != nullptr;
+    rules.side_file = codec->side_file;
   }
   return OutputFile::create(arguments.output, rules);
 }

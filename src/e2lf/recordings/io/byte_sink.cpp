@@ -71,7 +71,7 @@ class DescriptorSink final : public ByteSink {
 
 }  // namespace
 
-Result<std::unique_ptr<ByteSink>> open_file_sink(const std::filesystem::path& path) {
+Result<SinkPtr> open_file_sink(const std::filesystem::path& path) {
   if (path == "-") return make_descriptor_sink(STDOUT_FILENO, /*owned=*/false, "stdout");
   if (is_stream(path)) {
     E2LF_ASSIGN_OR_RETURN(const int stream, open_stream(path));
@@ -80,16 +80,14 @@ Result<std::unique_ptr<ByteSink>> open_file_sink(const std::filesystem::path& pa
   E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
   const int descriptor = ::open(file.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) return write_error(path.string(), errno);
-  std::unique_ptr<ByteSink> sink =
-      std::make_unique<DescriptorSink>(descriptor, /*owned=*/true, path.string(), std::move(file));
-  return sink;
+  return SinkPtr(std::make_unique<DescriptorSink>(descriptor, /*owned=*/true, path.string(), std::move(file)));
 }
 
-std::unique_ptr<ByteSink> make_memory_sink(std::vector<uint8_t>& bytes) {
+SinkPtr make_memory_sink(std::vector<uint8_t>& bytes) {
   return std::make_unique<MemorySink>(bytes);
 }
 
-std::unique_ptr<ByteSink> make_descriptor_sink(int descriptor, bool owned, std::string name) {
+SinkPtr make_descriptor_sink(int descriptor, bool owned, std::string name) {
   return std::make_unique<DescriptorSink>(descriptor, owned, std::move(name), std::nullopt);
 }
 

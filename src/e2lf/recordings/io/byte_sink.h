@@ -28,14 +28,16 @@ class ByteSink {
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
+using SinkPtr = std::unique_ptr<ByteSink>;
+
 /// Opens a file that appears complete at commit() or not at all. "-" is standard output, from which nothing can be
 /// withdrawn.
-[[nodiscard]] Result<std::unique_ptr<ByteSink>> open_file_sink(const std::filesystem::path& path);
+[[nodiscard]] Result<SinkPtr> open_file_sink(const std::filesystem::path& path);
 
 /// Returns a sink that appends to `bytes`, which must outlive it.
-[[nodiscard]] std::unique_ptr<ByteSink> make_memory_sink(std::vector<uint8_t>& bytes);
+[[nodiscard]] SinkPtr make_memory_sink(std::vector<uint8_t>& bytes);
 
 /// Returns a sink for an open descriptor (pipe, socket), which is closed with the sink if `owned`.
-[[nodiscard]] std::unique_ptr<ByteSink> make_descriptor_sink(int descriptor, bool owned, std::string name);
+[[nodiscard]] SinkPtr make_descriptor_sink(int descriptor, bool owned, std::string name);
 
 }  // namespace e2lf::recordings

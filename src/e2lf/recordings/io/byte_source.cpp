@@ -141,26 +141,25 @@ class DescriptorSource final : public ByteSource {
 
 }  // namespace
 
-Result<std::unique_ptr<ByteSource>> open_file_source(const std::filesystem::path& path) {
+Result<SourcePtr> open_file_source(const std::filesystem::path& path) {
   if (path == "-") return make_descriptor_source(STDIN_FILENO, /*owned=*/false, "stdin");
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return read_error(path.string(), "open", errno);
-  std::unique_ptr<ByteSource> source =
-      std::make_unique<DescriptorSource>(descriptor, /*owned=*/true, path.string(), path);
+  SourcePtr source = std::make_unique<DescriptorSource>(descriptor, /*owned=*/true, path.string(), path);
   struct stat info {};
   if (::fstat(descriptor, &info) == 0 && S_ISDIR(info.st_mode)) return read_error(path.string(), "read", EISDIR);
   return source;
 }
 
-std::unique_ptr<ByteSource> make_memory_source(std::span<const uint8_t> bytes, std::string name) {
+SourcePtr make_memory_source(std::span<const uint8_t> bytes, std::string name) {
   return std::make_unique<MemorySource>(bytes, std::move(name));
 }
 
-std::unique_ptr<ByteSource> make_memory_source(std::vector<uint8_t>&& bytes, std::string name) {
+SourcePtr make_memory_source(std::vector<uint8_t>&& bytes, std::string name) {
   return std::make_unique<MemorySource>(std::move(bytes), std::move(name));
 }
 
-std::unique_ptr<ByteSource> make_descriptor_source(int descriptor, bool owned, std::string name) {
+SourcePtr make_descriptor_source(int descriptor, bool owned, std::string name) {
   return std::make_unique<DescriptorSource>(descriptor, owned, std::move(name), std::filesystem::path());
 }
 

@@ -65,16 +65,17 @@ class ByteSource {
   [[nodiscard]] virtual std::filesystem::path logical_path() const { return path(); }
 };
 
+using SourcePtr = std::unique_ptr<ByteSource>;
+
 /// Opens a file; "-" is standard input. Fails with kNotFound and kIo (a folder, no permission).
-[[nodiscard]] Result<std::unique_ptr<ByteSource>> open_file_source(const std::filesystem::path& path);
+[[nodiscard]] Result<SourcePtr> open_file_source(const std::filesystem::path& path);
 
 /// Returns a source of bytes that the caller keeps alive, without copying them, or of bytes that the source owns.
-[[nodiscard]] std::unique_ptr<ByteSource> make_memory_source(std::span<const uint8_t> bytes,
-                                                             std::string name = "memory");
-[[nodiscard]] std::unique_ptr<ByteSource> make_memory_source(std::vector<uint8_t>&& bytes, std::string name = "memory");
+[[nodiscard]] SourcePtr make_memory_source(std::span<const uint8_t> bytes, std::string name = "memory");
+[[nodiscard]] SourcePtr make_memory_source(std::vector<uint8_t>&& bytes, std::string name = "memory");
 
 /// Returns a source for an open descriptor (pipe, socket, file), which is closed with the source if `owned`.
-[[nodiscard]] std::unique_ptr<ByteSource> make_descriptor_source(int descriptor, bool owned, std::string name);
+[[nodiscard]] SourcePtr make_descriptor_source(int descriptor, bool owned, std::string name);
 
 /// Reads the rest of a source. Fails with kUnsupported if it exceeds `limit` bytes.
 [[nodiscard]] Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit = size_t{1} << 32);

@@ -25,6 +25,26 @@ constexpr std::array<ViolationText, kNumViolations> kTexts = {{
     {"zero_words", "zeros in place of data", "zero words in place of data, as an interrupted copy leaves them"},
 }};
 
+/// The numbers that add up over the parts of a recording.
+constexpr uint64_t DecodeSummary::*kCounts[] = {
+    &DecodeSummary::events_on,          &DecodeSummary::events_off,       &DecodeSummary::triggers,
+    &DecodeSummary::events_before_time, &DecodeSummary::time_loops,       &DecodeSummary::out_of_order,
+    &DecodeSummary::dropped_words,      &DecodeSummary::other_streams,    &DecodeSummary::events_unplaced,
+    &DecodeSummary::saturated,          &DecodeSummary::sensor_events_in, &DecodeSummary::sensor_events_sent};
+
+/// The losses that are not violations.
+struct OtherLoss {
+  uint64_t DecodeSummary::*count;
+  const char* reason;
+  const char* text;
+};
+constexpr OtherLoss kOtherLosses[] = {
+    {&DecodeSummary::events_before_time, "before_first_time", "events before the first time"},
+    {&DecodeSummary::other_streams, "other_stream", "packets of other event streams"},
+    {&DecodeSummary::events_unplaced, "unplaced", "events whose time or row was lost with a damaged word"},
+    {&DecodeSummary::saturated, "saturated", "events of pixels with more than 32,767 in an event image"},
+};
+
 }  // namespace
 
 const char* violation_text(Violation kind) {
@@ -41,6 +61,11 @@ void DecodeSummary::add(Violation kind, uint64_t byte, uint64_t count) {
   if (count == 0) return;
   if (of(kind).count == 0) of(kind).first_byte = byte;
   of(kind).count += count;
+}
+
+void DecodeSummary::add_dropped(Violation kind, uint64_t byte, uint64_t count) {
+  add(kind, byte, count);
+  dropped_words += count;
 }
 
 void LiveBacklog::add_gap(const LiveGap& gap) {
@@ -63,16 +88,7 @@ void DecodeSummary::append(const DecodeSummary& later) {
     if (events() == 0) first_t_us = later.first_t_us;
     last_t_us = later.last_t_us;
   }
-  events_on += later.events_on;
-  events_off += later.events_off;
-  triggers += later.triggers;
-  events_before_time += later.events_before_time;
-  time_loops += later.time_loops;
-  out_of_order += later.out_of_order;
-  dropped_words += later.dropped_words;
-  other_streams += later.other_streams;
-  events_unplaced += later.events_unplaced;
-  saturated += later.saturated;
+  for (const auto count : kCounts) this->*count += later.*count;
   live.most_behind_us = std::max(live.most_behind_us, later.live.most_behind_us);
   live.pauses += later.live.pauses;
   live.loses_events = live.loses_events || later.live.loses_events;
@@ -81,8 +97,6 @@ void DecodeSummary::append(const DecodeSummary& later) {
   for (const LiveGap& gap : later.live.gaps) live.add_gap(gap);
   live.num_gaps += later.live.num_gaps - later.live.gaps.size();
   if (live.failure.empty()) live.failure = later.live.failure;
-  sensor_events_in += later.sensor_events_in;
-  sensor_events_sent += later.sensor_events_sent;
   for (size_t kind = 0; kind < kNumViolations; ++kind) {
     add(static_cast<Violation>(kind), later.violations[kind].first_byte, later.violations[kind].count);
   }
@@ -105,17 +119,8 @@ std::vector<Loss> losses(const DecodeSummary& summary) {
     if (violation.count == 0) continue;
     found.push_back({kTexts[kind].name, kTexts[kind].plural, violation.count, violation.first_byte});
   }
-  if (summary.events_before_time > 0) {
-    found.push_back({"before_first_time", "events before the first time", summary.events_before_time, 0});
-  }
-  if (summary.other_streams > 0) {
-    found.push_back({"other_stream", "packets of other event streams", summary.other_streams, 0});
-  }
-  if (summary.events_unplaced > 0) {
-    found.push_back({"unplaced", "events whose time or row was lost with a damaged word", summary.events_unplaced, 0});
-  }
-  if (summary.saturated > 0) {
-    found.push_back({"saturated", "events of pixels with more than 32,767 in an event image", summary.saturated, 0});
+  for (const OtherLoss& loss : kOtherLosses) {
+    if (const uint64_t count = summary.*loss.count; count > 0) found.push_back({loss.reason, loss.text, count, 0});
   }
   return found;
 }

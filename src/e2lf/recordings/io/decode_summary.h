@@ -116,6 +116,9 @@ struct DecodeSummary {
 
   /// Adds `count` violations of one kind, the first of them at a byte.
   void add(Violation kind, uint64_t byte, uint64_t count = 1);
+
+  /// Does the same for words or records, which were dropped because of it.
+  void add_dropped(Violation kind, uint64_t byte, uint64_t count = 1);
   void add_gap(const TimeGap& gap);
   void add_restart(const Restart& restart);
 

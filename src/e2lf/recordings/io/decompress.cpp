@@ -82,19 +82,16 @@ class Lz4 final : public Decompressor {
 };
 
 #ifdef E2LF_HAVE_ZSTD
-class Zstd final : public Decompressor {
+class ZstdPackets final : public Decompressor {
  public:
-  Zstd() : context_(ZSTD_createDCtx()) { ZSTD_DCtx_setParameter(context_, ZSTD_d_windowLogMax, 26); }
-  Zstd(const Zstd&) = delete;
-  Zstd& operator=(const Zstd&) = delete;
-  ~Zstd() override { ZSTD_freeDCtx(context_); }
+  ZstdPackets() { ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, 26); }
 
   Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) override {
-    ZSTD_DCtx_reset(context_, ZSTD_reset_session_only);
+    ZSTD_DCtx_reset(context_.get(), ZSTD_reset_session_only);
     return unpack_stepwise(packed, out, [&](auto& input, auto& room, bool& done) -> Result<void> {
       ZSTD_inBuffer in = {input.data(), input.size(), 0};
       ZSTD_outBuffer written = {room.data(), room.size(), 0};
-      const size_t hint = ZSTD_decompressStream(context_, &written, &in);
+      const size_t hint = ZSTD_decompressStream(context_.get(), &written, &in);
       if (ZSTD_isError(hint)) return damaged(ZSTD_getErrorName(hint));
       input = input.subspan(in.pos);
       room = room.subspan(written.pos);
@@ -104,27 +101,23 @@ class Zstd final : public Decompressor {
   }
 
  private:
-  ZSTD_DCtx* context_;
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context_{ZSTD_createDCtx(), &ZSTD_freeDCtx};
 };
 #endif
 
 }  // namespace
 
-Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression) {
-  std::unique_ptr<Decompressor> result;
+Result<DecompressorPtr> make_decompressor(Compression compression) {
   switch (compression) {
     case Compression::kNone:
-      result = std::make_unique<Stored>();
-      return result;
+      return DecompressorPtr(std::make_unique<Stored>());
     case Compression::kLz4:
     case Compression::kLz4High:
-      result = std::make_unique<Lz4>();
-      return result;
+      return DecompressorPtr(std::make_unique<Lz4>());
     case Compression::kZstd:
     case Compression::kZstdHigh:
 #ifdef E2LF_HAVE_ZSTD
-      result = std::make_unique<Zstd>();
-      return result;
+      return DecompressorPtr(std::make_unique<ZstdPackets>());
 #else
       return Error{ErrorCode::kMissingDependency,
                    "the packets are compressed by Zstd; build with libzstd-dev installed, or record with LZ4", ""};

@@ -26,7 +26,9 @@ class Decompressor {
   [[nodiscard]] virtual Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) = 0;
 };
 
+using DecompressorPtr = std::unique_ptr<Decompressor>;
+
 /// Creates a decompressor. Fails with kUnsupported (unknown code) and kMissingDependency (Zstd in a build without it).
-[[nodiscard]] Result<std::unique_ptr<Decompressor>> make_decompressor(Compression compression);
+[[nodiscard]] Result<DecompressorPtr> make_decompressor(Compression compression);
 
 }  // namespace e2lf::recordings

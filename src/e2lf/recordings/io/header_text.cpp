@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/io/header_text.h"
 
+#include <algorithm>
 #include <cstddef>
-#include <cstdint>
 
 namespace e2lf::recordings {
 namespace {
@@ -25,6 +25,16 @@ size_t character_bytes(std::string_view bytes) {
 }
 
 }  // namespace
+
+std::string_view trimmed(std::string_view text, std::string_view blanks) {
+  text.remove_prefix(std::min(text.size(), text.find_first_not_of(blanks)));
+  return text.substr(0, text.find_last_not_of(blanks) + 1);
+}
+
+std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+}
 
 bool is_utf8(std::string_view bytes) {
   while (!bytes.empty()) {

@@ -22,15 +22,9 @@ TEST(HeaderText, IsUtf8WhateverTheBytesAre) {
 /// A header line between those that name the encoding, the size and the end.
 EventBatch read_with_line(const std::string& line, RecordingInfo& info, std::vector<uint8_t>& bytes) {
   const EventBatch batch = random_stream({.events = 500, .width = 64, .height = 48, .trigger_every = 50});
-  RecordingInfo written;
-  written.width = 64;
-  written.height = 48;
-  bytes.clear();
-  auto writer = create_recording(make_memory_sink(bytes), "evt3", written).value();
-  writer->write(batch).value();
-  writer->finish().value();
+  bytes = encoded(batch, "evt3", {.width = 64, .height = 48});
   bytes.insert(bytes.begin(), line.begin(), line.end());
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes))).value();
+  auto reader = open_bytes(bytes).value();
   info = reader->info();
   EXPECT_EQ(read_all(*reader).value(), batch);
   EXPECT_EQ(reader->summary().num_violations(), 0U);
@@ -46,11 +40,8 @@ TEST(RawHeaders, LettersBeyondAsciiDoNotEndTheHeader) {
     EXPECT_EQ(info.find("camera_owner"), "M\u00fcller");
     // The writers keep it.
     for (const char* format : {"evt2", "evt2.1", "evt3"}) {
-      std::vector<uint8_t> copy;
-      auto writer = create_recording(make_memory_sink(copy), format, info).value();
-      writer->write(batch).value();
-      writer->finish().value();
-      auto again = open_recording(make_memory_source(std::span<const uint8_t>(copy))).value();
+      const std::vector<uint8_t> copy = encoded(batch, format, info);
+      auto again = open_bytes(copy).value();
       EXPECT_EQ(again->info().find("camera_owner"), "M\u00fcller") << format;
     }
   }

@@ -54,17 +54,14 @@ class Gzip final : public Unpacker {
 #ifdef E2LF_HAVE_ZSTD
 class Zstd final : public Unpacker {
  public:
-  Zstd() : context_(ZSTD_createDCtx()) { ZSTD_DCtx_setParameter(context_, ZSTD_d_windowLogMax, 27); }
-  Zstd(const Zstd&) = delete;
-  Zstd& operator=(const Zstd&) = delete;
-  ~Zstd() override { ZSTD_freeDCtx(context_); }
+  Zstd() { ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, 27); }
 
   /// Provides the bytes of one block at a time: if one of several is damaged, the library returns none of them.
   State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
     do {
       ZSTD_inBuffer in = {packed.data(), std::min(packed.size(), wanted_), 0};
       ZSTD_outBuffer out = {room.data(), room.size(), 0};
-      const size_t hint = ZSTD_decompressStream(context_, &out, &in);
+      const size_t hint = ZSTD_decompressStream(context_.get(), &out, &in);
       packed = packed.subspan(in.pos);
       room = room.subspan(out.pos);
       if (ZSTD_isError(hint)) return State::kDamaged;
@@ -77,7 +74,7 @@ class Zstd final : public Unpacker {
  private:
   static constexpr size_t kFirstBytes = 5;  ///< of a frame, which determine the size of its header
   size_t wanted_ = kFirstBytes;
-  ZSTD_DCtx* context_;
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context_{ZSTD_createDCtx(), &ZSTD_freeDCtx};
 };
 #endif
 
@@ -93,8 +90,7 @@ bool is_zstd(std::span<const uint8_t> head) {
 
 class UnpackedSource final : public ByteSource {
  public:
-  UnpackedSource(std::unique_ptr<ByteSource> packed, std::unique_ptr<Unpacker> unpacker,
-                 std::shared_ptr<DecodeSummary> losses)
+  UnpackedSource(SourcePtr packed, std::unique_ptr<Unpacker> unpacker, std::shared_ptr<DecodeSummary> losses)
       : packed_(std::move(packed)), unpacker_(std::move(unpacker)), losses_(std::move(losses)) {}
 
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
@@ -158,7 +154,7 @@ class UnpackedSource final : public ByteSource {
     return {};
   }
 
-  std::unique_ptr<ByteSource> packed_;
+  SourcePtr packed_;
   std::unique_ptr<Unpacker> unpacker_;
   std::shared_ptr<DecodeSummary> losses_;
   Unpacker::State state_ = Unpacker::State::kInside;
@@ -174,8 +170,7 @@ bool is_packed(std::span<const uint8_t> head) {
   return is_gzip(head) || is_zstd(head);
 }
 
-Result<std::unique_ptr<ByteSource>> make_unpacked_source(std::unique_ptr<ByteSource> packed,
-                                                         std::shared_ptr<DecodeSummary> losses) {
+Result<SourcePtr> make_unpacked_source(SourcePtr packed, std::shared_ptr<DecodeSummary> losses) {
   E2LF_ASSIGN_OR_RETURN(const auto head, packed->fetch(kPackedMarkBytes));
   std::unique_ptr<Unpacker> unpacker;
   if (is_gzip(head)) {
@@ -189,12 +184,10 @@ Result<std::unique_ptr<ByteSource>> make_unpacked_source(std::unique_ptr<ByteSou
                  packed->name()};
 #endif
   }
-  std::unique_ptr<ByteSource> source =
-      std::make_unique<UnpackedSource>(std::move(packed), std::move(unpacker), std::move(losses));
-  return source;
+  return SourcePtr(std::make_unique<UnpackedSource>(std::move(packed), std::move(unpacker), std::move(losses)));
 }
 
-Result<std::unique_ptr<ByteSource>> open_file_beside(const std::filesystem::path& path) {
+Result<SourcePtr> open_file_beside(const std::filesystem::path& path) {
   std::error_code error;
   for (const char* const extension : {"", ".gz", ".zst"}) {
     std::filesystem::path candidate = path;
@@ -203,9 +196,9 @@ Result<std::unique_ptr<ByteSource>> open_file_beside(const std::filesystem::path
     E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(candidate));
     E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
     return is_packed(head) ? make_unpacked_source(std::move(source), std::make_shared<DecodeSummary>())
-                           : Result<std::unique_ptr<ByteSource>>(std::move(source));
+                           : Result<SourcePtr>(std::move(source));
   }
-  return std::unique_ptr<ByteSource>();
+  return SourcePtr();
 }
 
 }  // namespace e2lf::recordings

@@ -19,10 +19,9 @@ inline constexpr size_t kPackedMarkBytes = 4;
 /// parts are read to their end. The result is not seekable. If the compressed data are damaged or incomplete, the
 /// content ends there, which is counted in `losses` with positions in the compressed file. Fails with
 /// kMissingDependency (Zstandard in a build without it).
-[[nodiscard]] Result<std::unique_ptr<ByteSource>> make_unpacked_source(std::unique_ptr<ByteSource> packed,
-                                                                       std::shared_ptr<DecodeSummary> losses);
+[[nodiscard]] Result<SourcePtr> make_unpacked_source(SourcePtr packed, std::shared_ptr<DecodeSummary> losses);
 
 /// Opens a file beside a recording, with its name or with ".gz" or ".zst" appended. Returns null if there is none.
-[[nodiscard]] Result<std::unique_ptr<ByteSource>> open_file_beside(const std::filesystem::path& path);
+[[nodiscard]] Result<SourcePtr> open_file_beside(const std::filesystem::path& path);
 
 }  // namespace e2lf::recordings

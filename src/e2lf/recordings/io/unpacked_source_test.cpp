@@ -30,52 +30,28 @@ std::vector<Pack> packs() {
   return all;
 }
 
-Bytes written(const EventBatch& events, const std::string& format) {
-  Bytes bytes;
-  auto writer =
-      create_recording(make_memory_sink(bytes), format, {.format = format, .width = 640, .height = 480, .header = {}});
-  EXPECT_TRUE((*writer)->write(events).ok());
-  EXPECT_TRUE((*writer)->finish().ok());
-  return bytes;
-}
-
-struct Read {
-  EventBatch batch;
-  DecodeSummary summary;
-};
-
-Read read(std::unique_ptr<ByteSource> source) {
-  auto reader = open_recording(std::move(source), {.policy = DecodePolicy::kSkip});
-  EXPECT_TRUE(reader.ok()) << reader.error().text();
-  if (!reader) return {};
-  auto batch = read_all(**reader);
-  EXPECT_TRUE(batch.ok()) << batch.error().text();
-  return {batch.ok() ? *batch : EventBatch(), (*reader)->summary()};
-}
-
 TEST(Unpacked, RecordingsOfEveryFormatAreReadFromMemoryAndPipes) {
   const EventBatch events = random_stream({.events = 200'000, .width = 640, .height = 480});
   for (const Pack pack : packs()) {
     for (const char* format : {"evt3", "evt2", "dat", "csv", "npz"}) {
-      const Bytes packed = pack(written(events, format));
-      const Read plain = read(make_memory_source(std::span<const uint8_t>(packed)));
+      const Bytes packed = pack(encoded(events, format));
+      const Decoded plain = decoded(make_memory_source(std::span<const uint8_t>(packed)));
       EXPECT_EQ(plain.batch.events, events.events) << format;
       EXPECT_TRUE(losses(plain.summary).empty()) << format;
-      EXPECT_EQ(read(std::make_unique<ChunkedSource>(packed, std::vector<size_t>(), 1000)).batch.events, events.events)
-          << format;
+      EXPECT_EQ(decoded(chunked(packed, 1000)).batch.events, events.events) << format;
     }
   }
 }
 
 TEST(Unpacked, SeveralPartsAndPaddingAreReadToTheEnd) {
-  const Bytes raw = written(random_stream({.events = 3000, .width = 640, .height = 480}), "csv");
+  const Bytes raw = encoded(random_stream({.events = 3000, .width = 640, .height = 480}), "csv");
   const auto middle = raw.begin() + static_cast<ptrdiff_t>(raw.size() / 2);
   for (const Pack pack : packs()) {
     Bytes packed = pack({raw.begin(), middle});
     const Bytes second = pack({middle, raw.end()});
     packed.insert(packed.end(), second.begin(), second.end());
     packed.resize(packed.size() + 512);
-    const Read all = read(make_memory_source(std::span<const uint8_t>(packed)));
+    const Decoded all = decoded(make_memory_source(std::span<const uint8_t>(packed)));
     EXPECT_EQ(all.batch.events.size(), 3000U);
     EXPECT_TRUE(losses(all.summary).empty());
   }
@@ -85,15 +61,15 @@ TEST(Unpacked, CutAndDamagedFilesAreReadAsFarAsTheyGoAndCounted) {
   const EventBatch events = random_stream({.events = 100'000, .width = 640, .height = 480});
   for (const Pack pack : packs()) {
     for (const char* format : {"dat", "evt3"}) {
-      const Bytes whole = pack(written(events, format));
+      const Bytes whole = pack(encoded(events, format));
       Bytes cut(whole.begin(), whole.begin() + static_cast<ptrdiff_t>(whole.size() / 2));
-      const Read part = read(make_memory_source(std::span<const uint8_t>(cut)));
+      const Decoded part = decoded(make_memory_source(std::span<const uint8_t>(cut)));
       EXPECT_GT(part.batch.events.size(), 10'000U) << format;
       EXPECT_LT(part.batch.events.size(), 100'000U) << format;
       EXPECT_GE(part.summary.of(Violation::kTruncated).count, 1U) << format;
       Bytes damaged = whole;
       for (size_t i = 0; i < 64; ++i) damaged[whole.size() / 2 + i] ^= 0x5A;
-      EXPECT_GE(read(make_memory_source(std::span<const uint8_t>(damaged))).summary.num_violations(), 1U) << format;
+      EXPECT_GE(decoded(make_memory_source(std::span<const uint8_t>(damaged))).summary.num_violations(), 1U) << format;
     }
   }
 }
@@ -101,12 +77,12 @@ TEST(Unpacked, CutAndDamagedFilesAreReadAsFarAsTheyGoAndCounted) {
 TEST(Unpacked, WhatStandsBeforeDamageIsTheSameFromAFileAndAPipe) {
   const EventBatch events = random_stream({.events = 100'000, .width = 640, .height = 480});
   for (const Pack pack : packs()) {
-    Bytes damaged = pack(written(events, "dat"));
+    Bytes damaged = pack(encoded(events, "dat"));
     for (size_t i = 0; i < 64; ++i) damaged[damaged.size() * 9 / 10 + i] ^= 0x5A;
-    const Read file = read(make_memory_source(std::span<const uint8_t>(damaged)));
+    const Decoded file = decoded(make_memory_source(std::span<const uint8_t>(damaged)));
     EXPECT_GT(file.batch.events.size(), 60'000U);
     for (const size_t step : {1U, 1000U, 300'000U}) {
-      const Read pipe = read(std::make_unique<ChunkedSource>(damaged, std::vector<size_t>(), step));
+      const Decoded pipe = decoded(chunked(damaged, step));
       EXPECT_EQ(pipe.batch, file.batch) << step;
       EXPECT_EQ(pipe.summary.num_violations(), file.summary.num_violations()) << step;
     }

@@ -52,6 +52,8 @@ class Camera {
   [[nodiscard]] virtual std::string bias_file_text() const { return {}; }
 };
 
+using CameraPtr = std::unique_ptr<Camera>;
+
 /// The bytes of a live input.
 class LiveSource : public ByteSource {
  public:
@@ -66,7 +68,7 @@ class LiveSource : public ByteSource {
 struct CameraPlugin {
   std::string name;         ///< as in camera://NAME or camera://NAME/ADDRESS
   std::string description;  ///< for help texts: what it is, and the meaning of ADDRESS
-  std::function<Result<std::unique_ptr<Camera>>(const std::string& address)> open = {};
+  std::function<Result<CameraPtr>(const std::string& address)> open = {};
   /// Returns the addresses of the connected cameras; empty = they cannot be listed.
   std::function<Result<std::vector<std::string>>()> list = {};
 };
@@ -91,7 +93,6 @@ void add_camera_plugin(const CameraPlugin& plugin);
 
 /// Opens a camera as a recording, with the settings in options.camera. RecordingReader::arrival() returns when the
 /// bytes arrived. Fails as open_camera_bytes() and open_recording() do.
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name,
-                                                                   const OpenOptions& options = {});
+[[nodiscard]] Result<ReaderPtr> open_camera(const std::string& name, const OpenOptions& options = {});
 
 }  // namespace e2lf::recordings

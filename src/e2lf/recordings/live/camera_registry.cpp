@@ -6,9 +6,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"
-#include "e2lf/recordings/live/plugin_camera.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -113,12 +111,12 @@ Result<std::unique_ptr<LiveSource>> open_camera_bytes(const std::string& name, c
   }
   const CameraName parsed = parse_name(name);
   E2LF_ASSIGN_OR_RETURN(const CameraPlugin plugin, find_plugin(parsed.plugin, name));
-  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Camera> camera, plugin.open(parsed.address));
+  E2LF_ASSIGN_OR_RETURN(CameraPtr camera, plugin.open(parsed.address));
   return start_camera_source(std::move(camera), name, setup);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_camera(const std::string& name, const OpenOptions& options) {
-  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<ByteSource> source, open_camera_bytes(name, options.camera));
+Result<ReaderPtr> open_camera(const std::string& name, const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(SourcePtr source, open_camera_bytes(name, options.camera));
   return open_recording(std::move(source), options);
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/live/camera_source.h"
-
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
@@ -12,6 +10,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/live/cameras.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -20,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 class CameraSource final : public LiveSource {
  public:
-  CameraSource(std::unique_ptr<Camera> camera, std::string name)
+  CameraSource(CameraPtr camera, std::string name)
       : camera_(std::move(camera)), name_(std::move(name)), thread_([this] { take_bytes(); }) {}
   CameraSource(const CameraSource&) = delete;
   CameraSource& operator=(const CameraSource&) = delete;
@@ -187,7 +186,7 @@ class CameraSource final : public LiveSource {
                ". Record the input to a file and process that, or choose a faster method");
   }
 
-  std::unique_ptr<Camera> camera_;
+  CameraPtr camera_;
   std::string name_;
 
   // Used only by the reader.
@@ -214,12 +213,10 @@ class CameraSource final : public LiveSource {
 
 }  // namespace
 
-Result<std::unique_ptr<LiveSource>> start_camera_source(std::unique_ptr<Camera> camera, std::string name,
-                                                        const CameraSetup& setup) {
+Result<std::unique_ptr<LiveSource>> start_camera_source(CameraPtr camera, std::string name, const CameraSetup& setup) {
   E2LF_RETURN_IF_ERROR(camera->set_up(setup));
   E2LF_RETURN_IF_ERROR(camera->start());
-  std::unique_ptr<LiveSource> source = std::make_unique<CameraSource>(std::move(camera), std::move(name));
-  return source;
+  return std::unique_ptr<LiveSource>(std::make_unique<CameraSource>(std::move(camera), std::move(name)));
 }
 
 }  // namespace e2lf::recordings

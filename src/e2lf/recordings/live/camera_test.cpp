@@ -14,7 +14,6 @@
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"
 #include "testing/test_log.h"
 #include "testing/test_streams.h"
@@ -45,9 +44,9 @@ class ScriptedCamera final : public Camera {
   }
   void stop() override { was_stopped = true; }
 
-  static Result<std::unique_ptr<Camera>> open(const std::string&) {
+  static Result<CameraPtr> open(const std::string&) {
     was_stopped = false;
-    std::unique_ptr<Camera> camera = std::make_unique<ScriptedCamera>();
+    CameraPtr camera = std::make_unique<ScriptedCamera>();
     return camera;
   }
 
@@ -58,19 +57,12 @@ std::vector<uint8_t> ScriptedCamera::script;
 size_t ScriptedCamera::piece = 1;
 std::atomic<bool> ScriptedCamera::was_stopped = false;
 
-const RecordingInfo kInfo = {.format = "evt3", .width = 64, .height = 48, .header = {}};
-
-std::vector<uint8_t> encode(const EventBatch& batch) {
-  std::vector<uint8_t> bytes;
-  auto writer = create_recording(make_memory_sink(bytes), "evt3", kInfo).value();
-  EXPECT_TRUE(writer->write(batch).ok());
-  return bytes;
-}
+const RecordingInfo kInfo = {.width = 64, .height = 48};
 
 TEST(Camera, ItsBytesAreReadAsTheyComeAndItIsStoppedAtTheEnd) {
   add_camera_plugin({"scripted", "for tests", ScriptedCamera::open});
   const EventBatch stream = random_stream({.events = 3000, .width = 64, .height = 48, .trigger_every = 100});
-  ScriptedCamera::script = encode(stream);
+  ScriptedCamera::script = encoded(stream, "evt3", kInfo);
   ScriptedCamera::piece = 777;
   EventBatch all, batch;
   const auto begin = Clock::now();
@@ -151,13 +143,10 @@ TEST(Camera, WhatCameBeforeAFailureIsReadInEveryFormatAndTheFailureIsTold) {
   const EventBatch stream = random_stream({.events = 3000, .width = 64, .height = 48});
   for (const char* const format : {"evt3", "evt2", "csv"}) {
     for (const bool fails : {true, false}) {
-      std::vector<uint8_t> bytes;
-      auto writer = create_recording(make_memory_sink(bytes), format, kInfo).value();
-      ASSERT_TRUE(writer->write(stream).ok() && writer->finish().ok());
+      std::vector<uint8_t> bytes = encoded(stream, format, kInfo);
       bytes.pop_back();  // in the middle of a word or line, which is no damage then
       const TestLog log;
-      std::unique_ptr<ByteSource> source =
-          start_camera_source(std::make_unique<BrokenCamera>(bytes, fails), "camera://broken").value();
+      SourcePtr source = start_camera_source(std::make_unique<BrokenCamera>(bytes, fails), "camera://broken").value();
       auto reader = open_recording(std::move(source), {.width = 64, .height = 48}).value();
       const auto all = read_all(*reader);
       ASSERT_TRUE(all.ok()) << all.error().text();
@@ -220,7 +209,7 @@ TEST(Camera, EventsBehindDroppedBytesHaveTheirOwnTimesAndRows) {
   const TestLog log;
   auto source = start_camera_source(std::make_unique<Flood>(bytes, header_bytes), "camera://flood").value();
   std::this_thread::sleep_for(std::chrono::milliseconds(600));
-  auto reader = open_recording(std::unique_ptr<ByteSource>(std::move(source))).value();
+  auto reader = open_recording(SourcePtr(std::move(source))).value();
   uint64_t count = 0;
   int64_t last_us = -1;
   while (reader->read(batch).value()) {
@@ -322,11 +311,9 @@ EventBatch write_cycles(const std::filesystem::path& path, uint64_t cycles, cons
     capture::EventImages images(synthesis.schedule.num_images(), 48, 64);
     for (int16_t& count : images.values) count = 2;
     const cycles::SynthesisedCycle cycle = synthesise_cycle(images, number, synthesis);
-    all.events.append(cycle.batch.events);
-    all.triggers.insert(all.triggers.end(), cycle.batch.triggers.begin(), cycle.batch.triggers.end());
+    all.append(cycle.batch);
   }
-  auto writer = create_recording(path, format, kInfo).value();
-  EXPECT_TRUE(writer->write(all).ok() && writer->finish().ok());
+  write_recording(path, all, kInfo, format);
   return all;
 }
 

@@ -127,9 +127,8 @@ class MetavisionCamera final : public Camera {
 
 }  // namespace
 
-Result<std::unique_ptr<Camera>> open_metavision_camera(const std::string& address) {
-  std::unique_ptr<Camera> camera = std::make_unique<MetavisionCamera>(address);
-  return camera;
+Result<CameraPtr> open_metavision_camera(const std::string& address) {
+  return CameraPtr(std::make_unique<MetavisionCamera>(address));
 }
 
 }  // namespace e2lf::recordings

@@ -12,7 +12,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/live/camera_source.h"
+#include "e2lf/recordings/live/cameras.h"
 #include "testing/test_log.h"
 #include "testing/test_streams.h"
 
@@ -27,9 +27,7 @@ class MetavisionCamera : public testing::Test {
     stream_ = random_stream({.events = 40'000, .width = 1280, .height = 720, .trigger_every = 100});
     constexpr uint16_t kInputs[] = {0, 6, 7};
     for (Trigger& trigger : stream_.triggers) trigger.id = kInputs[trigger.id % 3];
-    auto writer =
-        create_recording(folder_ / "sent.raw", "evt3", {.format = "evt3", .width = 1280, .height = 720, .header = {}});
-    EXPECT_TRUE((*writer)->write(stream_).ok() && (*writer)->finish().ok());
+    write_recording(folder_ / "sent.raw", stream_, {.width = 1280, .height = 720});
     words_ = words_of(read_file(folder_ / "sent.raw").value());
   }
   ~MetavisionCamera() override {
@@ -85,7 +83,7 @@ TEST_F(MetavisionCamera, ItsIdentityAndItsSettingsAsReadBackAreInTheHeader) {
                           .encoding = "evt3"};
   auto source = open_camera_bytes(kName, setup).value();
   EXPECT_NE(source->bias_file_text().find("30 % bias_diff_on"), std::string::npos);
-  const auto reader = open_recording(std::unique_ptr<ByteSource>(std::move(source))).value();
+  const auto reader = open_recording(SourcePtr(std::move(source))).value();
   const RecordingInfo& info = reader->info();
   EXPECT_EQ(info.width, 1280u);
   EXPECT_EQ(info.find("serial_number"), "A1");

@@ -14,7 +14,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/live/camera_header.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/live/metavision_device.h"
 
 namespace e2lf::recordings {

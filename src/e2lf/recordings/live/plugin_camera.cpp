@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/live/plugin_camera.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -11,6 +9,8 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/live/camera_plugin.h"
+#include "e2lf/recordings/live/cameras.h"
 #include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::recordings {
@@ -198,12 +198,12 @@ Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions,
     return Error{ErrorCode::kFormat, "the camera plugin lacks one of open, close, start, next and stop", location};
   }
   CameraPlugin plugin{functions->name, functions->description == nullptr ? "" : one_line(functions->description)};
-  plugin.open = [functions](const std::string& address) -> Result<std::unique_ptr<Camera>> {
+  plugin.open = [functions](const std::string& address) -> Result<CameraPtr> {
     const std::string name = cat("camera://", functions->name, address.empty() ? "" : "/", address);
     PluginError said;
     e2lf_camera* const opened = functions->open(address.c_str(), said.buffer());
     if (opened == nullptr) return said.error(ErrorCode::kNotFound, name);
-    return std::unique_ptr<Camera>(std::make_unique<PluginCamera>(*functions, opened, name));
+    return CameraPtr(std::make_unique<PluginCamera>(*functions, opened, name));
   };
   if (functions->list != nullptr) plugin.list = [functions] { return list_cameras_of(*functions); };
   return plugin;

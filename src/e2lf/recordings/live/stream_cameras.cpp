@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <arpa/inet.h>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <optional>
 #include <poll.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/io/tcp.h"
 #include "e2lf/recordings/live/cameras.h"
 
 namespace e2lf::recordings {
@@ -84,10 +87,41 @@ Result<void> wait_for_bytes(int descriptor, const std::string& address) {
   return {};
 }
 
+constexpr std::string_view kTcpScheme = "tcp://";
+
+Result<sockaddr_in> parse_address(const std::string& name) {
+  const Error malformed{ErrorCode::kInvalidValue, "not a TCP address; write tcp://127.0.0.1:PORT", name};
+  const size_t colon = name.rfind(':');
+  if (!name.starts_with(kTcpScheme) || colon <= kTcpScheme.size()) return malformed;
+  uint16_t port = 0;
+  const char* end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data() + colon + 1, end, port);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  const std::string host = name.substr(kTcpScheme.size(), colon - kTcpScheme.size());
+  if (parsed.ec != std::errc() || parsed.ptr != end || ::inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
+    return malformed;
+  }
+  return address;
+}
+
+/// Connects to a sender, e.g. tcp://127.0.0.1:5000, and returns the descriptor.
+Result<int> connect_tcp(const std::string& name) {
+  E2LF_ASSIGN_OR_RETURN(const sockaddr_in address, parse_address(name));
+  const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0 || ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+    const std::string reason = std::strerror(errno);
+    if (descriptor >= 0) ::close(descriptor);
+    return Error{ErrorCode::kIo, cat("cannot connect (", reason, "); start the sender first"), name};
+  }
+  return descriptor;
+}
+
 }  // namespace
 
-Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
-  std::unique_ptr<Camera> camera;
+Result<CameraPtr> open_pipe_camera(const std::string& address) {
+  CameraPtr camera;
   if (address.empty()) {
     camera = std::make_unique<DescriptorCamera>(STDIN_FILENO, /*owned=*/false, "stdin");
     return camera;
@@ -104,11 +138,10 @@ Result<std::unique_ptr<Camera>> open_pipe_camera(const std::string& address) {
   return camera;
 }
 
-Result<std::unique_ptr<Camera>> open_tcp_camera(const std::string& address) {
+Result<CameraPtr> open_tcp_camera(const std::string& address) {
   const std::string name = "tcp://" + address;
   E2LF_ASSIGN_OR_RETURN(const int descriptor, connect_tcp(name));
-  std::unique_ptr<Camera> camera = std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, name);
-  return camera;
+  return CameraPtr(std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, name));
 }
 
 }  // namespace e2lf::recordings

@@ -12,7 +12,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/live/camera_source.h"
+#include "e2lf/recordings/live/cameras.h"
 #include "testing/test_log.h"
 #include "testing/test_streams.h"
 
@@ -137,10 +137,7 @@ class V4l2 : public testing::Test {
  protected:
   V4l2() {
     stream_ = random_stream({.events = 3000, .width = 1280, .height = 720, .trigger_every = 100});
-    std::vector<uint8_t> bytes;
-    auto writer = create_recording(make_memory_sink(bytes), "evt3",
-                                   {.format = "evt3", .width = 1280, .height = 720, .header = {}});
-    EXPECT_TRUE((*writer)->write(stream_).ok() && (*writer)->finish().ok());
+    const std::vector<uint8_t> bytes = encoded(stream_, "evt3", {.width = 1280, .height = 720});
     constexpr std::string_view kEnd = "% end\n";
     words_.assign(std::search(bytes.begin(), bytes.end(), kEnd.begin(), kEnd.end()) + kEnd.size(), bytes.end());
   }
@@ -175,7 +172,7 @@ TEST_F(V4l2, EventsComeFromBuffersWithPlanesAndWithout) {
     driver.is_unplugged_at_end = true;
     fill(driver);
     auto source = open(driver).value();
-    const auto reader = open_recording(std::unique_ptr<ByteSource>(std::move(source))).value();
+    const auto reader = open_recording(SourcePtr(std::move(source))).value();
     EXPECT_EQ(reader->info().width, 1280u);
     EXPECT_EQ(reader->info().find("sensor_name"), "sensor");
     EXPECT_EQ(read_all(*reader).value(), stream_) << "what came before it was unplugged is kept";

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -23,9 +24,7 @@ constexpr Beginning kBeginnings[] = {
     {"\x1F\x8B"sv, 0, "compressed twice by gzip; unpack it once with `gzip -d`"},
     {"\x28\xB5\x2F\xFD"sv, 0, "compressed twice; unpack it once with `zstd -d`"},
     {"BZh"sv, 0, "compressed by bzip2; unpack it with `bzip2 -d`, then give the recording in it"},
-    {"\xFD"
-     "7zXZ\0"sv,
-     0, "compressed by xz; unpack it with `xz -d`, then give the recording in it"},
+    {"\3757zXZ\0"sv, 0, "compressed by xz; unpack it with `xz -d`, then give the recording in it"},
     {"\x04\x22\x4D\x18"sv, 0, "compressed by lz4; unpack it with `lz4 -d`, then give the recording in it"},
     {"7z\xBC\xAF\x27\x1C"sv, 0, "a 7-Zip archive; unpack it with `7z x`, then give the recording in it"},
     {"Rar!\x1A\x07"sv, 0, "a RAR archive; unpack it, then give the recording in it"},
@@ -55,16 +54,14 @@ constexpr Beginning kBeginnings[] = {
     {"\xFF\xD8\xFF"sv, 0, "an image (JPEG) and not a recording of events"},
     {"GIF8"sv, 0, "an image (GIF) and not a recording of events"},
     {"MATLAB 5.0"sv, 0, "a MATLAB file that holds neither event images nor a light field"},
-    {"\x7F"
-     "ELF"sv,
-     0, "a program and not a recording of events"},
+    {"\177ELF"sv, 0, "a program and not a recording of events"},
     {"%PDF"sv, 0, "a PDF document and not a recording of events"},
 };
 
 }  // namespace
 
 std::optional<std::string> foreign_file_text(std::span<const uint8_t> head) {
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const std::string_view text = as_text(head);
   for (const Beginning& beginning : kBeginnings) {
     if (text.size() < beginning.offset || !text.substr(beginning.offset).starts_with(beginning.bytes)) continue;
     const std::string_view what = beginning.text;

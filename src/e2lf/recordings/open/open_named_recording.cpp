@@ -6,7 +6,6 @@
 
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/live/camera_source.h"
 #include "e2lf/recordings/live/cameras.h"
 
 namespace e2lf::recordings {
@@ -25,16 +24,16 @@ Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, con
         "or -",
         name};
   }
-  E2LF_ASSIGN_OR_RETURN(std::unique_ptr<Camera> camera, open_pipe_camera(name));
+  E2LF_ASSIGN_OR_RETURN(CameraPtr camera, open_pipe_camera(name));
   return start_camera_source(std::move(camera), name, setup);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name, const OpenOptions& options) {
+Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOptions& options) {
   struct stat input {};
   const bool is_pipe =
       name == "-" && ::fstat(STDIN_FILENO, &input) == 0 && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode));
   if (is_pipe || (name != "-" && is_live_recording(name))) {
-    E2LF_ASSIGN_OR_RETURN(std::unique_ptr<ByteSource> source, open_live_bytes(name, options.camera));
+    E2LF_ASSIGN_OR_RETURN(SourcePtr source, open_live_bytes(name, options.camera));
     return open_recording(std::move(source), options);
   }
   if (options.camera != CameraSetup()) {

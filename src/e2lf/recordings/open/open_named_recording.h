@@ -16,8 +16,7 @@ namespace e2lf::recordings {
 /// Opens a recording by name: a file or standard input ("-") with open_recording(), and the name of a camera
 /// (camera://NAME, replay:FILE, tcp://ADDRESS:PORT), a named pipe, or standard input that is a pipe or socket with
 /// open_camera().
-[[nodiscard]] Result<std::unique_ptr<RecordingReader>> open_named_recording(const std::string& name,
-                                                                            const OpenOptions& options = {});
+[[nodiscard]] Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOptions& options = {});
 
 /// Opens the bytes of a live source (see is_live_recording()). Fails as open_camera_bytes() does, and with
 /// kInvalidValue for a file.

@@ -7,22 +7,10 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/codecs/aedat/aedat.h"
-#include "e2lf/recordings/codecs/aedat4/aedat4.h"
-#include "e2lf/recordings/codecs/dat/dat.h"
-#include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
-#include "e2lf/recordings/codecs/numpy/numpy.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_encoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_encoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
-#include "e2lf/recordings/codecs/rosbag/rosbag.h"
-#include "e2lf/recordings/codecs/text/text.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 #include "e2lf/recordings/open/foreign_file.h"
-#include "e2lf/recordings/open/recording_place.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/layout.h"
 
@@ -47,9 +35,9 @@ std::deque<Codec> built_in_codecs() {
        .detect = is_raw_header,
        .open = open_raw,
        .create = create_raw},
-      {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = evt2::create},
-      {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = evt21::create},
-      {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = evt3::create},
+      {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = create_evt2},
+      {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = create_evt21},
+      {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = create_evt3},
       {.name = "evt4", .description = "Prophesee RAW, EVT4", .open = open_raw},
       {.name = "hdf5",
        .extensions = {".hdf5"},
@@ -169,10 +157,10 @@ const Codec* codec_of_extension(const std::filesystem::path& path) {
   return nullptr;
 }
 
-std::string codec_names() {
+std::vector<std::string> codec_names() {
   std::vector<std::string> names;
   for (const Codec* codec : codecs()) names.push_back(codec->name);
-  return join(names);
+  return names;
 }
 
 Result<const Codec*> detect_codec(ByteSource& source) {
@@ -194,8 +182,8 @@ Result<const Codec*> detect_codec(ByteSource& source) {
     return Error{ErrorCode::kUnsupported, cat("these are ", *text), source.name()};
   }
   return Error{ErrorCode::kFormat,
-               cat("this is not a recording of a known format; give its format, one of ", codec_names()), source.name(),
-               Setting::kInputFormat};
+               cat("this is not a recording of a known format; give its format, one of ", join(codec_names())),
+               source.name(), Setting::kInputFormat};
 }
 
 std::string names_to_write() {
@@ -204,15 +192,6 @@ std::string names_to_write() {
     if (codec->create != nullptr || codec->create_file != nullptr) names.push_back(codec->name);
   }
   return join(names);
-}
-
-Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
-  if (!format.empty()) return find_codec(format);
-  if (const Codec* codec = codec_of_extension(path)) return codec;
-  return Error{ErrorCode::kInvalidValue,
-               cat("no format has this extension; use another, e.g. .raw or .hdf5, or give the format, one of ",
-                   names_to_write()),
-               path.string(), Setting::kOutputFormat};
 }
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {
@@ -234,18 +213,16 @@ void add_codec(Codec codec) {
 }
 
 Result<const Codec*> find_codec(const std::string& name) {
-  std::vector<std::string> names;
   for (const Codec* codec : codecs()) {
     if (codec->name == name) return codec;
-    names.push_back(codec->name);
   }
-  return Error{ErrorCode::kInvalidValue, cat("unknown format \"", name, "\"; ", suggestion(name, names)), ""};
+  return Error{ErrorCode::kInvalidValue, cat("unknown format \"", name, "\"; ", suggestion(name, codec_names())), ""};
 }
 
 namespace {
 
 /// Only formats that may contain several streams list them.
-Result<std::unique_ptr<RecordingReader>> check_stream(std::unique_ptr<RecordingReader> reader) {
+Result<ReaderPtr> check_stream(ReaderPtr reader) {
   const RecordingInfo& info = reader->info();
   if (reader->options().stream.empty() || !info.streams.empty()) return reader;
   return Error{
@@ -256,14 +233,22 @@ Result<std::unique_ptr<RecordingReader>> check_stream(std::unique_ptr<RecordingR
 
 }  // namespace
 
+Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
+  if (!format.empty()) return find_codec(format);
+  if (const Codec* codec = codec_of_extension(path)) return codec;
+  return Error{ErrorCode::kInvalidValue,
+               cat("no format has this extension; use another, e.g. .raw or .hdf5, or give the format, one of ",
+                   names_to_write()),
+               path.string(), Setting::kOutputFormat};
+}
+
 bool is_recording_folder(const std::filesystem::path& path) {
   const auto all = codecs();
   return std::any_of(all.begin(), all.end(),
                      [&](const Codec* codec) { return codec->is_folder != nullptr && codec->is_folder(path); });
 }
 
-Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSource> source,
-                                                        const OpenOptions& options) {
+Result<ReaderPtr> open_recording(SourcePtr source, const OpenOptions& options) {
   std::shared_ptr<DecodeSummary> losses;
   // No more bytes than needed: a live source of a named format may not have more for a while.
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
@@ -286,7 +271,7 @@ Result<std::unique_ptr<RecordingReader>> open_recording(std::unique_ptr<ByteSour
   return check_stream(std::move(reader));
 }
 
-Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::path& path, const OpenOptions& options) {
+Result<ReaderPtr> open_recording(const std::filesystem::path& path, const OpenOptions& options) {
   for (const Codec* codec : codecs()) {
     if (codec->is_folder == nullptr || !codec->is_folder(path)) continue;
     E2LF_ASSIGN_OR_RETURN(auto reader, codec->open_folder(path, options));
@@ -296,13 +281,8 @@ Result<std::unique_ptr<RecordingReader>> open_recording(const std::filesystem::p
   return open_recording(std::move(source), options);
 }
 
-Result<RecordingPlace> place_of_recording(const std::filesystem::path& path, const std::string& format) {
-  E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
-  return RecordingPlace{codec->create != nullptr, codec->side_file, codec->is_written_at_end, codec->recover};
-}
-
-Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem::path& path, const std::string& format,
-                                                          const RecordingInfo& info) {
+Result<WriterPtr> create_recording(const std::filesystem::path& path, const std::string& format,
+                                   const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
   const bool to_stream = path == "-" || is_stream(path);
   if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
@@ -317,8 +297,7 @@ Result<std::unique_ptr<RecordingWriter>> create_recording(const std::filesystem:
   return codec->create(std::move(sink), info);
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_recording(std::unique_ptr<ByteSink> sink, const std::string& format,
-                                                          const RecordingInfo& info) {
+Result<WriterPtr> create_recording(SinkPtr sink, const std::string& format, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, find_codec(format));
   if (codec->create == nullptr) return unsupported(*codec, "stream", sink->name());
   return codec->create(std::move(sink), info);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,19 +24,15 @@ struct Codec {
   bool (*detect)(std::span<const uint8_t> head) = nullptr;
 
   /// Null if the format cannot be read or written, respectively.
-  Result<std::unique_ptr<RecordingReader>> (*open)(std::unique_ptr<ByteSource> source,
-                                                   const OpenOptions& options) = nullptr;
-  Result<std::unique_ptr<RecordingWriter>> (*create)(std::unique_ptr<ByteSink> sink,
-                                                     const RecordingInfo& info) = nullptr;
+  Result<ReaderPtr> (*open)(SourcePtr source, const OpenOptions& options) = nullptr;
+  Result<WriterPtr> (*create)(SinkPtr sink, const RecordingInfo& info) = nullptr;
 
   /// For formats that write their file themselves, instead of `create`.
-  Result<std::unique_ptr<RecordingWriter>> (*create_file)(const std::filesystem::path& path,
-                                                          const RecordingInfo& info) = nullptr;
+  Result<WriterPtr> (*create_file)(const std::filesystem::path& path, const RecordingInfo& info) = nullptr;
 
   /// For formats that are folders of files.
   bool (*is_folder)(const std::filesystem::path& path) = nullptr;
-  Result<std::unique_ptr<RecordingReader>> (*open_folder)(const std::filesystem::path& path,
-                                                          const OpenOptions& options) = nullptr;
+  Result<ReaderPtr> (*open_folder)(const std::filesystem::path& path, const OpenOptions& options) = nullptr;
 
   /// Returns the path of the file with triggers that the format cannot hold, if the reader looks for it.
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
@@ -54,6 +49,10 @@ struct Codec {
 
 /// Adds a format for this process. It is tried before all others, and thus also replaces a format with the same name.
 void add_codec(Codec codec);
+
+/// Returns the codec of a new recording, by the same rules as create_recording(): the one with the name `format`, or if
+/// that is empty, the one of the extension. Fails with kInvalidValue.
+[[nodiscard]] Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format);
 
 /// Returns whether a folder is a recording, such as a ROS 2 bag.
 [[nodiscard]] bool is_recording_folder(const std::filesystem::path& path);

@@ -9,33 +9,18 @@ namespace {
 struct KnownName {
   Field field;
   std::string_view name;
-  bool is_prefix = false;
+  bool is_prefix;
 };
 
-constexpr KnownName kNames[] = {{Field::kT, "t"},
-                                {Field::kT, "ts"},
-                                {Field::kT, "timestamp", true},
-                                {Field::kT, "time"},
-                                {Field::kT, "times"},
-                                {Field::kT, "zeit", true},
-                                {Field::kT, "temps", true},
-                                {Field::kT, "tiempo", true},
-                                {Field::kT, "tempo", true},
-                                {Field::kT, "时间", true},
-                                {Field::kX, "x"},
-                                {Field::kX, "xs"},
-                                {Field::kX, "col"},
-                                {Field::kX, "column"},
-                                {Field::kY, "y"},
-                                {Field::kY, "ys"},
-                                {Field::kY, "row"},
-                                {Field::kP, "p"},
-                                {Field::kP, "ps"},
-                                {Field::kP, "pol"},
-                                {Field::kP, "pols"},
-                                {Field::kP, "polari", true},
-                                {Field::kP, "on"},
-                                {Field::kP, "sign"}};
+constexpr KnownName kNames[] = {
+    {Field::kT, "t", false},     {Field::kT, "ts", false},     {Field::kT, "timestamp", true},
+    {Field::kT, "time", false},  {Field::kT, "times", false},  {Field::kT, "zeit", true},
+    {Field::kT, "temps", true},  {Field::kT, "tiempo", true},  {Field::kT, "tempo", true},
+    {Field::kT, "时间", true},   {Field::kX, "x", false},      {Field::kX, "xs", false},
+    {Field::kX, "col", false},   {Field::kX, "column", false}, {Field::kY, "y", false},
+    {Field::kY, "ys", false},    {Field::kY, "row", false},    {Field::kP, "p", false},
+    {Field::kP, "ps", false},    {Field::kP, "pol", false},    {Field::kP, "pols", false},
+    {Field::kP, "polari", true}, {Field::kP, "on", false},     {Field::kP, "sign", false}};
 
 bool says_nothing(std::string_view word) {
   return is_one_of(word, {"event",    "events",    "ev",       "px",     "pixel",      "pixels",      "pos",

@@ -17,17 +17,9 @@ namespace {
 enum class Reason { kOption, kFile, kFormat, kValues };
 
 const char* reason_text(Reason reason) {
-  switch (reason) {
-    case Reason::kOption:
-      return "as the option says";
-    case Reason::kFile:
-      return "as the file says";
-    case Reason::kFormat:
-      return "as usual in this format";
-    case Reason::kValues:
-      break;
-  }
-  return "by their values";
+  constexpr const char* kTexts[] = {"as the option says", "as the file says", "as usual in this format",
+                                    "by their values"};
+  return kTexts[static_cast<size_t>(reason)];
 }
 
 Error undecided(std::string message, const std::string& location, Setting setting) {

@@ -65,6 +65,28 @@ bool convert_time(From value, TimeUnit unit, int64_t& out) {
   }
 }
 
+/// Calls visit(i, number) for a field of `count` records.
+template <typename Visit>
+void for_each_number(const uint8_t* records, const NumberField& field, size_t count, const Visit& visit) {
+  const bool known = with_number_type(field.type, [&](auto type) {
+    const uint8_t* next = records + field.offset;
+    for (size_t i = 0; i < count; ++i, next += field.stride) visit(i, load_le<decltype(type)>(next));
+  });
+  E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
+}
+
+/// Removes the events whose bad[i] is set, and returns their number.
+size_t remove_bad(EventColumns& events, const Column<uint8_t>& bad) {
+  if (std::find_if(bad.begin(), bad.end(), [](uint8_t b) { return b != 0; }) == bad.end()) return 0;
+  size_t kept = 0;
+  for (size_t i = 0; i < events.size(); ++i) {
+    if (bad[i] == 0) events.set(kept++, events[i]);
+  }
+  const size_t removed = events.size() - kept;
+  events.resize(kept);
+  return removed;
+}
+
 }  // namespace
 
 bool is_number_type(const std::string& type) {
@@ -73,83 +95,39 @@ bool is_number_type(const std::string& type) {
 
 template <typename T>
 void to_column(const uint8_t* records, const NumberField& field, size_t count, T* out, uint8_t* bad) {
-  const bool known = with_number_type(field.type, [&](auto type) {
-    using From = decltype(type);
-    const uint8_t* next = records + field.offset;
-    for (size_t i = 0; i < count; ++i, next += field.stride) bad[i] |= convert_one(load_le<From>(next), out[i]);
-  });
-  E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
+  for_each_number(records, field, count, [&](size_t i, auto number) { bad[i] |= convert_one(number, out[i]); });
 }
 
 template void to_column(const uint8_t*, const NumberField&, size_t, uint8_t*, uint8_t*);
 template void to_column(const uint8_t*, const NumberField&, size_t, uint16_t*, uint8_t*);
-template void to_column(const uint8_t*, const NumberField&, size_t, int64_t*, uint8_t*);
 
 void to_times(const uint8_t* records, const NumberField& field, TimeUnit unit, size_t count, int64_t* out,
               uint8_t* bad) {
-  const bool known = with_number_type(field.type, [&](auto type) {
-    using From = decltype(type);
-    const uint8_t* next = records + field.offset;
-    for (size_t i = 0; i < count; ++i, next += field.stride) bad[i] |= convert_time(load_le<From>(next), unit, out[i]);
-  });
-  E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
+  for_each_number(records, field, count, [&](size_t i, auto number) { bad[i] |= convert_time(number, unit, out[i]); });
 }
 
-size_t to_events(const uint8_t* records, const RecordFields& fields, size_t count, EventColumns& events) {
+size_t to_events(const RecordsOfFields& records, const RecordFields& fields, size_t count, EventColumns& events) {
   events.resize(count);
-  Column<uint8_t> bad(count);
-  std::fill(bad.begin(), bad.end(), uint8_t{0});
-  to_column(records, fields.x, count, events.x.data(), bad.data());
-  to_column(records, fields.y, count, events.y.data(), bad.data());
-  to_polarities(records, fields.p, fields.polarity, count, events.p.data(), bad.data());
-  to_times(records, fields.t, fields.unit, count, events.t.data(), bad.data());
-  return remove_bad(events, 0, bad);
-}
-
-void to_polarities(const uint8_t* records, const NumberField& field, const PolarityCode& code, size_t count,
-                   uint8_t* out, uint8_t* bad) {
-  const bool known = with_number_type(field.type, [&](auto type) {
-    using From = decltype(type);
-    const uint8_t* next = records + field.offset;
-    for (size_t i = 0; i < count; ++i, next += field.stride) {
-      out[i] = code.of(static_cast<double>(load_le<From>(next)));
-      bad[i] |= out[i] == PolarityCode::kNone;
-    }
+  Column<uint8_t> bad(count, 0);
+  to_column(records[of(Field::kX)], fields.x, count, events.x.data(), bad.data());
+  to_column(records[of(Field::kY)], fields.y, count, events.y.data(), bad.data());
+  for_each_number(records[of(Field::kP)], fields.p, count, [&](size_t i, auto number) {
+    events.p[i] = fields.polarity.of(static_cast<double>(number));
+    bad[i] |= events.p[i] == PolarityCode::kNone;
   });
-  E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
+  to_times(records[of(Field::kT)], fields.t, fields.unit, count, events.t.data(), bad.data());
+  return remove_bad(events, bad);
 }
 
 std::vector<double> to_doubles(const uint8_t* records, const NumberField& field, size_t count) {
   std::vector<double> values(count);
-  const bool known = with_number_type(field.type, [&](auto type) {
-    const uint8_t* next = records + field.offset;
-    for (double& value : values) {
-      value = static_cast<double>(load_le<decltype(type)>(next));
-      next += field.stride;
-    }
-  });
-  E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
+  for_each_number(records, field, count, [&](size_t i, auto number) { values[i] = static_cast<double>(number); });
   return values;
 }
 
-bool is_integer_type(const std::string& type) {
-  return type[0] != 'f';
-}
-
-size_t remove_bad(EventColumns& events, size_t begin, const Column<uint8_t>& bad) {
-  if (std::find_if(bad.begin(), bad.end(), [](uint8_t b) { return b != 0; }) == bad.end()) return 0;
-  size_t kept = begin;
-  for (size_t i = begin; i < events.size(); ++i) {
-    if (bad[i - begin] != 0) continue;
-    events.x[kept] = events.x[i];
-    events.y[kept] = events.y[i];
-    events.p[kept] = events.p[i];
-    events.t[kept] = events.t[i];
-    ++kept;
-  }
-  const size_t removed = events.size() - kept;
-  events.resize(kept);
-  return removed;
+TableSample::Column sample_of(std::string name, const uint8_t* records, const NumberField& field, size_t count) {
+  return {std::move(name), TimeUnit::kAuto, to_doubles(records, field, count), field.type[0] != 'f',
+          field.type == "f4"};
 }
 
 }  // namespace e2lf::recordings::table

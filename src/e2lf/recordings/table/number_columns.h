@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -26,6 +27,9 @@ struct RecordFields {
   PolarityCode polarity = {};
 };
 
+/// The records that contain x, y, p and t, by Field.
+using RecordsOfFields = std::array<const uint8_t*, kNumFields>;
+
 /// Returns whether to_column() reads a type.
 [[nodiscard]] bool is_number_type(const std::string& type);
 
@@ -38,21 +42,15 @@ void to_column(const uint8_t* records, const NumberField& field, size_t count, T
 void to_times(const uint8_t* records, const NumberField& field, TimeUnit unit, size_t count, int64_t* out,
               uint8_t* bad);
 
-/// Appends the events of `count` records, and returns the number of records that are not events.
-size_t to_events(const uint8_t* records, const RecordFields& fields, size_t count, EventColumns& events);
-
-/// Converts the polarities of `count` records to 0 or 1. Sets bad[i] for values that `code` does not contain.
-void to_polarities(const uint8_t* records, const NumberField& field, const PolarityCode& code, size_t count,
-                   uint8_t* out, uint8_t* bad);
+/// Replaces `events` by those of `count` records, and returns the number of records that are not events.
+size_t to_events(const RecordsOfFields& records, const RecordFields& fields, size_t count, EventColumns& events);
 
 /// Returns the field of `count` records as doubles, for decide_layout().
 [[nodiscard]] std::vector<double> to_doubles(const uint8_t* records, const NumberField& field, size_t count);
 
-/// Returns whether numbers of a type are integers.
-[[nodiscard]] bool is_integer_type(const std::string& type);
-
-/// Removes the events from `begin` on whose bad[i] is set, and returns their number.
-size_t remove_bad(EventColumns& events, size_t begin, const Column<uint8_t>& bad);
+/// Returns the sample of a column that has a name and is a field of `count` records.
+[[nodiscard]] TableSample::Column sample_of(std::string name, const uint8_t* records, const NumberField& field,
+                                            size_t count);
 
 /// Number of rows from which columns, units and polarities are determined.
 inline constexpr size_t kSampledRows = 4096;

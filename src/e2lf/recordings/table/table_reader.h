@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <memory>
 #include <string>
 
 #include "e2lf/recordings/event_blocks.h"
@@ -12,9 +11,8 @@ namespace e2lf::recordings::table {
 /// `is_seekable` states whether the blocks can be read twice (make_time_sorted()), `name` is the location, and
 /// `zero_us` the time of a row of zeros. Runs of such rows after later times are the unused rest of a table: they are
 /// dropped (kZeros).
-[[nodiscard]] std::unique_ptr<RecordingReader> make_table_reader(std::unique_ptr<EventBlocks> blocks, TimeUnit unit,
-                                                                 bool is_seekable, RecordingInfo info,
-                                                                 const std::string& name, const OpenOptions& options,
-                                                                 TriggerFeed triggers = {}, int64_t zero_us = 0);
+[[nodiscard]] ReaderPtr make_table_reader(BlocksPtr blocks, TimeUnit unit, bool is_seekable, RecordingInfo info,
+                                          const std::string& name, const OpenOptions& options,
+                                          TriggerFeed triggers = {}, int64_t zero_us = 0);
 
 }  // namespace e2lf::recordings::table

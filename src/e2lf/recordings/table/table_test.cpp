@@ -28,11 +28,11 @@ std::string text_of(const EventColumns& all, std::function<std::string(const Eve
   return text;
 }
 
-Result<std::unique_ptr<RecordingReader>> open_text(const std::string& text, const OpenOptions& options = kPlain) {
+Result<ReaderPtr> open_text(const std::string& text, const OpenOptions& options = kPlain) {
   return open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end()), "a.csv"), options);
 }
 
-Result<EventColumns> read(Result<std::unique_ptr<RecordingReader>> reader) {
+Result<EventColumns> read(Result<ReaderPtr> reader) {
   if (!reader) return reader.error();
   E2LF_ASSIGN_OR_RETURN(EventBatch batch, read_all(**reader));
   if ((*reader)->summary().num_violations() > 0) return violation_error((*reader)->summary(), "");
@@ -327,8 +327,7 @@ TEST(Tables, FormatsWithAUnitOfTheirOwnRefuseTheOptions) {
   EventBatch batch;
   batch.events = events();
   for (const char* name : {"a.raw", "a_cd.dat", "a.hdf5"}) {
-    auto writer = create_recording(folder / name, "", {.format = "", .width = 64, .height = 48, .header = {}}).value();
-    ASSERT_TRUE(writer->write(batch).ok() && writer->finish().ok());
+    write_recording(folder / name, batch, {.width = 64, .height = 48});
     EXPECT_EQ(open_recording(folder / name, {.time_unit = TimeUnit::kNanoseconds}).error().setting, Setting::kTimeUnit);
     EXPECT_EQ(open_recording(folder / name, {.columns = "txyp"}).error().setting, Setting::kColumns);
   }

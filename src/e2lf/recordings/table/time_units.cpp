@@ -9,6 +9,13 @@
 namespace e2lf::recordings::table {
 namespace {
 
+/// The name of a unit and its duration in microseconds, by TimeUnit.
+struct KnownUnit {
+  const char* name;
+  double us;
+};
+constexpr KnownUnit kUnits[] = {{"us", 1}, {"s", 1e6}, {"ms", 1e3}, {"us", 1}, {"ns", 1e-3}};
+
 bool is_digit(char c) {
   return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
@@ -66,17 +73,11 @@ TimeUnit parse_time_unit(std::string_view word) {
 }
 
 double us_per(TimeUnit unit) {
-  return unit == TimeUnit::kSeconds        ? 1e6
-         : unit == TimeUnit::kMilliseconds ? 1e3
-         : unit == TimeUnit::kNanoseconds  ? 1e-3
-                                           : 1;
+  return kUnits[static_cast<size_t>(unit)].us;
 }
 
 const char* time_unit_name(TimeUnit unit) {
-  return unit == TimeUnit::kSeconds        ? "s"
-         : unit == TimeUnit::kMilliseconds ? "ms"
-         : unit == TimeUnit::kNanoseconds  ? "ns"
-                                           : "us";
+  return kUnits[static_cast<size_t>(unit)].name;
 }
 
 TimeUnit unit_of_tick(double tick_s) {

@@ -6,11 +6,11 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/aedat/aedat.h"
 #include "e2lf/recordings/codecs/aedat/text_header.h"
-#include "e2lf/recordings/codecs/dat/time_unwrapper.h"
-#include "e2lf/recordings/continued_clock.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::aedat {
 namespace {
@@ -49,7 +49,7 @@ constexpr uint8_t kFallingTrigger = 2, kRisingTrigger = 3;
 /// blocks contain triggers as events with the polarities above.
 class Aedat2Blocks final : public EventBlocks {
  public:
-  Aedat2Blocks(std::unique_ptr<ByteSource> source, const AddressBits& bits, size_t width, size_t height)
+  Aedat2Blocks(SourcePtr source, const AddressBits& bits, size_t width, size_t height)
       : source_(std::move(source)), bits_(bits), width_(width), height_(height), header_bytes_(source_->position()) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -65,8 +65,7 @@ class Aedat2Blocks final : public EventBlocks {
     if (begins_header(bytes.data())) {
       E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source_));
       if (header.bytes == 0) {
-        summary.add(Violation::kBadRecord, source_->position());
-        ++summary.dropped_words;
+        summary.add_dropped(Violation::kBadRecord, source_->position());
         source_->consume(kRecordBytes);
       }
       clock_ = {};
@@ -81,8 +80,7 @@ class Aedat2Blocks final : public EventBlocks {
       if ((load_big_endian(record) & bits_.impossible) == 0) {
         append(record, block);
       } else {
-        summary.add(Violation::kBadRecord, source_->position() + i * kRecordBytes);
-        ++summary.dropped_words;
+        summary.add_dropped(Violation::kBadRecord, source_->position() + i * kRecordBytes);
       }
     }
     source_->consume(count * kRecordBytes);
@@ -112,7 +110,7 @@ class Aedat2Blocks final : public EventBlocks {
                             static_cast<uint8_t>(is_on), t_us});
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   AddressBits bits_;
   size_t width_, height_;
   uint64_t header_bytes_;
@@ -122,7 +120,7 @@ class Aedat2Blocks final : public EventBlocks {
 /// Moves the triggers among the events of blocks to where they belong.
 class TriggersApart final : public EventBlocks {
  public:
-  explicit TriggersApart(std::unique_ptr<EventBlocks> blocks) : blocks_(std::move(blocks)) {}
+  explicit TriggersApart(BlocksPtr blocks) : blocks_(std::move(blocks)) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     E2LF_ASSIGN_OR_RETURN(const bool more, blocks_->next(block, summary));
@@ -134,11 +132,7 @@ class TriggersApart final : public EventBlocks {
         block.triggers.push_back({event.t, 0, static_cast<uint8_t>(event.p - kFallingTrigger)});
         continue;
       }
-      events.x[kept] = event.x;
-      events.y[kept] = event.y;
-      events.p[kept] = event.p;
-      events.t[kept] = event.t;
-      ++kept;
+      events.set(kept++, event);
     }
     events.resize(kept);
     return more;
@@ -148,7 +142,7 @@ class TriggersApart final : public EventBlocks {
   Result<void> seek_before(int64_t t_us) override { return blocks_->seek_before(t_us); }
 
  private:
-  std::unique_ptr<EventBlocks> blocks_;
+  BlocksPtr blocks_;
 };
 
 struct Camera {
@@ -199,10 +193,10 @@ Result<Camera> find_camera(ByteSource& source, const TextHeader& header, const O
 }  // namespace
 
 bool detect_aedat2(std::span<const uint8_t> head) {
-  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kVersionLine);
+  return as_text(head).starts_with(kVersionLine);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_aedat2(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_aedat2(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersionLine)) {

@@ -7,10 +7,10 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/aedat/aedat.h"
 #include "e2lf/recordings/codecs/aedat/text_header.h"
-#include "e2lf/recordings/continued_clock.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::recordings::aedat {
@@ -52,7 +52,7 @@ constexpr TriggerMeaning kMeanings[] = {{2, 0, 1}, {3, 0, 0},  {4, 0, 1},  {6, 1
 class Aedat3Blocks final : public EventBlocks {
  public:
   /// `flip_height` is the height of the sensor if rows are counted from the bottom, otherwise 0.
-  Aedat3Blocks(std::unique_ptr<ByteSource> source, int16_t chosen, bool has_chosen, size_t flip_height)
+  Aedat3Blocks(SourcePtr source, int16_t chosen, bool has_chosen, size_t flip_height)
       : source_(std::move(source)),
         chosen_(chosen),
         has_chosen_(has_chosen),
@@ -121,7 +121,7 @@ class Aedat3Blocks final : public EventBlocks {
     return false;
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   int16_t chosen_;
   bool has_chosen_;
   size_t flip_height_;
@@ -147,10 +147,10 @@ std::map<int16_t, std::string> sources_of(const TextHeader& header) {
 }  // namespace
 
 bool detect_aedat3(std::span<const uint8_t> head) {
-  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kVersion);
+  return as_text(head).starts_with(kVersion);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_aedat3(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source));
   if (header.lines.empty() || !("#" + header.lines[0]).starts_with(kVersion)) {
@@ -164,8 +164,7 @@ Result<std::unique_ptr<RecordingReader>> open_aedat3(std::unique_ptr<ByteSource>
   }
   std::map<int16_t, std::string> sources = sources_of(header);
   if (sources.empty()) sources[0] = "";
-  RecordingInfo info;
-  info.format = "aedat3";
+  RecordingInfo info{.format = "aedat3"};
   std::vector<NamedStream> streams;
   for (const auto& [number, camera] : sources) streams.push_back({cat(number), "", camera});
   E2LF_ASSIGN_OR_RETURN(const size_t chosen, choose_stream(streams, options, name, info));

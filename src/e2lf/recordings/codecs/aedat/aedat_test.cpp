@@ -5,35 +5,16 @@
 #include "e2lf/recordings/recording.h"
 #include "testing/chunked_source.h"
 #include "testing/test_aedat.h"
+#include "testing/test_streams.h"
 
 namespace e2lf::recordings::aedat {
 namespace {
-
-struct Opened {
-  RecordingInfo info;
-  EventBatch batch;
-  DecodeSummary summary;
-};
-
-Opened open(std::unique_ptr<ByteSource> source, OpenOptions options = {}) {
-  options.policy = DecodePolicy::kSkip;
-  auto reader = open_recording(std::move(source), options);
-  EXPECT_TRUE(reader.ok()) << reader.error().text();
-  if (!reader) return {};
-  auto batch = read_all(**reader);
-  EXPECT_TRUE(batch.ok()) << batch.error().text();
-  return {(*reader)->info(), batch.ok() ? *batch : EventBatch(), (*reader)->summary()};
-}
-
-Opened open(const Bytes& bytes, const OpenOptions& options = {}) {
-  return open(make_memory_source(std::span<const uint8_t>(bytes)), options);
-}
 
 TEST(Aedat2, Dvs128IsReadFromTheTopLeft) {
   // Column 5 from the right, row 7 from the bottom; bit 0 is set for OFF.
   const Bytes bytes = aedat2_file("# AEChip: ch.unizh.ini.jaer.chip.retina.DVS128\r\n",
                                   {{7 << 8 | 5 << 1, 100}, {7 << 8 | 5 << 1 | 1, 101}, {0x8000, 150}, {0, 0x7FFFFFFF}});
-  const Opened opened = open(bytes);
+  const Decoded opened = decoded(bytes);
   EXPECT_EQ(opened.info.format, "aedat2");
   EXPECT_EQ(opened.info.width, 128U);
   ASSERT_EQ(opened.batch.events.size(), 3U);
@@ -48,7 +29,7 @@ TEST(Aedat2, Davis240IsReadWithoutItsFramesAndWithItsTriggers) {
                  rising = 1U << 10 | 3U, frame = 1U << 31 | 9U << 22, outside = 200U << 22;
   const Bytes bytes = aedat2_file("# AEChip: eu.seebetter.ini.chips.davis.DAVIS240C\r\n",
                                   {{on, 10}, {frame, 3}, {off, 11}, {rising, 12}, {falling, 13}, {outside, 14}});
-  const Opened opened = open(bytes);
+  const Decoded opened = decoded(bytes);
   EXPECT_EQ(opened.info.height, 180U);
   ASSERT_EQ(opened.batch.events.size(), 2U);
   EXPECT_EQ(opened.batch.events[0], (Event{235, 170, 1, 10}));
@@ -58,17 +39,17 @@ TEST(Aedat2, Davis240IsReadWithoutItsFramesAndWithItsTriggers) {
 }
 
 TEST(Aedat2, ACameraThatIsNotNamedIsToldByItsAddresses) {
-  const Opened dvs = open(aedat2_file("", {{7 << 8 | 5 << 1, 100}}));
+  const Decoded dvs = decoded(aedat2_file("", {{7 << 8 | 5 << 1, 100}}));
   EXPECT_EQ(dvs.info.width, 128U);
   EXPECT_EQ(dvs.info.assumptions.size(), 1U);
-  const Opened davis = open(aedat2_file("", {{9U << 22 | 300U << 12, 100}}));
+  const Decoded davis = decoded(aedat2_file("", {{9U << 22 | 300U << 12, 100}}));
   EXPECT_EQ(davis.info.width, 346U);
   EXPECT_EQ(davis.batch.events[0], (Event{45, 250, 0, 100}));
 }
 
 TEST(Aedat2, ARecordThatBeginsWithAHashIsNoLineOfTheHeader) {
   const uint32_t address = 0x23000000;  // '#'
-  const Opened opened = open(aedat2_file("# AEChip: DAVIS240C\r\n", {{address, 1}, {address, 0x0A0A}}));
+  const Decoded opened = decoded(aedat2_file("# AEChip: DAVIS240C\r\n", {{address, 1}, {address, 0x0A0A}}));
   EXPECT_EQ(opened.batch.events.size(), 2U);
 }
 
@@ -78,18 +59,18 @@ TEST(AedatOfTwoParts, GoOnBehindTheHeaderOfTheLaterOneEvenWhereItIsDamaged) {
   for (const Bytes& one : {second, third}) {
     Bytes twice = one;
     twice.insert(twice.end(), one.begin(), one.end());
-    const Opened whole = open(twice);
+    const Decoded whole = decoded(twice);
     EXPECT_EQ(whole.batch.events.size(), one == second ? 4U : 2U);
     EXPECT_EQ(whole.summary.num_violations(), 0U);
     twice[one.size() + 12] = 1;  // no text: the line is no header
-    EXPECT_GT(open(twice).summary.num_violations(), 0U);
+    EXPECT_GT(decoded(twice).summary.num_violations(), 0U);
   }
 }
 
 TEST(Aedat2, ACutRecordIsCounted) {
   Bytes bytes = aedat2_file("# AEChip: DVS128\r\n", {{0, 1}, {0, 2}});
   bytes.pop_back();
-  const Opened opened = open(bytes);
+  const Decoded opened = decoded(bytes);
   EXPECT_EQ(opened.batch.events.size(), 1U);
   EXPECT_EQ(opened.summary.of(Violation::kTruncated).count, 1U);
 }
@@ -106,18 +87,18 @@ TEST(Aedat2, TriggersBesideARestartBelongToThePartOfTheirPlaceInAFileAndAPipe) {
     }
   }
   const Bytes bytes = aedat2_file("# AEChip: DVS128\r\n", records);
-  const Opened file = open(bytes);
+  const Decoded file = decoded(bytes);
   EXPECT_EQ(file.batch.triggers, expected);
   EXPECT_EQ(file.summary.num_violations(), 0U);
   for (const size_t step : {8U, 100U, 1000U}) {
-    EXPECT_EQ(open(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step)).batch, file.batch) << step;
+    EXPECT_EQ(decoded(chunked(bytes, step)).batch, file.batch) << step;
   }
 }
 
 TEST(Aedat3, PolarityAndSpecialEventsAreRead) {
   const Bytes bytes = aedat3_file("#Source 1: DVS128\r\n", {polarity_packet(1, 1, {{3, 4, 1, 100}, {5, 6, 0, 101}}),
                                                             special_packet(1, 1, {{2, 50}, {3, 60}, {6, 61}})});
-  const Opened opened = open(bytes);
+  const Decoded opened = decoded(bytes);
   const int64_t loop_us = int64_t{1} << 31;
   EXPECT_EQ(opened.info.format, "aedat3");
   EXPECT_EQ(opened.info.width, 128U);
@@ -132,10 +113,9 @@ TEST(Aedat3, PolarityAndSpecialEventsAreRead) {
 TEST(Aedat3, SeveralSourcesAreStreams) {
   const Bytes bytes = aedat3_file("#Source 1: DVS128\r\n#Source 2: DAVIS240C\r\n",
                                   {polarity_packet(1, 0, {{3, 4, 1, 100}}), polarity_packet(2, 0, {{200, 6, 0, 101}})});
-  EXPECT_EQ(open(bytes).summary.other_streams, 1U);
-  OpenOptions second;
-  second.stream = "DAVIS240C";
-  const Opened opened = open(bytes, second);
+  EXPECT_EQ(decoded(bytes).summary.other_streams, 1U);
+  OpenOptions second = {.stream = "DAVIS240C"};
+  const Decoded opened = decoded(bytes, second);
   EXPECT_EQ(opened.info.width, 240U);
   ASSERT_EQ(opened.batch.events.size(), 1U);
   EXPECT_EQ(opened.batch.events[0], (Event{200, 6, 0, 101}));
@@ -145,7 +125,8 @@ TEST(Aedat3, SeveralSourcesAreStreams) {
 TEST(Aedat3, APacketThatClaimsTooMuchIsNotAllocated) {
   Bytes packet = polarity_packet(1, 0, {{3, 4, 1, 100}});
   store_le<uint32_t>(&packet[20], INT32_MAX);
-  const Opened opened = open(aedat3_file("#Source 1: DVS128\r\n", {polarity_packet(1, 0, {{3, 4, 1, 99}}), packet}));
+  const Decoded opened =
+      decoded(aedat3_file("#Source 1: DVS128\r\n", {polarity_packet(1, 0, {{3, 4, 1, 99}}), packet}));
   EXPECT_EQ(opened.batch.events.size(), 1U);
   EXPECT_EQ(opened.summary.of(Violation::kMisaligned).count, 1U);
 }

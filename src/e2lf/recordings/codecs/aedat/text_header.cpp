@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::aedat {
 namespace {
@@ -40,8 +41,7 @@ Result<TextHeader> read_text_header(ByteSource& source) {
   size_t wanted = kDetectBytes;
   E2LF_ASSIGN_OR_RETURN(auto bytes, source.fetch(wanted));
   for (bool is_done = false; !is_done;) {
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    const std::string_view rest = text.substr(header.bytes);
+    const std::string_view rest = as_text(bytes).substr(header.bytes);
     const size_t end = rest.find('\n');
     if (end == std::string_view::npos && rest.starts_with('#') && is_text(rest) && bytes.size() >= wanted) {
       if (wanted >= kMaxHeaderBytes) {

@@ -7,10 +7,8 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/aedat4/aedat4.h"
-#include "e2lf/recordings/codecs/aedat4/aedat4_header.h"
-#include "e2lf/recordings/codecs/aedat4/aedat4_packets.h"
-#include "e2lf/recordings/continued_clock.h"
+#include "e2lf/recordings/codecs/aedat4/aedat4_format.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/restart.h"
 #include "e2lf/recordings/stream_choice.h"
@@ -40,8 +38,8 @@ Use use_of_stream(const Stream& stream, const Stream& events, bool has_several_c
 class Aedat4Blocks final : public EventBlocks {
  public:
   /// `events` is the stream to read, one of `event_streams`.
-  Aedat4Blocks(std::unique_ptr<ByteSource> source, Header header, std::unique_ptr<Decompressor> decompressor,
-               const std::vector<Stream>& event_streams, const Stream& events, bool has_chosen)
+  Aedat4Blocks(SourcePtr source, Header header, DecompressorPtr decompressor, const std::vector<Stream>& event_streams,
+               const Stream& events, bool has_chosen)
       : source_(std::move(source)), header_(std::move(header)), decompressor_(std::move(decompressor)) {
     const bool has_several_cameras =
         std::any_of(event_streams.begin(), event_streams.end(),
@@ -70,8 +68,7 @@ class Aedat4Blocks final : public EventBlocks {
     if (packet->use == Use::kLeftOut) {
       ++summary.other_streams;
     } else if (packet->use != Use::kNone && !append_packet(packed, packet->use, block)) {
-      summary.add(Violation::kBadRecord, position);
-      ++summary.dropped_words;
+      summary.add_dropped(Violation::kBadRecord, position);
     }
     source_->consume(packet->bytes);
     return true;
@@ -87,7 +84,7 @@ class Aedat4Blocks final : public EventBlocks {
       const auto& times = packet.events.t;
       // Unreadable packets are treated as late, so that the search ends before them.
       if (times.empty()) return INT64_MAX;
-      return median_time({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
+      return median<int64_t>({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
     };
     uint64_t position = header_.bytes;
     // If the clock starts again, only the first part could be bisected.
@@ -240,10 +237,10 @@ class Aedat4Blocks final : public EventBlocks {
     return false;
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   Header header_;
   uint64_t first_table_position_ = header_.table_position;
-  std::unique_ptr<Decompressor> decompressor_;
+  DecompressorPtr decompressor_;
   std::vector<std::pair<int32_t, Use>> uses_;
   std::vector<uint8_t> unpacked_;
   std::vector<uint64_t> event_packets_, trigger_packets_;  ///< their positions, once has_noted_
@@ -267,7 +264,7 @@ bool detect(std::span<const uint8_t> head) {
   return header_size(head).has_value();
 }
 
-Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kVersionLine.size() + 4));
   const auto size = header_size(bytes);
@@ -279,8 +276,7 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   source->consume(header.bytes);
   E2LF_ASSIGN_OR_RETURN(auto decompressor, make_decompressor(header.compression));
 
-  RecordingInfo info;
-  info.format = "aedat4";
+  RecordingInfo info{.format = "aedat4"};
   const std::vector<Stream> event_streams = streams_of_events(header);
   std::vector<NamedStream> named;
   for (const Stream& stream : event_streams) named.push_back({cat(stream.id), stream.output, stream.source});

@@ -48,11 +48,7 @@ std::pair<Bytes, EventBatch> long_example(Compression compression) {
 }
 
 EventBatch read_from(const Bytes& bytes, int64_t from_us) {
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  options.from_us = from_us;
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).value();
-  return read_all(*reader).value();
+  return decoded(bytes, {.from_us = from_us}).batch;
 }
 
 EventBatch rest_of(const EventBatch& all, int64_t from_us) {
@@ -65,9 +61,8 @@ EventBatch rest_of(const EventBatch& all, int64_t from_us) {
 }
 
 Result<EventBatch> read(const Bytes& bytes, DecodeSummary* summary = nullptr) {
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options));
+  OpenOptions options = {.policy = DecodePolicy::kSkip};
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_bytes(bytes, options));
   E2LF_ASSIGN_OR_RETURN(EventBatch batch, read_all(*reader));
   if (summary != nullptr) *summary = reader->summary();
   return batch;
@@ -105,43 +100,37 @@ Bytes two_cameras() {
 
 TEST(Aedat4, TheSecondCameraIsCountedAsLeftOut) {
   const Bytes bytes = two_cameras();
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), {.policy = DecodePolicy::kSkip});
-  ASSERT_TRUE(reader.ok()) << reader.error().text();
-  const EventBatch batch = read_all(**reader).value();
-  EXPECT_EQ(batch.events.x, (Column<uint16_t>{1, 1}));
-  EXPECT_EQ(batch.triggers, (std::vector<Trigger>{{150, 0, 1}}));
-  EXPECT_EQ((*reader)->summary().other_streams, 2U);
-  const auto left_out = losses((*reader)->summary());
+  const Decoded read = decoded(bytes);
+  EXPECT_EQ(read.batch.events.x, (Column<uint16_t>{1, 1}));
+  EXPECT_EQ(read.batch.triggers, (std::vector<Trigger>{{150, 0, 1}}));
+  EXPECT_EQ(read.summary.other_streams, 2U);
+  const auto left_out = losses(read.summary);
   ASSERT_EQ(left_out.size(), 1U);
   EXPECT_EQ(left_out[0].reason, "other_stream");
-  ASSERT_EQ((*reader)->info().assumptions.size(), 1U);
-  EXPECT_NE((*reader)->info().assumptions[0].text.find("4 (events of DVXplorer_2)"), std::string::npos);
+  ASSERT_EQ(read.info.assumptions.size(), 1U);
+  EXPECT_NE(read.info.assumptions[0].text.find("4 (events of DVXplorer_2)"), std::string::npos);
 }
 
 TEST(Aedat4, AStreamIsChosenByNumberOrCamera) {
   const Bytes bytes = two_cameras();
   for (const char* stream : {"4", "DVXplorer_2"}) {
-    OpenOptions options{.policy = DecodePolicy::kStrict, .stream = stream};
-    auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options);
-    ASSERT_TRUE(reader.ok()) << reader.error().text();
-    EXPECT_EQ((*reader)->info().width, 640U);
-    const EventBatch batch = read_all(**reader).value();
-    EXPECT_EQ(batch.events.x, (Column<uint16_t>{600, 600}));
-    EXPECT_EQ(batch.triggers, (std::vector<Trigger>{{160, 0, 0}}));
-    EXPECT_TRUE(losses((*reader)->summary()).empty());
+    const Decoded read = decoded(open_bytes(bytes, {.policy = DecodePolicy::kStrict, .stream = stream}));
+    EXPECT_EQ(read.info.width, 640U);
+    EXPECT_EQ(read.batch.events.x, (Column<uint16_t>{600, 600}));
+    EXPECT_EQ(read.batch.triggers, (std::vector<Trigger>{{160, 0, 0}}));
+    EXPECT_TRUE(losses(read.summary).empty());
   }
 }
 
 TEST(Aedat4, AStreamThatIsNotThereOrNotOneIsRefused) {
   const Bytes bytes = two_cameras();
   for (const char* stream : {"7", "events", "left"}) {
-    const auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), {.stream = stream});
+    const auto reader = open_bytes(bytes, {.stream = stream});
     ASSERT_FALSE(reader.ok()) << stream;
     EXPECT_EQ(reader.error().code, ErrorCode::kInvalidValue);
     EXPECT_NE(reader.error().message.find("0 (events of DAVIS346_1)"), std::string::npos);
   }
-  auto strict =
-      open_recording(make_memory_source(std::span<const uint8_t>(bytes)), {.policy = DecodePolicy::kStrict}).value();
+  auto strict = open_bytes(bytes, {.policy = DecodePolicy::kStrict}).value();
   EXPECT_FALSE(read_all(*strict).ok());
 }
 
@@ -232,10 +221,8 @@ TEST(Aedat4, SeekingUnpacksHardlyAnything) {
   for (int packet = 0; packet < 20; ++packet, ++place)
     place = std::search(place, bytes.end(), mark.begin(), mark.end());
   *--place = 'X';
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  options.from_us = all.events.t[5500];
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).value();
+  OpenOptions options = {.policy = DecodePolicy::kSkip, .from_us = all.events.t[5500]};
+  auto reader = open_bytes(bytes, options).value();
   EXPECT_EQ(read_all(*reader).value(), good);
   EXPECT_EQ(reader->summary().num_violations(), 0u);
 }

@@ -4,9 +4,8 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/dat/dat.h"
-#include "e2lf/recordings/codecs/dat/dat_seek.h"
-#include "e2lf/recordings/continued_clock.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/event_gate.h"
 #include "e2lf/recordings/io/unpacked_source.h"
@@ -64,8 +63,7 @@ Result<Header> read_header(ByteSource& source) {
 class TriggerFile final : public TriggerSource {
  public:
   /// `header_bytes` is the offset of the records and the position of the source.
-  TriggerFile(std::unique_ptr<ByteSource> source, size_t header_bytes)
-      : source_(std::move(source)), header_bytes_(header_bytes) {}
+  TriggerFile(SourcePtr source, size_t header_bytes) : source_(std::move(source)), header_bytes_(header_bytes) {}
 
   Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kRecordBytes));
@@ -82,7 +80,7 @@ class TriggerFile final : public TriggerSource {
   }
 
  private:
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   size_t header_bytes_;
   TimeUnwrapper unwrap_;
 };
@@ -102,7 +100,7 @@ size_t find_text(std::span<const uint8_t> records) {
 /// The records of a file of events.
 class DatBlocks final : public EventBlocks {
  public:
-  DatBlocks(std::unique_ptr<ByteSource> source, const Header& header)
+  DatBlocks(SourcePtr source, const Header& header)
       : source_(std::move(source)), header_bytes_(header.bytes), bits_(header.version == 1 ? kVersion1 : kVersion2) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -132,8 +130,7 @@ class DatBlocks final : public EventBlocks {
         bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
       }
     }
-    summary.add(Violation::kBadRecord, byte_, bad);
-    summary.dropped_words += bad;
+    summary.add_dropped(Violation::kBadRecord, byte_, bad);
     source_->consume(count == 0 ? bytes.size() : count * kRecordBytes);
     return count > 0;
   }
@@ -151,7 +148,7 @@ class DatBlocks final : public EventBlocks {
   /// Few enough to stay in the cache until they are used.
   static constexpr size_t kBlockRecords = size_t{1} << 15;
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   size_t header_bytes_;
   PlaceBits bits_;
   uint64_t byte_ = 0;
@@ -161,8 +158,7 @@ class DatBlocks final : public EventBlocks {
 /// Reads a file of triggers that was opened as a recording.
 class DatTriggerReader final : public RecordingReader {
  public:
-  DatTriggerReader(std::unique_ptr<ByteSource> source, const Header& header, const OpenOptions& options)
-      : RecordingReader(options) {
+  DatTriggerReader(SourcePtr source, const Header& header, const OpenOptions& options) : RecordingReader(options) {
     info_ = header.info;
     name_ = source->name();
     triggers_ = TriggerFeed(std::make_unique<TriggerFile>(std::move(source), header.bytes));
@@ -204,15 +200,14 @@ bool is_trigger_file(const std::filesystem::path& path) {
   return header && header->type == kTypeTrigger;
 }
 
-Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(Header header, read_header(*source));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, header.info, source->name()));
   if (header.type == kTypeTrigger) {
-    std::unique_ptr<RecordingReader> reader = std::make_unique<DatTriggerReader>(std::move(source), header, options);
-    return reader;
+    return ReaderPtr(std::make_unique<DatTriggerReader>(std::move(source), header, options));
   }
   TriggerFeed triggers;
-  std::unique_ptr<ByteSource> trigger_source;
+  SourcePtr trigger_source;
   if (const std::filesystem::path path = source->logical_path(); !path.empty()) {
     E2LF_ASSIGN_OR_RETURN(trigger_source, open_file_beside(trigger_path(path)));
   }

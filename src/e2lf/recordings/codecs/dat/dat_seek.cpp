@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/dat/dat_seek.h"
 
 #include <algorithm>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/codecs/dat/dat_header.h"
+#include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::dat {
@@ -53,7 +52,7 @@ class Search {
     if (count == 0) return Error{ErrorCode::kIo, "the file became shorter while it was read", source_.name()};
     std::vector<int64_t> times(count);
     for (size_t i = 0; i < count; ++i) times[i] = load_le<uint32_t>(&bytes[i * kRecordBytes]);
-    return median_time(std::move(times));
+    return median(std::move(times));
   }
 
   /// Reads a record after another one.

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/dat/dat_seek.h"
-
 #include <algorithm>
 #include <gtest/gtest.h>
 
 #include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/recording.h"
 #include "testing/test_streams.h"
 
@@ -20,12 +19,7 @@ EventBatch long_stream() {
 }
 
 std::vector<uint8_t> written(const EventBatch& batch) {
-  std::vector<uint8_t> bytes;
-  auto writer =
-      create_recording(make_memory_sink(bytes), "dat", {.format = "dat", .width = 64, .height = 48, .header = {}});
-  writer.value()->write(batch).value();
-  writer.value()->finish().value();
-  return bytes;
+  return encoded(batch, "dat", {.width = 64, .height = 48});
 }
 
 /// The records of a file, which are at its end.
@@ -34,10 +28,7 @@ size_t header_bytes(const std::vector<uint8_t>& bytes, const EventBatch& batch) 
 }
 
 EventColumns read_from(const std::vector<uint8_t>& bytes, int64_t from_us) {
-  OpenOptions options{.format = "dat", .policy = DecodePolicy::kSkip};
-  options.from_us = from_us;
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).value();
-  return read_all(*reader).value().events;
+  return decoded(bytes, {.format = "dat", .from_us = from_us}).batch.events;
 }
 
 EventColumns rest_of(const EventColumns& events, int64_t from_us) {

@@ -5,8 +5,9 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/dat/dat.h"
-#include "e2lf/recordings/codecs/dat/time_unwrapper.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/dat/dat_format.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::dat {
 namespace {
@@ -14,20 +15,16 @@ namespace {
 constexpr uint16_t kMaxCoordinate = 0x3FFF;
 constexpr uint16_t kMaxTriggerId = 0x3F;
 
-std::span<const uint8_t> bytes_of(const std::string& text) {
-  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
-
 class DatWriter final : public RecordingWriter {
  public:
   /// If `trigger_file` is empty, triggers are dropped.
-  DatWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info, std::filesystem::path trigger_file)
+  DatWriter(SinkPtr sink, const RecordingInfo& info, std::filesystem::path trigger_file)
       : sink_(std::move(sink)),
         info_(info),
         trigger_file_(std::move(trigger_file)),
         check_(most_pixels(info.width), most_pixels(info.height), sink_->name()) {}
 
-  Result<void> begin() { return sink_->write(bytes_of(make_header(info_, kTypeCd))); }
+  Result<void> begin() { return sink_->write(as_bytes(make_header(info_, kTypeCd))); }
 
   bool holds_triggers() const override { return !trigger_file_.empty(); }
 
@@ -62,7 +59,7 @@ class DatWriter final : public RecordingWriter {
     if (triggers.empty()) return {};
     if (!trigger_sink_) {
       E2LF_ASSIGN_OR_RETURN(trigger_sink_, open_file_sink(trigger_file_));
-      E2LF_RETURN_IF_ERROR(trigger_sink_->write(bytes_of(make_header(info_, kTypeTrigger))));
+      E2LF_RETURN_IF_ERROR(trigger_sink_->write(as_bytes(make_header(info_, kTypeTrigger))));
     }
     buffer_.resize(triggers.size() * kRecordBytes);
     for (size_t i = 0; i < triggers.size(); ++i) {
@@ -89,30 +86,28 @@ class DatWriter final : public RecordingWriter {
                  sink_->name(), Setting::kShiftTime};
   }
 
-  std::unique_ptr<ByteSink> sink_;
+  SinkPtr sink_;
   RecordingInfo info_;
   std::filesystem::path trigger_file_;
   BatchCheck check_;
-  std::unique_ptr<ByteSink> trigger_sink_;
+  SinkPtr trigger_sink_;
   std::vector<uint8_t> buffer_;
   TimeUnwrapper unwrap_event_, unwrap_trigger_;
 };
 
-Result<std::unique_ptr<RecordingWriter>> start(std::unique_ptr<ByteSink> sink, const RecordingInfo& info,
-                                               std::filesystem::path trigger_file) {
+Result<WriterPtr> start(SinkPtr sink, const RecordingInfo& info, std::filesystem::path trigger_file) {
   auto writer = std::make_unique<DatWriter>(std::move(sink), info, std::move(trigger_file));
   E2LF_RETURN_IF_ERROR(writer->begin());
-  std::unique_ptr<RecordingWriter> result = std::move(writer);
-  return result;
+  return WriterPtr(std::move(writer));
 }
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info) {
   return start(std::move(sink), info, {});
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
+Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(auto sink, open_file_sink(path));
   return start(std::move(sink), info, trigger_path(path));
 }

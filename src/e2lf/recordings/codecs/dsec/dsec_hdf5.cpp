@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "e2lf/files/file.h"
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/dsec/event_places.h"
 #include "e2lf/recordings/stream_choice.h"
 #include "e2lf/recordings/table/column_names.h"
@@ -146,8 +145,7 @@ class ColumnBlocks final : public EventBlocks {
       const std::string& dataset = place.columns[i];
       const std::string field = !place.fields[i].empty() ? place.fields[i] : dataset.substr(dataset.rfind('/') + 1);
       const NumberColumn& column = columns_[i];
-      sample.columns.push_back({sample.is_ordered ? "" : field, TimeUnit::kAuto, values(column, count),
-                                table::is_integer_type(column.field.type), column.field.type == "f4"});
+      sample.columns.push_back(table::sample_of(sample.is_ordered ? "" : field, numbers(column), column.field, count));
     }
     const std::string group = place.rows.empty() && place.name != "/" ? place.name : "";
     read_time_attributes(file, parts_.back().shape.dataset.get(), group, sample);
@@ -177,21 +175,15 @@ class ColumnBlocks final : public EventBlocks {
       return false;
     }
     E2LF_RETURN_IF_ERROR(read(next_, count));
-    Column<uint8_t> bad(count, 0);
-    EventColumns& events = block.events;
-    events.resize(count);
-    const NumberColumn &x = column(Field::kX), &y = column(Field::kY), &p = column(Field::kP);
-    table::to_column(numbers(x), x.field, count, events.x.data(), bad.data());
-    table::to_column(numbers(y), y.field, count, events.y.data(), bad.data());
-    table::to_polarities(numbers(p), p.field, layout_.polarity, count, events.p.data(), bad.data());
-    take_times(count, events.t.data(), bad.data());
-    for (int64_t& t_us : events.t) {
+    const NumberColumn &x = column(Field::kX), &y = column(Field::kY), &p = column(Field::kP), &t = column(Field::kT);
+    const table::RecordFields fields = {x.field, y.field, p.field, t.field, layout_.unit, layout_.polarity};
+    const size_t num_bad =
+        table::to_events({numbers(x), numbers(y), numbers(p), numbers(t)}, fields, count, block.events);
+    for (int64_t& t_us : block.events.t) {
       // An invalid time stays invalid, and EventGate drops it.
       t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
     }
-    const size_t num_bad = table::remove_bad(events, 0, bad);
-    summary.add(Violation::kBadRecord, 0, num_bad);
-    summary.dropped_words += num_bad;
+    summary.add_dropped(Violation::kBadRecord, 0, num_bad);
     next_ += count;
     return true;
   }
@@ -203,8 +195,9 @@ class ColumnBlocks final : public EventBlocks {
       Column<uint8_t> bad(count);
       std::vector<int64_t> times_us(count);
       E2LF_RETURN_IF_ERROR(read(parts_[column(Field::kT).part], i, count));
-      take_times(count, times_us.data(), bad.data());
-      const int64_t since_us = median_time(std::move(times_us));
+      table::to_times(numbers(column(Field::kT)), column(Field::kT).field, layout_.unit, count, times_us.data(),
+                      bad.data());
+      const int64_t since_us = median(std::move(times_us));
       return is_time(since_us) ? since_us + offset_us_ : since_us;
     };
     E2LF_ASSIGN_OR_RETURN(next_, find_place_before(length_, t_us, time_at));
@@ -269,10 +262,6 @@ class ColumnBlocks final : public EventBlocks {
   [[nodiscard]] const uint8_t* numbers(const NumberColumn& column) const { return parts_[column.part].numbers.data(); }
   [[nodiscard]] std::vector<double> values(const NumberColumn& column, uint64_t count) const {
     return table::to_doubles(numbers(column), column.field, count);
-  }
-  void take_times(uint64_t count, int64_t* times_us, uint8_t* bad) const {
-    const NumberColumn& t = column(Field::kT);
-    table::to_times(numbers(t), t.field, layout_.unit, count, times_us, bad);
   }
 
   std::string location_;
@@ -400,13 +389,11 @@ Result<TableOfEvents> open_columns(hid_t file, const OpenOptions& options, const
       location};
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_dsec_file(const std::filesystem::path& path,
-                                                          const RecordingInfo& info) {
+Result<WriterPtr> create_dsec_file(const std::filesystem::path& path, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
   auto writer = std::make_unique<DsecWriter>(std::move(file), info);
   E2LF_RETURN_IF_ERROR(writer->begin(info));
-  std::unique_ptr<RecordingWriter> result = std::move(writer);
-  return result;
+  return WriterPtr(std::move(writer));
 }
 
 }  // namespace e2lf::recordings::hdf5_events

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/hdf5_file.h"
-#include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings::hdf5_events {
 
@@ -28,5 +28,17 @@ struct EventPlace {
 /// data sets or attributes, or the attribute sensor_resolution = [height, width]. Does not change `info` if there are
 /// none.
 void read_sensor_size(hid_t file, const std::string& group, RecordingInfo& info);
+
+/// Opens a table of events whose columns have any numeric type. If there are several tables,
+/// options.stream selects one by its number or name. OpenOptions::time_unit states the unit of the times. Assumptions
+/// are added to `info`. Fails with kNotFound if the file contains no table, and with kShape if columns differ in
+/// length.
+struct TableOfEvents {
+  BlocksPtr blocks;
+  TimeUnit unit = TimeUnit::kMicroseconds;
+  int64_t zero_us = 0;  ///< time of a row of zeros
+};
+[[nodiscard]] Result<TableOfEvents> open_columns(hid_t file, const OpenOptions& options, const std::string& location,
+                                                 RecordingInfo& info);
 
 }  // namespace e2lf::recordings::hdf5_events

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "e2lf/recordings/event.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/hdf5_file.h"
 
 namespace e2lf::recordings::hdf5_events {
@@ -36,5 +36,9 @@ static_assert(sizeof(EventRecord) == 16 && sizeof(TriggerRecord) == 24 && sizeof
 
 /// Copies records to the events [begin, begin + count) of `events`, which must be large enough.
 void columns_from_records(const EventRecord* records, size_t count, EventColumns& events, size_t begin);
+
+/// Opens /CD/events. Fails as open_dataset() does, and with kMissingDependency for a filter that neither e2lf nor the
+/// library has.
+[[nodiscard]] Result<BlocksPtr> open_event_chunks(hid_t file, const std::string& location, int threads);
 
 }  // namespace e2lf::recordings::hdf5_events

@@ -5,10 +5,10 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/dsec/dsec_hdf5.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/event_chunks.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
-#include "e2lf/recordings/continued_clock.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/dsec/event_places.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/layout.h"
 #include "e2lf/recordings/table/table_reader.h"
@@ -59,8 +59,7 @@ void parse_geometry(const std::string& text, RecordingInfo& info) {
 }
 
 RecordingInfo read_info(hid_t file) {
-  RecordingInfo info;
-  info.format = "hdf5";
+  RecordingInfo info{.format = "hdf5"};
   info.header = read_text_attributes(file);
   parse_geometry(info.find("geometry").value_or(""), info);
   return info;
@@ -78,7 +77,7 @@ bool detect(std::span<const uint8_t> head) {
   return false;
 }
 
-Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   const LibraryLock lock;
   const std::string name = source->name();
   // The data sets keep the file open.
@@ -86,11 +85,11 @@ Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source
   RecordingInfo info = read_info(file.get());
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
-  std::unique_ptr<EventBlocks> blocks;
+  BlocksPtr blocks;
   TriggerFeed triggers;
   if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
     E2LF_RETURN_IF_ERROR(table::refuse_table_options(options, "hdf5", name));
-    E2LF_ASSIGN_OR_RETURN(blocks, EventChunks::open(file.get(), name, options.threads));
+    E2LF_ASSIGN_OR_RETURN(blocks, open_event_chunks(file.get(), name, options.threads));
     blocks = make_continued(std::move(blocks), EventOrder::kByTime);
     if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
       triggers = TriggerFeed(std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events"));

@@ -7,8 +7,8 @@
 #include "e2lf/files/file.h"
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/metavision_hdf5.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 
 namespace e2lf::recordings::hdf5_events {
@@ -85,42 +85,6 @@ class TimeIndex {
   int64_t next_us_ = 0;
 };
 
-class MetavisionWriter final : public RecordingWriter {
- public:
-  MetavisionWriter(AtomicFile file, const RecordingInfo& info)
-      : file_(std::move(file)),
-        check_(info.width, info.height, file_.target().string()),
-        has_small_sensor_(info.width != 0 && info.width <= ecf::kMaxCoordinate + 1 && info.height != 0 &&
-                          info.height <= ecf::kMaxCoordinate + 1) {}
-  MetavisionWriter(const MetavisionWriter&) = delete;
-  MetavisionWriter& operator=(const MetavisionWriter&) = delete;
-
-  Result<void> begin(const RecordingInfo& info);
-  bool holds_triggers() const override { return true; }
-  Result<void> write(const EventBatch& batch) override;
-  Result<void> finish() override;
-
- private:
-  struct EncodedChunk {
-    std::vector<uint8_t> bytes;
-    size_t size = 0;
-    bool is_filtered = false;
-  };
-
-  [[nodiscard]] bool can_encode(const ecf::ChunkColumns& columns) const;
-  void encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) const;
-  [[nodiscard]] Result<void> write_chunks(bool is_last);
-
-  AtomicFile file_;
-  BatchCheck check_;
-  bool has_small_sensor_;
-  CheckedFile hdf5_file_;
-  GrowingDataset events_, triggers_;
-  TimeIndex event_index_, trigger_index_;
-  EventColumns pending_;
-  std::vector<EncodedChunk> encoded_;
-};
-
 Result<void> write_header(hid_t file, const RecordingInfo& info) {
   const auto is_ours = [](const std::string& key) { return key == "version" || key == "geometry" || key == "end"; };
   std::vector<std::string> written;
@@ -135,112 +99,135 @@ Result<void> write_header(hid_t file, const RecordingInfo& info) {
   return write_text_attribute(file, "version", "1.0");
 }
 
-Result<void> MetavisionWriter::begin(const RecordingInfo& info) {
-  const LibraryLock lock;
-  E2LF_ASSIGN_OR_RETURN(hdf5_file_, CheckedFile::create(file_.path(), file_.target().string()));
-  E2LF_RETURN_IF_ERROR(write_header(hdf5_file_.get(), info));
-  const auto make_group = [&](const char* name) {
-    return Handle(H5Gcreate2(hdf5_file_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+class MetavisionWriter final : public RecordingWriter {
+ public:
+  MetavisionWriter(AtomicFile file, const RecordingInfo& info)
+      : file_(std::move(file)),
+        check_(info.width, info.height, file_.target().string()),
+        has_small_sensor_(info.width != 0 && info.width <= ecf::kMaxCoordinate + 1 && info.height != 0 &&
+                          info.height <= ecf::kMaxCoordinate + 1) {}
+  MetavisionWriter(const MetavisionWriter&) = delete;
+  MetavisionWriter& operator=(const MetavisionWriter&) = delete;
+
+  Result<void> begin(const RecordingInfo& info) {
+    const LibraryLock lock;
+    E2LF_ASSIGN_OR_RETURN(hdf5_file_, CheckedFile::create(file_.path(), file_.target().string()));
+    E2LF_RETURN_IF_ERROR(write_header(hdf5_file_.get(), info));
+    const auto make_group = [&](const char* name) {
+      return Handle(H5Gcreate2(hdf5_file_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+    };
+    const Handle cd = make_group("CD"), trigger = make_group("EXT_TRIGGER");
+    E2LF_ASSIGN_OR_RETURN(events_,
+                          GrowingDataset::create(cd.get(), "events", event_type().get(), kChunkEvents, kEcfFilter));
+    E2LF_ASSIGN_OR_RETURN(triggers_,
+                          GrowingDataset::create(trigger.get(), "events", trigger_type().get(), kChunkEvents));
+    E2LF_ASSIGN_OR_RETURN(event_index_, TimeIndex::create(cd.get()));
+    E2LF_ASSIGN_OR_RETURN(trigger_index_, TimeIndex::create(trigger.get()));
+    return {};
+  }
+
+  bool holds_triggers() const override { return true; }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    E2LF_RETURN_IF_ERROR(event_index_.add(batch.events.size(), [&](size_t i) { return batch.events.t[i]; }));
+    pending_.append(batch.events);
+    if (pending_.size() >= kBlockChunks * kChunkEvents || hdf5_file_.is_behind())
+      E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/false));
+
+    std::vector<TriggerRecord> records;
+    E2LF_RETURN_IF_ERROR(trigger_index_.add(batch.triggers.size(), [&](size_t i) { return batch.triggers[i].t; }));
+    for (const Trigger& trigger : batch.triggers) {
+      records.push_back({static_cast<int16_t>(trigger.p), trigger.t, static_cast<int16_t>(trigger.id)});
+    }
+    E2LF_RETURN_IF_ERROR(triggers_.append(trigger_type().get(), records.data(), records.size()));
+    const LibraryLock lock;
+    if (hdf5_file_.is_behind()) hdf5_file_.keep_up();
+    return hdf5_file_.check();
+  }
+
+  Result<void> finish() override {
+    const LibraryLock lock;
+    E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/true));
+    E2LF_RETURN_IF_ERROR(event_index_.finish());
+    E2LF_RETURN_IF_ERROR(trigger_index_.finish());
+    // The file is written when the last of its objects is closed.
+    events_ = {};
+    triggers_ = {};
+    event_index_ = {};
+    trigger_index_ = {};
+    E2LF_RETURN_IF_ERROR(hdf5_file_.close());
+    return file_.commit();
+  }
+
+ private:
+  struct EncodedChunk {
+    std::vector<uint8_t> bytes;
+    size_t size = 0;
+    bool is_filtered = false;
   };
-  const Handle cd = make_group("CD"), trigger = make_group("EXT_TRIGGER");
-  E2LF_ASSIGN_OR_RETURN(events_,
-                        GrowingDataset::create(cd.get(), "events", event_type().get(), kChunkEvents, kEcfFilter));
-  E2LF_ASSIGN_OR_RETURN(triggers_, GrowingDataset::create(trigger.get(), "events", trigger_type().get(), kChunkEvents));
-  E2LF_ASSIGN_OR_RETURN(event_index_, TimeIndex::create(cd.get()));
-  E2LF_ASSIGN_OR_RETURN(trigger_index_, TimeIndex::create(trigger.get()));
-  return {};
-}
 
-Result<void> MetavisionWriter::write(const EventBatch& batch) {
-  E2LF_RETURN_IF_ERROR(check_(batch));
-  E2LF_RETURN_IF_ERROR(event_index_.add(batch.events.size(), [&](size_t i) { return batch.events.t[i]; }));
-  pending_.append(batch.events);
-  if (pending_.size() >= kBlockChunks * kChunkEvents || hdf5_file_.is_behind())
-    E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/false));
-
-  std::vector<TriggerRecord> records;
-  E2LF_RETURN_IF_ERROR(trigger_index_.add(batch.triggers.size(), [&](size_t i) { return batch.triggers[i].t; }));
-  for (const Trigger& trigger : batch.triggers) {
-    records.push_back({static_cast<int16_t>(trigger.p), trigger.t, static_cast<int16_t>(trigger.id)});
+  /// Returns the same as ecf::can_encode() without repeating the checks of the batch.
+  bool can_encode(const ecf::ChunkColumns& columns) const {
+    if (!has_small_sensor_) return ecf::can_encode(columns);
+    return columns.t.front() >= 0 && columns.t.back() < ecf::kEndOfTime;
   }
-  E2LF_RETURN_IF_ERROR(triggers_.append(trigger_type().get(), records.data(), records.size()));
-  const LibraryLock lock;
-  if (hdf5_file_.is_behind()) hdf5_file_.keep_up();
-  return hdf5_file_.check();
-}
 
-/// Returns the same as ecf::can_encode() without repeating the checks of the batch.
-bool MetavisionWriter::can_encode(const ecf::ChunkColumns& columns) const {
-  if (!has_small_sensor_) return ecf::can_encode(columns);
-  return columns.t.front() >= 0 && columns.t.back() < ecf::kEndOfTime;
-}
-
-void MetavisionWriter::encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) const {
-  const size_t count = end - begin;
-  const auto part = [&](const auto& column) { return std::span(column).subspan(begin, count); };
-  const ecf::ChunkColumns columns = {part(events.x), part(events.y), part(events.p), part(events.t)};
-  out.is_filtered = can_encode(columns);
-  if (out.is_filtered) {
-    out.bytes.resize(ecf::max_encoded_size(kChunkEvents));
-    out.size = ecf::encode(columns, out.bytes);
-    return;
+  void encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) const {
+    const size_t count = end - begin;
+    const auto part = [&](const auto& column) { return std::span(column).subspan(begin, count); };
+    const ecf::ChunkColumns columns = {part(events.x), part(events.y), part(events.p), part(events.t)};
+    out.is_filtered = can_encode(columns);
+    if (out.is_filtered) {
+      out.bytes.resize(ecf::max_encoded_size(kChunkEvents));
+      out.size = ecf::encode(columns, out.bytes);
+      return;
+    }
+    // Without the filter, a chunk has its full length.
+    std::vector<EventRecord> records(kChunkEvents);
+    for (size_t i = 0; i < count; ++i) {
+      records[i] = {columns.x[i], columns.y[i], static_cast<int16_t>(columns.p[i]), columns.t[i]};
+    }
+    out.size = records.size() * sizeof(EventRecord);
+    const auto* bytes = reinterpret_cast<const uint8_t*>(records.data());
+    out.bytes.assign(bytes, bytes + out.size);
   }
-  // Without the filter, a chunk has its full length.
-  std::vector<EventRecord> records(kChunkEvents);
-  for (size_t i = 0; i < count; ++i) {
-    records[i] = {columns.x[i], columns.y[i], static_cast<int16_t>(columns.p[i]), columns.t[i]};
-  }
-  out.size = records.size() * sizeof(EventRecord);
-  const auto* bytes = reinterpret_cast<const uint8_t*>(records.data());
-  out.bytes.assign(bytes, bytes + out.size);
-}
 
-Result<void> MetavisionWriter::write_chunks(bool is_last) {
-  const size_t events = is_last ? pending_.size() : pending_.size() / kChunkEvents * kChunkEvents;
-  const size_t chunks = (events + kChunkEvents - 1) / kChunkEvents;
-  encoded_.resize(std::max(encoded_.size(), chunks));
-  const auto end_of = [&](size_t i) { return std::min(events, (i + 1) * kChunkEvents); };
-  parallel_for(chunks, 1, [&](size_t from, size_t to) {
-    for (size_t i = from; i < to; ++i) encode(pending_, i * kChunkEvents, end_of(i), encoded_[i]);
-  });
-  for (size_t i = 0; i < chunks; ++i) {
-    const EncodedChunk& chunk = encoded_[i];
-    E2LF_RETURN_IF_ERROR(
-        events_.append_chunk(chunk.bytes, chunk.size, end_of(i) - i * kChunkEvents, chunk.is_filtered));
+  Result<void> write_chunks(bool is_last) {
+    const size_t events = is_last ? pending_.size() : pending_.size() / kChunkEvents * kChunkEvents;
+    const size_t chunks = (events + kChunkEvents - 1) / kChunkEvents;
+    encoded_.resize(std::max(encoded_.size(), chunks));
+    const auto end_of = [&](size_t i) { return std::min(events, (i + 1) * kChunkEvents); };
+    parallel_for(chunks, 1, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) encode(pending_, i * kChunkEvents, end_of(i), encoded_[i]);
+    });
+    for (size_t i = 0; i < chunks; ++i) {
+      const EncodedChunk& chunk = encoded_[i];
+      E2LF_RETURN_IF_ERROR(
+          events_.append_chunk(chunk.bytes, chunk.size, end_of(i) - i * kChunkEvents, chunk.is_filtered));
+    }
+    // In place, because allocating new columns costs more than encoding.
+    pending_.erase(0, events);
+    return {};
   }
-  // In place, because allocating new columns costs more than encoding.
-  const auto drop = [events](auto& column) {
-    column.erase(column.begin(), column.begin() + static_cast<ptrdiff_t>(events));
-  };
-  drop(pending_.x);
-  drop(pending_.y);
-  drop(pending_.p);
-  drop(pending_.t);
-  return {};
-}
 
-Result<void> MetavisionWriter::finish() {
-  const LibraryLock lock;
-  E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/true));
-  E2LF_RETURN_IF_ERROR(event_index_.finish());
-  E2LF_RETURN_IF_ERROR(trigger_index_.finish());
-  // The file is written when the last of its objects is closed.
-  events_ = {};
-  triggers_ = {};
-  event_index_ = {};
-  trigger_index_ = {};
-  E2LF_RETURN_IF_ERROR(hdf5_file_.close());
-  return file_.commit();
-}
+  AtomicFile file_;
+  BatchCheck check_;
+  bool has_small_sensor_;
+  CheckedFile hdf5_file_;
+  GrowingDataset events_, triggers_;
+  TimeIndex event_index_, trigger_index_;
+  EventColumns pending_;
+  std::vector<EncodedChunk> encoded_;
+};
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingWriter>> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
+Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
   auto writer = std::make_unique<MetavisionWriter>(std::move(file), info);
   E2LF_RETURN_IF_ERROR(writer->begin(info));
-  std::unique_ptr<RecordingWriter> result = std::move(writer);
-  return result;
+  return WriterPtr(std::move(writer));
 }
 
 }  // namespace e2lf::recordings::hdf5_events

@@ -5,7 +5,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/npy_header.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/numpy/numpy.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/column_names.h"
@@ -56,7 +56,7 @@ void reverse_big_endian(std::span<const uint8_t> bytes, const NpyHeader& header,
 
 class NpyBlocks final : public EventBlocks {
  public:
-  NpyBlocks(std::unique_ptr<ByteSource> source, NpyHeader header, RecordFields fields)
+  NpyBlocks(SourcePtr source, NpyHeader header, RecordFields fields)
       : source_(std::move(source)), header_(std::move(header)), fields_(std::move(fields)) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
@@ -73,8 +73,7 @@ class NpyBlocks final : public EventBlocks {
       return false;
     }
     const size_t bad = convert(bytes.first(count * item), count, block.events);
-    if (bad > 0) summary.add(Violation::kBadRecord, byte, bad);
-    summary.dropped_words += bad;
+    summary.add_dropped(Violation::kBadRecord, byte, bad);
     source_->consume(count * item);
     next_ += count;
     return true;
@@ -101,7 +100,7 @@ class NpyBlocks final : public EventBlocks {
     EventColumns events;
     convert(bytes.first(count * item), count, events);
     if (events.empty()) return INT64_MAX;
-    return median_time({events.t.begin(), events.t.end()});
+    return median<int64_t>({events.t.begin(), events.t.end()});
   }
 
   /// Returns how many records are not events.
@@ -111,10 +110,10 @@ class NpyBlocks final : public EventBlocks {
       reverse_big_endian(bytes, header_, little_);
       records = little_.data();
     }
-    return to_events(records, fields_, count, events);
+    return to_events({records, records, records, records}, fields_, count, events);
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   NpyHeader header_;
   RecordFields fields_;
   size_t next_ = 0;
@@ -200,9 +199,7 @@ Result<RecordFields> decide_fields(ByteSource& source, const OpenOptions& option
                    cat("field \"", column.name, "\" is of type ", column.type, "; store numbers, as u2 and i8"), name};
     }
     fields.push_back({column.type, column.offset, item});
-    sample.columns.push_back({column.name, TimeUnit::kAuto,
-                              table::to_doubles(records.data(), fields.back(), records.size() / item),
-                              table::is_integer_type(column.type), column.type == "f4"});
+    sample.columns.push_back(table::sample_of(column.name, records.data(), fields.back(), records.size() / item));
   }
   if (source.seekable()) {
     sample.more_values = [&](size_t column, bool is_first) -> Result<std::vector<double>> {
@@ -234,13 +231,12 @@ bool detect_npy(std::span<const uint8_t> head) {
   return header.ok() && (is_by_column(*header) || has_four_columns(header->array) || has_event_fields(header->array));
 }
 
-Result<std::unique_ptr<RecordingReader>> open_npy(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, read_header(head.first(std::min(head.size(), kDetectBytes)), name));
   if (is_by_column(header)) return open_npy_columns(std::move(source), options);
-  RecordingInfo info;
-  info.format = "npy";
+  RecordingInfo info{.format = "npy"};
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   source->consume(header.data_offset);
   E2LF_ASSIGN_OR_RETURN(RecordFields fields, decide_fields(*source, options, header, info));

@@ -5,7 +5,7 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy_header.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/numpy/numpy.h"
+#include "e2lf/recordings/codecs/codecs.h"
 
 namespace e2lf::recordings::numpy {
 namespace {
@@ -114,12 +114,11 @@ Result<void> recover_npy(const std::filesystem::path& path) {
   return Error{ErrorCode::kIo, "cannot write the number of events; check the disk", path.string()};
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_npy_file(const std::filesystem::path& path, const RecordingInfo& info) {
+Result<WriterPtr> create_npy_file(const std::filesystem::path& path, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
   auto writer = std::make_unique<NpyWriter>(std::move(file), info);
   E2LF_RETURN_IF_ERROR(writer->begin());
-  std::unique_ptr<RecordingWriter> result = std::move(writer);
-  return result;
+  return WriterPtr(std::move(writer));
 }
 
 }  // namespace e2lf::recordings::numpy

@@ -9,7 +9,7 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/files/options.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/numpy/numpy.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/table/column_names.h"
 #include "e2lf/recordings/table/number_columns.h"
@@ -118,8 +118,7 @@ class MemoryBlocks final : public EventBlocks {
     block.clear();
     if (!std::exchange(has_begun_, true)) {
       block.triggers = all_.triggers;
-      if (bad_ > 0) summary.add(Violation::kBadRecord, 0, bad_);
-      summary.dropped_words += bad_;
+      summary.add_dropped(Violation::kBadRecord, 0, bad_);
     }
     const size_t end = std::min(all_.events.size(), next_ + kBlockEvents);
     block.events.append(all_.events, next_, end);
@@ -132,7 +131,7 @@ class MemoryBlocks final : public EventBlocks {
     const auto time_at = [&](uint64_t i) -> Result<int64_t> {
       const auto begin = all_.events.t.begin() + static_cast<ptrdiff_t>(i);
       const size_t count = std::min<size_t>(kTimesPerProbe, all_.events.size() - i);
-      return median_time({begin, begin + static_cast<ptrdiff_t>(count)});
+      return median<int64_t>({begin, begin + static_cast<ptrdiff_t>(count)});
     };
     E2LF_ASSIGN_OR_RETURN(next_, find_place_before(all_.events.size(), t_us, time_at));
     has_begun_ = false;
@@ -148,7 +147,7 @@ class MemoryBlocks final : public EventBlocks {
 
 class NpzWriter final : public RecordingWriter {
  public:
-  NpzWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info)
+  NpzWriter(SinkPtr sink, const RecordingInfo& info)
       : sink_(std::move(sink)), info_(info), check_(info.width, info.height, sink_->name()) {}
 
   bool holds_triggers() const override { return true; }
@@ -156,8 +155,7 @@ class NpzWriter final : public RecordingWriter {
   Result<void> write(const EventBatch& batch) override {
     E2LF_RETURN_IF_ERROR(check_(batch));
     E2LF_RETURN_IF_ERROR(check_room(batch.events.size()));
-    all_.events.append(batch.events);
-    all_.triggers.insert(all_.triggers.end(), batch.triggers.begin(), batch.triggers.end());
+    all_.append(batch);
     return {};
   }
 
@@ -198,7 +196,7 @@ class NpzWriter final : public RecordingWriter {
                           "an .npz file is written as a whole: write .raw, .npy or .hdf5 instead", sink_->name());
   }
 
-  std::unique_ptr<ByteSink> sink_;
+  SinkPtr sink_;
   RecordingInfo info_;
   BatchCheck check_;
   EventBatch all_;
@@ -329,27 +327,19 @@ Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is
   sample.is_ordered = is_ordered;
   sample.usual_unit = unit;
   for (const NpzColumn& column : columns) {
-    sample.columns.push_back({column.name, TimeUnit::kAuto,
-                              table::to_doubles(column.array->bytes.data(), column.field, sampled),
-                              table::is_integer_type(column.field.type), column.field.type == "f4"});
+    sample.columns.push_back(table::sample_of(column.name, column.array->bytes.data(), column.field, sampled));
   }
   sample.more_values = [&](size_t i, bool is_first) -> Result<std::vector<double>> {
     return table::to_doubles(columns[i].array->bytes.data(), columns[i].field, is_first ? count : 0);
   };
   E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, name, info));
   unit = layout.unit;
-  Column<uint8_t> bad(count, 0);
+  const auto [x, y, p, t] = layout.columns;
+  const auto bytes_of = [&](size_t column) { return columns[column].array->bytes.data(); };
+  const table::RecordFields fields = {columns[x].field, columns[y].field, columns[p].field,
+                                      columns[t].field, layout.unit,      layout.polarity};
   EventColumns events;
-  events.resize(count);
-  const auto bytes_of = [&](Field field) {
-    return columns[layout.columns[static_cast<size_t>(field)]].array->bytes.data();
-  };
-  const auto field_of = [&](Field field) { return columns[layout.columns[static_cast<size_t>(field)]].field; };
-  table::to_column(bytes_of(Field::kX), field_of(Field::kX), count, events.x.data(), bad.data());
-  table::to_column(bytes_of(Field::kY), field_of(Field::kY), count, events.y.data(), bad.data());
-  table::to_polarities(bytes_of(Field::kP), field_of(Field::kP), layout.polarity, count, events.p.data(), bad.data());
-  table::to_times(bytes_of(Field::kT), field_of(Field::kT), unit, count, events.t.data(), bad.data());
-  num_bad = table::remove_bad(events, 0, bad);
+  num_bad = table::to_events({bytes_of(x), bytes_of(y), bytes_of(p), bytes_of(t)}, fields, count, events);
   return events;
 }
 
@@ -370,8 +360,8 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
 }
 
 /// Creates a reader of decoded arrays; `info` contains format and size.
-Result<std::unique_ptr<RecordingReader>> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
-                                                     const OpenOptions& options) {
+Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
+                              const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   E2LF_RETURN_IF_ERROR(simplify(arrays, name));
   const NpyArray* const rows = find_rows(arrays);
@@ -402,27 +392,24 @@ bool detect_npz(std::span<const uint8_t> head) {
   return std::find(std::begin(kColumns), std::end(kColumns), first) != std::end(kColumns);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_npz(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_RETURN_IF_ERROR(require_memory(source->size().value_or(0), kReadRemedy, name));
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
   E2LF_RETURN_IF_ERROR(check_memory(bytes, name));
   E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, decode_npz(bytes, name));
-  RecordingInfo info;
-  info.format = "npz";
+  RecordingInfo info{.format = "npz"};
   if (options.width == 0 || options.height == 0) read_size(arrays, info);
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_npy_columns(std::unique_ptr<ByteSource> source,
-                                                          const OpenOptions& options) {
+Result<ReaderPtr> open_npy_columns(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_RETURN_IF_ERROR(require_memory(3 * source->size().value_or(0), "store the events as [events, 4]", name));
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
   NpzArrays arrays;
   E2LF_ASSIGN_OR_RETURN(arrays["events"], decode_npy(bytes, name));
-  RecordingInfo info;
-  info.format = "npy";
+  RecordingInfo info{.format = "npy"};
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 
@@ -455,8 +442,7 @@ bool is_event_folder(const std::filesystem::path& path) {
   return !field_files(path).empty();
 }
 
-Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem::path& path,
-                                                           const OpenOptions& options) {
+Result<ReaderPtr> open_event_folder(const std::filesystem::path& path, const OpenOptions& options) {
   NpzArrays arrays;
   for (const std::string& key : field_files(path)) {
     const std::filesystem::path file = path / cat(key, ".npy");
@@ -465,8 +451,7 @@ Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem
     if (!error) E2LF_RETURN_IF_ERROR(require_memory(3 * bytes, "store the events as .raw or .hdf5", file.string()));
     E2LF_ASSIGN_OR_RETURN(arrays[key], read_npy(file));
   }
-  RecordingInfo info;
-  info.format = "evreal";
+  RecordingInfo info{.format = "evreal"};
   if (const auto metadata = read_json(path / "metadata.json"); metadata && metadata->is_object()) {
     Json size = metadata->value("sensor_resolution", Json());
     if (!size.is_array()) size = {metadata->value("height", Json()), metadata->value("width", Json())};
@@ -479,9 +464,8 @@ Result<std::unique_ptr<RecordingReader>> open_event_folder(const std::filesystem
   return open_arrays(std::move(arrays), std::move(info), path.string(), options);
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_npz(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
-  std::unique_ptr<RecordingWriter> writer = std::make_unique<NpzWriter>(std::move(sink), info);
-  return writer;
+Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info) {
+  return WriterPtr(std::make_unique<NpzWriter>(std::move(sink), info));
 }
 
 }  // namespace e2lf::recordings::numpy

@@ -1,49 +1,55 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
-
-#include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_decoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt2/evt2_encoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_decoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt21/evt21_encoder.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt4/evt4_reader.h"
-#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_reader.h"
+#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_codec.h"
+#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_encoder.h"
 
 namespace e2lf::recordings {
 namespace {
 
 template <WordCodec Codec>
-std::unique_ptr<RecordingReader> make_reader(std::unique_ptr<ByteSource> source, RawHeader header,
-                                             const OpenOptions& options) {
+ReaderPtr make_reader(SourcePtr source, RawHeader header, const OpenOptions& options) {
   return std::make_unique<RawReader<Codec>>(std::move(source), std::move(header), options);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_evt21(std::unique_ptr<ByteSource> source, RawHeader header,
-                                                    const OpenOptions& options) {
+Result<ReaderPtr> open_evt21(SourcePtr source, RawHeader header, const OpenOptions& options) {
+  using timed::ByteOrder, timed::Codec, timed::Evt21Layout;
   constexpr size_t kLookedAtBytes = 4096;
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> words, source->fetch(kLookedAtBytes));
-  const evt21::ByteOrder order = evt21::find_byte_order(words, header.endianness);
-  return order == evt21::ByteOrder::kLittle
-             ? make_reader<evt21::Codec<evt21::ByteOrder::kLittle>>(std::move(source), std::move(header), options)
-             : make_reader<evt21::Codec<evt21::ByteOrder::kLegacy>>(std::move(source), std::move(header), options);
+  return timed::find_byte_order(words, header.endianness) == ByteOrder::kLittle
+             ? make_reader<Codec<Evt21Layout<ByteOrder::kLittle>>>(std::move(source), std::move(header), options)
+             : make_reader<Codec<Evt21Layout<ByteOrder::kLegacy>>>(std::move(source), std::move(header), options);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingReader>> open_raw(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_raw(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(RawHeader header, read_raw_header(*source, options));
   if (header.info.format == "evt2.1") return open_evt21(std::move(source), std::move(header), options);
-  if (header.info.format == "evt2") return make_reader<evt2::Codec>(std::move(source), std::move(header), options);
+  if (header.info.format == "evt2") {
+    return make_reader<timed::Codec<timed::Evt2Layout>>(std::move(source), std::move(header), options);
+  }
   if (header.info.format == "evt4") return evt4::make_reader(std::move(source), std::move(header.info), options);
   return make_reader<evt3::Codec>(std::move(source), std::move(header), options);
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_raw(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
-  if (info.format == "evt2") return evt2::create(std::move(sink), info);
-  if (info.format == "evt2.1") return evt21::create(std::move(sink), info);
-  return evt3::create(std::move(sink), info);
+Result<WriterPtr> create_evt2(SinkPtr sink, const RecordingInfo& info) {
+  return create_raw_writer<timed::Evt2Encoder>(std::move(sink), info);
+}
+
+Result<WriterPtr> create_evt21(SinkPtr sink, const RecordingInfo& info) {
+  return create_raw_writer<timed::Evt21Encoder>(std::move(sink), info);
+}
+
+Result<WriterPtr> create_evt3(SinkPtr sink, const RecordingInfo& info) {
+  return create_raw_writer<evt3::Encoder>(std::move(sink), info);
+}
+
+Result<WriterPtr> create_raw(SinkPtr sink, const RecordingInfo& info) {
+  if (info.format == "evt2") return create_evt2(std::move(sink), info);
+  return info.format == "evt2.1" ? create_evt21(std::move(sink), info) : create_evt3(std::move(sink), info);
 }
 
 }  // namespace e2lf::recordings

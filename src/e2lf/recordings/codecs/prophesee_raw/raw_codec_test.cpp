@@ -33,18 +33,7 @@ std::string to_hex(std::span<const uint8_t> bytes) {
 }
 
 RecordingInfo sensor(size_t width, size_t height) {
-  RecordingInfo info;
-  info.width = width;
-  info.height = height;
-  return info;
-}
-
-std::vector<uint8_t> encode(const EventBatch& batch, const std::string& format, const RecordingInfo& info) {
-  std::vector<uint8_t> bytes;
-  auto writer = create_recording(make_memory_sink(bytes), format, info).value();
-  writer->write(batch).value();
-  writer->finish().value();
-  return bytes;
+  return {.width = width, .height = height};
 }
 
 /// The words behind the header.
@@ -53,25 +42,12 @@ std::vector<uint8_t> payload_of(const std::vector<uint8_t>& bytes) {
   return {bytes.begin() + static_cast<ptrdiff_t>(begin), bytes.end()};
 }
 
-struct DecodedRaw {
-  EventBatch batch;
-  DecodeSummary summary;
-};
-
-DecodedRaw decode_raw(std::vector<uint8_t> bytes, const OpenOptions& options) {
-  auto reader = open_recording(make_memory_source(std::move(bytes)), options).value();
-  DecodedRaw decoded;
-  decoded.batch = read_all(*reader).value();
-  decoded.summary = reader->summary();
-  return decoded;
+Decoded decode_raw(std::vector<uint8_t> bytes, const OpenOptions& options) {
+  return decoded(open_recording(make_memory_source(std::move(bytes)), options));
 }
 
-DecodedRaw decode_words(const std::string& hex, const std::string& format, size_t width = 1280, size_t height = 720) {
-  OpenOptions options;
-  options.format = format;
-  options.width = width;
-  options.height = height;
-  return decode_raw(from_hex(hex), options);
+Decoded decode_words(const std::string& hex, const std::string& format, size_t width = 1280, size_t height = 720) {
+  return decode_raw(from_hex(hex), {.format = format, .width = width, .height = height});
 }
 
 /// A stream as sensors make it: some rows with many events at one time, single events, pauses, triggers.
@@ -105,7 +81,7 @@ TEST(Evt3Golden, EventsAreWrittenAsTheseWords) {
   for (const uint16_t x : {200, 201, 203, 210, 220, 231}) batch.events.push_back({x, 0x46, 1, 0x5004});
   batch.triggers.push_back({0x5004, 6, 1});
   // TIME_HIGH 5, TIME_LOW 3, Y 45, X 123 ON; trigger 6 rising at 4; X 124 OFF; Y 46, base 200 ON, 12 + 12 + 8 pixels.
-  EXPECT_EQ(to_hex(payload_of(encode(batch, "evt3", sensor(1280, 720)))),
+  EXPECT_EQ(to_hex(payload_of(encoded(batch, "evt3", sensor(1280, 720)))),
             "05 80 03 60 45 00 23 29 04 60 01 a6 24 21 46 00 c8 38 0b 44 00 41 80 50 ");
 }
 
@@ -114,25 +90,25 @@ TEST(Evt2Golden, EventsAreWrittenAsTheseWords) {
   batch.events.push_back({639, 479, 1, 1317888});
   batch.events.push_back({1, 2, 0, 1317888 + 65});
   batch.triggers.push_back({1317888 + 1, 3, 1});
-  EXPECT_EQ(to_hex(payload_of(encode(batch, "evt2", sensor(640, 480)))),
+  EXPECT_EQ(to_hex(payload_of(encoded(batch, "evt2", sensor(640, 480)))),
             "70 50 00 80 df f9 13 10 01 03 40 a0 71 50 00 80 02 08 40 00 ");
 }
 
 TEST(Evt21Golden, EventsAreWrittenAsTheseWordsInBothByteOrders) {
   EventBatch batch;
   for (const uint16_t x : {64, 67, 95}) batch.events.push_back({x, 9, 1, 130});
-  EXPECT_EQ(to_hex(payload_of(encode(batch, "evt2.1", sensor(640, 480)))),
+  EXPECT_EQ(to_hex(payload_of(encoded(batch, "evt2.1", sensor(640, 480)))),
             "00 00 00 00 02 00 00 80 09 00 00 80 09 00 82 10 ");
   RecordingInfo legacy = sensor(640, 480);
   legacy.header.emplace_back("endianness", "legacy");
-  EXPECT_EQ(to_hex(payload_of(encode(batch, "evt2.1", legacy))), "02 00 00 80 00 00 00 00 09 00 82 10 09 00 00 80 ");
-  EXPECT_EQ(decode_raw(encode(batch, "evt2.1", legacy), {}).batch, batch);
+  EXPECT_EQ(to_hex(payload_of(encoded(batch, "evt2.1", legacy))), "02 00 00 80 00 00 00 00 09 00 82 10 09 00 00 80 ");
+  EXPECT_EQ(decode_raw(encoded(batch, "evt2.1", legacy), {}).batch, batch);
 }
 
 TEST(Evt3Words, EachWordMeansWhatTheFormatSays) {
   // TIME_HIGH b2d, TIME_LOW 1, Y (slave camera) 2, base 100 ON, VECT_8 81, VECT_12 801, OTHERS with two payload words
   // and none of four bits, X 5 OFF, trigger 6 falling, padding.
-  const DecodedRaw decoded =
+  const Decoded decoded =
       decode_words("2d 8b 01 60 02 08 64 38 81 50 01 48 19 e0 34 f1 12 f0 05 20 00 a6 99 99", "evt3");
   const int64_t t = 0xb2d001;
   const EventColumns& events = decoded.batch.events;
@@ -147,7 +123,7 @@ TEST(Evt3Words, EachWordMeansWhatTheFormatSays) {
 }
 
 TEST(Evt3Words, EventsBeforeTheFirstTimeAreCountedAndDropped) {
-  const DecodedRaw decoded = decode_words("01 60 05 00 06 20 07 20 01 80 02 60 08 20", "evt3");
+  const Decoded decoded = decode_words("01 60 05 00 06 20 07 20 01 80 02 60 08 20", "evt3");
   ASSERT_EQ(decoded.batch.events.size(), 1u);
   EXPECT_EQ(decoded.batch.events[0], (Event{8, 5, 0, 0x1002}));
   EXPECT_EQ(decoded.summary.events_before_time, 2u);
@@ -155,7 +131,7 @@ TEST(Evt3Words, EventsBeforeTheFirstTimeAreCountedAndDropped) {
 
 TEST(Evt3Words, WhatLiesOutsideTheSensorIsDroppedAndCounted) {
   // X 15 and Y 9 are outside 12x8; base 6 with pixels 0, 5 and 11 has two outside; X 3 without a valid row is dropped.
-  const DecodedRaw decoded =
+  const Decoded decoded =
       decode_words("01 80 02 60 01 00 0f 20 06 30 21 48 03 20 09 00 03 20 02 00 04 20", "evt3", 12, 8);
   ASSERT_EQ(decoded.batch.events.size(), 4u);
   EXPECT_EQ(decoded.batch.events[0], (Event{6, 1, 0, 0x1002}));
@@ -167,7 +143,7 @@ TEST(Evt3Words, WhatLiesOutsideTheSensorIsDroppedAndCounted) {
 
 TEST(Evt2Words, EachWordMeansWhatTheFormatSays) {
   // TIME_HIGH 0x10 (1024 us), ON at 3 us (5, 6), trigger 1 rising at 4 us, OTHERS, CONTINUED, OFF at 5 us (7, 8).
-  const DecodedRaw decoded =
+  const Decoded decoded =
       decode_words("10 00 00 80 06 28 c0 10 01 01 00 a1 01 00 00 e0 01 00 00 f0 08 38 40 01", "evt2");
   ASSERT_EQ(decoded.batch.events.size(), 2u);
   EXPECT_EQ(decoded.batch.events[0], (Event{5, 6, 1, 1027}));
@@ -181,10 +157,10 @@ TEST_P(Encodings, ReadGivesBackWhatWasWritten) {
   for (const auto& [width, height] : {std::pair<size_t, size_t>{1280, 720}, {640, 480}, {47, 31}, {16, 9}, {1, 1}}) {
     for (uint32_t seed = 0; seed < 4; ++seed) {
       const EventBatch batch = sensor_stream(width, height, 3000 + seed, seed);
-      const auto bytes = encode(batch, GetParam(), sensor(width, height));
+      const auto bytes = encoded(batch, GetParam(), sensor(width, height));
       for (const std::string& isa : available_isas()) {
         ASSERT_TRUE(set_max_isa(isa));
-        const DecodedRaw decoded = decode_raw(bytes, {});
+        const Decoded decoded = decode_raw(bytes, {});
         ASSERT_EQ(decoded.batch, batch) << isa << " " << width << " " << seed;
         EXPECT_EQ(decoded.summary.num_violations(), 0u);
       }
@@ -194,12 +170,9 @@ TEST_P(Encodings, ReadGivesBackWhatWasWritten) {
 }
 
 TEST_P(Encodings, EventsWithoutOrderInARowComeBackInTheirOrder) {
-  RandomStream options;
-  options.events = 5000;
-  options.max_gap_us = 1;
-  options.trigger_every = 100;
+  RandomStream options = {.events = 5000, .max_gap_us = 1, .trigger_every = 100};
   EventBatch batch = random_stream(options);
-  EXPECT_EQ(decode_raw(encode(batch, GetParam(), sensor(640, 480)), {}).batch, batch);
+  EXPECT_EQ(decode_raw(encoded(batch, GetParam(), sensor(640, 480)), {}).batch, batch);
 }
 
 TEST_P(Encodings, WrittenInBatchesReadsAsOne) {
@@ -231,7 +204,7 @@ TEST_P(Encodings, LongPausesAndLateStartsKeepTheirTime) {
                           int64_t{103'600'000'000}, int64_t{103'600'000'064}}) {
     batch.events.push_back({3, 4, 1, t});
   }
-  const DecodedRaw decoded = decode_raw(encode(batch, GetParam(), sensor(64, 64)), {});
+  const Decoded decoded = decode_raw(encoded(batch, GetParam(), sensor(64, 64)), {});
   EXPECT_EQ(decoded.batch, batch);
   EXPECT_EQ(decoded.summary.num_violations(), 0u);
 }
@@ -255,7 +228,7 @@ TEST_P(Encodings, WriterRefusesWhatTheFormatCannotHold) {
 }
 
 TEST_P(Encodings, EmptyRecordingHasNoEvents) {
-  const DecodedRaw decoded = decode_raw(encode({}, GetParam(), sensor(64, 48)), {});
+  const Decoded decoded = decode_raw(encoded({}, GetParam(), sensor(64, 48)), {});
   EXPECT_TRUE(decoded.batch.empty());
   EXPECT_EQ(decoded.summary.events(), 0u);
 }
@@ -295,15 +268,12 @@ TEST(RawHeaders, ContradictionsAndUnknownEncodingsAreErrors) {
 }
 
 TEST(RawHeaders, OptionsMayNotContradictTheFile) {
-  const auto bytes = encode(sensor_stream(64, 48, 100, 1), "evt3", sensor(64, 48));
-  OpenOptions options;
-  options.format = "evt2";
-  EXPECT_EQ(open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).error().code,
-            ErrorCode::kInvalidValue);
+  const auto bytes = encoded(sensor_stream(64, 48, 100, 1), "evt3", sensor(64, 48));
+  OpenOptions options = {.format = "evt2"};
+  EXPECT_EQ(open_bytes(bytes, options).error().code, ErrorCode::kInvalidValue);
   options.format = "evt3";
   options.width = 65;
-  EXPECT_EQ(open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).error().code,
-            ErrorCode::kInvalidValue);
+  EXPECT_EQ(open_bytes(bytes, options).error().code, ErrorCode::kInvalidValue);
 }
 
 TEST(RawFiles, AppearWholeOrNotAtAll) {

@@ -35,29 +35,13 @@ Recording make_recording(const std::string& format, uint32_t seed) {
     }
     if (i % 300 == 0) recording.batch.triggers.push_back({t_us, 1, static_cast<uint8_t>(i / 300 & 1)});
   }
-  RecordingInfo info;
-  info.width = 640;
-  info.height = 480;
-  auto writer = create_recording(make_memory_sink(recording.bytes), format, info).value();
-  writer->write(recording.batch).value();
-  writer->finish().value();
+  recording.bytes = encoded(recording.batch, format);
   recording.header_bytes = parse_raw_header(recording.bytes, true, "").value().num_bytes;
   return recording;
 }
 
-OpenOptions quiet() {
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  return options;
-}
-
-EventBatch read_source(std::unique_ptr<ByteSource> source) {
-  auto reader = open_recording(std::move(source), quiet()).value();
-  return read_all(*reader).value();
-}
-
 EventBatch read_bytes(std::span<const uint8_t> bytes) {
-  return read_source(make_memory_source(bytes));
+  return decoded(bytes).batch;
 }
 
 /// How many events the first `size` bytes hold.
@@ -131,8 +115,8 @@ TEST_P(Damaged, EveryPathGivesTheSame) {
     ASSERT_TRUE(set_max_isa(""));
     EXPECT_EQ(read_bytes(bytes), expected) << trial;
     const size_t cut = random() % bytes.size();
-    EXPECT_EQ(read_source(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>{cut}, bytes.size())), expected);
-    EXPECT_EQ(read_source(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 1 + random() % 500)), expected);
+    EXPECT_EQ(decoded(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>{cut}, bytes.size())).batch, expected);
+    EXPECT_EQ(decoded(chunked(bytes, 1 + random() % 500)).batch, expected);
   }
 }
 
@@ -145,15 +129,10 @@ TEST(Noise, HasNextToNoEventsAndTriggers) {
   for (const std::string format : {"evt2", "evt2.1", "evt3"}) {
     std::vector<uint8_t> bytes(300'000);
     for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random());
-    OpenOptions options = quiet();
-    options.format = format;
-    options.width = 640;
-    options.height = 480;
-    auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).value();
-    const EventBatch batch = read_all(*reader).value();
-    EXPECT_LT(batch.events.size(), 100u) << format;
-    EXPECT_LT(batch.triggers.size(), 10u) << format;
-    EXPECT_GT(reader->summary().of(Violation::kMisaligned).count, 0u);
+    const Decoded noise = decoded(bytes, {.format = format, .width = 640, .height = 480});
+    EXPECT_LT(noise.batch.events.size(), 100u) << format;
+    EXPECT_LT(noise.batch.triggers.size(), 10u) << format;
+    EXPECT_GT(noise.summary.of(Violation::kMisaligned).count, 0u);
   }
 }
 
@@ -165,11 +144,10 @@ TEST(ZerosAtTheEnd, OfAnInterruptedCopyAreCountedAndCostNoEvent) {
       std::vector<uint8_t> bytes = recording.bytes;
       bytes.resize(bytes.size() + zeros * word_bytes);
       for (const size_t step : {size_t{5}, size_t{1000}, bytes.size()}) {
-        auto reader =
-            open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step), quiet()).value();
-        EXPECT_EQ(read_all(*reader).value(), recording.batch) << format;
-        EXPECT_EQ(reader->summary().of(Violation::kZeros), (ViolationCount{zeros, recording.bytes.size()})) << format;
-        EXPECT_EQ(reader->summary().num_violations(), zeros) << format;
+        const Decoded read = decoded(chunked(bytes, step));
+        EXPECT_EQ(read.batch, recording.batch) << format;
+        EXPECT_EQ(read.summary.of(Violation::kZeros), (ViolationCount{zeros, recording.bytes.size()})) << format;
+        EXPECT_EQ(read.summary.num_violations(), zeros) << format;
       }
     }
   }

@@ -70,7 +70,7 @@ void expect_clean(const DecodeSummary& summary, const Anchor& anchor) {
   EXPECT_EQ(summary.num_gaps, 0u);
 }
 
-EventBatch read_whole(std::unique_ptr<ByteSource> source, const OpenOptions& options = {}) {
+EventBatch read_whole(SourcePtr source, const OpenOptions& options = {}) {
   auto reader = open_recording(std::move(source), options).value();
   return read_all(*reader).value();
 }
@@ -101,8 +101,7 @@ TEST_P(Anchors, FileGivesTrueCounts) {
 }
 
 TEST_P(Anchors, ThreadsGiveTheSameEvents) {
-  OpenOptions options;
-  options.threads = 4;
+  OpenOptions options = {.threads = 4};
   EXPECT_EQ(read_whole(path_, options), read_whole(path_));
 }
 
@@ -113,8 +112,7 @@ TEST_P(Anchors, SmallAndOddBatchesGiveTheSameEvents) {
   for (size_t max_events = 64; reader->read(batch, max_events).value(); max_events += 13) {
     ASSERT_LE(batch.events.size(), max_events);
     ASSERT_LE(batch.triggers.size(), max_events);
-    all.events.append(batch.events);
-    all.triggers.insert(all.triggers.end(), batch.triggers.begin(), batch.triggers.end());
+    all.append(batch);
   }
   EXPECT_EQ(all, whole);
 }
@@ -128,10 +126,10 @@ TEST_P(Anchors, ChunksOfAnySizeGiveTheSameEvents) {
   const EventBatch first = read_whole(make_memory_source(std::span<const uint8_t>(begin)));
   ASSERT_GT(first.events.size(), 100u);
   for (const size_t step : {1, 3, 7, 64}) {
-    EXPECT_EQ(read_whole(std::make_unique<ChunkedSource>(begin, std::vector<size_t>(), step)), first) << step;
+    EXPECT_EQ(read_whole(chunked(begin, step)), first) << step;
   }
   for (const size_t step : {1001, 65'537}) {
-    EXPECT_EQ(read_whole(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step)), whole) << step;
+    EXPECT_EQ(read_whole(chunked(bytes, step)), whole) << step;
   }
 }
 
@@ -178,8 +176,7 @@ TEST_P(Anchors, EveryContainerKeepsThem) {
 }
 
 TEST_P(Anchors, ZeroOriginShiftsEventsAndTriggersAlike) {
-  OpenOptions options;
-  options.time = TimeOrigin::kZero;
+  OpenOptions options = {.time = TimeOrigin::kZero};
   const EventBatch absolute = read_whole(path_);
   const EventBatch shifted = read_whole(path_, options);
   int64_t shift_us = absolute.events.t.front();
@@ -217,12 +214,9 @@ TEST_P(Anchors, WrittenAgainInEveryEncodingReadsTheSame) {
   auto reader = open_recording(path_).value();
   const EventBatch whole = read_all(*reader).value();
   for (const std::string format : {"evt2", "evt2.1", "evt3"}) {
-    std::vector<uint8_t> bytes;
-    RecordingInfo info = reader->info();
-    auto writer = create_recording(make_memory_sink(bytes), format, info).value();
-    ASSERT_TRUE(writer->write(whole));
-    ASSERT_TRUE(writer->finish());
-    auto again = open_recording(make_memory_source(std::span<const uint8_t>(bytes))).value();
+    const RecordingInfo info = reader->info();
+    const std::vector<uint8_t> bytes = encoded(whole, format, info);
+    auto again = open_bytes(bytes).value();
     EXPECT_EQ(again->info().format, format);
     EXPECT_EQ(again->info().width, info.width);
     EXPECT_EQ(again->info().height, info.height);
@@ -292,8 +286,7 @@ TEST(FaultyFiles, OneLostByteCostsLessThanAMillisecond) {
 TEST(FaultyFiles, StrictPolicyNamesTheFirstViolationAndItsByte) {
   const auto path = event_file("fault/byte_dropped_mid.raw");
   E2LF_SKIP_WITHOUT(path);
-  OpenOptions options;
-  options.policy = DecodePolicy::kStrict;
+  OpenOptions options = {.policy = DecodePolicy::kStrict};
   auto reader = open_recording(path, options).value();
   const auto batch = read_all(*reader);
   ASSERT_FALSE(batch);
@@ -325,8 +318,7 @@ TEST(FaultyFiles, WithoutHeaderOpenWhenTold) {
   const auto refused = open_recording(path);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kFormat);
-  OpenOptions options;
-  options.format = "evt3";
+  OpenOptions options = {.format = "evt3"};
   EXPECT_EQ(read_whole(path, options).events.size(), 82469u);
 }
 

@@ -13,32 +13,21 @@
 namespace e2lf::recordings {
 namespace {
 
-struct Decoded {
-  EventBatch batch;
-  DecodeSummary summary;
-  bool operator==(const Decoded&) const = default;
-};
-
 OpenOptions with_threads(int threads) {
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  options.threads = threads;
-  return options;
+  return {.policy = DecodePolicy::kSkip, .threads = threads};
 }
 
-Decoded decode(std::unique_ptr<ByteSource> source, const OpenOptions& options, size_t max_events = 0) {
-  Decoded decoded;
+Decoded decode(SourcePtr source, const OpenOptions& options, size_t max_events = 0) {
+  EventBatch all;
   auto reader = open_recording(std::move(source), options).value();
   EventBatch batch;
   size_t last_size = RecordingReader::kDefaultBatch;
   while (reader->read(batch, max_events == 0 ? last_size : max_events).value()) {
     EXPECT_LE(batch.events.size(), max_events == 0 ? last_size : max_events);
     if (max_events != 0) max_events += 97;
-    decoded.batch.events.append(batch.events);
-    decoded.batch.triggers.insert(decoded.batch.triggers.end(), batch.triggers.begin(), batch.triggers.end());
+    all.append(batch);
   }
-  decoded.summary = reader->summary();
-  return decoded;
+  return {std::move(all), reader->summary()};
 }
 
 Decoded decode(std::span<const uint8_t> bytes, const OpenOptions& options, size_t max_events = 0) {
@@ -170,8 +159,7 @@ TEST_P(Shapes, DamagedStreamsGiveWhatTheScalarReferenceGives) {
       expect_same(decode(bytes, with_threads(threads)), expected, std::to_string(threads));
       expect_same(decode(std::make_unique<StingySource>(bytes, 37), with_threads(threads)), expected, "stingy");
     }
-    auto chunked = std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), 1 + random() % 50'000);
-    expect_same(decode(std::move(chunked), with_threads(1)), expected, "chunks");
+    expect_same(decode(chunked(bytes, 1 + random() % 50'000), with_threads(1)), expected, "chunks");
   }
   EXPECT_GT(violations, 20u);
 }
@@ -198,8 +186,7 @@ TEST_P(Shapes, SeeksFindTheSameEvent) {
   const EventColumns& events = whole.batch.events;
   for (const int threads : {1, 3}) {
     SCOPED_TRACE(threads);
-    auto reader =
-        open_recording(make_memory_source(std::span<const uint8_t>(stream.bytes)), with_threads(threads)).value();
+    auto reader = open_bytes(stream.bytes, with_threads(threads)).value();
     EventBatch batch;
     while (reader->read(batch).value()) continue;  // all checkpoints
     for (const size_t i : {events.size() - 1, size_t{17}, events.size() / 2, events.size() / 2 + 1000}) {
@@ -223,21 +210,12 @@ INSTANTIATE_TEST_SUITE_P(Raw, Shapes, testing::ValuesIn(bench::kStreamShapes),
 TEST(RawThreads, ClockThatWrapsAndStopsGoesOn) {
   for (const std::string format : {"evt3", "evt2", "evt2.1"}) {
     SCOPED_TRACE(format);
-    RecordingInfo info;
-    info.width = 640;
-    info.height = 480;
-    RandomStream options;
-    options.events = 300'000;
-    options.max_gap_us = 1500;  // 225 s: 13 loops of the 24-bit clock
-    options.trigger_every = 500;
-    EventBatch batch = random_stream(options);
+    // 225 s: 13 loops of the 24-bit clock.
+    EventBatch batch = random_stream({.events = 300'000, .max_gap_us = 1500, .trigger_every = 500});
     for (size_t i = batch.events.size() / 2; i < batch.events.size(); ++i) batch.events.t[i] += 40'000'000;
     const int64_t half_us = batch.events.t[batch.events.size() / 2] - 40'000'000;
     for (Trigger& trigger : batch.triggers) trigger.t += trigger.t >= half_us ? 40'000'000 : 0;
-    std::vector<uint8_t> bytes;
-    auto writer = create_recording(make_memory_sink(bytes), format, info).value();
-    writer->write(batch).value();
-    writer->finish().value();
+    const std::vector<uint8_t> bytes = encoded(batch, format);
     const Decoded expected = reference(bytes, with_threads(1));
     EXPECT_TRUE(expected.batch == batch);
     for (const int threads : {2, 8})
@@ -253,7 +231,7 @@ TEST(RawThreads, StrictPolicyFailsAtTheSameByte) {
   for (const int threads : {1, 2, 8}) {
     OpenOptions options = with_threads(threads);
     options.policy = DecodePolicy::kStrict;
-    auto reader = open_recording(make_memory_source(std::span<const uint8_t>(stream.bytes)), options).value();
+    auto reader = open_bytes(stream.bytes, options).value();
     const auto batch = read_all(*reader);
     ASSERT_FALSE(batch);
     errors.push_back(batch.error().text());

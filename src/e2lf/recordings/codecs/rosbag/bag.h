@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/byte_source.h"
 
 namespace e2lf::recordings::rosbag {
@@ -36,13 +40,43 @@ class Bag {
   [[nodiscard]] virtual Result<void> rewind() = 0;
 };
 
+using BagPtr = std::unique_ptr<Bag>;
+
 /// Returns whether messages of a type contain events.
 [[nodiscard]] bool is_event_type(const std::string& type);
 
 /// Largest plausible message, in bytes.
 inline constexpr size_t kMaxMessageBytes = size_t{1} << 26;
 
-[[nodiscard]] Result<std::unique_ptr<Bag>> open_sqlite_bag(std::unique_ptr<ByteSource> source);
-[[nodiscard]] Result<std::unique_ptr<Bag>> open_mcap_bag(std::unique_ptr<ByteSource> source);
+[[nodiscard]] Result<BagPtr> open_sqlite_bag(SourcePtr source);
+[[nodiscard]] Result<BagPtr> open_mcap_bag(SourcePtr source);
+
+/// Opens the files of a bag's folder as one bag: those that metadata.yaml lists in its order, or, without it, all of
+/// them sorted by name. Files that are compressed as a whole are decompressed. Fails with kNotFound, and as opening the
+/// files does.
+[[nodiscard]] Result<BagPtr> open_bag_folder(const std::filesystem::path& folder);
+
+/// A message of events whose payload is not decoded.
+struct EventMessage {
+  std::string_view encoding;  ///< "evt3", "mono", ...; "list" for messages that contain individual events
+  uint64_t width = 0, height = 0;
+  std::optional<uint64_t> number;  ///< of the packet, if packets are numbered
+  uint64_t time_base_ns = 0;
+  std::span<const uint8_t> payload;
+  uint32_t count = 0;  ///< number of events of a list, as the message states
+  size_t place = 0;    ///< offset of the payload in the message, to which the fields of a list are aligned
+};
+
+/// Parses a message. Returns nothing if it is truncated, has the wrong type for its topic, or is from a machine with
+/// the other byte order.
+[[nodiscard]] std::optional<EventMessage> parse_message(const std::string& type, std::span<const uint8_t> message);
+
+/// Returns whether decode_message() supports an encoding. "evt3" is not among them, because its words depend on those
+/// of earlier messages.
+[[nodiscard]] bool is_known_encoding(std::string_view encoding);
+
+/// Appends the content of a message to `batch`. Returns false if its payload is truncated; what precedes the truncation
+/// is kept.
+[[nodiscard]] bool decode_message(const EventMessage& message, EventBatch& batch);
 
 }  // namespace e2lf::recordings::rosbag

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/rosbag/bag_files.h"
-
 #include <algorithm>
 #include <fstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/codecs/rosbag/rosbag.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/rosbag/bag.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 
 namespace e2lf::recordings::rosbag {
@@ -94,7 +93,7 @@ class BagFiles final : public Bag {
  private:
   std::vector<fs::path> files_;
   std::shared_ptr<DecodeSummary> losses_ = std::make_shared<DecodeSummary>();
-  std::unique_ptr<Bag> bag_;
+  BagPtr bag_;
   size_t file_ = 0;
 };
 
@@ -105,14 +104,13 @@ bool is_bag_folder(const fs::path& path) {
   return fs::is_directory(path, error) && !files_of_folder(path).empty();
 }
 
-Result<std::unique_ptr<Bag>> open_bag_folder(const fs::path& folder) {
+Result<BagPtr> open_bag_folder(const fs::path& folder) {
   std::vector<fs::path> files = files_of_metadata(folder);
   if (files.empty()) files = files_of_folder(folder);
   if (files.empty()) return Error{ErrorCode::kNotFound, "the folder contains no files of a bag", folder.string()};
   auto bag = std::make_unique<BagFiles>(std::move(files));
   E2LF_RETURN_IF_ERROR(bag->open(0));
-  std::unique_ptr<Bag> result = std::move(bag);
-  return result;
+  return BagPtr(std::move(bag));
 }
 
 }  // namespace e2lf::recordings::rosbag

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/rosbag/event_message.h"
-
 #include <algorithm>
 
 #include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/codecs/rosbag/bag.h"
 
 namespace e2lf::recordings::rosbag {
 namespace {

@@ -7,9 +7,10 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/rosbag/bag.h"
-#include "e2lf/recordings/codecs/rosbag/rosbag.h"
 #include "e2lf/recordings/io/decompress.h"
+#include "e2lf/recordings/io/header_text.h"
 
 /// MCAP as specified at mcap.dev: records with a kind (u8), a length (u64) and content; chunks contain records.
 namespace e2lf::recordings::rosbag {
@@ -57,7 +58,7 @@ std::optional<Compression> compression_of(const std::string& name) {
 
 class McapBag final : public Bag {
  public:
-  explicit McapBag(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+  explicit McapBag(SourcePtr source) : source_(std::move(source)) {}
 
   Result<void> open() {
     E2LF_ASSIGN_OR_RETURN(const auto head, source_->fetch(kMagic.size()));
@@ -148,8 +149,7 @@ class McapBag final : public Bag {
     if (is_whole) {
       records_ = unpacked_;
     } else {
-      summary.add(Violation::kBadRecord, position_);
-      ++summary.dropped_words;
+      summary.add_dropped(Violation::kBadRecord, position_);
     }
     return {};
   }
@@ -213,12 +213,12 @@ class McapBag final : public Bag {
     return false;
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   std::map<uint16_t, std::string> types_;
   std::deque<Channel> channels_;     ///< event topics in the order in which the file names them
   std::optional<BagMessage> first_;  ///< for a stream: read to determine its topic, and not returned yet
   DecodeSummary losses_of_first_;
-  std::unique_ptr<Decompressor> decompressor_;
+  DecompressorPtr decompressor_;
   std::optional<Compression> chunk_compression_;  ///< of decompressor_
   std::vector<uint8_t> unpacked_;
   std::span<const uint8_t> records_;  ///< records of the chunk that were not read yet
@@ -230,14 +230,13 @@ class McapBag final : public Bag {
 }  // namespace
 
 bool detect_mcap(std::span<const uint8_t> head) {
-  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with(kMagic);
+  return as_text(head).starts_with(kMagic);
 }
 
-Result<std::unique_ptr<Bag>> open_mcap_bag(std::unique_ptr<ByteSource> source) {
+Result<BagPtr> open_mcap_bag(SourcePtr source) {
   auto bag = std::make_unique<McapBag>(std::move(source));
   E2LF_RETURN_IF_ERROR(bag->open());
-  std::unique_ptr<Bag> result = std::move(bag);
-  return result;
+  return BagPtr(std::move(bag));
 }
 
 }  // namespace e2lf::recordings::rosbag

@@ -5,12 +5,10 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/prophesee_raw/raw_codec.h"
-#include "e2lf/recordings/codecs/rosbag/bag_files.h"
-#include "e2lf/recordings/codecs/rosbag/event_message.h"
-#include "e2lf/recordings/codecs/rosbag/rosbag.h"
-#include "e2lf/recordings/continued_clock.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/codecs/rosbag/bag.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::recordings::rosbag {
@@ -31,7 +29,7 @@ bool is_trigger_topic(const Topic& topic) {
 class ChosenMessages {
  public:
   /// `has_chosen` is true if the topic was selected by name; then others are not mentioned.
-  ChosenMessages(std::unique_ptr<Bag> bag, Topic events, bool has_chosen)
+  ChosenMessages(BagPtr bag, Topic events, bool has_chosen)
       : bag_(std::move(bag)), events_(std::move(events)), has_chosen_(has_chosen) {
     const std::string space = events_.name.substr(0, events_.name.rfind('/') + 1);
     for (const Topic& topic : bag_->topics()) {
@@ -84,10 +82,7 @@ class ChosenMessages {
     }
   }
 
-  void count_bad(DecodeSummary& summary) const {
-    summary.add(Violation::kBadRecord, byte_);
-    ++summary.dropped_words;
-  }
+  void count_bad(DecodeSummary& summary) const { summary.add_dropped(Violation::kBadRecord, byte_); }
 
   Result<void> rewind() {
     held_.clear();
@@ -109,7 +104,7 @@ class ChosenMessages {
     next_number_ = *message.number + 1;
   }
 
-  std::unique_ptr<Bag> bag_;
+  BagPtr bag_;
   Topic events_;
   std::string triggers_;
   bool has_chosen_;
@@ -215,8 +210,8 @@ std::vector<Topic> topics_to_read(const Bag& bag) {
 }
 
 /// The topics of a stream are known only after a first message, which is read here and returned again.
-Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool seekable, const std::string& format,
-                                                  const std::string& name, const OpenOptions& options) {
+Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format, const std::string& name,
+                           const OpenOptions& options) {
   const std::vector<Topic> topics = topics_to_read(*bag);
   if (topics.empty()) {
     return Error{
@@ -224,8 +219,7 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
         "the bag contains no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); give another bag",
         name};
   }
-  RecordingInfo info;
-  info.format = format;
+  RecordingInfo info{.format = format};
   std::vector<NamedStream> streams;
   for (const Topic& topic : topics) streams.push_back({cat(streams.size()), topic.name, ""});
   E2LF_ASSIGN_OR_RETURN(const size_t chosen, choose_stream(streams, options, name, info));
@@ -265,23 +259,23 @@ Result<std::unique_ptr<RecordingReader>> open_bag(std::unique_ptr<Bag> bag, bool
 
 bool detect_sqlite(std::span<const uint8_t> head) {
   using namespace std::string_view_literals;
-  return std::string_view(reinterpret_cast<const char*>(head.data()), head.size()).starts_with("SQLite format 3\0"sv);
+  return as_text(head).starts_with("SQLite format 3\0"sv);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_sqlite(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_sqlite(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(auto bag, open_sqlite_bag(std::move(source)));
   return open_bag(std::move(bag), /*seekable=*/true, "rosbag", name, options);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_mcap(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_mcap(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   const bool seekable = source->seekable();
   E2LF_ASSIGN_OR_RETURN(auto bag, open_mcap_bag(std::move(source)));
   return open_bag(std::move(bag), seekable, "mcap", name, options);
 }
 
-Result<std::unique_ptr<RecordingReader>> open_folder(const std::filesystem::path& path, const OpenOptions& options) {
+Result<ReaderPtr> open_folder(const std::filesystem::path& path, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(auto bag, open_bag_folder(path));
   return open_bag(std::move(bag), /*seekable=*/true, "rosbag", path.string(), options);
 }

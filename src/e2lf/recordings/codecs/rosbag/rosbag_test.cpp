@@ -14,23 +14,8 @@
 namespace e2lf::recordings::rosbag {
 namespace {
 
-struct Opened {
-  RecordingInfo info;
-  EventBatch batch;
-  DecodeSummary summary;
-};
-
-Opened read(Result<std::unique_ptr<RecordingReader>> reader) {
-  EXPECT_TRUE(reader.ok()) << reader.error().text();
-  if (!reader) return {};
-  auto batch = read_all(**reader);
-  EXPECT_TRUE(batch.ok()) << batch.error().text();
-  return {(*reader)->info(), batch.ok() ? *batch : EventBatch(), (*reader)->summary()};
-}
-
-Opened read(const Bytes& bytes, const std::string& stream = "") {
-  const OpenOptions options{.policy = DecodePolicy::kSkip, .stream = stream};
-  return read(open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options));
+Decoded read(const Bytes& bytes, const std::string& stream = "") {
+  return decoded(bytes, {.stream = stream});
 }
 
 template <typename T>
@@ -61,7 +46,7 @@ TEST(Rosbag, McapIsReadWithAndWithoutChunks) {
   const TestMessages messages = {{0, mono_message(0, 10)}, {0, mono_message(1, 20)}};
   for (const Bytes& file :
        {mcap_file({{"/cam/events"}}, messages), mcap_file({{"/cam/events"}}, messages, "lz4", lz4)}) {
-    const Opened opened = read(file);
+    const Decoded opened = read(file);
     EXPECT_EQ(opened.info.format, "mcap");
     EXPECT_EQ(opened.info.width, 640U);
     ASSERT_EQ(opened.batch.events.size(), 4U);
@@ -69,7 +54,7 @@ TEST(Rosbag, McapIsReadWithAndWithoutChunks) {
     EXPECT_EQ(opened.batch.events[3], (Event{2, 3, 0, kBaseUs + 21}));
     EXPECT_TRUE(losses(opened.summary).empty());
     const OpenOptions options{.policy = DecodePolicy::kSkip};
-    const Opened live = read(open_recording(std::make_unique<ChunkedSource>(file, std::vector<size_t>(), 7), options));
+    const Decoded live = decoded(open_recording(chunked(file, 7), options));
     EXPECT_EQ(live.batch, opened.batch);
   }
 }
@@ -78,12 +63,12 @@ TEST(Rosbag, TopicsAreStreamsAndTriggersLieBesideThem) {
   const Bytes trigger = packet_message(0, "trigger", kBaseNs, words<uint64_t>({mono(0, 1, 1, 12), mono(0, 1, 0, 13)}));
   const Bytes file = mcap_file({{"/left/events"}, {"/right/events"}, {"/left/trigger"}},
                                {{0, mono_message(0, 10)}, {2, trigger}, {1, mono_message(0, 10, 50)}});
-  const Opened left = read(file);
+  const Decoded left = read(file);
   EXPECT_EQ(left.batch.events.x, (Column<uint16_t>{1, 2}));
   EXPECT_EQ(left.batch.triggers, (std::vector<Trigger>{{kBaseUs + 12, 1, 1}, {kBaseUs + 13, 1, 0}}));
   EXPECT_EQ(left.summary.other_streams, 1U);
   ASSERT_EQ(left.info.assumptions.size(), 1U);
-  const Opened right = read(file, "/right/events");
+  const Decoded right = read(file, "/right/events");
   EXPECT_EQ(right.batch.events.x, (Column<uint16_t>{50, 51}));
   EXPECT_TRUE(right.batch.triggers.empty());
   EXPECT_EQ(right.summary.other_streams, 0U);
@@ -93,7 +78,7 @@ TEST(Rosbag, MessagesOfLibcaerAreRead) {
   const auto event = [](uint32_t x, uint32_t y, uint32_t p) { return x << 17 | y << 2 | p << 1 | 1U; };
   const Bytes plain =
       packet_message(0, "libcaer", kBaseNs, words<uint32_t>({event(5, 6, 1), 100, event(7, 8, 0), 200}));
-  const Opened opened = read(mcap_file({{"/events"}}, {{0, plain}}));
+  const Decoded opened = read(mcap_file({{"/events"}}, {{0, plain}}));
   ASSERT_EQ(opened.batch.events.size(), 2U);
   EXPECT_EQ(opened.batch.events[0], (Event{5, 6, 1, kBaseUs + 100}));
   EXPECT_EQ(opened.batch.events[1], (Event{7, 8, 0, kBaseUs + 200}));
@@ -101,7 +86,7 @@ TEST(Rosbag, MessagesOfLibcaerAreRead) {
   // High and low time, column, row; then rows 16, 18 and, eight further, 24.
   const Bytes packed = packet_message(0, "libcaer_cmp", kBaseNs,
                                       words<uint16_t>({0x0001, 0x1005, 0x2009, 0x3803, 0x4010, 0x5005, 0x5001}));
-  const Opened vectors = read(mcap_file({{"/events"}}, {{0, packed}}));
+  const Decoded vectors = read(mcap_file({{"/events"}}, {{0, packed}}));
   const int64_t t_us = kBaseUs + 4096 + 5;
   ASSERT_EQ(vectors.batch.events.size(), 4U);
   EXPECT_EQ(vectors.batch.events[0], (Event{9, 3, 1, t_us}));
@@ -111,18 +96,14 @@ TEST(Rosbag, MessagesOfLibcaerAreRead) {
 
 TEST(Rosbag, ListsOfEventsAreRead) {
   const EventBatch events = random_stream({.events = 500, .width = 640, .height = 480, .begin_us = kBaseUs});
-  const Opened opened = read(mcap_file({{"/dvs/events", kListType}}, {{0, list_message(events.events)}}));
+  const Decoded opened = read(mcap_file({{"/dvs/events", kListType}}, {{0, list_message(events.events)}}));
   EXPECT_EQ(opened.batch.events, events.events);
   EXPECT_EQ(opened.info.height, 480U);
 }
 
 /// The words of a recording, without its header, as messages of so many bytes.
 TestMessages evt3_messages(const EventBatch& events, size_t step) {
-  std::vector<uint8_t> raw;
-  auto writer =
-      create_recording(make_memory_sink(raw), "evt3", {.format = "evt3", .width = 640, .height = 480, .header = {}});
-  EXPECT_TRUE((*writer)->write(events).ok());
-  EXPECT_TRUE((*writer)->finish().ok());
+  const Bytes raw = encoded(events, "evt3");
   const std::string_view end = "% end\n";
   auto next = std::search(raw.begin(), raw.end(), end.begin(), end.end()) + 6;
   TestMessages messages;
@@ -138,20 +119,19 @@ TEST(Rosbag, Evt3IsDecodedAcrossMessagesSoughtAndCountedWhereMessagesAreMissing)
   const EventBatch events = random_stream({.events = 5000, .width = 640, .height = 480, .trigger_every = 100});
   TestMessages messages = evt3_messages(events, 500);
   const Bytes file = mcap_file({{"/events"}}, messages);
-  const Opened opened = read(file);
+  const Decoded opened = read(file);
   EXPECT_EQ(opened.batch, events);
   EXPECT_EQ(opened.info.format, "mcap");
   EXPECT_EQ(opened.info.find("encoding"), "evt3");
   EXPECT_TRUE(losses(opened.summary).empty());
 
-  OpenOptions late;
-  late.from_us = events.events.t[4000];
-  const auto rest = read(open_recording(make_memory_source(std::span<const uint8_t>(file)), late));
+  OpenOptions late = {.from_us = events.events.t[4000]};
+  const auto rest = decoded(open_bytes(file, late));
   EXPECT_EQ(rest.batch.events.t.front(), events.events.t[4000]);
   EXPECT_EQ(rest.batch.events.t.back(), events.events.t.back());
 
   messages.erase(messages.begin() + 5);
-  const Opened lossy = read(mcap_file({{"/events"}}, messages));
+  const Decoded lossy = read(mcap_file({{"/events"}}, messages));
   EXPECT_GE(lossy.summary.of(Violation::kMisaligned).count, 1U);
   EXPECT_LT(lossy.batch.events.size(), 5000U);
   EXPECT_GT(lossy.batch.events.size(), 4000U);
@@ -160,7 +140,7 @@ TEST(Rosbag, Evt3IsDecodedAcrossMessagesSoughtAndCountedWhereMessagesAreMissing)
 TEST(Rosbag, DamageIsCountedAndClaimsAreNotBelieved) {
   Bytes cut = mono_message(0, 10);
   store_le<uint32_t>(&cut[cut.size() - 20], 0x7FFFFFFF);  // the length of the events
-  const Opened opened = read(mcap_file({{"/events"}}, {{0, mono_message(0, 5)}, {0, cut}, {0, mono_message(1, 10)}}));
+  const Decoded opened = read(mcap_file({{"/events"}}, {{0, mono_message(0, 5)}, {0, cut}, {0, mono_message(1, 10)}}));
   EXPECT_EQ(opened.batch.events.size(), 4U);
   EXPECT_EQ(opened.summary.of(Violation::kBadRecord).count, 1U);
   Bytes file = mcap_file({{"/events"}}, {{0, mono_message(0, 5)}});
@@ -179,33 +159,33 @@ TEST(Rosbag, ADatabaseIsReadFromMemoryFilesAndFolders) {
   // In this order, though not by name.
   ASSERT_TRUE(write_file(folder / "bag #1" / "b_1.db3", first).ok());
   ASSERT_TRUE(write_file(folder / "bag #1" / "a_0.db3", second).ok());
-  EXPECT_EQ(read(open_recording(folder / "bag #1" / "b_1.db3")).batch.events.size(), 2U);
+  EXPECT_EQ(decoded(open_recording(folder / "bag #1" / "b_1.db3")).batch.events.size(), 2U);
   ASSERT_TRUE(
       write_file(folder / "bag #1" / "metadata.yaml",
                  std::string("rosbag2_bagfile_information:\n  storage_identifier: sqlite3\n  relative_file_paths:\n"
                              "    - bag #1/b_1.db3\n    - a_0.db3\n  duration:\n    nanoseconds: 1\n"))
           .ok());
   EXPECT_TRUE(is_recording_folder(folder / "bag #1"));
-  const Opened opened = read(open_recording(folder / "bag #1"));
+  const Decoded opened = decoded(open_recording(folder / "bag #1"));
   EXPECT_EQ(opened.batch.events.x, (Column<uint16_t>{1, 2, 1, 2}));
   EXPECT_TRUE(losses(opened.summary).empty());
 }
 
 TEST(Rosbag, ADatabaseThatIsNoBagOrHasNoEventsIsRefused) {
   const Bytes none = sqlite_file({{"/image", "sensor_msgs/msg/Image"}}, {});
-  const auto reader = open_recording(make_memory_source(std::span<const uint8_t>(none)));
+  const auto reader = open_bytes(none);
   ASSERT_FALSE(reader.ok());
   EXPECT_NE(reader.error().message.find("no topic of events"), std::string::npos);
   Bytes damaged = sqlite_file({{"/events"}}, {{0, mono_message(0, 10)}});
   std::fill(damaged.begin() + 100, damaged.begin() + 4096, uint8_t{0xFF});
-  EXPECT_FALSE(open_recording(make_memory_source(std::span<const uint8_t>(damaged))).ok());
+  EXPECT_FALSE(open_bytes(damaged).ok());
 }
 
 TEST(RosbagData, TheBagsAtHandHoldWhatIsKnownOfThem) {
   const auto evt3 = data_file("events/other/ros2_trig.db3"), mono_bag = data_file("events/other/ros2_mono.db3");
   E2LF_SKIP_WITHOUT(evt3);
   for (const int threads : {1, 0}) {
-    const Opened opened = read(open_recording(evt3, {.threads = threads}));
+    const Decoded opened = decoded(open_recording(evt3, {.threads = threads}));
     EXPECT_EQ(opened.info.format, "rosbag");
     EXPECT_EQ(opened.info.width, 1280U);
     ASSERT_EQ(opened.batch.events.size(), 82469U);
@@ -217,7 +197,7 @@ TEST(RosbagData, TheBagsAtHandHoldWhatIsKnownOfThem) {
     EXPECT_EQ(opened.batch.triggers[0].t + opened.batch.triggers[1].t, 29096982);
     EXPECT_TRUE(losses(opened.summary).empty());
   }
-  const Opened opened = read(open_recording(mono_bag));
+  const Decoded opened = decoded(open_recording(mono_bag));
   ASSERT_EQ(opened.batch.events.size(), 100U);
   EXPECT_EQ(sum(opened.batch.events.t), 4950);
   EXPECT_EQ(sum(opened.batch.events.x), 34450);

@@ -46,7 +46,7 @@ std::string uri_of(const std::filesystem::path& path) {
 
 class SqliteBag final : public Bag {
  public:
-  SqliteBag(std::unique_ptr<ByteSource> source) : name_(source->name()), source_(std::move(source)) {}
+  SqliteBag(SourcePtr source) : name_(source->name()), source_(std::move(source)) {}
 
   Result<void> open() {
     sqlite3* database = nullptr;
@@ -139,7 +139,7 @@ class SqliteBag final : public Bag {
   }
 
   std::string name_;
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   std::vector<uint8_t> bytes_;  ///< of a database that is in memory; outlives it
   Database database_;
   Statement messages_;  ///< null after the last one
@@ -150,16 +150,15 @@ class SqliteBag final : public Bag {
 
 }  // namespace
 
-Result<std::unique_ptr<Bag>> open_sqlite_bag(std::unique_ptr<ByteSource> source) {
+Result<BagPtr> open_sqlite_bag(SourcePtr source) {
   auto bag = std::make_unique<SqliteBag>(std::move(source));
   E2LF_RETURN_IF_ERROR(bag->open());
-  std::unique_ptr<Bag> result = std::move(bag);
-  return result;
+  return BagPtr(std::move(bag));
 }
 
 #else
 
-Result<std::unique_ptr<Bag>> open_sqlite_bag(std::unique_ptr<ByteSource> source) {
+Result<BagPtr> open_sqlite_bag(SourcePtr source) {
   return Error{ErrorCode::kMissingDependency,
                "this is a bag of ROS 2 stored by SQLite; build with libsqlite3-dev installed, or convert it to MCAP",
                source->name()};

@@ -10,12 +10,11 @@
 
 #include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/table/column_names.h"
 
 namespace e2lf::recordings::text {
 namespace {
-
-constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
 
 bool is_utf16(std::span<const uint8_t> bytes) {
   if (bytes.size() < 4) return false;
@@ -44,9 +43,7 @@ bool has_decimal_commas(const std::vector<std::string_view>& lines) {
   for (const std::string_view line : lines) {
     if (line.find(',') == std::string_view::npos || is_comment(line)) continue;
     bool is_within = split(line, true).size() >= 4;
-    for (const std::string_view word : split(line, true)) {
-      is_within = is_within && parse_cell(word, true).has_value();
-    }
+    for (const std::string_view word : split(line, true)) is_within = is_within && parse_cell(word, true).has_value();
     (is_within ? within : between) += 1;
   }
   return within > between;
@@ -231,7 +228,7 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
     return Error{ErrorCode::kUnsupported, "the text is encoded as UTF-16; save it as UTF-8 or ASCII", location};
   }
   TextHead head;
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view text = as_text(bytes);
   const auto count_of = [&](char c) { return std::count(text.begin(), text.end(), c); };
   if (count_of('\n') == 0 && count_of('\r') > 0) head.line_end = '\r';
   const std::vector<std::string_view> lines = lines_of(text, head.line_end, is_whole);
@@ -240,8 +237,8 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
   // The number of columns is that of most lines.
   std::vector<Cells> cells;
   std::map<size_t, size_t> widths;
-  for (std::string_view line : lines) {
-    if (line.starts_with(kUtf8Mark)) line.remove_prefix(kUtf8Mark.size());
+  for (const std::string_view marked : lines) {
+    const std::string_view line = without_mark(marked);
     cells.push_back(is_comment(line) ? Cells() : cells_of(line, head.has_decimal_comma));
     if (cells.back().are_numbers()) ++widths[cells.back().words.size()];
   }
@@ -262,8 +259,7 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
   };
   bool has_begun = false, has_names = false, has_size_line = false, has_point = false, are_six = true;
   for (size_t i = 0; i < lines.size(); ++i) {
-    std::string_view line = lines[i];
-    if (line.starts_with(kUtf8Mark)) line.remove_prefix(kUtf8Mark.size());
+    const std::string_view line = without_mark(lines[i]);
     const auto place = static_cast<size_t>(lines[i].data() - text.data());
     const size_t end = std::min(place + lines[i].size() + 1, text.size());
     const std::vector<std::string_view>& words = cells[i].words;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/text/csv_line.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "e2lf/recordings/codecs/text/csv_layout.h"
 
 namespace e2lf::recordings::text {
 namespace {
@@ -87,21 +87,8 @@ double to_double(const Decimal& number) {
   return number.is_negative ? -size : size;
 }
 
-/// Returns the power of ten that converts a unit to microseconds.
-int shift_of(TimeUnit unit) {
-  switch (unit) {
-    case TimeUnit::kSeconds:
-      return 6;
-    case TimeUnit::kMilliseconds:
-      return 3;
-    case TimeUnit::kNanoseconds:
-      return -3;
-    case TimeUnit::kAuto:
-    case TimeUnit::kMicroseconds:
-      break;
-  }
-  return 0;
-}
+/// The powers of ten that convert to microseconds, by TimeUnit.
+constexpr int kShifts[] = {0, 6, 3, 0, -3};
 
 /// Parses a polarity, ignoring case.
 std::optional<uint8_t> polarity_of(std::string_view word) {
@@ -193,7 +180,9 @@ bool parse_line(std::string_view line, const LineLayout& layout, Event& event) {
       return false;
     } else if (*field == table::Field::kT) {
       const bool is_ns = layout.unit == TimeUnit::kNanoseconds;
-      if (!to_integer(number, shift_of(layout.unit), is_ns ? Rounding::kDown : Rounding::kNearest, value)) return false;
+      if (!to_integer(number, kShifts[static_cast<size_t>(layout.unit)], is_ns ? Rounding::kDown : Rounding::kNearest,
+                      value))
+        return false;
     } else if (!to_integer(number, 0, Rounding::kNone, value)) {
       return false;
     }

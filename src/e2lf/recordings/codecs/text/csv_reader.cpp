@@ -6,9 +6,10 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/text/csv_layout.h"
-#include "e2lf/recordings/codecs/text/text.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/table/table_reader.h"
 #include "e2lf/recordings/time_search.h"
@@ -54,8 +55,7 @@ bool is_remark(std::string_view line, const Layout& layout) {
 /// Parses a line that is not simply an event: one may follow a byte order mark, and the line contains several if the
 /// file mixes line endings.
 void parse_odd_line(std::string_view line, size_t byte, const Layout& layout, EventColumns& events, BadLines& bad) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  line = without_mark(line);
   const bool has_ends = layout.line_end == '\n' && line.find('\r') < line.size() - 1;
   for (size_t begin = 0; begin < line.size();) {
     const size_t end = has_ends ? std::min(line.find('\r', begin), line.size()) : line.size();
@@ -94,7 +94,7 @@ BadLines parse_lines(std::string_view text, const Layout& layout, EventColumns& 
 
 class CsvBlocks final : public EventBlocks {
  public:
-  CsvBlocks(std::unique_ptr<ByteSource> source, Layout layout, RecordingInfo info, int threads)
+  CsvBlocks(SourcePtr source, Layout layout, RecordingInfo info, int threads)
       : source_(std::move(source)),
         layout_(std::move(layout)),
         info_(std::move(info)),
@@ -109,8 +109,7 @@ class CsvBlocks final : public EventBlocks {
     }
     const BadLines bad = threads_ == 1 ? parse_lines(text, layout_, block.events) : parse_parallel(text, block.events);
     const uint64_t first_byte = source_->position() + bad.first_byte;
-    summary.add(Violation::kBadRecord, first_byte, bad.count);
-    summary.dropped_words += bad.count;
+    summary.add_dropped(Violation::kBadRecord, first_byte, bad.count);
     if (bad_ == 0 && bad.count > 0) first_bad_ = cat("at byte ", first_byte, ": ", bad.first);
     events_ += block.events.size();
     bad_ += bad.count;
@@ -147,13 +146,13 @@ class CsvBlocks final : public EventBlocks {
     E2LF_ASSIGN_OR_RETURN(const uint64_t line, line_behind(byte));
     E2LF_RETURN_IF_ERROR(source_->seek(line));
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
-    std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kLongestLine));
+    std::string_view text = as_text(bytes).substr(0, kLongestLine);
     text = text.substr(0, text.rfind(layout_.line_end) + 1);
     EventColumns events;
     parse_lines(text, layout_, events);
     if (events.empty()) return INT64_MAX;
     const size_t count = std::min(kTimesPerProbe, events.size());
-    return median_time({events.t.begin(), events.t.begin() + static_cast<ptrdiff_t>(count)});
+    return median<int64_t>({events.t.begin(), events.t.begin() + static_cast<ptrdiff_t>(count)});
   }
 
   /// Returns the complete lines that are available; empty at the end.
@@ -163,7 +162,7 @@ class CsvBlocks final : public EventBlocks {
     size_t wanted = source_->seekable() ? block : 1;
     for (;;) {
       E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(wanted));
-      const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), block));
+      const std::string_view text = as_text(bytes).substr(0, block);
       const size_t newline = text.rfind(layout_.line_end);
       if (newline != std::string_view::npos) return text.substr(0, newline + 1);
       // A number that is cut off by a stop request has another value.
@@ -210,7 +209,7 @@ class CsvBlocks final : public EventBlocks {
     return all_bad;
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   Layout layout_;
   RecordingInfo info_;
   int threads_;
@@ -226,7 +225,7 @@ Result<std::vector<double>> next_values(ByteSource& source, const TextHead& head
   while (values.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kBlockBytes));
     if (bytes.empty()) break;
-    std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kBlockBytes));
+    std::string_view text = as_text(bytes).substr(0, kBlockBytes);
     if (const size_t end = text.rfind(head.line_end); end != std::string_view::npos) text = text.substr(0, end + 1);
     for (size_t begin = 0; begin < text.size();) {
       const size_t end = std::min(text.find(head.line_end, begin), text.size());
@@ -317,8 +316,7 @@ Result<Layout> decide(ByteSource& source, const OpenOptions& options, TextHead h
 }
 
 /// Opens a text. The formats differ in the assumptions about what a file does not state.
-Result<std::unique_ptr<RecordingReader>> open(std::unique_ptr<ByteSource> source, const OpenOptions& options,
-                                              const char* format, const char* usual_order) {
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char* format, const char* usual_order) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(TextHead head, fetch_head(*source, name));
   E2LF_RETURN_IF_ERROR(check_head(head, name));
@@ -346,17 +344,17 @@ bool detect(std::span<const uint8_t> head) {
   // An archive may contain a text without compression.
   if (std::find(head.begin(), head.end(), uint8_t{0}) != head.end()) return false;
   // A list of lists in JSON is a line of many numbers.
-  const std::string_view begin(reinterpret_cast<const char*>(head.data()), std::min<size_t>(head.size(), 2));
+  const std::string_view begin = as_text(head).substr(0, 2);
   if (begin == "[[" || begin == "[{") return false;
   const auto read = read_head(head.first(std::min(head.size(), kDetectBytes)), head.size() < kDetectBytes, "");
   return read.ok() && read->columns > 0 && 2 * read->bad_lines <= read->lines;
 }
 
-Result<std::unique_ptr<RecordingReader>> open_csv(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_csv(SourcePtr source, const OpenOptions& options) {
   return open(std::move(source), options, "csv", "xypt");
 }
 
-Result<std::unique_ptr<RecordingReader>> open_txt(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<ReaderPtr> open_txt(SourcePtr source, const OpenOptions& options) {
   return open(std::move(source), options, "txt", "txyp");
 }
 

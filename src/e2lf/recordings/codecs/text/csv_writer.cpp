@@ -9,7 +9,8 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/text/text.h"
+#include "e2lf/recordings/codecs/codecs.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::text {
 namespace {
@@ -121,14 +122,14 @@ char* format_lines(const EventColumns& events, size_t begin, size_t end, bool is
 
 class CsvWriter final : public RecordingWriter {
  public:
-  CsvWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info, bool is_seconds)
+  CsvWriter(SinkPtr sink, const RecordingInfo& info, bool is_seconds)
       : sink_(std::move(sink)), is_seconds_(is_seconds), check_(info.width, info.height, sink_->name()) {}
 
   Result<void> begin(const RecordingInfo& info) {
     if (info.width == 0 || info.height == 0) return {};
     const std::string line =
         is_seconds_ ? cat(info.width, ' ', info.height, '\n') : cat("%geometry:", info.width, ',', info.height, '\n');
-    return sink_->write({reinterpret_cast<const uint8_t*>(line.data()), line.size()});
+    return sink_->write(as_bytes(line));
   }
 
   bool holds_triggers() const override { return false; }
@@ -179,28 +180,26 @@ class CsvWriter final : public RecordingWriter {
 
   Result<void> finish_writing() { return writing_.valid() ? writing_.get() : Result<void>(); }
 
-  std::unique_ptr<ByteSink> sink_;
+  SinkPtr sink_;
   bool is_seconds_;
   BatchCheck check_;
   Text text_, written_;
   std::future<Result<void>> writing_;  ///< writes written_; last, because it uses the members above
 };
 
-Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info,
-                                                bool is_seconds) {
+Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info, bool is_seconds) {
   auto writer = std::make_unique<CsvWriter>(std::move(sink), info, is_seconds);
   E2LF_RETURN_IF_ERROR(writer->begin(info));
-  std::unique_ptr<RecordingWriter> result = std::move(writer);
-  return result;
+  return WriterPtr(std::move(writer));
 }
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingWriter>> create_csv(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create_csv(SinkPtr sink, const RecordingInfo& info) {
   return create(std::move(sink), info, /*is_seconds=*/false);
 }
 
-Result<std::unique_ptr<RecordingWriter>> create_txt(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create_txt(SinkPtr sink, const RecordingInfo& info) {
   return create(std::move(sink), info, /*is_seconds=*/true);
 }
 

@@ -61,7 +61,6 @@ struct Codec {
   using Check = evt3::Check;
   static constexpr size_t kWordBytes = 2;
   static constexpr size_t kMaxEventsPerWord = 12;
-  static constexpr const char* kName = "evt3";
 
   static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
   static size_t count_bad(const uint8_t* words, size_t count, size_t enough);

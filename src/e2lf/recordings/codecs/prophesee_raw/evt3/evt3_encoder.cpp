@@ -88,10 +88,4 @@ void Encoder::put_trigger(const Trigger& trigger, WordBuffer& out) {
   out.put(make_word(kTrigger, (static_cast<uint32_t>(trigger.id & 0xF) << 8) | (trigger.p & 1u)));
 }
 
-Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
-  RecordingInfo raw = info;
-  raw.format = "evt3";
-  return create_raw_writer<Encoder>(std::move(sink), raw);
-}
-
 }  // namespace e2lf::recordings::evt3

@@ -13,6 +13,7 @@ namespace e2lf::recordings::evt3 {
 /// TIME_HIGH is written at every step, and repeated after 16 us.
 class Encoder {
  public:
+  static constexpr const char* kFormat = "evt3";
   explicit Encoder(const RecordingInfo& info) : width_(static_cast<uint32_t>(info.width)) {}
 
   /// Later starts would need too many words that only count the loops of the 24-bit clock.
@@ -36,9 +37,5 @@ class Encoder {
   int64_t high_at_us_ = 0;  ///< when the last TIME_HIGH was written
   uint32_t y_ = 0xFFFF;
 };
-
-/// Creates a RAW recording of EVT3 words.
-[[nodiscard]] Result<std::unique_ptr<RecordingWriter>> create(std::unique_ptr<ByteSink> sink,
-                                                              const RecordingInfo& info);
 
 }  // namespace e2lf::recordings::evt3

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/prophesee_raw/evt4/evt4_reader.h"
-
 #include <bit>
 #include <utility>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/continued_clock.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings::evt4 {
@@ -29,8 +27,7 @@ enum Type : uint32_t {
 
 class Evt4Blocks final : public EventBlocks {
  public:
-  explicit Evt4Blocks(std::unique_ptr<ByteSource> source)
-      : source_(std::move(source)), header_bytes_(source_->position()) {}
+  explicit Evt4Blocks(SourcePtr source) : source_(std::move(source)), header_bytes_(source_->position()) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
@@ -53,8 +50,7 @@ class Evt4Blocks final : public EventBlocks {
         if (has_time_)
           block.triggers.push_back({time_of(word), static_cast<uint16_t>(word >> 8 & 0x1F), uint8_t(word & 1)});
       } else if (type != kOthers && type != kContinued && type != kPadding) {
-        summary.add(Violation::kUnknownWord, source_->position() + i * kWordBytes);
-        ++summary.dropped_words;
+        summary.add_dropped(Violation::kUnknownWord, source_->position() + i * kWordBytes);
       }
     }
     // An incomplete word, or a vector without its pixels.
@@ -86,7 +82,7 @@ class Evt4Blocks final : public EventBlocks {
     }
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   uint64_t header_bytes_;
   int64_t high_us_ = 0;
   bool has_time_ = false;
@@ -94,8 +90,7 @@ class Evt4Blocks final : public EventBlocks {
 
 }  // namespace
 
-std::unique_ptr<RecordingReader> make_reader(std::unique_ptr<ByteSource> source, RecordingInfo info,
-                                             const OpenOptions& options) {
+ReaderPtr make_reader(SourcePtr source, RecordingInfo info, const OpenOptions& options) {
   const std::string name = source->name();
   auto blocks = make_continued(std::make_unique<Evt4Blocks>(std::move(source)), EventOrder::kByTime);
   return make_block_reader(std::move(blocks), std::move(info), name, options);

@@ -19,10 +19,9 @@ TEST(Evt4, EventsVectorsAndTriggersAreRead) {
                                     0xFFFFFFFF, 0xE0000003,                   //
                                     evt4_event(0xD, 0, 1, 2), 0x00000001,     //
                                     evt4_event(0xA, 63, 63, 47)});
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
+  OpenOptions options = {.policy = DecodePolicy::kSkip};
   for (const size_t step : {size_t{1}, size_t{7}, size_t{4096}}) {
-    auto reader = open_recording(std::make_unique<ChunkedSource>(bytes, std::vector<size_t>(), step), options).value();
+    auto reader = open_recording(chunked(bytes, step), options).value();
     EXPECT_EQ(reader->info().format, "evt4");
     const auto all = read_all(*reader);
     ASSERT_TRUE(all) << all.error().text();
@@ -40,7 +39,7 @@ TEST(Evt4, StreamsComeBackAsTheyWereWritten) {
   const EventBatch stream =
       random_stream({.events = 3000, .width = 64, .height = 48, .max_gap_us = 300, .trigger_every = 10});
   const auto bytes = evt4_file(stream);
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), {}).value();
+  auto reader = open_bytes(bytes, {}).value();
   const auto all = read_all(*reader);
   ASSERT_TRUE(all) << all.error().text();
   EXPECT_EQ(all->events, stream.events);
@@ -49,12 +48,10 @@ TEST(Evt4, StreamsComeBackAsTheyWereWritten) {
 
 TEST(Evt4, WhatIsCutOrUnknownIsCounted) {
   auto bytes = evt4_of_words({0xE0000002, evt4_event(0xB, 3, 5, 6), 0x12345678, evt4_event(0xC, 4, 30, 7)});
-  OpenOptions options;
-  options.policy = DecodePolicy::kSkip;
-  auto reader = open_recording(make_memory_source(std::span<const uint8_t>(bytes)), options).value();
-  EXPECT_EQ(read_all(*reader).value().events.size(), 1U);
-  EXPECT_EQ(reader->summary().of(Violation::kUnknownWord).count, 1U);
-  EXPECT_EQ(reader->summary().of(Violation::kTruncated).count, 1U);
+  const Decoded read = decoded(bytes);
+  EXPECT_EQ(read.batch.events.size(), 1U);
+  EXPECT_EQ(read.summary.of(Violation::kUnknownWord).count, 1U);
+  EXPECT_EQ(read.summary.of(Violation::kTruncated).count, 1U);
 }
 
 }  // namespace

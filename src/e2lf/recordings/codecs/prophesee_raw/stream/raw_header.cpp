@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <ctime>
 #include <optional>
 
 #include "e2lf/base/text.h"
@@ -64,12 +65,6 @@ Line next_line(std::string_view text, bool ended, std::string_view& line, size_t
   return Line::kHeader;
 }
 
-std::string trimmed(std::string_view text) {
-  const size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return std::string(text.substr(begin, text.find_last_not_of(" \t") + 1 - begin));
-}
-
 std::optional<size_t> parse_side(std::string_view text) {
   size_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -105,7 +100,7 @@ struct FormatKey {
 
 Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
   FormatKey key;
-  const std::string encoding = trimmed(text.substr(0, text.find(';')));
+  const std::string_view encoding = trimmed(text.substr(0, text.find(';')));
   for (const RawEncoding& known : kRawEncodings) {
     if (encoding == known.format || encoding == cat("EVT", known.version)) key.codec = known.codec;
   }
@@ -119,8 +114,8 @@ Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
     const std::string_view field = text.substr(0, text.find(';'));
     const size_t equals = field.find('=');
     if (equals == std::string_view::npos) continue;
-    const std::string name = trimmed(field.substr(0, equals));
-    const std::string value = trimmed(field.substr(equals + 1));
+    const std::string_view name = trimmed(field.substr(0, equals));
+    const std::string_view value = trimmed(field.substr(equals + 1));
     if (name == "endianness") key.endianness = value;
     if (name != "width" && name != "height") continue;
     const auto side = parse_side(value);
@@ -175,10 +170,18 @@ bool is_rewritten_key(const std::string& key) {
   return key == "evt" || key == "format" || key == "geometry" || key == "endianness" || key == "end";
 }
 
+std::string local_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::localtime_r(&now, &parts);
+  char text[32];
+  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
+}
+
 }  // namespace
 
 Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, const std::string& name) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view text = as_text(bytes);
   RawHeader header;
   bool more = true;
   while (more) {
@@ -189,7 +192,7 @@ Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, c
       return Error{ErrorCode::kTruncated, "the header is incomplete; read more of it", name};
     if (kind == Line::kData) break;
     header.num_bytes += length;
-    const std::string key = trimmed(line.substr(0, line.find_first_of(" \t")));
+    const std::string key(trimmed(line.substr(0, line.find_first_of(" \t"))));
     more = key != "end";
     if (more && !key.empty()) header.info.header.emplace_back(key, header_text(trimmed(line.substr(key.size()))));
   }
@@ -271,6 +274,16 @@ std::string raw_header_text(const RecordingInfo& info) {
   add("format", cat(encoding->format, is_evt21 ? cat(";endianness=", endianness) : "", ";height=", info.height,
                     ";width=", info.width));
   add("geometry", cat(info.width, "x", info.height));
+  return text + "% end\n";
+}
+
+std::string camera_header(std::map<std::string, std::string> keys) {
+  keys.erase("end");
+  keys.emplace("date", local_time());
+  std::string text;
+  for (const auto& [key, value] : keys) {
+    if (!value.empty()) text += cat("% ", key, " ", header_text(value), "\n");
+  }
   return text + "% end\n";
 }
 

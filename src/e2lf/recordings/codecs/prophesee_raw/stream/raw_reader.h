@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -22,7 +21,7 @@ template <WordCodec Codec>
 class RawReader final : public RecordingReader {
  public:
   /// `source` is positioned after the header.
-  RawReader(std::unique_ptr<ByteSource> source, RawHeader header, const OpenOptions& options)
+  RawReader(SourcePtr source, RawHeader header, const OpenOptions& options)
       : RecordingReader(options), source_(std::move(source)), stream_(limits_of(header.info, options)) {
     info_ = std::move(header.info);
     name_ = source_->name();
@@ -173,7 +172,7 @@ class RawReader final : public RecordingReader {
     if (time_us > checkpoints_.back().time_us) checkpoints_.push_back({time_us, byte, stream_, latest_us});
   }
 
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
   RawStream<Codec> stream_;
   std::vector<Checkpoint> checkpoints_;
   size_t wanted_ = 1;

@@ -12,6 +12,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
 #include "e2lf/recordings/io/decode_summary.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
 
@@ -175,9 +176,7 @@ class RawStream {
     if constexpr (requires { Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink); }) {
       used = Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink);
     }
-    if (used < count) {
-      used += Codec::decode(input.data() + used * kWordBytes, count - used, state_, limits_, sink);
-    }
+    if (used < count) used += Codec::decode(input.data() + used * kWordBytes, count - used, state_, limits_, sink);
     if (const uint64_t outside = std::exchange(state_.num_outside, 0); outside > 0) {
       input.summary->add(Violation::kOutOfRange, input.byte(first_outside(input.data(), used, before)), outside);
     }
@@ -281,9 +280,7 @@ class RawStream {
     }
     const size_t window = std::min(behind, kWindowWords);
     const size_t bad = Codec::count_bad(word + kWordBytes, window, kWindowBad + 1);
-    if (bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1)) {
-      return begin_break(input);
-    }
+    if (bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1)) return begin_break(input);
     const WordFault classify = Codec::classify(word, check_, limits_);
     if (classify == WordFault::kTimeBack || classify == WordFault::kTimeAhead) {
       const Verdict verdict = Codec::judge_time(word, behind + 1, input.ended, check_);
@@ -321,7 +318,7 @@ class RawStream {
   /// text is not a plausible sequence of words for long, no other place is inspected. `is_whole` is set if the header
   /// is complete.
   size_t find_header(const Input& input, size_t end, bool& is_whole) const {
-    const std::string_view text(reinterpret_cast<const char*>(input.data()), std::min(end, input.num_bytes()));
+    const std::string_view text = as_text(input.bytes.subspan(input.position)).substr(0, end);
     for (size_t at = text.find("% "); at != std::string_view::npos; at = text.find("% ", at + 1)) {
       const HeaderPlace place = find_raw_header(input.bytes.subspan(input.position + at), input.ended);
       is_whole = place == HeaderPlace::kHere;
@@ -397,9 +394,7 @@ class RawStream {
     keep_ = checked_ - std::min<size_t>(checked_, 8);
     if (found && (jump_ - word) % kWordBytes != 0) {
       size_t begin = jump_;
-      while (begin >= kWordBytes && Codec::count_bad(input.data() + begin - kWordBytes, 1, 1) == 0) {
-        begin -= kWordBytes;
-      }
+      while (begin >= kWordBytes && Codec::count_bad(input.data() + begin - kWordBytes, 1, 1) == 0) begin -= kWordBytes;
       keep_ = std::min(checked_, begin / kWordBytes);
     }
     input.summary->add(Violation::kMisaligned, input.byte(word));

@@ -9,6 +9,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
@@ -29,6 +30,7 @@ class WordBuffer {
 
 /// Writes a RAW recording: the header, then events and triggers, merged by time and encoded by an Encoder:
 ///   Encoder(info)
+///   kFormat                             the name of the encoding in e2lf
 ///   kMaxFirstUs                         the latest time of the first event
 ///   kMaxPauseUs                         the longest time without events and triggers
 ///   kMaxTriggerId
@@ -37,7 +39,7 @@ class WordBuffer {
 template <typename Encoder>
 class RawWriter final : public RecordingWriter {
  public:
-  RawWriter(std::unique_ptr<ByteSink> sink, const RecordingInfo& info)
+  RawWriter(SinkPtr sink, const RecordingInfo& info)
       : sink_(std::move(sink)), name_(sink_->name()), check_(info.width, info.height, name_), encoder_(info) {}
 
   [[nodiscard]] bool holds_triggers() const override { return true; }
@@ -112,7 +114,7 @@ class RawWriter final : public RecordingWriter {
     return {};
   }
 
-  std::unique_ptr<ByteSink> sink_;
+  SinkPtr sink_;
   std::string name_;
   BatchCheck check_;
   Encoder encoder_;
@@ -120,19 +122,21 @@ class RawWriter final : public RecordingWriter {
   int64_t latest_us_ = -1;  ///< of what was written; -1 = nothing yet
 };
 
-/// Creates a writer: checks the size and writes the header. Fails with kInvalidValue and kIo.
+/// Creates a writer: checks the size and writes the header of the format Encoder::kFormat. Fails with kInvalidValue and
+/// kIo.
 template <typename Encoder>
-Result<std::unique_ptr<RecordingWriter>> create_raw_writer(std::unique_ptr<ByteSink> sink, const RecordingInfo& info) {
+Result<WriterPtr> create_raw_writer(SinkPtr sink, const RecordingInfo& info) {
   if (info.width == 0 || info.height == 0 || info.width > 2048 || info.height > 2048) {
     return Error{ErrorCode::kInvalidValue,
                  cat("a RAW recording is 1 to 2048 px wide and high, not ", info.width, "x", info.height,
                      "; give the sensor's size"),
                  sink->name(), Setting::kSensorSize};
   }
-  const std::string header = raw_header_text(info);
-  E2LF_RETURN_IF_ERROR(sink->write(std::span(reinterpret_cast<const uint8_t*>(header.data()), header.size())));
-  std::unique_ptr<RecordingWriter> writer = std::make_unique<RawWriter<Encoder>>(std::move(sink), info);
-  return writer;
+  RecordingInfo raw = info;
+  raw.format = Encoder::kFormat;
+  const std::string header = raw_header_text(raw);
+  E2LF_RETURN_IF_ERROR(sink->write(as_bytes(header)));
+  return WriterPtr(std::make_unique<RawWriter<Encoder>>(std::move(sink), raw));
 }
 
 }  // namespace e2lf::recordings

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_kernels.h"
-
+// The kernels of timed_codec.h.
 #include <algorithm>
 #include <bit>
 
-#include "e2lf/recordings/codecs/prophesee_raw/timed/layouts.h"
+#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_codec.h"
 
 #define HWY_WANT_AVX3_DL 1
 #undef HWY_TARGET_INCLUDE
@@ -175,11 +174,11 @@ Kernels kernels_of() {
 Kernels find_kernels(Encoding encoding) {
   switch (encoding) {
     case Encoding::kEvt21Little:
-      return kernels_of<evt21::Layout<evt21::ByteOrder::kLittle>>();
+      return kernels_of<Evt21Layout<ByteOrder::kLittle>>();
     case Encoding::kEvt21Legacy:
-      return kernels_of<evt21::Layout<evt21::ByteOrder::kLegacy>>();
+      return kernels_of<Evt21Layout<ByteOrder::kLegacy>>();
     default:
-      return kernels_of<evt2::Layout>();
+      return kernels_of<Evt2Layout>();
   }
 }
 

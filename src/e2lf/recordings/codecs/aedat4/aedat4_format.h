@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/decompress.h"
 
 namespace e2lf::recordings::aedat4 {
@@ -41,5 +42,12 @@ inline constexpr size_t kMaxHeaderBytes = size_t{1} << 22;
 /// Parses the streams in the header's XML: nodes /mainloop/.../outInfo/<id>/ with typeIdentifier, sizeX, sizeY and
 /// source.
 [[nodiscard]] std::vector<Stream> parse_streams(std::string_view xml);
+
+/// Appends the events of a decompressed EVTS packet. Returns false, without appending any, if it is not one or is
+/// truncated. Negative coordinates become 65535, which is outside any sensor.
+[[nodiscard]] bool append_events(std::span<const uint8_t> packet, EventColumns& events);
+
+/// Appends the external signals of a decompressed TRIG packet. Returns false if it is not one.
+[[nodiscard]] bool append_triggers(std::span<const uint8_t> packet, std::vector<Trigger>& triggers);
 
 }  // namespace e2lf::recordings::aedat4

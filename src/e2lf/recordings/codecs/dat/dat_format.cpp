@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/dat/dat_header.h"
+#include "e2lf/recordings/codecs/dat/dat_format.h"
 
 #include <charconv>
 #include <string_view>
@@ -21,7 +21,7 @@ size_t number_or_zero(const std::optional<std::string>& text) {
 std::optional<Header> parse_header(std::span<const uint8_t> head) {
   Header header;
   header.info.format = "dat";
-  std::string_view rest(reinterpret_cast<const char*>(head.data()), head.size());
+  std::string_view rest = as_text(head);
   const size_t all = rest.size();
   while (!rest.empty() && rest.front() == '%') {
     const size_t end = rest.find('\n');
