@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Binds the functions and names of the module itself to Python.
 #include <pybind11/stl.h>
 
 #include "e2lf/base/isa.h"

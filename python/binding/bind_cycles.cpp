@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Binds the module cycles to Python.
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 #include <variant>

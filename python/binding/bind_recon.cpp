@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Binds the module recon to Python.
 #include <pybind11/stl.h>
 #include <variant>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Binds the module sensor to Python.
 #include <pybind11/stl.h>
 
 #include "e2lf/capture/measurement/colour_filter.h"

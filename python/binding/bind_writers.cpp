@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Binds the writers of recordings and event images to Python.
 #include <map>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>

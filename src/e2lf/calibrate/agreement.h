@@ -11,8 +11,8 @@ namespace e2lf::calibrate {
 
 /// The means, standard deviations and correlations of the counts of one cycle.
 struct Moments {
-  std::vector<double> mean, deviation;  ///< for each transition
-  std::vector<double> correlation;      ///< of transitions 1 and 2, 2 and 3, 1 and 3, then of the pairs 4 and 5, ...
+  std::vector<double> mean, deviation;  ///< one value for each transition
+  std::vector<double> correlation;  ///< between transitions 1 and 2, 2 and 3, 1 and 3, then of the pairs 4 and 5, ...
 };
 
 /// How well a model predicts the counts of a set of areas.
@@ -26,7 +26,7 @@ struct Agreement {
 };
 
 struct AgreementReport {
-  std::vector<Agreement> rows;    ///< by brightness
+  std::vector<Agreement> rows;    ///< one row for each level of brightness
   std::vector<Agreement> places;  ///< each area by itself, by brightness and then by field position
 };
 

@@ -32,8 +32,8 @@ struct Calibration {
   capture::SensorProfile camera;
   std::vector<Estimate> estimates;
   std::vector<PixelState> states;
-  AgreementReport agreement;        ///< of the result
-  AgreementReport first_agreement;  ///< of the first guess
+  AgreementReport agreement;        ///< agreement of the result with the events
+  AgreementReport first_agreement;  ///< agreement of the first guess
   size_t flat_pixels = 0;
   std::vector<std::string> warnings;  ///< constants at a bound or outside of the starting camera's uncertainty, by name
 };

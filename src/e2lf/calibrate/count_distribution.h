@@ -43,7 +43,7 @@ struct CountGroup {
 /// The light on a pixel in one cycle, J = (I + eps) / eps.
 struct PixelLight {
   double inverse = 1.0;             ///< during the inverse of the last code, before black
-  std::vector<double> of_patterns;  ///< from black on
+  std::vector<double> of_patterns;  ///< one value for each pattern, from black on
   bool is_whole = false;            ///< these are the codes, their inverses and black again: see capture::whole_cycle()
 };
 

@@ -55,8 +55,8 @@ struct Bound {
 
 /// The misfit of the best model, in units of what chance alone causes.
 struct Misfit {
-  double weighted = 1.0;     ///< with the weights of the fit, at least 1
-  double full = 1.0;         ///< with all samples
+  double weighted = 1.0;     ///< value with the weights of the fit, at least 1
+  double full = 1.0;         ///< value with all samples
   double row_samples = 0.0;  ///< number of samples of a row at which chance and model error weigh the same
 };
 

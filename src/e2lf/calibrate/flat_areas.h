@@ -31,8 +31,8 @@ struct FlatAreas {
 /// Flat pixels of similar brightness in one part of the picture, and the frequencies of each combination of their
 /// counts.
 struct Area {
-  size_t row = 0;   ///< of brightness
-  size_t cell = 0;  ///< of the field, kFieldColumns * field row + column
+  size_t row = 0;   ///< index of the level of brightness
+  size_t cell = 0;  ///< index of the cell of the field: kFieldColumns * field row + column
   size_t scene = 0;
   double x = 0.0, y = 0.0;  ///< mean position, as in capture::transmission_at()
   double samples = 0.0;     ///< pixels times cycles

@@ -10,14 +10,14 @@
 
 namespace e2lf::calibrate {
 
-inline constexpr double kQuantile = 1.96;  ///< of the standard normal distribution, for 95 %
+inline constexpr double kQuantile = 1.96;  ///< two-sided 95 % quantile of the standard normal distribution
 
 /// A number of a camera that a fit may change.
 struct Parameter {
   enum class Kind : uint8_t { kConstant, kTransmission, kSlopeX, kSlopeY };
 
   Kind kind = Kind::kConstant;
-  size_t index = 0;          ///< of the constant, or of the active pattern
+  size_t index = 0;          ///< index of the constant or of the active pattern
   bool is_logarithm = true;  ///< fitted as a logarithm: the number stays positive, and its spread is relative
   double spread = 0.0;       ///< prior standard deviation from the starting value
   std::string key;           ///< as in camera files: "threshold_on", "transmission[1]", "transmission.slope_x[1]"

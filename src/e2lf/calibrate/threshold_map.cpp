@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Estimates the threshold of each pixel; declared in calibrate.h.
 #include <array>
 #include <cmath>
 #include <limits>

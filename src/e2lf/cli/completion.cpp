@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Writes the completion of shells; declared in declared_verbs.h.
 #include "e2lf/base/text.h"
 #include "e2lf/cli/declared_verbs.h"
 

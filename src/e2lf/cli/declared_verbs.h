@@ -13,7 +13,7 @@ namespace e2lf::cli {
 
 /// A flag, option or argument, as --help shows it.
 struct DeclaredOption {
-  std::vector<std::string> short_names, long_names;  ///< with their dashes; empty for a positional argument
+  std::vector<std::string> short_names, long_names;  ///< names with their dashes; empty for a positional argument
   std::string argument;                              ///< name of the positional argument; otherwise empty
   std::string help, group, default_value;
   bool takes_value = false, is_required = false;
@@ -32,7 +32,7 @@ struct DeclaredOption {
 struct DeclaredVerb {
   std::string name, summary, description, example;
   std::vector<DeclaredOption> options;
-  std::vector<std::string> subverbs;  ///< of a verb that only groups others
+  std::vector<std::string> subverbs;  ///< verbs below a verb that only groups others
 };
 
 /// Returns the declarations of all verbs of the list and their subverbs, in order, without running any.

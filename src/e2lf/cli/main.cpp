@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// The program e2lf.
 #include <cstdio>
 #include <filesystem>
 #include <map>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Writes manual pages; declared in declared_verbs.h.
 #include <algorithm>
 
 #include "e2lf/base/text.h"

@@ -55,10 +55,10 @@ class JobRunner {
   Result<const Cycles*> cycles_of(const Job& job, const lightfield::LightField& truth);
 
   const Plan& plan_;
-  std::map<std::pair<size_t, size_t>, pipeline::OpenedMethod> methods_;  ///< by the numbers of method and sensor
-  std::map<size_t, model::VideoModel> scans_;                            ///< by the number of the method
-  std::list<Simulated> simulated_;                                       ///< of the current scene and sensor
-  std::pair<size_t, size_t> place_;                                      ///< their numbers
+  std::map<std::pair<size_t, size_t>, pipeline::OpenedMethod> methods_;  ///< keys are the numbers of method and sensor
+  std::map<size_t, model::VideoModel> scans_;                            ///< keys are the numbers of the methods
+  std::list<Simulated> simulated_;   ///< measurements of the current scene and sensor
+  std::pair<size_t, size_t> place_;  ///< their numbers
   size_t num_simulated_ = 0;
 };
 

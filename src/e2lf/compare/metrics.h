@@ -13,7 +13,7 @@ struct Metric {
   const char* heading;  ///< in tables
   int decimals;
   bool is_least_best;
-  bool is_quality;     ///< of the light field; otherwise, its cost
+  bool is_quality;     ///< true for the quality of the light field, false for its cost
   bool is_repeatable;  ///< identical in every run
 };
 

@@ -18,7 +18,7 @@ namespace e2lf::compare {
 struct ComparedMethod {
   MethodConfig config;
   std::filesystem::path model;  ///< a file or the folder of the release; empty if there is none
-  capture::Codes codes;         ///< for a scan of views, one open cell each
+  capture::Codes codes;         ///< codes of a scan of views, with one open cell each
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
   std::optional<capture::SensorProfile> told;  ///< the sensor profile given to the network, if not that of the sensor
   Json identity;                               ///< everything on which its results depend
@@ -27,14 +27,14 @@ struct ComparedMethod {
 struct Scene {
   std::string name;
   std::filesystem::path path;             ///< empty if rendered
-  std::optional<uint64_t> rendered_seed;  ///< of the demo scene
+  std::optional<uint64_t> rendered_seed;  ///< seed of the demo scene
   GroupConfig group;
   Json identity;
 };
 
 struct Sensor {
   SensorConfig config;
-  capture::SensorProfile camera;  ///< with the changes of the configuration applied
+  capture::SensorProfile camera;  ///< profile with the changes of the configuration applied
   Json identity;
 };
 
@@ -72,7 +72,7 @@ struct Surroundings {
   std::function<Result<std::filesystem::path>(const std::string& name)> locate_camera;
   /// Returns a hash of the content of a file or folder.
   std::function<Result<std::string>(const std::filesystem::path& path)> hash;
-  std::string version;  ///< of the program; results of other versions are not reused
+  std::string version;  ///< version of the program; results of other versions are not reused
 };
 
 /// Locates and hashes all files and lists the jobs. Optional methods and groups whose files are missing are omitted

@@ -27,8 +27,8 @@ struct ScanOptions {
 /// The second scan as frames.
 struct ScanResult {
   lightfield::LightField light_field;  ///< tone-mapped frames without a known scale
-  double events_per_pixel = 0;         ///< of both scans
-  double measurement_ms = 0;           ///< of both scans
+  double events_per_pixel = 0;         ///< sum over both scans
+  double measurement_ms = 0;           ///< sum over both scans
   double reconstruct_s = 0;            ///< time taken by the network
 };
 

@@ -15,7 +15,7 @@ struct BurstOptions {
   int64_t bin_us = 100;           ///< resolution of the starts
   int64_t window_us = 1000;       ///< in which the rates before and after are compared
   int64_t min_spacing_us = 4000;  ///< between two bursts
-  double min_significance = 10;   ///< of the rise of the count, in standard deviations of chance
+  double min_significance = 10;   ///< of the rise of the count, in standard deviations at a constant rate
   double min_rise = 0.1;          ///< of the count, relative to the typical burst
 };
 

@@ -46,7 +46,7 @@ class CycleAssembler {
   struct Open {
     Cycle cycle;
     std::optional<DroppedCycle> fault;
-    std::vector<PatternStart> starts;   ///< of the patterns of the cycle
+    std::vector<PatternStart> starts;   ///< starts of the cycle's patterns
     std::vector<PatternEvents> events;  ///< one for each pattern of the schedule
     bool has_late_edge = false;
     bool is_whole = true;  ///< whether the events of all its patterns are read
@@ -68,10 +68,10 @@ class CycleAssembler {
 
   CycleOptions options_;
   size_t width_, height_;
-  size_t first_pattern_;  ///< of a cycle
+  size_t first_pattern_;  ///< index of the first pattern of a cycle
   std::optional<PixelFilter> filter_;
   int64_t window_us_;         ///< length of time before and after a claimed start in which events must confirm it
-  EventHistogram histogram_;  ///< of the open cycle
+  EventHistogram histogram_;  ///< events of the open cycle
   LateEdgeFinder late_edges_;
 
   std::deque<PatternStart> starts_;
@@ -85,7 +85,7 @@ class CycleAssembler {
   int64_t deadline_us_ = 0;  ///< a start that has not occurred by then is missing
   int64_t quiet_us_ = 0;     ///< quiet time in this cycle
   uint64_t whole_every_ = 1;
-  float whole_confidence_ = 1.0F;  ///< of the last whole cycle
+  float whole_confidence_ = 1.0F;  ///< confidence of the last whole cycle
   CyclePolarity whole_polarity_ = CyclePolarity::kUnknown;
   uint64_t next_number_ = 0;
   std::deque<Cycle> complete_;

@@ -41,7 +41,7 @@ struct CycleOptions {
   bool invert_polarity = false;  ///< exchanges ON and OFF of the recording
 
   TriggerEdge edge = TriggerEdge::kRising;
-  std::optional<uint16_t> channel = {};  ///< of the triggers; absent = all channels
+  std::optional<uint16_t> channel = {};  ///< channel of the triggers; absent = all channels
   bool one_trigger_per_cycle = false;    ///< the trigger marks the start of the first pattern of a cycle
   TrackerOptions tracker = {};           ///< for triggers and bursts
   BurstOptions bursts = {};
@@ -69,7 +69,7 @@ struct TimeSlice {
 struct Cycle {
   uint64_t number = 0;            ///< in the recording, including dropped cycles
   int64_t begin_us = 0;           ///< start of its first pattern
-  std::vector<TimeSlice> slices;  ///< of the event images
+  std::vector<TimeSlice> slices;  ///< intervals of the event images
   capture::EventImages images;
   uint64_t events = 0;     ///< in the images
   uint64_t saturated = 0;  ///< number of events for which the images had no room

@@ -28,7 +28,7 @@ class EventHistogram {
   void forget_before(int64_t t_us);
 
  private:
-  std::map<int64_t, Counts> bins_;  ///< by their start
+  std::map<int64_t, Counts> bins_;  ///< keys are the starts of the bins
 };
 
 /// The change of the event rate at a time: the events of the following window compared with those of the preceding one,
@@ -36,7 +36,7 @@ class EventHistogram {
 struct EventRise {
   double on = 0, off = 0;   ///< additional events compared with before
   double all = 0;           ///< in both windows
-  double significance = 0;  ///< of the rise, in standard deviations of chance
+  double significance = 0;  ///< significance of the rise, in standard deviations at a constant rate
 
   [[nodiscard]] double total() const { return on + off; }
 };

@@ -13,9 +13,9 @@ namespace e2lf::cycles {
 
 /// The ways of dividing a recording into windows. They do not overlap and, except for triggers, have no gaps.
 enum class WindowKind {
-  kTime,      ///< of equal duration, from the first event or trigger on; the last one may be shorter
-  kCount,     ///< of equal numbers of events; the last one may have fewer
-  kTriggers,  ///< from one trigger to the next; events before the first and after the last are left out
+  kTime,      ///< windows of equal duration, from the first event or trigger on; the last one may be shorter
+  kCount,     ///< windows of equal numbers of events; the last one may have fewer
+  kTriggers,  ///< windows from one trigger to the next; events before the first and after the last are left out
 };
 
 struct WindowOptions {
@@ -25,7 +25,7 @@ struct WindowOptions {
   std::optional<int64_t> origin_us = {};  ///< kTime: the beginning of the first window
 
   TriggerEdge edge = TriggerEdge::kRising;
-  std::optional<uint16_t> channel = {};  ///< of the triggers; absent = all channels
+  std::optional<uint16_t> channel = {};  ///< channel of the triggers; absent = all channels
 
   /// The limits for the number of events in a window and of consecutive empty windows, which a wrong time would exceed.
   /// Exceeding them is an error.
@@ -51,7 +51,7 @@ class WindowReader {
   /// and with kInvalidValue if a window has too many events or too many consecutive windows are empty.
   [[nodiscard]] Result<bool> next(EventWindow& window);
 
-  [[nodiscard]] uint64_t triggers() const { return triggers_; }              ///< of the channel and edge
+  [[nodiscard]] uint64_t triggers() const { return triggers_; }  ///< number of triggers of the channel and edge
   [[nodiscard]] uint64_t events_outside() const { return events_outside_; }  ///< kTriggers: in no window
   [[nodiscard]] const recordings::RecordingReader& recording() const { return *reader_; }
 
@@ -68,7 +68,7 @@ class WindowReader {
   WindowOptions options_;
   recordings::EventBatch batch_;
   size_t event_ = 0, trigger_ = 0;   ///< in the batch, not yet taken
-  std::optional<int64_t> begin_us_;  ///< of the next window
+  std::optional<int64_t> begin_us_;  ///< start of the next window
   bool has_begun_ = false, has_ended_ = false;
   uint64_t triggers_ = 0, events_outside_ = 0;
 };

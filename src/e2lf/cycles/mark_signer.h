@@ -14,7 +14,7 @@ namespace e2lf::cycles {
 
 struct SignOptions {
   int64_t window_us = 1000;      ///< in which events after a trigger are compared with those before it
-  double min_significance = 10;  ///< of the rise of the count, in standard deviations of chance
+  double min_significance = 10;  ///< of the rise of the count, in standard deviations at a constant rate
 };
 
 /// Assigns to triggers the sign of the burst of events after them, as bursts have it themselves: a change to black

@@ -13,8 +13,8 @@ namespace e2lf::cycles {
 /// An indication that the pattern on the aperture changed: a trigger, or the start of a burst of events.
 struct Mark {
   int64_t t_us = 0;
-  std::optional<float> on_share;  ///< of the events of the burst, 0..1; absent for a trigger
-  float confidence = 1.0F;        ///< that it is a change at all, 0..1
+  std::optional<float> on_share;  ///< share of ON events in the burst, 0..1; absent for a trigger
+  float confidence = 1.0F;        ///< confidence that the mark is a pattern change, 0..1
 };
 
 /// The time at which a pattern of the schedule began.
@@ -83,11 +83,11 @@ class PatternTracker {
   Schedule schedule_;
   TrackerOptions options_;
   std::vector<double> interval_us_;
-  std::optional<size_t> pattern_;  ///< of the last mark; absent while it is being searched
+  std::optional<size_t> pattern_;  ///< pattern of the last mark; absent while it is being searched
   int64_t last_us_ = 0;
   std::deque<Mark> found_;  ///< marks whose patterns are being searched
   bool is_first_ = true;
-  bool has_locked_ = false;  ///< at any time
+  bool has_locked_ = false;  ///< true once a pattern has been found
   bool has_assumed_first_ = false;
   size_t misfits_ = 0;  ///< consecutive marks that the schedule does not contain
   uint64_t unassigned_ = 0;

@@ -20,9 +20,9 @@ enum class BurstSign { kAny, kOn, kOff };
 struct ScheduledPattern {
   std::string name;
   int64_t duration_us = 10000;       ///< how long it is shown
-  int64_t overhead_us = 0;           ///< from its end to the start of the next
+  int64_t overhead_us = 0;           ///< time from its end to the start of the next
   std::optional<size_t> image;       ///< the event image of its events; absent = they are not used
-  BurstSign sign = BurstSign::kAny;  ///< of the events that the change to this pattern causes
+  BurstSign sign = BurstSign::kAny;  ///< sign of the events that the change to this pattern causes
 
   [[nodiscard]] int64_t interval_us() const { return duration_us + overhead_us; }
   bool operator==(const ScheduledPattern&) const = default;

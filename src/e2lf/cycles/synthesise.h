@@ -13,15 +13,16 @@ namespace e2lf::cycles {
 
 struct SynthesisOptions {
   Schedule schedule = paper_schedule();
-  int64_t begin_us = 100000;                    ///< start of the first cycle
-  int64_t latency_us = 150;                     ///< from a change of pattern to its first events
-  double decay_us = 2000;                       ///< time constant of the event rate after a change
-  int64_t burst_us = 9500;                      ///< the latest event of a burst after the change
-  int64_t jitter_us = 0;                        ///< of the time at which a pattern begins, uniform in both directions
-  double noise_hz = 0;                          ///< background events per pixel
-  double unused_share = 1.0;                    ///< number of events of unused transitions relative to the used ones
-  std::optional<uint16_t> trigger_channel = 0;  ///< of a rising edge at the start of each pattern; absent = no triggers
-  int64_t trigger_width_us = 500;               ///< to the falling edge; 0 = none
+  int64_t begin_us = 100000;  ///< start of the first cycle
+  int64_t latency_us = 150;   ///< time from a change of pattern to its first events
+  double decay_us = 2000;     ///< time constant of the event rate after a change
+  int64_t burst_us = 9500;    ///< the latest event of a burst after the change
+  int64_t jitter_us = 0;      ///< largest error of the start of a pattern, uniform in both directions
+  double noise_hz = 0;        ///< background events per pixel
+  double unused_share = 1.0;  ///< number of events of unused transitions relative to the used ones
+  std::optional<uint16_t> trigger_channel =
+      0;                           ///< channel of the rising edge at the start of each pattern; absent = no triggers
+  int64_t trigger_width_us = 500;  ///< time until the falling edge; 0 = no such edge
   uint64_t seed = 1;
 };
 

@@ -25,7 +25,7 @@ class TriggerSurvey {
 
   [[nodiscard]] const std::map<uint16_t, TriggerInput>& inputs() const { return inputs_; }
 
-  static constexpr size_t kMostTimes = 4096;  ///< for each edge
+  static constexpr size_t kMostTimes = 4096;  ///< largest number of times kept of each edge
 
  private:
   std::map<uint16_t, TriggerInput> inputs_;

@@ -16,8 +16,8 @@ struct Planes {
 [[nodiscard]] Planes flat_planes(const lightfield::Image& disparity);
 
 struct PlaneFit {
-  int radius = 5;            ///< of the window, in samples
-  int spacing = 1;           ///< of the samples, px
+  int radius = 5;            ///< radius of the window, in samples
+  int spacing = 1;           ///< distance of the samples, px
   float tolerance = 0.1F;    ///< px; a measurement at this distance from the plane counts a quarter
   float prior_error = 0.0F;  ///< px; weights the present planes like a measurement with this error; 0 = not
 };

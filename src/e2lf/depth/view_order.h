@@ -9,8 +9,8 @@
 
 namespace e2lf::depth {
 
-/// The sign of disparities according to occlusion: nearer objects hide farther ones, and have the smaller disparity if
-/// the views are in the right order.
+/// The sign of the disparities that occlusions imply: nearer objects hide farther ones, and have the smaller disparity
+/// if the views are in the right order.
 struct OcclusionSign {
   enum class Verdict { kUndecided, kUpright, kTurned };
 

@@ -15,12 +15,12 @@ struct ConvSpec {
   size_t out_channels = 0;
   size_t kernel = 1;
   size_t stride = 1;          ///< equal to the kernel size (no padding), or less for an odd kernel
-  bool transposed = false;    ///< with stride = kernel: upsampling, the inverse of a strided convolution in shape
+  bool transposed = false;    ///< requires stride = kernel; upsampling, the inverse of a strided convolution in shape
   std::vector<float> weight;  ///< [out, in, kernel, kernel], also if transposed
   std::vector<float> bias;    ///< [out]
   bool relu = false;
   bool residual = false;
-  ElementType compute = ElementType::kFloat32;  ///< of the input, the weights and the residual
+  ElementType compute = ElementType::kFloat32;  ///< type of the input, the weights and the residual
   ElementType output = ElementType::kFloat32;
   bool int16_products = false;  ///< products may be of integers; needs int16_supported() and compute = kFloat32
 

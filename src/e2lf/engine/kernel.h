@@ -47,8 +47,8 @@ struct Strip {
   Rows output;
   size_t begin = 0;  ///< a multiple of kTileSize
   size_t end = 0;
-  size_t width = 0;   ///< of the output, in its own pixels
-  size_t height = 0;  ///< of the whole output
+  size_t width = 0;   ///< width of the output, in its own pixels
+  size_t height = 0;  ///< height of the whole output
 };
 
 /// The code that computes one layer. A strip is divided into blocks, which threads take one after another. The result
@@ -58,7 +58,7 @@ class Kernel {
   virtual ~Kernel() = default;
 
   [[nodiscard]] virtual std::string describe() const = 0;
-  [[nodiscard]] virtual Reach reach() const = 0;  ///< for inputs for which needs_all() is false
+  [[nodiscard]] virtual Reach reach() const = 0;  ///< defined for inputs for which needs_all() is false
 
   /// Returns true if every output row needs all rows of an input, without the zeros beside them.
   [[nodiscard]] virtual bool needs_all(size_t /*input*/) const { return false; }

@@ -22,7 +22,7 @@ struct TensorSpec {
 
 /// One step of evaluation: a kernel and the tensors that it reads. Stage i makes tensor i + 1; tensor 0 is the input.
 struct Stage {
-  std::string name;  ///< of the layer, or of the fused layers; "<layer>.<part>" for a part of a layer
+  std::string name;  ///< name of the layer or of the fused layers; "<layer>.<part>" for a part of a layer
   std::shared_ptr<const Kernel> kernel;  ///< shared by plans
   std::vector<size_t> inputs;
   std::optional<size_t> residual;

@@ -17,8 +17,8 @@ struct EvalRow {
   std::string method, scene;
   LightFieldMetrics quality;
   std::optional<EventStatistics> events = {};  ///< absent if only pictures were compared
-  std::optional<double> gain = {};             ///< by which the reconstruction was multiplied when it was made
-  std::optional<double> fitted_gain = {};      ///< by which it was multiplied for the comparison: best_gain()
+  std::optional<double> gain = {};             ///< factor by which the reconstruction was multiplied when it was made
+  std::optional<double> fitted_gain = {};      ///< factor by which it was multiplied for the comparison: best_gain()
 };
 
 /// Returns {"psnr_db", "ssim_uniform7", "ssim_gaussian", "epi_rms_error", "epi_relative_error", "views": [{"view_y",

@@ -60,7 +60,7 @@ struct MatArray {
 struct MatVariable {
   std::string name;
   MatClass array_class = MatClass::kSingle;
-  std::vector<size_t> extents;    ///< at least two
+  std::vector<size_t> extents;    ///< two extents or more
   std::span<const uint8_t> data;  ///< little-endian
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Writes MATLAB files; declared in mat5.h.
 #include "e2lf/base/contract.h"
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"

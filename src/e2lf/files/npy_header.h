@@ -18,10 +18,10 @@ struct NpyHeader {
   struct Number {
     size_t offset = 0, size = 0;
   };
-  NpyArray array;                  ///< with its bytes still empty
+  NpyArray array;                  ///< the array, whose bytes are still empty
   std::vector<Number> big_endian;  ///< the numbers within an item whose bytes must be reversed
   bool fortran_order = false;
-  size_t data_offset = 0;  ///< from the start of the file
+  size_t data_offset = 0;  ///< position of the data from the start of the file
   size_t data_size = 0;
 };
 

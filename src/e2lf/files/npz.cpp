@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads and writes .npz archives; declared in npy.h.
 #include "e2lf/base/memory.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"

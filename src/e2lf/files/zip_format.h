@@ -35,7 +35,7 @@ struct Member {
   uint16_t method = kStored;
   uint32_t crc = 0;
   uint64_t packed = 0, size = 0;
-  uint64_t offset = 0;  ///< of its local header in the archive
+  uint64_t offset = 0;  ///< position of its local header in the archive
 };
 
 /// Returns the local header of a member. Sizes and offsets of `zip64_from` and more are written in zip64 form; with 0,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads zip archives; declared in zip.h.
 #include <algorithm>
 #include <cstring>
 #include <limits>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Writes zip archives; declared in zip.h.
 #include <algorithm>
 #include <zlib.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Determines the format of a film by its name; declared in film_file.h and needed without FFmpeg, too.
 #include "e2lf/film/film_file.h"
 
 namespace e2lf::film {

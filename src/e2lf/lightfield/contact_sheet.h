@@ -13,7 +13,7 @@ namespace e2lf::lightfield {
 [[nodiscard]] Image shrink(const Image& image, size_t width, size_t height);
 
 struct ContactSheetOptions {
-  size_t max_width = 1600;  ///< of the sheet, in px; views are never enlarged
+  size_t max_width = 1600;  ///< largest width of the sheet, in px; views are never enlarged
   size_t separator_px = 2;  ///< between views
   float separator_value = 1;
 };

@@ -45,7 +45,7 @@ enum class LightFieldKind {
 enum class RangePolicy {
   kRefuse,  ///< fails with an error that names the first one
   kClamp,
-  kKeep,  ///< for reconstructions, which are stored unclamped
+  kKeep,  ///< keeps the values; for reconstructions, which are stored unclamped
 };
 
 /// The largest magnitude that an unclamped reconstruction may have.
@@ -54,7 +54,7 @@ inline constexpr float kMostKept = 16.0F;
 /// The stored views to select along one axis: first, first + step, ...
 struct AxisViews {
   size_t count = 8;             ///< 0 = all stored views (with this step)
-  size_t step = 1;              ///< at least 1
+  size_t step = 1;              ///< must be at least 1
   std::optional<size_t> first;  ///< if absent: (stored - ((count - 1) * step + 1)) / 2, rounded down
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Writes light fields; declared in light_field_io.h.
 #include <algorithm>
 #include <mutex>
 

@@ -35,7 +35,7 @@ struct Ray {
 /// The first intersection of a ray.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
-  Vec3 normal;                         ///< of unit length, on the side from which the ray comes
+  Vec3 normal;                         ///< unit vector on the side from which the ray comes
   float u = 0, v = 0;                  ///< position on the surface, see SurfacePoint
   const Material* material = nullptr;  ///< null if the ray meets no surface
 };

@@ -16,12 +16,12 @@ enum class PictureSize {
   kQuarter,  ///< one for each block of 4x4
 };
 [[nodiscard]] const char* size_name(PictureSize size);  ///< "full", "half", "quarter"
-/// Nothing for "auto". Fails with kInvalidValue.
+/// Parses the name of a size; returns nothing for "auto". Fails with kInvalidValue for any other word.
 [[nodiscard]] Result<std::optional<PictureSize>> size_from_name(const std::string& name);
 /// Returns the number of pixels along the side of a block: 1, 2 or 4.
 [[nodiscard]] size_t block_side(PictureSize size);
 
-/// How light fields are made.
+/// The network and the resolution with which light fields are reconstructed.
 struct Gait {
   size_t network = 0;  ///< number of the FieldMaker
   PictureSize size = PictureSize::kFull;
@@ -45,9 +45,9 @@ class Pace {
   struct Step {
     Gait gait;
     double cost = 1;  ///< multiply-adds per pixel of the sensor
-    int falls = 0;    ///< how often this step was too slow
+    int falls = 0;    ///< number of times that this step was too slow
   };
-  std::vector<Step> steps_;  ///< from the best one to the fastest
+  std::vector<Step> steps_;  ///< ordered from the best one to the fastest
   size_t step_ = 0;
   size_t measured_ = 0;  ///< light fields of this step
   double sum_s_ = 0;

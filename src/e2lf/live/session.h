@@ -28,7 +28,7 @@ struct FieldReport {
   float confidence = 1;
   Gait gait;
   double reconstruct_s = 0;
-  double latency_s = 0;  ///< from the arrival of the last event of the cycle to the completion of the picture
+  double latency_s = 0;  ///< time from the arrival of the last event of the cycle to the completion of the picture
 };
 
 struct SessionOptions {
@@ -106,7 +106,7 @@ class Session {
   std::unique_ptr<LiveReader> reader_;
   std::mutex maker_mutex_;
   std::vector<FieldMaker> makers_;
-  capture::Measurement sums_;  ///< of blocks of the cycle that is being made
+  capture::Measurement sums_;  ///< sums over blocks of the cycle that is being reconstructed
   SessionOptions options_;
   NewestSlot<LiveCycle> slot_;
   uint64_t made_ = 0;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Imports the paper's released weights; declared in model.h.
 #include "e2lf/base/text.h"
 #include "e2lf/model/model_parts.h"
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads and writes model files; declared in model.h.
 #include <algorithm>
 
 #include "e2lf/base/text.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Converts the header of a model file; declared in model_parts.h.
 #include <algorithm>
 #include <utility>
 

@@ -10,7 +10,7 @@
 namespace e2lf::model {
 
 inline constexpr size_t kFormatVersion = 1;
-inline constexpr size_t kMaxBins = 1024;  ///< for models that make frames
+inline constexpr size_t kMaxBins = 1024;  ///< largest number of bins of models that make frames
 
 /// The key of the JSON in the metadata of a file, and the JSON itself. Fails with kFormat if there is none.
 inline constexpr const char* kMetadataKey = "e2lf";

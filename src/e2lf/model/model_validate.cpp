@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Validates models; declared in model.h.
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Counts the operations and parameters of a network; declared in network.h.
 #include <algorithm>
 #include <functional>
 #include <map>

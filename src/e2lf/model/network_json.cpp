@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Converts networks from and to JSON; declared in network.h.
 #include <algorithm>
 #include <utility>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Implements infer_shapes() of network.h.
 #include <algorithm>
 #include <map>
 #include <numeric>

@@ -19,7 +19,7 @@ using CycleClock = std::chrono::steady_clock;
 struct CycleImages {
   capture::Measurement images;         ///< images of one cycle, or event images summed over several
   std::optional<cycles::Cycle> cycle;  ///< the last cycle, without its images; only for recordings
-  cycles::CycleSource source = cycles::CycleSource::kAuto;  ///< of its times
+  cycles::CycleSource source = cycles::CycleSource::kAuto;  ///< what determines the times of its patterns
   CycleClock::time_point ready = CycleClock::now();  ///< when the images, or the last bytes of live input, arrived
   double behind_s = 0;                               ///< see behind_s(); 0 for input that is not live
   [[nodiscard]] bool is_live() const { return cycle && cycle->arrival; }

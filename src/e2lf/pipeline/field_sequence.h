@@ -41,7 +41,7 @@ struct Tone {
 /// How FieldSequence judges the comparison with the events of the first light field.
 enum class Judging {
   kNone,     ///< not at all, for methods that do not use the sensor profile
-  kNoise,    ///< by comparison with the noise of the camera
+  kNoise,    ///< determined by comparison with the noise of the camera
   kChanges,  ///< also by light fields of changed events, which requires several more runs on a small window
 };
 

@@ -16,7 +16,7 @@ struct PlacedImage {
 struct DisparitySearch {
   float largest = 3.0F;  ///< in px per view step, of either sign
   float step = 0.25F;
-  size_t radius = 6;  ///< of the square window over which pictures are compared, in px
+  size_t radius = 6;  ///< radius of the square window over which pictures are compared, in px
 };
 
 /// Estimates the disparity [y, x] as seen from the centre of the views: for each pixel, the candidate with the smallest

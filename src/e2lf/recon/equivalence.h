@@ -20,7 +20,7 @@ struct Equivalence {
   double permuted_error = 0;   ///< of Eq. 11: root mean square difference, in events, between the event images of the
                                ///< reordered patterns and those computed from the first order
   double repeated_error = 0;   ///< the same between two recordings of the other order, which is due to noise alone
-  double events_per_pixel = 0;  ///< for the first order
+  double events_per_pixel = 0;  ///< value for the first order
   double permuted_events_per_pixel = 0;
 };
 

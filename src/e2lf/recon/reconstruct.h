@@ -18,9 +18,9 @@ namespace e2lf::recon {
 /// Memory that one reconstruction after the other uses again. It belongs to one Reconstructor.
 struct ReconstructionMemory {
   InputPlanes input;
-  std::vector<float> uncropped;  ///< for images whose size is no multiple of the network's
+  std::vector<float> uncropped;  ///< used for images whose size is no multiple of the network's
   engine::FrameState rows;
-  std::vector<size_t> views;                ///< of `some`
+  std::vector<size_t> views;                ///< views that `some` contains
   std::optional<engine::Engine> some = {};  ///< computes these views alone
 };
 

@@ -15,7 +15,7 @@ struct RegularisedOptions {
   float smoothness = 3.0F;  ///< weight of the total variation; an error of one standard deviation costs 1/2
   size_t iterations = 60;
   DisparitySearch search = {};
-  size_t denoise_radius = 3;  ///< for the images used to estimate the disparity; see denoise_intensities()
+  size_t denoise_radius = 3;  ///< radius for the images used to estimate the disparity; see denoise_intensities()
 };
 
 /// Implements the method "regularised", a classical optimisation without training. Its prior is that all views show one

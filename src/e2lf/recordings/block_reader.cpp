@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Implements the reader of blocks of events of event_blocks.h.
 #include <algorithm>
 #include <deque>
 #include <utility>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Continues the times of recordings whose clock restarts; declared in restart.h.
 #include <algorithm>
 #include <span>
 #include <utility>

@@ -12,7 +12,7 @@
 namespace e2lf::recordings {
 
 struct ConvertOptions {
-  std::string format = {};       ///< of the output; empty = by its extension
+  std::string format = {};       ///< format of the output; empty = by its extension
   bool invert_polarity = false;  ///< whether to exchange ON and OFF
   ProgressFn progress = {};  ///< called with the number of events written so far; the total is unknown and given as 0
 };
@@ -23,7 +23,7 @@ struct ConvertReport {
   uint64_t lost_triggers = 0;  ///< lost because neither the format nor the destination can hold them: text to a pipe
   std::filesystem::path trigger_file;  ///< name of the file with triggers that the format cannot hold; empty = none
   std::vector<std::string> warnings;   ///< what the output cannot hold, as messages that are also logged
-  DecodeSummary summary;               ///< of the input, with what was left out
+  DecodeSummary summary;               ///< summary of the input, with what was left out
 };
 
 /// Copies the rest of a recording to a new file, in bounded memory if the formats permit it. Triggers that the format

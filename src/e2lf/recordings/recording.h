@@ -40,7 +40,7 @@ struct TableReading {
 /// The properties that a recording states.
 struct RecordingInfo {
   std::string format = {};  ///< the codec: "evt2", "evt2.1", "evt3", "dat", "hdf5", "aedat4", "csv", ...
-  size_t width = 0;         ///< of the sensor, px; 0 if the file does not state it
+  size_t width = 0;         ///< size of the sensor, px; 0 if the file does not state it
   size_t height = 0;
   std::vector<std::pair<std::string, std::string>> header = {};  ///< keys and values in the order of the file
   std::vector<Assumption> assumptions = {};
@@ -71,8 +71,9 @@ struct OpenOptions {
   TimeOrigin time = TimeOrigin::kAbsolute;
   size_t width = 0;  ///< sensor size for files that do not state it; a contradiction is kInvalidValue
   size_t height = 0;
-  TimeUnit time_unit = TimeUnit::kAuto;  ///< of tables; kInvalidValue for formats with a fixed unit
-  std::string columns = {};  ///< of tables, e.g. "txyp", where "-" skips a column; empty = detected by names and values
+  TimeUnit time_unit = TimeUnit::kAuto;  ///< unit of tables; kInvalidValue for formats with a fixed unit
+  std::string columns = {};  ///< order of the columns of tables, e.g. "txyp", where "-" skips a column; empty =
+                             ///< detected by names and values
   std::string stream = {};   ///< number or name of a stream of events if there are several
   int threads = 1;           ///< number of threads of one read() call; 0 = all cores
   RestartPolicy restart = RestartPolicy::kContinue;
@@ -84,7 +85,7 @@ struct OpenOptions {
   int64_t to_us = INT64_MAX;
   TimeOrigin range = TimeOrigin::kAbsolute;
 
-  CameraSetup camera = {};  ///< of a live camera; see Camera::set_up()
+  CameraSetup camera = {};  ///< settings of a live camera; see Camera::set_up()
 };
 
 /// Reads a recording from front to back in bounded memory. open_recording() creates readers. The public functions are
@@ -101,7 +102,7 @@ class RecordingReader {
 
   [[nodiscard]] const RecordingInfo& info() const { return info_; }
   [[nodiscard]] const OpenOptions& options() const { return options_; }
-  [[nodiscard]] const std::string& name() const { return name_; }  ///< of the source, for messages
+  [[nodiscard]] const std::string& name() const { return name_; }  ///< name of the source, for messages
 
   /// Replaces `batch` by the next events and triggers, at most `max_events` (>= kMinBatch) of each; a live source
   /// returns what has arrived. Returns false with an empty batch at the end. Fails with kIo and, under the strict
@@ -159,7 +160,7 @@ class RecordingReader {
 
   OpenOptions options_;
   RecordingInfo info_;
-  DecodeSummary summary_;           ///< with absolute times
+  DecodeSummary summary_;           ///< its times are absolute
   std::string name_ = "recording";  ///< the name of the source for messages
 
  private:

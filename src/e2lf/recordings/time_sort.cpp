@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Sorts events whose times step back; declared in event_blocks.h.
 
 #include <algorithm>
 #include <cerrno>

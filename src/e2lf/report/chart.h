@@ -57,7 +57,7 @@ struct LineChart {
 struct BarChart {
   std::string y_label;
   bool from_zero = true;  ///< if false, the axis begins slightly below the smallest value, as suits decibels
-  int decimals = 2;       ///< of the values shown when the pointer is over a bar
+  int decimals = 2;       ///< decimals of the values shown when the pointer is over a bar
   std::vector<std::string> groups;
   struct Series {
     std::string name;

@@ -23,8 +23,8 @@ struct PixelThresholds {
 
 struct PixelModelOptions {
   float gain = 1.0F;      ///< scene brightness, which multiplies every intensity
-  uint64_t seed = 0;      ///< of what changes from cycle to cycle; use another one for each
-  uint64_t map_seed = 0;  ///< of the thresholds of the pixels, which are constant
+  uint64_t seed = 0;      ///< seed of what changes from cycle to cycle; use another one for each
+  uint64_t map_seed = 0;  ///< seed of the thresholds of the pixels, which are constant
 };
 
 /// Simulates the event images of one cycle as physical pixels record them, in a closed form of the camera's cycle: the

@@ -51,7 +51,9 @@ class EventStream {
   /// one.
   void advance(const LightSegment& segment, recordings::EventColumns& events);
 
-  [[nodiscard]] uint64_t lost_events() const { return readout_.lost(); }  ///< by the readout limit
+  [[nodiscard]] uint64_t lost_events() const {
+    return readout_.lost();
+  }  ///< number of events lost to the readout limit
 
   /// Uses the scalar reference implementation if there is one. It must be called before the first segment.
   void use_reference() { uses_reference_ = true; }

@@ -35,7 +35,7 @@ class ShownLight {
 
  private:
   capture::Codes codes_;                          ///< followed by an open pattern
-  std::vector<std::vector<float>> transmission_;  ///< for a2, a3, ..., [y, x]
+  std::vector<std::vector<float>> transmission_;  ///< one map [y, x] for each of a2, a3, ...
   float gain_, leak_;
 };
 

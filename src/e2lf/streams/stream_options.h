@@ -27,11 +27,11 @@ enum class StreamModel {
 struct V2eOptions {
   float pos_thres = 0.2F, neg_thres = 0.2F;  ///< mean thresholds, in natural logarithm
   float sigma_thres = 0.03F;                 ///< their standard deviation from pixel to pixel
-  float cutoff_hz = 300.0F;                  ///< of the low pass in white light; 0 = no low pass
+  float cutoff_hz = 300.0F;                  ///< cutoff of the low pass in white light; 0 = no low pass
   float leak_rate_hz = 0.01F;                ///< ON events per pixel in constant light
-  float leak_jitter_fraction = 0.1F;         ///< of the leak from frame to frame
+  float leak_jitter_fraction = 0.1F;         ///< variation of the leak from frame to frame
   float noise_rate_cov_decades = 0.1F;       ///< spread of the leak from pixel to pixel
-  float shot_noise_rate_hz = 0.001F;         ///< for both signs together, in the dark
+  float shot_noise_rate_hz = 0.001F;         ///< rate of both signs together, in the dark
   float refractory_period_s = 0.0005F;
   int64_t frame_us = 500;  ///< frame interval; v2e calls it timestamp_resolution
 };
@@ -64,8 +64,8 @@ struct StreamOptions {
   capture::PixelConstants pixel = {};
   PixelDefects defects = {};
   ReadoutLimit readout = {};
-  uint64_t seed = 0;      ///< of noise
-  uint64_t map_seed = 0;  ///< of the constant properties of a pixel: its thresholds and whether it is hot
+  uint64_t seed = 0;      ///< seed of the noise
+  uint64_t map_seed = 0;  ///< seed of the constant properties of a pixel: its thresholds and whether it is hot
 };
 
 /// Checks the options. Fails with kInvalidValue, naming the one that is not finite or out of range.

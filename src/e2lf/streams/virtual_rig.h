@@ -20,11 +20,12 @@ struct MovingScene {
 
 struct RigOptions {
   cycles::Schedule schedule = cycles::paper_schedule();
-  float gain = 1.0F;                            ///< scene brightness, which multiplies every intensity
-  int64_t rise_us = 0;                          ///< of the display: light changes linearly from pattern to pattern
-  int64_t begin_us = 100000;                    ///< of the first cycle, and of knot 0
-  std::optional<uint16_t> trigger_channel = 0;  ///< of a rising edge at the start of each pattern; absent = no triggers
-  int64_t trigger_width_us = 500;               ///< to the falling edge; 0 = none
+  float gain = 1.0F;          ///< scene brightness, which multiplies every intensity
+  int64_t rise_us = 0;        ///< rise time of the display: light changes linearly from pattern to pattern
+  int64_t begin_us = 100000;  ///< time of the first cycle and of knot 0
+  std::optional<uint16_t> trigger_channel =
+      0;                           ///< channel of the rising edge at the start of each pattern; absent = no triggers
+  int64_t trigger_width_us = 500;  ///< time until the falling edge; 0 = no such edge
 };
 
 /// A display behind a lens and an event camera, in software. It shows the patterns of a schedule repeatedly and returns
@@ -68,7 +69,7 @@ class VirtualRig {
   size_t height_, width_;
 
   int64_t now_us_;
-  int64_t cycle_begin_us_;                 ///< of the cycle played last
+  int64_t cycle_begin_us_;                 ///< start of the cycle played last
   uint64_t pattern_ = 0;                   ///< counted from the first
   std::optional<ShownPattern> before_;     ///< shown before this pattern
   uint64_t num_knots_ = 0;                 ///< requested so far

@@ -11,8 +11,8 @@
 
 namespace e2lf::capture {
 
-/// What a camera measures of a light field. Intensity images have the units of coded intensities: 1 is white through an
-/// open aperture.
+/// The data that a camera records of one light field. Intensity images have the units of coded intensities: 1 is white
+/// through an open aperture.
 enum class MeasurementKind {
   kEventImages,  ///< the N - 1 event images of an event camera
   kCodedImages,  ///< one intensity image for each of the N patterns (Eq. 1)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Recovers the complete cycles of an unfinished file; declared in event_image_writer.h.
 #include <algorithm>
 #include <cstring>
 #include <fstream>

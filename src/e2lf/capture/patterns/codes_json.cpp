@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads and writes patterns as JSON; declared in codes_io.h.
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Prints patterns as text; declared in codes_io.h.
 #include <algorithm>
 #include <cmath>
 #include <string_view>

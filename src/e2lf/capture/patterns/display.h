@@ -14,10 +14,11 @@ namespace e2lf::capture {
 /// display, as in the paper.
 struct DisplayLayout {
   size_t width_px = 1280, height_px = 1024;
-  size_t cell_px = 100;                      ///< width and height of a cell
-  int64_t offset_x_px = 0, offset_y_px = 0;  ///< from the centre of the display to that of the aperture, right and down
-  unsigned quarter_turns = 0;                ///< number of clockwise turns of the patterns by 90 degrees
-  bool flip_x = false, flip_y = false;       ///< mirrors the patterns left to right and top to bottom, before the turns
+  size_t cell_px = 100;  ///< width and height of a cell
+  int64_t offset_x_px = 0,
+          offset_y_px = 0;     ///< position of the aperture's centre relative to that of the display, right and down
+  unsigned quarter_turns = 0;  ///< number of clockwise turns of the patterns by 90 degrees
+  bool flip_x = false, flip_y = false;  ///< mirrors the patterns left to right and top to bottom, before the turns
 };
 
 /// One image for the display: [y, x], row-major, 0 = closed, 255 = open. Pixels outside the aperture are closed.

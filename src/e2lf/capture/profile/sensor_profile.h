@@ -58,7 +58,8 @@ inline constexpr double kAlmostThreshold = 0.999;
 struct SensorProfile {
   std::string name = "paper";
   std::string event_model = "reference-aware";  ///< "reference-aware", "quantised" or "pixel"
-  SensorConstants constants;   ///< of the paper's event models; for "pixel", only eps and the mean threshold are set
+  SensorConstants
+      constants;  ///< constants of the paper's event models; for "pixel", only eps and the mean threshold are set
   PixelConstants pixel;        ///< constants of the event model "pixel"
   PixelConstants uncertainty;  ///< relative uncertainty of each: the true value is within a factor of 1 -+ this
   /// Transmission of patterns 2, 3, ...: the light that each passes relative to its open cells. Absent values are 1.
@@ -100,7 +101,7 @@ struct ConditioningSource {
   SensorConstants constants;  ///< constants of the paper's models
   float residue = 0.0F;  ///< in the paper's models, references start up to this many thresholds above the black level
   PixelConstants values = {};                ///< constants of the event model "pixel"
-  std::span<const float> transmission = {};  ///< of patterns 2, 3, ...
+  std::span<const float> transmission = {};  ///< transmissions of patterns 2, 3, ...
   size_t cycles = 1;                         ///< number of cycles over which the counts are averaged
 };
 

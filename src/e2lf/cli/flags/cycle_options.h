@@ -26,7 +26,8 @@ inline constexpr Choice<cycles::TriggerEdge> kTriggerEdges[] = {{"rising", cycle
 struct CycleFlags {
   std::string source = "auto", edge = "rising";
   std::filesystem::path schedule;
-  std::optional<size_t> num_patterns;  ///< for the paper's schedule; empty = as the recording states, or else 4
+  std::optional<size_t>
+      num_patterns;  ///< number of coding patterns of the paper's schedule; empty = as the recording states, or else 4
   std::optional<uint16_t> channel;
   std::optional<size_t> first_pattern;
   std::string transitions = "auto";

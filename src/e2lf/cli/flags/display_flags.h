@@ -20,7 +20,7 @@ struct DisplayFlags {
   capture::DisplayLayout layout;
   unsigned rotation_deg = 0;
   bool no_inverses = false;
-  int64_t duration_us = 10000;  ///< of each pattern, with no_inverses
+  int64_t duration_us = 10000;  ///< duration of each pattern, with no_inverses
 };
 
 /// Declares the flags.

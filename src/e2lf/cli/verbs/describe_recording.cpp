@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Describes recordings for `e2lf info`; declared in describe.h.
 #include <algorithm>
 
 #include "e2lf/base/printable.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Describes files of settings for `e2lf info`; declared in describe.h.
 #include <cmath>
 
 #include "e2lf/base/printable.h"

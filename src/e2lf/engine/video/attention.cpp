@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Implements the attention of kernels.h.
 #include <algorithm>
 #include <cmath>
 #include <limits>

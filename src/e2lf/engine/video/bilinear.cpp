@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Implements the bilinear resampling of kernels.h.
 #include <algorithm>
 #include <limits>
 #include <string>

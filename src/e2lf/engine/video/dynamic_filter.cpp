@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Implements the dynamic filters of kernels.h.
 #include <algorithm>
 #include <string>
 

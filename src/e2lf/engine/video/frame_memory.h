@@ -19,9 +19,9 @@ struct WholeTensor {
 /// The states of a plan for the previous frame and for the current one. It is empty before the first frame.
 struct FrameMemory {
   std::vector<WholeTensor> before, now;  ///< one per state
-  size_t height = 0, width = 0;          ///< of the image
-  RowPool rows;                          ///< of all other tensors; kept, because new memory would have to be cleared
-  std::vector<AlignedBuffer> scratch;    ///< of each thread, for the same reason
+  size_t height = 0, width = 0;          ///< size of the image
+  RowPool rows;                        ///< rows of all other tensors; kept, because new memory would have to be cleared
+  std::vector<AlignedBuffer> scratch;  ///< one buffer for each thread, kept for the same reason
 
   void end_frame() { before.swap(now); }
 };

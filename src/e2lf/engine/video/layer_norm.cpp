@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Implements the layer normalisation of kernels.h.
 #include <cmath>
 #include <string>
 

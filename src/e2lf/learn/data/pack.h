@@ -17,7 +17,7 @@ struct PackOptions {
 
 struct PackSummary {
   size_t light_fields = 0, textures = 0;
-  size_t bytes = 0;  ///< of the pixels
+  size_t bytes = 0;  ///< size of the pixels
 };
 
 /// Packs light fields and photographs into one .safetensors file, 8-bit grey, for training on any machine:

@@ -15,7 +15,7 @@ using capture::EventModel;
 /// Sensor constants of each sample: float32 [batch, 1, 1] each, on the device of the light fields.
 struct SampleConstants {
   torch::Tensor eps, tau, sigma_w, sigma_z;
-  PixelSamples pixel = {};          ///< of samples with physical pixels; undefined tensors if there are none
+  PixelSamples pixel = {};          ///< constants of samples with physical pixels; undefined tensors if there are none
   torch::Tensor conditioning = {};  ///< the conditioning vectors, float32 [batch, capture::conditioning_size(N)]
 };
 
@@ -72,14 +72,14 @@ class Patterns {
 /// The samples of a batch whose scenes move while the patterns are shown.
 struct MovingSamples {
   torch::Tensor places = {};        ///< in the batch, int64 [m]; undefined if all scenes stand still
-  torch::Tensor light_fields = {};  ///< at the time of each pattern, uint8 [m, N, views, y, x]
+  torch::Tensor light_fields = {};  ///< scenes at the time of each pattern, uint8 [m, N, views, y, x]
   torch::Tensor scale = {};         ///< the light of a grey level, float32 [m]
 };
 
 /// The light that reaches the pixels through each pattern.
 struct CodedLight {
   torch::Tensor intensities;  ///< [batch, N, y, x], as coded_intensities() computes them
-  torch::Tensor full;         ///< with all cells open, [batch, y, x], or [batch, N, y, x] if any scene moves
+  torch::Tensor full;  ///< intensities with all cells open, [batch, y, x], or [batch, N, y, x] if any scene moves
 };
 
 /// Computes the light of scenes that are `light_field` [batch, views, y, x] at the time of the last pattern.

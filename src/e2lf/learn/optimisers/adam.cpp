@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Implements Adam of optimisers.h.
 #include <cmath>
 
 #include "e2lf/learn/optimisers/optimisers.h"

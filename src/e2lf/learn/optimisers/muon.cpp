@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Implements Muon of optimisers.h.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads light fields in HDF5 files; declared in readers.h.
 #include "e2lf/base/text.h"
 #include "e2lf/hdf5/storage.h"
 #include "e2lf/lightfield/axes.h"

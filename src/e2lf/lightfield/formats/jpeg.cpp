@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Decodes JPEG images; declared in raw_image.h.
 #include <csetjmp>
 #include <cstdio>
 // jpeglib.h needs size_t and FILE to be declared first.

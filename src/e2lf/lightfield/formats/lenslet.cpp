@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads lenslet mosaics; declared in readers.h.
 #include <charconv>
 #include <optional>
 #include <string_view>

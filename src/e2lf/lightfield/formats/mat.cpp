@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads light fields in MATLAB files; declared in readers.h.
 #include <cstring>
 #include <vector>
 

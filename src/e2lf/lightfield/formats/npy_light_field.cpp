@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads light fields in numpy files; declared in readers.h.
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/axes.h"

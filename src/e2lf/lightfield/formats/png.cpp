@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Decodes and encodes PNG images; declared in raw_image.h.
 #include <algorithm>
 #include <bit>
 #include <cstdlib>

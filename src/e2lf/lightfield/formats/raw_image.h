@@ -17,8 +17,8 @@ struct RawImage {
   size_t width = 0, height = 0;
   size_t channels = 1;      ///< 1 or 3
   size_t sample_bytes = 1;  ///< 1 or 2
-  bool is_bilevel = false;  ///< for writing only: one bit per pixel, eight to a byte, the first in the high bit
-  std::string view_grid;    ///< of a lenslet mosaic, as stored in a PNG: "8x8" (rows x columns); may be empty
+  bool is_bilevel = false;  ///< used for writing only: one bit per pixel, eight to a byte, the first in the high bit
+  std::string view_grid;    ///< grid of a lenslet mosaic, as stored in a PNG: "8x8" (rows x columns); may be empty
   std::vector<uint8_t> samples;
 
   [[nodiscard]] size_t row_bytes() const { return is_bilevel ? (width + 7) / 8 : width * channels * sample_bytes; }

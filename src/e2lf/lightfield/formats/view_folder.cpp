@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads folders of views; declared in readers.h.
 #include <algorithm>
 #include <mutex>
 #include <numeric>

@@ -16,7 +16,7 @@ inline constexpr size_t kHciColumns = 9;
 
 struct NumberedView {
   LightFieldKind kind;  ///< one of the folder kinds
-  size_t row, column;   ///< for kHciFolder, whose names hold one number: row 0 and that number
+  size_t row, column;   ///< in kHciFolder, whose names contain one number: row 0 and that number
 };
 
 /// Returns whether the extension of a file is that of PNG or JPEG images.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Adds the computation of network inputs to an ONNX graph; declared in onnx_layers.h.
 #include <array>
 #include <cmath>
 

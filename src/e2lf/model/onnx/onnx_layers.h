@@ -11,7 +11,7 @@ namespace e2lf::model {
 
 /// A spatial size inside a graph: the names of int64 tensors [2] = (y, x).
 struct OnnxSize {
-  std::string given;   ///< of the event images
+  std::string given;   ///< name of the event images
   std::string padded;  ///< a multiple of what the network needs
 };
 

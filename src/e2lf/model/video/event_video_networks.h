@@ -15,7 +15,7 @@ namespace e2lf::model {
 /// The sizes of the recurrent U-Net of E2VID.
 struct EventUnetOptions {
   size_t bins = 5;
-  size_t channels = 32;  ///< of the head; each encoder doubles the channels
+  size_t channels = 32;  ///< channels of the head; each encoder doubles them
   size_t encoders = 3, blocks = 2;
   bool ends_in_sigmoid = false;
 };
@@ -29,7 +29,7 @@ struct EventUnetOptions {
 /// The sizes of ET-Net.
 struct EventTransformerOptions {
   size_t bins = 5;
-  size_t channels = 32;  ///< of the head; each encoder doubles the channels
+  size_t channels = 32;  ///< channels of the head; each encoder doubles them
   size_t encoders = 3;
   size_t self_layers = 3, cross_layers = 2, heads = 8;  ///< per scale of the transformers
   size_t wide = 1024;                                   ///< hidden channels of the feed-forward layers

@@ -28,7 +28,7 @@ enum class FrameTone {
 /// recording. Its memory is carried from frame to frame. It is stored as a model file with "measurement": "voxel-grid".
 struct VideoModel {
   std::string name;                ///< e.g. "firenet"
-  size_t bins = 5;                 ///< of the voxel grid = input channels of the network
+  size_t bins = 5;                 ///< bins of the voxel grid = input channels of the network
   bool normalises_voxels = false;  ///< each grid, to mean 0 and standard deviation 1 of its non-zero voxels
   size_t pad_multiple = 1;         ///< images are padded with zeros to multiples of this many pixels
   FrameTone tone = FrameTone::kNone;

@@ -36,8 +36,8 @@ class EventVideo {
   model::VideoModel model_;
   engine::Engine engine_;
   engine::FrameState state_;
-  size_t height_, width_;                ///< of the sensor
-  size_t padded_height_, padded_width_;  ///< of the input of the network
+  size_t height_, width_;                ///< size of the sensor
+  size_t padded_height_, padded_width_;  ///< size of the network's input
 };
 
 }  // namespace e2lf::recon

@@ -79,13 +79,14 @@ struct LiveBacklog {
   bool operator==(const LiveBacklog&) const = default;
 };
 
-/// What a reader encountered since it was opened or last sought. Times are shifted like those of the returned events.
+/// Statistics and losses of a reader since it was opened or last repositioned. Times are shifted like those of the
+/// returned events.
 struct DecodeSummary {
   uint64_t events_on = 0;
   uint64_t events_off = 0;
   uint64_t triggers = 0;
-  int64_t first_t_us = 0;  ///< of the first event; 0 if there was none
-  int64_t last_t_us = 0;   ///< of the last event
+  int64_t first_t_us = 0;  ///< time of the first event; 0 if there was none
+  int64_t last_t_us = 0;   ///< time of the last event
 
   uint64_t events_before_time =
       0;                       ///< dropped because no time was known yet, which is normal at the start of a RAW file
@@ -135,7 +136,7 @@ struct DecodeSummary {
 struct Loss {
   std::string reason;       ///< name in JSON output: that of a violation, or "before_first_time"
   std::string text;         ///< description that follows a count: "events outside the sensor"
-  uint64_t count = 0;       ///< at least 1
+  uint64_t count = 0;       ///< number of occurrences, at least 1
   uint64_t first_byte = 0;  ///< position of the first in the file; 0 = unknown
 };
 

@@ -67,7 +67,7 @@ class LiveSource : public ByteSource {
 /// One kind of camera.
 struct CameraPlugin {
   std::string name;         ///< as in camera://NAME or camera://NAME/ADDRESS
-  std::string description;  ///< for help texts: what it is, and the meaning of ADDRESS
+  std::string description;  ///< text for the help: the camera and the meaning of ADDRESS
   std::function<Result<CameraPtr>(const std::string& address)> open = {};
   /// Returns the addresses of the connected cameras; empty = they cannot be listed.
   std::function<Result<std::vector<std::string>>()> list = {};

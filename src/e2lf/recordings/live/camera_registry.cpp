@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Finds cameras by their names; declared in cameras.h.
 #include <algorithm>
 #include <cstdlib>
 #include <mutex>

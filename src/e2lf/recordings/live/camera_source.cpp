@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Makes a camera a source of bytes; declared in cameras.h.
 #include <algorithm>
 #include <condition_variable>
 #include <deque>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Opens cameras through plugins; declared in cameras.h.
 #include <algorithm>
 #include <array>
 #include <atomic>

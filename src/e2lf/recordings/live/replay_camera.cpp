@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Replays recordings as a camera; declared in cameras.h.
 #include <algorithm>
 #include <atomic>
 #include <charconv>

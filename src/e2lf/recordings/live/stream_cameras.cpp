@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads pipes, sockets and standard input as cameras; declared in cameras.h.
 #include <algorithm>
 #include <arpa/inet.h>
 #include <atomic>

@@ -15,7 +15,7 @@ struct Codec {
   std::string name = {};  ///< OpenOptions::format and RecordingInfo::format
   std::vector<std::string> extensions =
       {};                        ///< lower case, with the dot; the first codec in the table takes precedence
-  std::string description = {};  ///< for help texts
+  std::string description = {};  ///< text for the help
 
   /// Whether the columns and the unit of time vary; other formats refuse OpenOptions::columns and time_unit.
   bool is_table = false;

@@ -15,11 +15,11 @@ namespace e2lf::recordings::table {
 /// The index of the column of each field, by Field.
 using ColumnsOfFields = std::array<size_t, kNumFields>;
 
-/// What is known about four columns before their values are inspected.
+/// Prior knowledge about four columns, before their values are inspected.
 struct OrderHints {
   std::array<std::optional<Field>, kNumFields> named =
       {};                        ///< by column; if none is named, they are x, y, t and p in unknown order
-  size_t width = 0, height = 0;  ///< of the sensor, px; 0 = unknown
+  size_t width = 0, height = 0;  ///< size of the sensor, px; 0 = unknown
   std::string usual;             ///< the order to use if the values permit several, e.g. "xypt"
 };
 

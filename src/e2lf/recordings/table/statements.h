@@ -10,7 +10,7 @@
 namespace e2lf::recordings::table {
 
 struct TimeStatement {
-  TimeUnit unit = TimeUnit::kAuto;  ///< of the times: "timestamps are in us", "ts_unit: ns"
+  TimeUnit unit = TimeUnit::kAuto;  ///< unit of the times: "timestamps are in us", "ts_unit: ns"
   double tick_s = 0;                ///< duration of one count: "resolution: 1 ns", "ticks per second: 1e6"; 0 = unknown
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads AEDAT 2; declared in codecs.h.
 #include <algorithm>
 #include <cstring>
 #include <string_view>

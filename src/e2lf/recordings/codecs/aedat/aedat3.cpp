@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads AEDAT 3; declared in codecs.h.
 #include <algorithm>
 #include <charconv>
 #include <map>

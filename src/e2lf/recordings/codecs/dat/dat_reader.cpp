@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads DAT; declared in codecs.h.
 #include <algorithm>
 
 #include "e2lf/base/little_endian.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Seeks in DAT files; declared in dat_format.h.
 
 #include <algorithm>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Writes DAT; declared in codecs.h.
 #include <algorithm>
 #include <vector>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads HDF5 files with columns of events; declared in codecs.h.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads the chunks of a data set of events; declared in metavision_layout.h.
 #include <algorithm>
 
 #include "e2lf/base/little_endian.h"

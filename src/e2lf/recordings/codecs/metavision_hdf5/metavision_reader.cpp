@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads Metavision HDF5; declared in codecs.h.
 #include <algorithm>
 #include <charconv>
 #include <cstring>

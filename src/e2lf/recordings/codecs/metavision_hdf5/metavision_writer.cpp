@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Writes Metavision HDF5; declared in codecs.h.
 #include <algorithm>
 #include <optional>
 

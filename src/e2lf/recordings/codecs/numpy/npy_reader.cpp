@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads events in .npy files; declared in codecs.h.
 #include <algorithm>
 #include <array>
 

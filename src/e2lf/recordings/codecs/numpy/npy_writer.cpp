@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Writes events to .npy files; declared in codecs.h.
 #include <cstddef>
 #include <fstream>
 

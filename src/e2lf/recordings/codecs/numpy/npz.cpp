@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads and writes events in .npz files; declared in codecs.h.
 #include <algorithm>
 #include <array>
 #include <string_view>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Opens and creates RAW recordings of every encoding; declared in codecs.h.
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"

@@ -60,7 +60,7 @@ inline constexpr size_t kMaxMessageBytes = size_t{1} << 26;
 struct EventMessage {
   std::string_view encoding;  ///< "evt3", "mono", ...; "list" for messages that contain individual events
   uint64_t width = 0, height = 0;
-  std::optional<uint64_t> number;  ///< of the packet, if packets are numbered
+  std::optional<uint64_t> number;  ///< number of the packet, if packets are numbered
   uint64_t time_base_ns = 0;
   std::span<const uint8_t> payload;
   uint32_t count = 0;  ///< number of events of a list, as the message states

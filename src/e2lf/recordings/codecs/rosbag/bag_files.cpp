@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Finds the files of a ROS 2 bag; declared in bag.h.
 #include <algorithm>
 #include <fstream>
 

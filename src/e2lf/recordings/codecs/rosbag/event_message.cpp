@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Decodes messages of event_camera_msgs; declared in bag.h.
 #include <algorithm>
 
 #include "e2lf/base/little_endian.h"

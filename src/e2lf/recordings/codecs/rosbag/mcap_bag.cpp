@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads the messages of .mcap files; declared in bag.h.
 #include <algorithm>
 #include <deque>
 #include <map>

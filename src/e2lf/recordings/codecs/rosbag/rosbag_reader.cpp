@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads events of ROS 2 bags; declared in codecs.h.
 #include <algorithm>
 #include <deque>
 

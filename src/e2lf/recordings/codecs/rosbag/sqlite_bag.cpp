@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads the messages of .db3 files; declared in bag.h.
 #include <map>
 
 #include "e2lf/base/stop.h"

@@ -49,7 +49,8 @@ struct TextHead {
   std::string names_line;   ///< the line with the names of the columns, which may be repeated; empty = none
   table::TableSample sample;
   size_t lines = 0, bad_lines = 0;  ///< number of lines of numbers, and of those with another number of columns
-  size_t first_bad_number = 0;      ///< from 1; without lines of numbers, the first line that does not name columns
+  size_t first_bad_number =
+      0;  ///< number of the first bad line, from 1; without lines of numbers, the first line that does not name columns
   std::string first_bad;
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Parses lines of text tables; declared in csv_layout.h.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads text tables; declared in codecs.h.
 #include <algorithm>
 #include <cstring>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Writes text tables; declared in codecs.h.
 #include <algorithm>
 #include <array>
 #include <charconv>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Encodes chunks of the ECF filter; declared in ecf_chunk.h.
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Checks EVT3 words for violations; declared in evt3_decoder.h.
 #include <algorithm>
 #include <optional>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Implements the vector kernels of evt3_decoder.h.
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 
 #define HWY_WANT_AVX3_DL 1

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Reads EVT4; declared in codecs.h.
 #include <bit>
 #include <utility>
 

@@ -67,7 +67,7 @@ class PartDecoder {
     explicit Part(const SensorLimits& limits) : stream(limits), guess(limits) {}
 
     PendingBatch batch;
-    DecodeSummary summary;          ///< of this part only, without the counts of events and triggers
+    DecodeSummary summary;          ///< summary of this part only, without the counts of events and triggers
     Stream stream;                  ///< state after the part
     size_t end = 0;                 ///< number of bytes that are done
     int64_t latest_us = INT64_MIN;  ///< time of the last event or trigger so far

@@ -71,7 +71,7 @@ class RawReader final : public RecordingReader {
     int64_t time_us;  ///< no earlier event is later than this
     uint64_t byte;
     RawStream<Codec> stream;
-    int64_t latest_us;  ///< of what was returned so far
+    int64_t latest_us;  ///< latest time that was returned so far
   };
 
   static SensorLimits limits_of(const RecordingInfo& info, const OpenOptions& options) {

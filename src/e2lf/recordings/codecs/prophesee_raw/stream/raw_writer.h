@@ -119,7 +119,7 @@ class RawWriter final : public RecordingWriter {
   BatchCheck check_;
   Encoder encoder_;
   WordBuffer buffer_;
-  int64_t latest_us_ = -1;  ///< of what was written; -1 = nothing yet
+  int64_t latest_us_ = -1;  ///< latest time that was written; -1 = nothing yet
 };
 
 /// Creates a writer: checks the size and writes the header of the format Encoder::kFormat. Fails with kInvalidValue and
