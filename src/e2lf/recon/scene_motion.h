@@ -6,8 +6,8 @@
 namespace e2lf::recon {
 
 /// Above this value of scene_motion(), the lit transitions alone give better light fields than the whole cycle. It
-/// corresponds to about 4 px per cycle for the camera evk4-lcos and to 5 to 8 px with the noise of the paper's model.
-inline constexpr double kMuchMotion = 0.17;
+/// corresponds to 3 to 4 px per cycle for the camera evk4-lcos and to 4 to 6 px with the noise of the paper's model.
+inline constexpr double kMuchMotion = 0.125;
 
 /// Measures from the 2N event images of a whole cycle (capture::whole_cycle()) how much the scene moved during it. Each
 /// pattern and its inverse together open every cell, so that the sum of their two intensities is the same for all
