@@ -14,14 +14,14 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-void write_text(const fs::path& path, const std::string& text) {
+void put_text(const fs::path& path, const std::string& text) {
   fs::create_directories(path.parent_path());
   std::ofstream(path) << text;
 }
 
 TEST(CheckApart, ComparesFilesInsteadOfNames) {
   const TestFolder folder;
-  write_text(folder / "in/events.raw", "x");
+  put_text(folder / "in/events.raw", "x");
   fs::create_directory_symlink(folder / "in", folder / "link");
   EXPECT_TRUE(check_apart(folder / "out", {folder / "in"}));
   for (const char* name : {"in", "in/events.raw", "link/events.raw", "in/deeper", "link/../in"}) {
@@ -36,13 +36,13 @@ TEST(OutputFile, AppearsWholeWithItsRecordOrNotAtAll) {
   const TestFolder folder;
   {
     auto output = OutputFile::create(folder / "a.csv", {}).value();
-    write_text(output.path(), "t,x,y,p\n");
+    put_text(output.path(), "t,x,y,p\n");
     EXPECT_FALSE(fs::exists(folder / "a.csv"));
   }
   EXPECT_EQ(count_entries(folder.path()), 0U) << "a run that fails leaves something";
   auto output = OutputFile::create(folder / "a.csv", {}).value();
-  write_text(output.path(), "t,x,y,p\n");
-  write_text(output.record_path(), "{}");
+  put_text(output.path(), "t,x,y,p\n");
+  put_text(output.record_path(), "{}");
   ASSERT_TRUE(output.commit());
   EXPECT_EQ(text_of(folder / "a.csv"), "t,x,y,p\n");
   EXPECT_EQ(text_of(folder / "a.csv.run.json"), "{}");
@@ -50,12 +50,12 @@ TEST(OutputFile, AppearsWholeWithItsRecordOrNotAtAll) {
 
 TEST(OutputFile, IsReplacedOnlyIfAsked) {
   const TestFolder folder;
-  write_text(folder / "a.csv", "old");
+  put_text(folder / "a.csv", "old");
   const auto refused = OutputFile::create(folder / "a.csv", {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kExists);
   auto output = OutputFile::create(folder / "a.csv", {.overwrite = true}).value();
-  write_text(output.path(), "new");
+  put_text(output.path(), "new");
   EXPECT_EQ(text_of(folder / "a.csv"), "old") << "before it is complete";
   ASSERT_TRUE(output.commit());
   EXPECT_EQ(text_of(folder / "a.csv"), "new");
@@ -67,8 +67,8 @@ TEST(OutputFile, RefusesNamesThatWouldBeReadAsSomethingElse) {
     const auto output = OutputFile::create(folder / name, rules);
     return output ? std::optional<ErrorCode>() : output.error().code;
   };
-  write_text(folder / "a.csv", "t,x,y,p\n");
-  write_text(folder / "a.csv.run.json", "{}");
+  put_text(folder / "a.csv", "t,x,y,p\n");
+  put_text(folder / "a.csv.run.json", "{}");
   EXPECT_EQ(code("a.csv.run.json", {.overwrite = true}), ErrorCode::kExists) << "the record of a.csv";
   EXPECT_EQ(code("b.jpg", {.ending = ".png"}), ErrorCode::kInvalidValue);
   EXPECT_EQ(code("b.png", {.ending = ".png"}), std::nullopt);
@@ -100,7 +100,7 @@ TEST(OpenOutputFolder, RefusesTheNameOfAFileAndFoldersOfOthers) {
   verb.run({"--overwrite"}, [] { return Result<void>(); });
   EXPECT_TRUE(open_output_folder(folder / "frames", verb, {}));
   EXPECT_FALSE(open_output_folder(folder / "frames.mp4", verb, {}));
-  write_text(folder / "notes/a.txt", "mine");
+  put_text(folder / "notes/a.txt", "mine");
   const auto foreign = open_output_folder(folder / "notes", verb, {});
   ASSERT_FALSE(foreign);
   EXPECT_EQ(foreign.error().code, ErrorCode::kExists);
