@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/base/contract.h"
+
 /// The kinds of values of options.
 namespace e2lf::cli {
 
@@ -56,7 +58,9 @@ template <typename T, size_t N>
 /// Returns what a word stands for; the table must contain it.
 template <typename T, size_t N>
 [[nodiscard]] T choice_of(const std::string& word, const Choice<T> (&table)[N]) {
-  return std::find_if(table, table + N - 1, [&](const Choice<T>& choice) { return word == choice.word; })->value;
+  const auto found = std::find_if(table, table + N, [&](const Choice<T>& choice) { return word == choice.word; });
+  E2LF_REQUIRE(found != table + N, "the table does not contain " + word);
+  return found->value;
 }
 
 /// Returns the word for a value; the table must contain it.

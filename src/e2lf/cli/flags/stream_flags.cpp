@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/option_values.h"
@@ -134,8 +135,10 @@ Result<StreamScene> open_stream_scene(const fs::path& input, const StreamFlags& 
   if (flags.field_us > 0) return sequence(input, flags.field_us, options, is_quiet);
   E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, load_scene(input, options, is_quiet));
   StreamScene still{{}, field.shape().height, field.shape().width};
-  // It is asked for once.
-  still.scene.at = [field = std::move(field)](uint64_t) mutable { return Result(std::move(field)); };
+  still.scene.at = [field = std::move(field)](uint64_t knot) mutable {
+    E2LF_REQUIRE(knot == 0 && field.shape().height > 0, "a still scene is asked for once");
+    return Result(std::exchange(field, {}));
+  };
   return still;
 }
 

@@ -210,10 +210,13 @@ class DocumentMaker {
       }
       return recordings::open_named_recording(path.string(), options);
     };
-    return view::add_recording(
-        document_, name_of(path),
-        {open, [&](const auto& on_batch) { return open_cycles(path, flags, {.on_batch = on_batch, .on_mark = {}}); }},
-        arguments_.frames);
+    // Frames show the polarity of the recording; with --invert-polarity, the events of cycles have the other one.
+    const auto open_its_cycles = [&](const auto& on_batch) {
+      CycleObserver observer;
+      if (!flags.invert_polarity) observer.on_batch = on_batch;
+      return open_cycles(path, flags, observer);
+    };
+    return view::add_recording(document_, name_of(path), {open, open_its_cycles}, arguments_.frames);
   }
 
   Result<void> compare(const Shown& first, const Shown& second) {
