@@ -13,3 +13,4 @@ page docs/experiments/camera-fit.md
 page docs/experiments/imperfections.md
 page docs/experiments/motion.md
 page docs/experiments/capture-at-equal-tones.md
+page docs/experiments/plenoptic-scenes.md

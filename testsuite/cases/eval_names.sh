@@ -1,6 +1,6 @@
 # Several reconstructions are compared by name, with the gain that was applied to them and the one that fits.
 model=$TESTSUITE/../models/e2lf-n4.safetensors
-"$E2LF" demo -o demo --width 64 --height 48 --quiet
+"$E2LF" demo -m "$model" -o demo --width 64 --height 48 --quiet
 "$E2LF" reconstruct demo/events.npz -m "$model" --gain 2 --format npy -o bright --quiet
 "$E2LF" reconstruct demo/events.npz -m "$model" --gain 1 --format npy -o plain --quiet
 "$E2LF" eval demo/scene bright >eval.txt

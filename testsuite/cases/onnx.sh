@@ -39,7 +39,7 @@ network_output=(--gain 1 --format npy --precision float32 --quiet)
 
 # A width and a height that no network takes as they are; the patterns are of no matter here, and the file shall not tell
 # the camera.
-"$E2LF" demo -o demo --width 101 --height 67 --quiet
+"$E2LF" demo -m "$models/e2lf-n4.safetensors" -o demo --width 101 --height 67 --quiet
 py -c 'import numpy as np; np.savez("events.npz", events=np.load("demo/events.npz")["events"])'
 "$E2LF" simulate demo/scene -m "$models/e2lf-n8.safetensors" -o simulated.npz --quiet
 py -c 'import numpy as np; np.savez("eight.npz", events=np.load("simulated.npz")["events"])'

@@ -41,7 +41,7 @@ one, two = np.load("one/lightfield.npy"), np.load("two/lightfield.npy")
 assert one.shape == two.shape and 0 < np.abs(one - two).mean() < 0.1, np.abs(one - two).mean()
 PY
 # Events that other patterns made are reconstructed with a warning; the inversion takes the patterns of the events.
-"$E2LF" demo -o demo --width 96 --height 64 --quiet
+"$E2LF" demo -m "$bundled" -o demo --width 96 --height 64 --quiet
 other_codes other.npy
 "$E2LF" simulate demo/scene --codes other.npy -o other.npz --quiet
 "$E2LF" reconstruct other.npz -m "$bundled" -o warned 2>warning.txt >log.txt
