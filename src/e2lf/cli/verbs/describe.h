@@ -29,8 +29,8 @@ struct Description {
 struct DescribeOptions {
   RecordingFlags recording;
   LightFieldFlags light_field{.views = 0};
-  ProgressFn progress =
-      {};  ///< receives, for a recording, the number of events read so far; the total is unknown and given as 0
+  /// Receives the number of events of a recording that have been read; the total is unknown and given as 0.
+  ProgressFn progress = {};
   std::function<void(const recordings::EventBatch&)> on_batch = {};  ///< called with all events of a recording
 };
 

@@ -11,7 +11,6 @@
 #include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/describe.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/onnx/onnx_export.h"
@@ -27,9 +26,13 @@ int run_model_info(const std::vector<std::string>& arguments) {
   fs::path path;
   add_model_option(verb.app(), "model,-m,--model", path, "model file (.safetensors), or a bundled model")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(const Description found, describe(FileKind::kModel, path, {}));
-    std::printf("%s", verb.common().json ? json_text(found.json).c_str() : found.text.c_str());
-    return {};
+    const auto print = [&](const auto& model) -> Result<void> {
+      const std::string text = verb.common().json ? json_text(model::summary_json(model)) : model::summary_text(model);
+      std::printf("%s", text.c_str());
+      return {};
+    };
+    E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
+    return is_video ? model::read_video_model(path).and_then(print) : model::read_model(path).and_then(print);
   });
 }
 
