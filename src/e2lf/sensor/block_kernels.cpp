@@ -68,20 +68,22 @@ HWY_INLINE void Philox(uint64_t seed, V64 (&counter)[4]) {
   }
 }
 
+/// Takes the words of the even lanes and, from their low halves as well, those of the odd lanes.
+HWY_INLINE V32 Merge(V64 odd, V64 even) {
+  const D32 d;
+  return hn::OddEven(hn::BitCast(d, hn::ShiftLeft<32>(odd)), hn::BitCast(d, even));
+}
+
 Words PixelWords(uint32_t first_pixel, uint64_t stream, uint64_t seed) {
   const D64 d;
-  const D32 d32;
   // Pixels in even and odd lanes are processed separately and then merged.
   const V64 pixel = hn::Add(hn::Set(d, first_pixel), hn::ShiftLeft<1>(hn::Iota(d, 0)));
   V64 even[4] = {pixel, hn::Zero(d), hn::Set(d, stream & 0xFFFFFFFF), hn::Set(d, stream >> 32)};
   V64 odd[4] = {hn::Add(pixel, hn::Set(d, 1)), even[1], even[2], even[3]};
   Philox(seed, even);
   Philox(seed, odd);
-  Words words;
-  for (size_t i = 0; i < 4; ++i) {
-    words.word[i] = hn::OddEven(hn::BitCast(d32, hn::ShiftLeft<32>(odd[i])), hn::BitCast(d32, even[i]));
-  }
-  return words;
+  // No constructor of Words is called, since GCC would compile it without the instructions of NEON's target.
+  return {{Merge(odd[0], even[0]), Merge(odd[1], even[1]), Merge(odd[2], even[2]), Merge(odd[3], even[3])}};
 }
 
 #endif
