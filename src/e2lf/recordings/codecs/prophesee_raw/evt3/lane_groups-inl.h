@@ -50,13 +50,14 @@ HWY_INLINE hn::Vec<SignedGroup> steps_of(hn::Vec<Group> values, hn::Vec<Group> b
   return hn::BitCast(SignedGroup(), hn::Sub(values, previous));
 }
 
-/// Returns which lanes of `first` (bits 0 to 7) and of `second` (bits 8 to 15) are set; all bits of a lane are equal.
+/// Returns which lanes of `first` (bits 0 to 7) and of `second` (bits 8 to 15) are set. All bits of the upper byte of a
+/// lane are equal; the lower byte is equal to it or 0.
 HWY_INLINE uint32_t bits_of_two(hn::Vec<Group> first, hn::Vec<Group> second) {
 #if HWY_ARCH_X86
   return static_cast<uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(first.raw, second.raw)));
 #else
   const GroupBytes d8;
-  const auto bytes = hn::ConcatEven(d8, hn::BitCast(d8, second), hn::BitCast(d8, first));
+  const auto bytes = hn::ConcatOdd(d8, hn::BitCast(d8, second), hn::BitCast(d8, first));
   uint16_t bits = 0;
   hn::StoreMaskBits(d8, hn::MaskFromVec(bytes), reinterpret_cast<uint8_t*>(&bits));
   return bits;
