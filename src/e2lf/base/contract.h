@@ -17,9 +17,9 @@ class ContractError : public std::logic_error {
 }  // namespace e2lf
 
 /// Throws ContractError with file, line and condition when a precondition does not hold. Active in every build.
-#define E2LF_REQUIRE(condition, message)                                                           \
-  do {                                                                                             \
-    if (!(condition)) ::e2lf::fail_contract(#condition, __FILE__, __LINE__, std::string(message)); \
+#define E2LF_REQUIRE(condition, message)                                                                \
+  do {                                                                                                  \
+    if (!(condition)) ::e2lf::fail_contract(#condition, __FILE_NAME__, __LINE__, std::string(message)); \
   } while (false)
 
 /// Checks the same in inner loops. It is compiled only with E2LF_ASSERTIONS (the dev and asan presets).

@@ -35,9 +35,9 @@ LogTable log_table(const capture::SensorProfile& camera, const OpenShares& share
     pixel.pixel[kMismatch] = 0.0F;
     pixel.pixel[kThresholdOn] *= factor;
     pixel.pixel[kThresholdOff] *= factor;
-    constexpr double kOther = 1e-4;  // share of counts that the model does not explain
+    constexpr double kUnexplained = 1e-4;  // share of counts that the model does not explain
     for (const double p : predict(pixel, shares, area, brightness)) {
-      table[f].push_back(static_cast<float>(std::log(p + kOther)));
+      table[f].push_back(static_cast<float>(std::log(p + kUnexplained)));
     }
   }
   return table;

@@ -21,6 +21,7 @@
 #include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/result_folder.h"
 #include "e2lf/files/workspace.h"
 #include "e2lf/terminal/progress_bar.h"
 
