@@ -2,6 +2,7 @@
 #include "e2lf/files/bundled_files.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <dlfcn.h>
 
 #include "e2lf/base/text.h"
@@ -20,17 +21,24 @@ fs::path find_own_file() {
                                                                      : fs::read_symlink("/proc/self/exe", error);
 }
 
-/// Returns the folders that may contain bundled files, nearest first. A program in the source tree uses those of the
-/// tree.
+/// Returns the folders that may contain bundled files, nearest first: share/e2lf above this program or library, and
+/// that of the prefix for which e2lf was built.
 std::vector<fs::path> find_folders() {
-  const fs::path tree = E2LF_SOURCE_TREE;
   std::error_code error;
   std::vector<fs::path> folders;
   for (fs::path folder = find_own_file().parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
-    folders.push_back(fs::equivalent(folder, tree, error) ? tree : folder / "share/e2lf");
+    // In a build folder it is a link to the sources.
+    if (const fs::path share = fs::canonical(folder / "share/e2lf", error); !error) folders.push_back(share);
   }
-  folders.push_back(tree);
+  folders.emplace_back(E2LF_INSTALLED_DATA);
   return folders;
+}
+
+/// Returns the place of a bundled file if E2LF_MODELS names the folder of models; cameras are then beside this folder.
+fs::path place_of_caller(const std::string& path) {
+  const char* models = std::getenv("E2LF_MODELS");
+  if (models == nullptr || *models == '\0') return {};
+  return models / fs::path(path).lexically_relative(kBundledModels.folder);
 }
 
 }  // namespace
@@ -38,6 +46,7 @@ std::vector<fs::path> find_folders() {
 std::optional<fs::path> bundled_file(const std::string& path) {
   static const std::vector<fs::path> folders = find_folders();
   std::error_code error;
+  if (const fs::path place = place_of_caller(path); fs::exists(place, error)) return place.lexically_normal();
   for (const fs::path& folder : folders) {
     if (fs::exists(folder / path, error)) return (folder / path).lexically_normal();
   }

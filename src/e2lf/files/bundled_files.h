@@ -10,9 +10,10 @@
 
 namespace e2lf {
 
-/// Returns the path of a file that is distributed with e2lf, such as "models/e2lf-n4.safetensors". It is searched in
-/// share/e2lf of the folders above the running program or Python module, nearest first, and then in the source tree.
-/// Returns nothing if it does not exist.
+/// Returns the path of a file that is distributed with e2lf, such as "models/e2lf-n4.safetensors", or nothing if it
+/// does not exist. It is searched in the folder of models that the environment variable E2LF_MODELS names and beside
+/// it, in share/e2lf of the folders above the program or the shared library that contains e2lf, nearest first, and in
+/// share/e2lf of the prefix for which e2lf was built.
 [[nodiscard]] std::optional<std::filesystem::path> bundled_file(const std::string& path);
 
 /// Returns the model that verbs use if none is given, or nothing if it is missing.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/files/bundled_files.h"
 
+#include <cstdlib>
 #include <fstream>
 #include <gtest/gtest.h>
 
@@ -25,6 +26,23 @@ TEST(BundledFiles, AFileOfThatNameGoesFirst) {
   const auto path = folder / "e2lf-n4";
   std::ofstream(path) << "mine";
   EXPECT_EQ(find_file_or_bundled(kBundledModels, path.string()).value(), path);
+}
+
+TEST(BundledFiles, TheEnvironmentNamesTheFolderOfModels) {
+  const TestFolder folder;
+  const auto own = folder / "my_models" / "own.safetensors";
+  const auto camera = folder / "cameras" / "own.json";
+  for (const auto& file : {own, camera}) {
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file) << "mine";
+  }
+  ::setenv("E2LF_MODELS", (folder / "my_models").c_str(), 1);
+  EXPECT_EQ(bundled_file_named(kBundledModels, "own"), own);
+  EXPECT_EQ(bundled_file_named(kBundledCameras, "own"), camera);
+  EXPECT_EQ(bundled_names(kBundledModels), std::vector<std::string>{"own"});
+  EXPECT_TRUE(bundled_file_named(kBundledCameras, "paper"));
+  ::unsetenv("E2LF_MODELS");
+  EXPECT_FALSE(bundled_file_named(kBundledModels, "own"));
 }
 
 TEST(BundledFiles, AnErrorNamesThoseThereAre) {

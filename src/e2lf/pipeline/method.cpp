@@ -23,6 +23,13 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
                         bundled_network(known->codes, opened.camera, choice.prefers_fast));
+  if (!network && bundled_names(kBundledModels).empty()) {
+    return Error{
+        ErrorCode::kNotFound,
+        "the models of e2lf were not found; name their folder in the environment variable E2LF_MODELS, or give "
+        "a model",
+        ""};
+  }
   if (!network) {
     return Error{ErrorCode::kNotFound,
                  "no bundled network was trained for these patterns; give one that was, or use the inversion", ""};
