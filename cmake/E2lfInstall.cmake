@@ -20,9 +20,6 @@ if(BUILD_SHARED_LIBS)
   list(APPEND CMAKE_INSTALL_RPATH "\$ORIGIN" "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 endif()
 
-# Shared libraries belong to the package of the programs, which need them.
-set(E2LF_LIBRARY_COMPONENT program)
-
 # The external libraries of modules: target, CMake package, and name in pkg-config.
 set(E2LF_EXTERNAL_TARGETS
   "PkgConfig::HWY" "PkgConfig::HDF5" "PkgConfig::LZ4" "PkgConfig::ZSTD" "PkgConfig::SQLITE" "ZLIB::ZLIB" "PNG::PNG" "JPEG::JPEG"
@@ -45,7 +42,7 @@ function(e2lf_install_module module)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${module} VERSION ${PROJECT_VERSION} SOVERSION ${E2LF_SOVERSION})
   target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   install(TARGETS ${target} EXPORT e2lf-${module} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
-    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${E2LF_LIBRARY_COMPONENT} NAMELINK_COMPONENT development)
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
   install(EXPORT e2lf-${module} NAMESPACE e2lf:: FILE e2lf-${module}-targets.cmake DESTINATION ${E2LF_CMAKE_DIR}
     COMPONENT development)
   foreach(header IN LISTS headers)
@@ -59,8 +56,12 @@ function(e2lf_install_module module)
   set(pkg_flags)
   get_target_property(public ${target} INTERFACE_LINK_LIBRARIES)
   get_target_property(all ${target} LINK_LIBRARIES)
+  get_target_property(kind ${target} TYPE)
   foreach(library IN LISTS public all)
     list(FIND E2LF_EXTERNAL_TARGETS "${library}" place)
+    if(kind STREQUAL "SHARED_LIBRARY" AND NOT library IN_LIST public AND NOT library STREQUAL "Metavision::HAL_discovery")
+      set(place -1)  # it is linked already; CMake asks for other shared libraries that are targets
+    endif()
     if(library MATCHES "^e2lf::(.*)")
       list(APPEND modules ${CMAKE_MATCH_1})
       list(APPEND pkg_requires "e2lf-${CMAKE_MATCH_1}")
@@ -107,7 +108,9 @@ function(e2lf_install_package)
   install(FILES ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake ${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake
     DESTINATION ${E2LF_CMAKE_DIR} COMPONENT development)
 
-  install(TARGETS e2lf RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  if(TARGET e2lf)
+    install(TARGETS e2lf RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  endif()
   if(TARGET e2lf-train)
     install(TARGETS e2lf-train RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training)
   endif()
@@ -122,5 +125,7 @@ function(e2lf_install_package)
   install(FILES ${texts}/fish/e2lf.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program
     OPTIONAL)
   install(DIRECTORY ${texts}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program OPTIONAL)
-  include(E2lfPackage)
+  if(PROJECT_IS_TOP_LEVEL)
+    include(E2lfPackage)
+  endif()
 endfunction()

@@ -11,6 +11,9 @@ set(CPACK_VERBATIM_VARIABLES ON)
 set(CPACK_GENERATOR DEB)
 
 set(CPACK_COMPONENTS_ALL program development)
+if(BUILD_SHARED_LIBS)
+  list(APPEND CPACK_COMPONENTS_ALL library)
+endif()
 if(TARGET e2lf_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
@@ -21,10 +24,23 @@ endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 
 # The packages of one build require each other in the same version.
 set(same_version "e2lf (= ${PROJECT_VERSION})")
+set(development_libraries libhdf5-dev nlohmann-json3-dev)
+if(BUILD_SHARED_LIBS)
+  set(libraries "libe2lf${E2LF_SOVERSION} (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libe2lf${E2LF_SOVERSION})
+  set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+  set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "Shared libraries of e2lf, which its programs and other programs load.")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS ${libraries})
+  set(same_version "${same_version}, ${libraries}")
+else()
+  # Programs that link static libraries link also what these use.
+  list(APPEND development_libraries libhwy-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev liblz4-dev libzstd-dev libsqlite3-dev)
+endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME e2lf)
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
 "e2lf reconstructs a 4-D light field from the events of one event camera
@@ -32,10 +48,10 @@ behind a display in the aperture of its lens. It reads recordings of event
 cameras, simulates them, reconstructs, measures and shows the results.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME e2lf-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "${same_version}, libhwy-dev, libhdf5-dev, libpng-dev, libjpeg62-turbo-dev, zlib1g-dev, liblz4-dev, libzstd-dev, libsqlite3-dev, nlohmann-json3-dev")
+list(JOIN development_libraries ", " development_libraries)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${same_version}, ${development_libraries}")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
-"Static libraries, headers, and what CMake and pkg-config need to find them.
+"Libraries to link with, headers, and what CMake and pkg-config need to find them.
 Each module is a library of its own: recordings, light fields, simulation,
 reconstruction.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-e2lf)

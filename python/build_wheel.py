@@ -8,6 +8,7 @@ import base64
 import hashlib
 import os
 import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -117,6 +118,10 @@ def package(folder, prefix):
     found = list(Path(prefix).glob(f"**/e2lf/_e2lf{sysconfig.get_config_var('EXT_SUFFIX')}"))
     if not found:
         raise SystemExit(f"e2lf: {folder} holds no module of e2lf for {sys.executable}; build it, or name another folder")
+    if cached(folder).get("BUILD_SHARED_LIBS") == "ON":  # the libraries lie beside the module, under the names that it asks for
+        cmake("--install", folder, "--component", "library", "--strip", "--prefix", prefix)
+        for link in [path for path in Path(prefix).glob("**/libe2lf_*") if path.is_symlink()]:
+            shutil.copy(link, found[0].parent / link.name)
     return found[0].parent
 
 

@@ -4,6 +4,12 @@ skip_sanitizers "the package of a build with sanitizers links with them alone"
 [ -n "${E2LF_BUILD:-}" ] || skip "E2LF_BUILD does not name the build folder"
 cmake --install "$E2LF_BUILD" --prefix "$PWD/prefix" >install.log || fail "$(tail -5 install.log)"
 installed=$PWD/prefix/bin/e2lf
+# No file contains a path of the build, apart from debugging information and the simulated camera of the tests.
+find prefix -name '*.a' -exec strip --strip-debug {} +
+strip prefix/bin/* $(find prefix -name '_e2lf*.so')
+sources=$(realpath "$TESTSUITE/..")
+grep -raoh "$sources[[:print:]]*" prefix | grep -v stand_in_hal >paths.txt || true
+[ ! -s paths.txt ] || fail "paths of the build are installed: $(sort -u paths.txt | head -5)"
 "$installed" demo -o demo --width 96 --height 64 --quiet
 exists demo/scene prefix/share/e2lf/models/e2lf-n4.safetensors
 # The library of a camera lies in a prefix of its own: the program finds it there, and so does what is built with the package.
@@ -73,3 +79,6 @@ grep -q "no component reconn" wrong.txt || fail "$(cat wrong.txt)"
 cmake -S "$TESTSUITE/.." -B shared -G Ninja -DBUILD_SHARED_LIBS=ON -DE2LF_BUILD_TESTS=OFF -DE2LF_WITH_TORCH=OFF \
   -DE2LF_WITH_VIEWER=OFF -DE2LF_WITH_PYTHON=OFF >configure.log 2>&1 || fail "$(tail -20 configure.log)"
 grep -q "SONAME = libe2lf_base.so.0.1$" shared/build.ninja || fail "$(grep -m 1 'SONAME = libe2lf_base' shared/build.ninja)"
+# What links them needs the packages of their headers alone.
+grep "^set(e2lf_recordings_finds" shared/generated/e2lfConfig.cmake | grep -q LZ4 && fail "a shared library needs its private packages"
+! grep -q liblz4 shared/generated/e2lf-recordings.pc || fail "so does pkg-config"
