@@ -93,4 +93,4 @@ PATH=$PWD/no-compiling:$PATH py told.py || fail "nothing on the terminal"
 "$(command -v cmake)" -S plain -B no-headers -G Ninja -DE2LF_WITH_PYTHON=ON -DE2LF_WITH_TORCH=OFF -DE2LF_WITH_VIEWER=OFF \
   -DE2LF_BUILD_TESTS=OFF -DPython_EXECUTABLE="$PWD/environment/bin/python-none" >cmake.txt 2>&1 && fail "built without Python"
 # CMake breaks long messages into lines.
-tr -s ' \n' ' ' <cmake.txt | grep -F "no Python package for $PWD/environment/bin/python-none" >/dev/null || fail "$(tail -20 cmake.txt)"
+tr -s ' \n' ' ' <cmake.txt | grep -F "for $PWD/environment/bin/python-none" >/dev/null || fail "$(tail -20 cmake.txt)"
