@@ -1,0 +1,291 @@
+"""Trains a network from events to disparity, or from events to a light field made of layers.
+
+usage: train.py DATA OUT --kind depth|layers [--whole-cycle] [--camera FILE] [--seconds S] [--profile]
+DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from OUT/network.pt, which has the averaged weights and the list of layers.
+Requires torch, numpy and pillow; runs on the CPU or on one GPU.
+"""
+import argparse
+import contextlib
+import io
+import json
+import math
+import pathlib
+import re
+import struct
+import time
+
+import numpy as np
+import torch
+from PIL import Image
+
+import networks
+from scenes import Pool, Synthesiser
+from sensor import FIXED_CONDITIONS, Conditions, coded_intensities, count_events, network_input
+
+SURE = 0.15  # scale of the likelihood of a plane, px per view step
+
+
+def read_model(path):
+    """Returns the float32 tensors of a model file."""
+    content = path.read_bytes()
+    length = struct.unpack("<Q", content[:8])[0]
+    header = json.loads(content[8:8 + length])
+    tensors = {}
+    for name, entry in header.items():
+        if name != "__metadata__":
+            begin, end = (8 + length + offset for offset in entry["data_offsets"])
+            tensors[name] = torch.tensor(np.frombuffer(content[begin:end], np.float32).reshape(entry["shape"]))
+    return tensors
+
+
+def read_photos(folder, device):
+    packed = np.load(folder / "photos.npz")
+    ends = np.cumsum(packed["sizes"])
+    images = [np.asarray(Image.open(io.BytesIO(packed["bytes"][end - size:end].tobytes()))) for end, size in zip(ends, packed["sizes"])]
+    return torch.as_tensor(np.stack(images), device=device)
+
+
+def centroids(codes):
+    """Returns where the patterns lie relative to view (4, 4), in view steps: (row, column) for each but the first."""
+    cells, weights = torch.arange(8.0), codes[1:].cpu().view(-1, 8, 8)
+    total = weights.sum((1, 2))
+    return [(float(row), float(column)) for row, column in
+            zip((weights.sum(2) @ cells) / total - 4, (weights.sum(1) @ cells) / total - 4)]
+
+
+class Optimiser:
+    """Muon for convolutions, as in src/e2lf/learn/optimisers/, Adam for the rest, and a moving average of all weights."""
+
+    def __init__(self, network):
+        self.weights = dict(network.weights.items())
+        last = network.layers[-1]["name"] if "out_channels" in network.layers[-1] else network.layers[-2]["name"]
+        self.matrices = {k: v for k, v in self.weights.items() if k.endswith("weight") and v.shape[2] > 1 and not k.startswith(last + "/")}
+        self.momenta = {k: torch.zeros_like(v) for k, v in self.matrices.items()}
+        self.adam = torch.optim.Adam([v for k, v in self.weights.items() if k not in self.matrices], betas=(0.9, 0.99))
+        self.average, self.steps = {k: v.detach().clone() for k, v in self.weights.items()}, 0
+
+    @torch.no_grad()
+    def step(self, rate):
+        self.adam.param_groups[0]["lr"] = rate
+        self.adam.step()
+        shapes = {}
+        for name, weight in self.matrices.items():
+            shapes.setdefault(tuple(weight.shape), []).append(name)
+        for shape, names in shapes.items():  # weights of one shape at once
+            for name in names:
+                self.momenta[name].lerp_(self.weights[name].grad, 0.05)
+            ahead = torch.stack([self.momenta[name].lerp(self.weights[name].grad, 0.05) for name in names])
+            steps = orthogonalise(ahead.flatten(2)).view(len(names), *shape)
+            for name, step in zip(names, steps):
+                self.weights[name].sub_(step, alpha=rate * 0.2 * math.sqrt(max(shape[0], math.prod(shape[1:]))))
+        self.steps += 1
+        for name, weight in self.weights.items():
+            self.average[name].lerp_(weight, max(0.001, 9 / (10 + self.steps)))
+            weight.grad = None
+
+    def state(self):
+        return {"momenta": self.momenta, "adam": self.adam.state_dict(), "average": self.average, "steps": self.steps}
+
+    def restore(self, state):
+        self.momenta, self.average, self.steps = state["momenta"], state["average"], state["steps"]
+        self.adam.load_state_dict(state["adam"])
+
+
+def orthogonalise(matrices):
+    """Makes the singular values of matrices [number, out, in] about equal by five steps of the Newton-Schulz iteration."""
+    is_tall = matrices.shape[1] > matrices.shape[2]
+    x = matrices.transpose(1, 2) if is_tall else matrices
+    x = x / (x.flatten(1).norm(dim=1).view(-1, 1, 1) + 1e-8)
+    for _ in range(5):
+        gram = x @ x.transpose(1, 2)
+        x = 3.4445 * x + (-4.775 * gram + 2.0315 * gram @ gram) @ x
+    return x.transpose(1, 2) if is_tall else x
+
+
+class Task:
+    """What a kind of network learns: its inputs, loss and figures."""
+
+    def __init__(self, options, start):
+        self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
+        self.kind, self.whole_cycle = options.kind, options.whole_cycle
+        text = options.camera.read_text() if options.camera else ""
+        self.camera = json.loads(re.sub(r"^\s*//.*$", "", text, flags=re.M)) if text else None
+        self.codes = start["aperture.codes"].view(-1, 64).to(self.device)
+        self.num_patterns = 2 * len(self.codes) + 1 if options.whole_cycle else len(self.codes)
+        channels = 3 * (self.num_patterns - 1) + (FIXED_CONDITIONS + self.num_patterns - 2 if self.camera else 0)
+        build = networks.depth_network if options.kind == "depth" else networks.layers_network
+        self.network = networks.Network(build(centroids(self.codes), options.whole_cycle), channels).to(self.device)
+        networks.start_features(self.network, self.num_patterns)
+        if options.kind == "layers":
+            self._start_layers(start)
+        self.network.to(memory_format=torch.channels_last)
+        self.rng = np.random.default_rng(options.seed)
+
+    @torch.no_grad()
+    def _start_layers(self, start):
+        """Starts from a network for light fields: its levels, and its central views as the intensities of all planes."""
+        moved = {re.sub("^middle_1", "up2_0", re.sub("^middle_0", "down2_0", name)): value for name, value in start.items()}
+        for name, weight in self.network.weights.items():
+            name = name.replace("/", ".")
+            if name in ("up2_double.weight", "weigh.weight"):
+                weight.mul_(0.1)
+            elif name.startswith(("layers.", "skip.")):
+                central = moved[name.replace("layers.", "output.")][[27, 28, 35, 36]].mean(0).to(weight)
+                planes = len(weight) // 2
+                weight[:planes] = torch.tensor([-1.2 - 0.6 * abs(d) for d in networks.PLANES]) if name == "layers.bias" else 0.0
+                weight[planes:] = central
+            elif name in moved and moved[name].shape == weight.shape:
+                weight.copy_(moved[name])
+
+    def _autocast(self):
+        return torch.autocast("cuda", torch.bfloat16) if self.device.type == "cuda" else contextlib.nullcontext()
+
+    def apply(self, views, conditions, cycles):
+        """Returns the output of the network for the events of views [batch, 64, y, x]."""
+        with torch.no_grad():
+            events = count_events(coded_intensities(views, self.codes), conditions, self.whole_cycle, cycles)
+            known = conditions.conditioning(self.num_patterns, cycles) if self.camera else None
+            x = network_input(events, conditions, known).contiguous(memory_format=torch.channels_last)
+        with self._autocast():
+            return self.network(x)
+
+    def loss(self, views, disparity):
+        batch = len(views)
+        conditions = Conditions(batch, self.rng, self.device, self.camera, camera_share=0.5, residue_share=0.3 if self.camera else 0.0)
+        cycles = 2 ** int(self.rng.integers(1, 5)) if self.camera and self.rng.random() < 0.12 else 1
+        y = self.apply(views, conditions, cycles)
+        if self.kind == "depth":
+            return self._depth_loss(y.float(), disparity)
+        gain = conditions.planes(conditions.gain)
+        return self._layers_loss(y, views * gain.unsqueeze(1), disparity, gain.flatten())
+
+    def _depth_loss(self, y, disparity):
+        """The negative logarithm of a Laplace likelihood."""
+        error, log_scale = (y[:, 0] - disparity).abs(), y[:, 1].clamp(-4, 4)
+        loss = (error * torch.exp(-log_scale) + log_scale + 0.05 * error).mean()
+        return loss, {"loss": loss, "off by 0.2": (error > 0.2).float().mean()}
+
+    def _layers_loss(self, y, views, disparity, gain):
+        """The root of the squared error of 16 views, and the likelihood of the planes that view (4, 4) sees."""
+        rows, columns = ([4, *self.rng.choice([0, 1, 2, 3, 5, 6, 7], 3, replace=False)] for _ in range(2))
+        picture, shares = networks.render_layers(y, [row - 3.5 for row in rows], [column - 3.5 for column in columns])
+        batch, _, height, width = views.shape
+        truth = views.view(batch, 8, 8, height, width)[:, rows][:, :, columns].permute(1, 3, 0, 2, 4)
+        # Row and column 4 are always drawn, the others with probability 3 / 7.
+        weight = torch.tensor([1.0, *[7 / 3] * 3], device=self.device) / 8
+        error = torch.einsum("rybcx,r,c->b", (picture.float() - truth).square(), weight, weight) / (height * width) / gain
+        loss = (error + 1e-6).sqrt().mean()
+        planes = torch.tensor(networks.PLANES, device=self.device).view(-1, 1, 1, 1)
+        seen, disparity = shares[:, 0, :, :, 0].float(), disparity.permute(1, 0, 2)
+        likelihood = (seen * torch.exp(-(disparity - planes).abs() / SURE)).sum(0)
+        nll = -torch.log(likelihood + 1e-3).mean()
+        off = (((seen * planes).sum(0) - disparity).abs() > 0.2).float().mean()
+        return loss + 0.01 * nll, {"root error": loss, "likelihood": nll, "off by 0.2": off}
+
+    @torch.no_grad()
+    def evaluate(self, folder, is_pixel):
+        """Returns the share of disparities off by 0.2 px in %, and the PSNR of layers in dB, of the scenes of a folder."""
+        figures = {}
+        for path in sorted(folder.glob("scene-*.npz")):
+            scene = np.load(path)
+            views = torch.as_tensor(scene["views"], device=self.device).float().div(255)
+            height, width = (length // 64 * 64 for length in views.shape[1:])
+            views = views[None, :, :height, :width]
+            torch.manual_seed(11)
+            stated = Conditions(1, self.rng, self.device, self.camera, camera_share=float(is_pixel), stated=True)
+            y = self.apply(views, stated, 1).float()
+            disparity = y[0, 0] if self.kind == "depth" else self._disparity_of_layers(y)
+            name = path.stem[6:] + ("@camera" if is_pixel else "")
+            if "disparity" in scene:
+                inside = slice(15, -15)
+                error = (disparity - torch.as_tensor(scene["disparity"][:height, :width], device=self.device))[inside, inside].abs()
+                figures[name] = f"{100 * float((error > 0.2).float().mean()):.1f} %"
+            if self.kind == "layers":
+                figures[name] = f"{figures.get(name, '')} {self._psnr(y, views):.2f} dB".strip()
+        return figures
+
+    def _disparity_of_layers(self, y):
+        _, shares = networks.render_layers(y, [0.5], [0.5])
+        return (shares[:, 0, :, 0, 0] * torch.tensor(networks.PLANES, device=self.device).view(-1, 1, 1)).sum(0)
+
+    def _psnr(self, y, views):
+        error, steps = 0.0, [view - 3.5 for view in range(8)]
+        for row in range(8):
+            picture, _ = networks.render_layers(y, [row - 3.5], steps)
+            error += float((picture[0, :, 0].permute(1, 0, 2).clamp(0, 1) - views[0, 8 * row:8 * row + 8]).square().mean()) / 8
+        return -10 * math.log10(error)
+
+
+def train(options):
+    torch.manual_seed(options.seed)
+    torch.backends.cudnn.benchmark = True
+    options.out.mkdir(parents=True, exist_ok=True)
+    task = Task(options, read_model(options.data / "start.safetensors"))
+    optimiser = Optimiser(task.network)
+    checkpoint = options.out / "checkpoint.pt"
+    if checkpoint.exists():
+        state = torch.load(checkpoint, map_location=task.device)
+        task.network.load_state_dict(state["network"])
+        optimiser.restore(state["optimiser"])
+    elif (options.out / "network.pt").exists():  # without the state of the optimiser, of which some machines return none
+        task.network.load_state_dict({f"weights.{name}": weight for name, weight in torch.load(options.out / "network.pt")["weights"].items()})
+    batch, patch = (24, 192) if options.kind == "depth" else (16, 128)
+    size = options.size or 192
+    batch, patch = options.batch or batch, min(patch, size)
+    pool = Pool(Synthesiser(read_photos(options.data, task.device), size, seed=options.seed + optimiser.steps), options.pool)
+    begin = reported = time.time()
+    sums, count = {}, 0
+
+    def report(share):
+        figures = {name: round(float(value) / max(1, count), 4) for name, value in sums.items()}
+        print(f"{share:4.0%} {optimiser.steps} steps, {optimiser.steps * batch} samples, {pool.made} scenes", figures, flush=True)
+
+    def save():
+        torch.save({"network": task.network.state_dict(), "optimiser": optimiser.state()}, checkpoint)
+        torch.save({"layers": task.network.layers, "weights": optimiser.average, "num_patterns": task.num_patterns}, options.out / "network.pt")
+
+    while (share := (time.time() - begin) / options.seconds) < 1:
+        # A constant rate first, then down to zero.
+        rate = 1e-3 * min(1, (optimiser.steps + 1) / 100) * min(1, (1 - share) / 0.55)
+        loss, figures = task.loss(*pool.draw(batch, patch))
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(task.network.parameters(), 5.0 if options.kind == "depth" else 0.1)
+        optimiser.step(rate)
+        for name, value in figures.items():
+            sums[name] = sums.get(name, 0) + value.detach()
+        count += 1
+        if time.time() - reported > options.report_s:
+            report(share)
+            save()
+            sums, count, reported = {}, 0, time.time()
+    report(1)
+    save()
+    for name, weight in task.network.weights.items():
+        weight.data.copy_(optimiser.average[name])
+    print(task.evaluate(options.data, False), task.evaluate(options.data, True) if task.camera else "")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("data", type=pathlib.Path)
+    parser.add_argument("out", type=pathlib.Path)
+    parser.add_argument("--kind", choices=["depth", "layers"], required=True)
+    parser.add_argument("--whole-cycle", action="store_true")
+    parser.add_argument("--camera", type=pathlib.Path, help="a camera file of physical pixels, for half of the samples")
+    parser.add_argument("--seconds", type=float, default=600)
+    parser.add_argument("--report-s", type=float, default=60)
+    parser.add_argument("--batch", type=int, default=0)
+    parser.add_argument("--size", type=int, default=0, help="height and width of the synthesised views in px")
+    parser.add_argument("--pool", type=int, default=1024, help="number of scenes in memory, 2.5 MB each")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--profile", action="store_true", help="print where the time of the run goes")
+    options = parser.parse_args()
+    with torch.profiler.profile() if options.profile else contextlib.nullcontext() as profile:
+        train(options)
+    if profile:
+        key = "self_cuda_time_total" if torch.cuda.is_available() else "self_cpu_time_total"
+        print(profile.key_averages().table(sort_by=key, row_limit=25))
+
+
+if __name__ == "__main__":
+    main()
