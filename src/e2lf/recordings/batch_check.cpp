@@ -77,6 +77,11 @@ namespace e2lf::recordings {
 HWY_EXPORT(is_good);
 HWY_EXPORT(sum);
 
+bool is_in_order(const EventColumns& events, size_t width, size_t height) {
+  const auto bound = [](size_t side) { return side == 0 ? 65536 : static_cast<uint32_t>(side); };
+  return HWY_DYNAMIC_DISPATCH(is_good)(events, bound(width), bound(height));
+}
+
 Error BatchCheck::find_error(const EventColumns& events) const {
   const auto place = [&](size_t i) { return cat(name_, ": event ", events_done_ + i); };
   int64_t last_us = last_event_us_;
@@ -101,10 +106,8 @@ Error BatchCheck::find_error(const EventColumns& events) const {
 
 Result<void> BatchCheck::operator()(const EventBatch& batch) {
   const EventColumns& events = batch.events;
-  const uint32_t width = width_ == 0 ? 65536 : static_cast<uint32_t>(width_);
-  const uint32_t height = height_ == 0 ? 65536 : static_cast<uint32_t>(height_);
   const size_t count = events.size();
-  if ((count > 0 && events.t.front() < last_event_us_) || !HWY_DYNAMIC_DISPATCH(is_good)(events, width, height)) {
+  if ((count > 0 && events.t.front() < last_event_us_) || !is_in_order(events, width_, height_)) {
     return find_error(events);
   }
   if (count > 0) last_event_us_ = events.t.back();

@@ -28,6 +28,10 @@ class BatchCheck {
   uint64_t events_done_ = 0;
 };
 
+/// Returns whether events lie inside a sensor of this size (0 = unlimited), have polarities 0 or 1, and are in order of
+/// time.
+[[nodiscard]] bool is_in_order(const EventColumns& events, size_t width, size_t height);
+
 /// Sets the size in `info` from the options if the file does not state it. Fails with kInvalidValue if both state it
 /// and differ; `name` is the location.
 [[nodiscard]] Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, const std::string& name);

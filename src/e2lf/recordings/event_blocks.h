@@ -1,22 +1,27 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <memory>
-#include <span>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "e2lf/recordings/recording.h"
-#include "e2lf/recordings/trigger_feed.h"
+#include "e2lf/base/result.h"
+#include "e2lf/recordings/event.h"
+#include "e2lf/recordings/io/decode_summary.h"
 
 namespace e2lf::recordings {
 
-/// A source that delivers events in blocks of its own choice; the interface that container formats implement.
+/// A source that delivers events in blocks of its own choice, as they are stored; the interface that formats implement.
+/// It only decodes: Timeline decides about order, damaged times and restarts of the clock, for all formats alike.
 class EventBlocks {
  public:
   virtual ~EventBlocks() = default;
 
   /// Replaces `block` by the next one, which may be empty. Returns false at the end. Events may be implausible, and
-  /// triggers may be delivered before or after the events of their time; a trigger before its predecessor is dropped.
+  /// triggers may be delivered before or after the events of their time.
   [[nodiscard]] virtual Result<bool> next(EventBatch& block, DecodeSummary& summary) = 0;
 
   /// Returns the position in the file of the block of the last next(); 0 = unknown.
@@ -25,9 +30,22 @@ class EventBlocks {
   /// Returns the size of an event in the file, in bytes; 0 = not constant.
   [[nodiscard]] virtual size_t event_bytes() const { return 0; }
 
-  /// Returns the restarts of the clock in the blocks since the start or the last seek, whose times were made continuous
-  /// (make_continued()): the first event of the later part is at after_us + shift_us.
-  [[nodiscard]] virtual std::span<const Restart> restarts() const { return {}; }
+  /// Returns whether the block of the last next() begins another recording at block_byte(), after a header or where the
+  /// decoder found that the clock was reset. Its clock may have started again.
+  [[nodiscard]] virtual bool begins_recording() const { return false; }
+
+  /// Returns whether the decoder itself delivers plausible events and triggers in order of time, as that of RAW words
+  /// does. They are then passed on without further checks.
+  [[nodiscard]] virtual bool is_ordered() const { return false; }
+
+  /// Requests that the following blocks have at most so many events, if blocks of this size are as cheap as others.
+  virtual void limit_block(size_t /*max_events*/) {}
+
+  /// RecordingReader::skip_events() in the times of next(). The default leaves out nothing.
+  virtual void skip_events(int64_t /*begin_us*/, int64_t /*end_us*/) {}
+
+  /// RecordingReader::arrival().
+  [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
 
   /// Seeks to a block that begins before t_us, as close as is possible at low cost, or to the first block. Fails with
   /// kUnsupported and kIo.
@@ -36,35 +54,28 @@ class EventBlocks {
 
 using BlocksPtr = std::unique_ptr<EventBlocks>;
 
-/// Creates a reader of blocks. It divides them into the requested batches, drops implausible events (EventGate), begins
-/// a part at each of restarts(), and delivers triggers with the events of their time; these come from the blocks or, if
-/// they are stored separately, from `triggers`.
-[[nodiscard]] ReaderPtr make_block_reader(BlocksPtr blocks, RecordingInfo info, const std::string& name,
-                                          const OpenOptions& options, TriggerFeed triggers = {});
+/// A source of triggers that are stored separately from the events (in a second file or data set), in order of time.
+class TriggerSource {
+ public:
+  virtual ~TriggerSource() = default;
 
-/// Whether the events of a format are in order of time. If they may be in any order, events that are sorted by another
-/// key (row, column, polarity) are not mistaken for restarts of the clock.
-enum class EventOrder { kByTime, kAny };
+  /// Appends the next triggers to `block` and counts those that cannot be read. Returns false at the end.
+  [[nodiscard]] virtual Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) = 0;
 
-/// Makes times continuous across restarts of the clock: the times of each later part are shifted so that
-/// they follow those of the previous part. EventBlocks::restarts() returns the positions and the shifts. A decrease is
-/// a restart if the times before it increase and are later, and the times after it continue from it. Events are delayed
-/// until at most kRestartWitnesses later ones are known, and each call of next() reads one block or returns false.
-/// Triggers belong to the later part if they follow a decrease of their own times, or a block with a restart.
-[[nodiscard]] BlocksPtr make_continued(BlocksPtr blocks, EventOrder order);
-
-struct TimeSortOptions {
-  size_t memory_events = size_t{1} << 22;  ///< maximum number sorted in memory (13 bytes each); more use a file
-  size_t pipe_events = size_t{1} << 16;    ///< number of events that are buffered if the source is not seekable
+  /// Returns to the first trigger.
+  [[nodiscard]] virtual Result<void> rewind() = 0;
 };
 
-/// Sorts blocks by time; events with equal times keep their order. Events that are out of order are counted
-/// (DecodeSummary::out_of_order), and none is dropped. Times continue across restarts of the clock (make_continued()),
-/// and parts are not mixed.
-/// A seekable source is first read once to check its order. If it is not in order and contains more than memory_events,
-/// it is sorted with a temporary file (SortedRuns). Other sources are sorted while they are read, and next() fails with
-/// kUnsupported if an event is more than pipe_events too late. `name` is the location in errors.
-[[nodiscard]] BlocksPtr make_time_sorted(BlocksPtr blocks, bool is_seekable, std::string name,
-                                         const TimeSortOptions& options = {});
+using TriggersPtr = std::unique_ptr<TriggerSource>;
+
+class RecordingReader;
+struct RecordingInfo;
+struct OpenOptions;
+
+/// Creates a reader of blocks, and of triggers that are stored separately, if there are any. Null blocks contain no
+/// events. `name` is the location in messages.
+[[nodiscard]] std::unique_ptr<RecordingReader> make_block_reader(BlocksPtr blocks, RecordingInfo info,
+                                                                 const std::string& name, const OpenOptions& options,
+                                                                 TriggersPtr triggers = {});
 
 }  // namespace e2lf::recordings

@@ -32,13 +32,6 @@ class PendingBatch {
     trigger_ = trigger;
   }
 
-  /// Raises earlier times to this one. Sorted events and triggers remain sorted.
-  void raise_times(int64_t t_us) {
-    for (size_t i = event_; i < batch_.events.size() && batch_.events.t[i] < t_us; ++i) batch_.events.t[i] = t_us;
-    for (size_t i = trigger_; i < batch_.triggers.size() && batch_.triggers[i].t < t_us; ++i)
-      batch_.triggers[i].t = t_us;
-  }
-
   /// Appends at most `max_events` events and as many triggers to `out`. A complete batch is moved to an empty one
   /// without copying.
   void take(EventBatch& out, size_t max_events) {

@@ -12,12 +12,11 @@
 namespace e2lf::recordings {
 namespace {
 
-/// Returns the time of the first event or trigger of a batch after the given numbers of events and triggers, or nothing
-/// if there is none.
-std::optional<int64_t> first_time(const EventBatch& batch, size_t events, size_t triggers) {
+/// Returns the time of the first event or trigger of a batch, or nothing if it is empty.
+std::optional<int64_t> first_time(const EventBatch& batch) {
   std::optional<int64_t> first_us;
-  if (events < batch.events.size()) first_us = batch.events.t[events];
-  if (triggers < batch.triggers.size()) first_us = std::min(first_us.value_or(INT64_MAX), batch.triggers[triggers].t);
+  if (!batch.events.empty()) first_us = batch.events.t.front();
+  if (!batch.triggers.empty()) first_us = std::min(first_us.value_or(INT64_MAX), batch.triggers.front().t);
   return first_us;
 }
 
@@ -30,17 +29,33 @@ std::optional<std::string> RecordingInfo::find(const std::string& key) const {
   return std::nullopt;
 }
 
-/// Calls read_next() and shifts the times of later parts behind those of earlier ones. Stops before a later part that
-/// is to be kept separate; the batch then begins with that part.
+RecordingReader::RecordingReader(BlocksPtr blocks, TriggersPtr triggers, RecordingInfo info, const std::string& name,
+                                 const OpenOptions& options)
+    : options_(options),
+      info_(std::move(info)),
+      name_(name),
+      timeline_(std::move(blocks), std::move(triggers), info_.width, info_.height, name) {}
+
+ReaderPtr make_block_reader(BlocksPtr blocks, RecordingInfo info, const std::string& name, const OpenOptions& options,
+                            TriggersPtr triggers) {
+  return std::make_unique<RecordingReader>(std::move(blocks), std::move(triggers), std::move(info), name, options);
+}
+
+std::optional<std::chrono::steady_clock::time_point> RecordingReader::arrival() const {
+  return timeline_.blocks() == nullptr ? std::nullopt : timeline_.blocks()->arrival();
+}
+
+/// Reads a section of the timeline and shifts the times of later parts behind those of earlier ones. Stops before a
+/// later part that is to be kept separate; the batch then begins with that part.
 Result<bool> RecordingReader::read_one_clock(EventBatch& batch, size_t max_events) {
-  const size_t events = batch.events.size(), triggers = batch.triggers.size(), gaps = summary_.gaps.size();
-  E2LF_ASSIGN_OR_RETURN(const bool more, read_next(batch, max_events));
-  if (const auto first_us = first_time(batch, events, triggers); joint_ && first_us) {
-    E2LF_RETURN_IF_ERROR(join_part(*first_us));
-  }
+  const size_t gaps = summary_.gaps.size();
+  if (timeline_.blocks() != nullptr) timeline_.blocks()->limit_block(max_events);
+  E2LF_ASSIGN_OR_RETURN(const bool more, timeline_.next(batch, summary_));
+  if (const auto restart = timeline_.take_restart()) joint_ = restart;
+  if (const auto first_us = first_time(batch); joint_ && first_us) E2LF_RETURN_IF_ERROR(join_part(*first_us));
   if (part_shift_us_ != 0) {
-    for (size_t i = events; i < batch.events.size(); ++i) batch.events.t[i] += part_shift_us_;
-    for (size_t i = triggers; i < batch.triggers.size(); ++i) batch.triggers[i].t += part_shift_us_;
+    for (int64_t& t_us : batch.events.t) t_us += part_shift_us_;
+    for (Trigger& trigger : batch.triggers) trigger.t += part_shift_us_;
     for (size_t i = gaps; i < summary_.gaps.size(); ++i) {
       summary_.gaps[i].begin_us += part_shift_us_;
       summary_.gaps[i].end_us += part_shift_us_;
@@ -112,7 +127,7 @@ Result<void> RecordingReader::find_shift() {
     E2LF_ASSIGN_OR_RETURN(more, refill_pending(kMinBatch));
   }
   if (pending_.empty()) return {};
-  const int64_t first_us = *first_time(pending_.batch(), 0, 0);
+  const int64_t first_us = *first_time(pending_.batch());
   shift_us_ = options_.time == TimeOrigin::kZero ? first_us : 0;
   if (options_.range == TimeOrigin::kZero) range_origin_us_ = first_us;
   return {};
@@ -162,13 +177,13 @@ Result<void> RecordingReader::apply_policy() {
   return {};
 }
 
-void RecordingReader::count(const EventColumns& events, size_t begin, size_t end) {
-  if (begin == end) return;
-  if (summary_.events() == 0) summary_.first_t_us = events.t[begin];
-  summary_.last_t_us = events.t[end - 1];
-  const uint64_t on = count_on({events.p.data() + begin, end - begin});
+void RecordingReader::count(const EventColumns& events) {
+  if (events.empty()) return;
+  if (summary_.events() == 0) summary_.first_t_us = events.t.front();
+  summary_.last_t_us = events.t.back();
+  const uint64_t on = count_on(events.p);
   summary_.events_on += on;
-  summary_.events_off += end - begin - on;
+  summary_.events_off += events.size() - on;
 }
 
 DecodeSummary RecordingReader::summary() const {
@@ -193,7 +208,7 @@ int64_t RecordingReader::in_range(int64_t t_us) const {
 
 /// Seeks to a time if the source is seekable; otherwise skips everything before it.
 Result<void> RecordingReader::begin_at(int64_t absolute_us) {
-  const auto sought = seek_before(absolute_us);
+  const auto sought = timeline_.seek_before(absolute_us);
   if (!sought && sought.error().code != ErrorCode::kUnsupported) return sought;
   if (sought) pending_.refill();
   return skip_to(absolute_us);
@@ -232,21 +247,16 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
     E2LF_RETURN_IF_ERROR(is_first_part_ ? begin_at(from_us) : skip_to(from_us));
   }
   if (is_between_parts_) return false;
-  if (!pending_.empty()) {
-    pending_.take(batch, max_events);
-  } else {
-    bool more = true;
-    while (more && batch.empty()) {
-      E2LF_ASSIGN_OR_RETURN(more, read_one_clock(batch, max_events));
-      E2LF_RETURN_IF_ERROR(apply_policy());
-    }
-    if (is_between_parts_) {
-      std::swap(pending_.refill(), batch);
-      return false;
-    }
+  for (bool more = true; more && pending_.empty() && batch.empty();) {
+    E2LF_ASSIGN_OR_RETURN(more, read_one_clock(batch, max_events));
+    E2LF_RETURN_IF_ERROR(apply_policy());
   }
+  const bool is_too_large = std::max(batch.events.size(), batch.triggers.size()) > max_events;
+  if (is_between_parts_ || is_too_large) std::swap(pending_.refill(), batch);
+  if (is_between_parts_) return false;
+  if (batch.empty()) pending_.take(batch, max_events);
   if (options_.to_us != INT64_MAX) end_at(in_range(options_.to_us), batch);
-  count(batch.events, 0, batch.events.size());
+  count(batch.events);
   summary_.triggers += batch.triggers.size();
   if (const int64_t shift_us = shift_us_.value_or(0); shift_us != 0) {
     for (int64_t& t : batch.events.t) t -= shift_us;
@@ -257,17 +267,13 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
 
 void RecordingReader::skip_events(int64_t begin_us, int64_t end_us) {
   const int64_t shift_us = shift_us_.value_or(0) - part_shift_us_;
-  skip_decoding(begin_us + shift_us, end_us + shift_us);
-}
-
-Result<void> RecordingReader::seek_before(int64_t) {
-  return Error{ErrorCode::kUnsupported, cat("a ", info_.format, " recording is not seekable; read it from the start"),
-               name_};
+  if (timeline_.blocks() != nullptr) timeline_.blocks()->skip_events(begin_us + shift_us, end_us + shift_us);
 }
 
 Result<void> RecordingReader::seek(int64_t t_us) {
   E2LF_RETURN_IF_ERROR(find_shift());
-  const int64_t absolute_us = t_us + shift_us_.value_or(0);
+  int64_t absolute_us = t_us + shift_us_.value_or(0);
+  if (options_.from_us != INT64_MIN) absolute_us = std::max(absolute_us, in_range(options_.from_us));
   summary_ = {};
   known_violations_ = {};
   pending_.refill();
@@ -275,7 +281,7 @@ Result<void> RecordingReader::seek(int64_t t_us) {
   has_ended_ = is_between_parts_ = false;
   joint_.reset();
   part_shift_us_ = 0;
-  E2LF_RETURN_IF_ERROR(seek_before(has_restarted_ ? -kTimeLimitUs : absolute_us));
+  E2LF_RETURN_IF_ERROR(timeline_.seek_before(has_restarted_ ? -kTimeLimitUs : absolute_us));
   return skip_to(absolute_us);
 }
 

@@ -20,7 +20,7 @@
 #include "e2lf/recordings/io/byte_source.h"
 #include "e2lf/recordings/io/decode_summary.h"
 #include "e2lf/recordings/pending_batch.h"
-#include "e2lf/recordings/restart.h"
+#include "e2lf/recordings/timeline.h"
 
 namespace e2lf::recordings {
 
@@ -88,26 +88,25 @@ struct OpenOptions {
   CameraSetup camera = {};  ///< settings of a live camera; see Camera::set_up()
 };
 
-/// Reads a recording from front to back in bounded memory. open_recording() creates readers. The public functions are
-/// the same for all formats; a format implements read_next() and optionally the other virtual functions.
+/// Reads a recording of any format from front to back in bounded memory. open_recording() and make_block_reader()
+/// create readers. Timeline describes which times are believed.
 class RecordingReader {
  public:
   static constexpr size_t kDefaultBatch = size_t{1} << 18;
   static constexpr size_t kMinBatch = 64;
 
-  explicit RecordingReader(const OpenOptions& options) : options_(options) {}
-  virtual ~RecordingReader() = default;
-  RecordingReader(const RecordingReader&) = delete;
-  RecordingReader& operator=(const RecordingReader&) = delete;
+  /// `blocks` may be null, if there are only triggers; `name` is the name of the source, for messages.
+  RecordingReader(BlocksPtr blocks, TriggersPtr triggers, RecordingInfo info, const std::string& name,
+                  const OpenOptions& options);
 
   [[nodiscard]] const RecordingInfo& info() const { return info_; }
   [[nodiscard]] const OpenOptions& options() const { return options_; }
-  [[nodiscard]] const std::string& name() const { return name_; }  ///< name of the source, for messages
+  [[nodiscard]] const std::string& name() const { return name_; }
 
   /// Replaces `batch` by the next events and triggers, at most `max_events` (>= kMinBatch) of each; a live source
-  /// returns what has arrived. Returns false with an empty batch at the end. Fails with kIo and, under the strict
-  /// policy, with the first violation. After a stop request or a failure of live
-  /// input, an end inside a word is not a violation.
+  /// returns what has arrived. Returns false with an empty batch at the end. Fails with kIo, with kFormat if the events
+  /// are not in order of time (Timeline), and, under the strict policy, with the first violation. After a stop request
+  /// or a failure of live input, an end inside a word is not a violation.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
 
   /// Declares that events with begin_us <= t < end_us (times as returned by read()) are not needed. A format that
@@ -115,8 +114,8 @@ class RecordingReader {
   /// returned. The span holds until another one is given, or until seek().
   void skip_events(int64_t begin_us, int64_t end_us);
 
-  /// Seeks to the first event or trigger with t >= t_us, forwards or backwards, and resets the summary. Fails with
-  /// kUnsupported if the source is not seekable.
+  /// Seeks to the first event or trigger with t >= t_us, forwards or backwards but within the range of the options, and
+  /// resets the summary. Fails with kUnsupported if the source is not seekable.
   [[nodiscard]] Result<void> seek(int64_t t_us);
 
   /// Continues with the next part of a recording whose clock starts again. With RestartPolicy::kSplit, read() ends at
@@ -125,7 +124,7 @@ class RecordingReader {
   [[nodiscard]] Result<bool> next_part();
 
   /// Returns when the newest bytes of what was returned arrived at this host, or nothing if the source is not live.
-  [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> arrival() const { return std::nullopt; }
+  [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> arrival() const;
 
   /// Returns what was left out before the bytes reached this reader; see Camera::left_out().
   [[nodiscard]] DecodeSummary left_out_before() const;
@@ -142,27 +141,6 @@ class RecordingReader {
   /// like the events'.
   [[nodiscard]] DecodeSummary summary() const;
 
- protected:
-  /// Appends the next events and triggers with absolute times, at most `max_events` of each. Returns false when there
-  /// are no more. Counts violations in summary_; the caller counts events and triggers.
-  [[nodiscard]] virtual Result<bool> read_next(EventBatch& batch, size_t max_events) = 0;
-
-  /// skip_events() in the times of read_next(). The default leaves out nothing.
-  virtual void skip_decoding(int64_t /*begin_us*/, int64_t /*end_us*/) {}
-
-  /// Declares, before read_next() appends anything, that the clock of what follows may have started again. `byte` is
-  /// the position, and `before_us` the last time before it.
-  void begin_part(uint64_t byte, int64_t before_us) { joint_ = Restart{byte, before_us}; }
-
-  /// Seeks to a position at or before the first event with t >= t_us (absolute), as near as is cheap; the start is
-  /// sufficient. The position must be before the first restart.
-  [[nodiscard]] virtual Result<void> seek_before(int64_t t_us);
-
-  OpenOptions options_;
-  RecordingInfo info_;
-  DecodeSummary summary_;           ///< its times are absolute
-  std::string name_ = "recording";  ///< the name of the source for messages
-
  private:
   [[nodiscard]] Result<bool> read_one_clock(EventBatch& batch, size_t max_events);
   [[nodiscard]] Result<void> join_part(int64_t first_us);
@@ -174,13 +152,18 @@ class RecordingReader {
   void end_at(int64_t absolute_us, EventBatch& batch);
   [[nodiscard]] Result<void> apply_policy();
   void pass_over_cut(const DecodeSummary& before);
-  void count(const EventColumns& events, size_t begin, size_t end);
+  void count(const EventColumns& events);
 
+  OpenOptions options_;
+  RecordingInfo info_;
+  std::string name_;
+  Timeline timeline_;
+  DecodeSummary summary_;  ///< its times are absolute
   std::vector<std::function<DecodeSummary()>> losses_before_;
   PendingBatch pending_;                        ///< read but not yet returned, with absolute times
   bool has_begun_ = false, has_ended_ = false;  ///< options_.from_us or to_us was reached
   std::optional<Restart> joint_;                ///< before what comes next, if that is earlier
-  int64_t part_shift_us_ = 0;                   ///< added to the times of read_next()
+  int64_t part_shift_us_ = 0;                   ///< added to the times of timeline_
   bool is_first_part_ = true;
   bool has_restarted_ = false;       ///< seeking must then begin at the start
   bool is_between_parts_ = false;    ///< pending_ contains data of the next part

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Recordings whose clock starts again, because the camera was restarted or files were joined.
-#include "e2lf/recordings/restart.h"
-
 #include <fstream>
 #include <gtest/gtest.h>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/recording.h"
 #include "testing/chunked_source.h"
 #include "testing/test_aedat4.h"
 #include "testing/test_streams.h"
@@ -353,28 +352,6 @@ TEST(ImpossibleTimes, AreLeftOutAndCounted) {
   int64_t shift_us = 0;
   EXPECT_TRUE(decoded.batch.events == continued(first, second, shift_us, false).events);
   EXPECT_EQ(decoded.summary.num_violations(), 100U);
-}
-
-TEST(UnsortedTexts, AreSortedAndNotTakenForJoinedOnes) {
-  const EventBatch part = part_of(5'000, 1000, 900'000, 1);
-  const std::vector<Event> sorted = events_of(part);
-  const auto by = [&](const auto& key) {
-    std::vector<Event> events = sorted;
-    std::stable_sort(events.begin(), events.end(), [&](const Event& a, const Event& b) { return key(a) < key(b); });
-    return events;
-  };
-  const auto of_times = [](const EventBatch& batch) {
-    return std::vector<int64_t>(batch.events.t.begin(), batch.events.t.end());
-  };
-  for (const std::vector<Event>& events :
-       {by([](const Event& e) { return e.p; }), by([](const Event& e) { return -e.p; }),
-        by([](const Event& e) { return e.y; }), by([](const Event& e) { return e.x; }),
-        by([](const Event& e) { return (e.t * 7919) % 10007; })}) {
-    const Decoded decoded = decode_text(events);
-    EXPECT_EQ(decoded.summary.num_restarts, 0U);
-    EXPECT_EQ(of_times(decoded.batch), of_times(part));
-    EXPECT_GT(decoded.summary.out_of_order, 0U);
-  }
 }
 
 TEST(DamagedTimes, OfDatAreNoRestarts) {

@@ -131,17 +131,17 @@ std::filesystem::path side_trigger_path(const std::filesystem::path& recording) 
   return recording.parent_path() / (recording.stem().string() + "_triggers.csv");
 }
 
-Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
-  if (recording.empty()) return TriggerFeed();
+Result<TriggersPtr> open_side_triggers(const std::filesystem::path& recording) {
+  if (recording.empty()) return TriggersPtr();
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_beside(side_trigger_path(recording)));
-  if (source == nullptr) return TriggerFeed();
+  if (source == nullptr) return TriggersPtr();
   E2LF_ASSIGN_OR_RETURN(const std::string first, first_line(*source));
   // An independent recording with such a name.
   const bool is_recording = first.starts_with("%geometry") || std::count(first.begin(), first.end(), ',') == 3;
   if (is_recording) {
     log_warning(cat(side_trigger_path(recording).string(), ": this file contains events and not the triggers of ",
                     recording.filename().string(), ", so it is left out; give one of them another name"));
-    return TriggerFeed();
+    return TriggersPtr();
   }
   if (is_header(first)) {
     return Error{ErrorCode::kFormat,
@@ -149,11 +149,11 @@ Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording) {
                      "; write p,id,t in this order, with t in whole microseconds"),
                  source->name()};
   }
-  return make_side_trigger_feed(std::move(source));
+  return make_side_triggers(std::move(source));
 }
 
-TriggerFeed make_side_trigger_feed(SourcePtr source) {
-  return TriggerFeed(std::make_unique<SideTriggerFile>(std::move(source)));
+TriggersPtr make_side_triggers(SourcePtr source) {
+  return std::make_unique<SideTriggerFile>(std::move(source));
 }
 
 Result<void> SideTriggerWriter::write(std::span<const Trigger> triggers) {

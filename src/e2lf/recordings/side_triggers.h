@@ -7,9 +7,9 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/event.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/byte_sink.h"
 #include "e2lf/recordings/io/byte_source.h"
-#include "e2lf/recordings/trigger_feed.h"
 
 namespace e2lf::recordings {
 
@@ -18,13 +18,13 @@ namespace e2lf::recordings {
 
 [[nodiscard]] std::filesystem::path side_trigger_path(const std::filesystem::path& recording);
 
-/// Opens the triggers beside a recording. Returns an empty feed if there is no such file, if `recording` is empty, or,
+/// Opens the triggers beside a recording. Returns null if there is no such file, if `recording` is empty, or,
 /// with a warning, if the file contains events. Lines that cannot be read are counted in the reader's summary
 /// (kBadRecord). Fails with kIo, and with kFormat if the names of the columns are others.
-[[nodiscard]] Result<TriggerFeed> open_side_triggers(const std::filesystem::path& recording);
+[[nodiscard]] Result<TriggersPtr> open_side_triggers(const std::filesystem::path& recording);
 
-/// Returns a feed of the triggers in the text of a source.
-[[nodiscard]] TriggerFeed make_side_trigger_feed(SourcePtr source);
+/// Returns the triggers in the text of a source.
+[[nodiscard]] TriggersPtr make_side_triggers(SourcePtr source);
 
 /// Writes the file. It appears at finish(), and only if there was a trigger.
 class SideTriggerWriter {

@@ -52,7 +52,7 @@ namespace e2lf::recordings {
 namespace e2lf::recordings::evt4 {
 
 /// Returns a reader of EVT4 words, which begin at the position of the source; `info` contains the header. Times
-/// continue where the 34-bit clock wraps around, after 4 h 46 min, and where it starts again (make_continued()).
+/// continue where the 34-bit clock wraps around, after 4 h 46 min.
 [[nodiscard]] ReaderPtr make_reader(SourcePtr source, RecordingInfo info, const OpenOptions& options);
 
 }  // namespace e2lf::recordings::evt4
@@ -110,9 +110,10 @@ namespace e2lf::recordings::aedat {
 ///
 /// AEDAT 2 (jAER): big-endian records of a 32-bit address and a 32-bit time in us. The meaning of the bits of an
 /// address depends on the camera, a DVS128 or one of the DAVIS cameras, which the header may name ("# AEChip:
-/// ...Davis240C"); otherwise, the first addresses determine the kind. jAER counts rows from the bottom and the columns
-/// of the address from the right; the events that are returned are counted from the top left. The external input is
-/// trigger 0, and a pulse counts as a rising edge. Frames and inertial data are skipped.
+/// ...Davis240C"); otherwise, the size must be given, or all addresses of a file determine the kind. jAER counts rows
+/// from the bottom and the columns of the address from the right; the events that are returned are counted from the top
+/// left. The external input is trigger 0, and a pulse counts as a rising edge. Frames and inertial data are skipped.
+/// Several DAVIS cameras, whose numbers are in the low four bits of the addresses, are several streams.
 ///
 /// AEDAT 3 (cAER): little-endian packets of events of one type and source. Polarity and special events are read.
 /// Triggers 0, 1 and 2 are the external inputs, and 3 is the generator; a pulse counts as a rising edge. Several

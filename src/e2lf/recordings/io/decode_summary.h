@@ -18,10 +18,25 @@ enum class DecodePolicy {
   kReport,  ///< violations are counted, and the first of each kind is logged as a warning
 };
 
+/// The treatment of a clock that starts again within a recording, because a camera was restarted or recordings were
+/// concatenated.
+enum class RestartPolicy {
+  kContinue,  ///< shift the later part so that its times follow those of the earlier part
+  kSplit,     ///< read the parts separately; see RecordingReader::next_part()
+  kRefuse,    ///< fail with an Error that states the position
+};
+
+/// Events that are earlier than their predecessors by at most this are sorted; see Timeline.
+inline constexpr int64_t kDisorderUs = 10'000;
+
+/// Number of times around a decrease by more than that which show whether the clock starts again there.
+inline constexpr size_t kRestartWitnesses = 64;
+
 enum class Violation {
   kUnknownWord,    ///< a word of a type that the format does not have; ignored
   kOutOfRange,     ///< an event outside the sensor; dropped
-  kTimeBackwards,  ///< time decreased by more than jitter; the step is ignored
+  kTimeBackwards,  ///< an event or time more than kDisorderUs (in RAW words, more than jitter) before an earlier one;
+                   ///< dropped
   kTimeJump,       ///< time jumped ahead implausibly; the words up to the next plausible time are dropped
   kMisaligned,     ///< bytes were lost or inserted; words are dropped until the stream is valid again
   kTruncated,      ///< the data ends inside a word, record or packet
@@ -91,7 +106,7 @@ struct DecodeSummary {
   uint64_t events_before_time =
       0;                       ///< dropped because no time was known yet, which is normal at the start of a RAW file
   uint64_t time_loops = 0;     ///< number of times that the sensor's clock wrapped around
-  uint64_t out_of_order = 0;   ///< events of a text, npy or npz file that were sorted to their place
+  uint64_t out_of_order = 0;   ///< events that were sorted to their place
   uint64_t dropped_words = 0;  ///< words or records that were dropped because of a violation
   uint64_t other_streams = 0;  ///< packets or messages of event streams that were neither selected nor excluded by name
   uint64_t events_unplaced = 0;  ///< dropped because the word with their time or row was damaged

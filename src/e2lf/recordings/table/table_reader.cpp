@@ -166,7 +166,6 @@ class ToldBlocks final : public EventBlocks {
 
   [[nodiscard]] uint64_t block_byte() const override { return blocks_->block_byte(); }
   [[nodiscard]] size_t event_bytes() const override { return blocks_->event_bytes(); }
-  [[nodiscard]] std::span<const Restart> restarts() const override { return blocks_->restarts(); }
 
   Result<void> seek_before(int64_t t_us) override {
     is_told_ = true;  // because a part is not conclusive
@@ -219,12 +218,10 @@ class ToldBlocks final : public EventBlocks {
 
 }  // namespace
 
-ReaderPtr make_table_reader(BlocksPtr blocks, TimeUnit unit, bool is_seekable, RecordingInfo info,
-                            const std::string& name, const OpenOptions& options, TriggerFeed triggers,
-                            int64_t zero_us) {
+ReaderPtr make_table_reader(BlocksPtr blocks, TimeUnit unit, RecordingInfo info, const std::string& name,
+                            const OpenOptions& options, TriggersPtr triggers, int64_t zero_us) {
   blocks = std::make_unique<UsedRows>(std::move(blocks), zero_us);
   blocks = std::make_unique<UnwrappedBlocks>(std::move(blocks), unit);
-  blocks = make_time_sorted(std::move(blocks), is_seekable, name);
   const bool is_whole = options.from_us == INT64_MIN && options.to_us == INT64_MAX;
   if (is_whole) blocks = std::make_unique<ToldBlocks>(std::move(blocks), name);
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));

@@ -9,9 +9,10 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/aedat/text_header.h"
 #include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/header_text.h"
+#include "e2lf/recordings/stream_choice.h"
+#include "e2lf/recordings/time_unwrapper.h"
 
 namespace e2lf::recordings::aedat {
 namespace {
@@ -40,21 +41,28 @@ struct AddressBits {
 constexpr AddressBits kDvs128 = {0x7FFF0000, 0, 0x80008000, 1, 0x7F, 8, 0x7F, 0, true};
 constexpr AddressBits kDavis = {0, 0x80000000, 0x400, 12, 0x3FF, 22, 0x1FF, 11, false};
 
+/// The number of the camera in the low bits of an event of a DAVIS, if several were recorded to one file.
+constexpr uint32_t kCameraMask = 0xF;
+
 /// The low bits of an external event of a DAVIS; other values are rising edges or pulses.
 constexpr uint32_t kFallingEdge = 2, kEdgeMask = 0x7;
 
-/// Polarities of triggers among events.
-constexpr uint8_t kFallingTrigger = 2, kRisingTrigger = 3;
-
-/// Events and triggers are one sequence: only their order tells to which part a trigger beside a restart belongs. The
-/// blocks contain triggers as events with the polarities above.
 class Aedat2Blocks final : public EventBlocks {
  public:
-  Aedat2Blocks(SourcePtr source, const AddressBits& bits, size_t width, size_t height)
-      : source_(std::move(source)), bits_(bits), width_(width), height_(height), header_bytes_(source_->position()) {}
+  /// If there are several cameras, `camera` is the number of the one that is read, and `has_chosen` states whether it
+  /// was selected; otherwise, events of others are counted.
+  Aedat2Blocks(SourcePtr source, const AddressBits& bits, size_t width, size_t height, uint32_t camera, bool has_chosen)
+      : source_(std::move(source)),
+        bits_(bits),
+        width_(width),
+        height_(height),
+        camera_(camera),
+        has_chosen_(has_chosen),
+        header_bytes_(source_->position()) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
+    begins_recording_ = false;
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kRecordBytes));
     const size_t count = std::min(bytes.size() / kRecordBytes, kBlockRecords);
     if (count == 0) {
@@ -70,6 +78,7 @@ class Aedat2Blocks final : public EventBlocks {
         source_->consume(kRecordBytes);
       }
       clock_ = {};
+      begins_recording_ = true;
       return true;
     }
     for (size_t i = 0; i < count; ++i) {
@@ -79,7 +88,7 @@ class Aedat2Blocks final : public EventBlocks {
         return true;
       }
       if ((load_big_endian(record) & bits_.impossible) == 0) {
-        append(record, block);
+        append(record, block, summary);
       } else {
         summary.add_dropped(Violation::kBadRecord, source_->position() + i * kRecordBytes);
       }
@@ -88,19 +97,25 @@ class Aedat2Blocks final : public EventBlocks {
     return true;
   }
 
+  bool begins_recording() const override { return begins_recording_; }
+
   Result<void> seek_before(int64_t) override {
     clock_ = {};
     return source_->seek(header_bytes_);
   }
 
  private:
-  void append(const uint8_t* record, EventBatch& block) {
+  void append(const uint8_t* record, EventBatch& block, DecodeSummary& summary) {
     const uint32_t address = load_big_endian(record);
     if ((address & bits_.no_event) != 0) return;
     const int64_t t_us = clock_(load_big_endian(record + 4));
     if ((address & bits_.external) != 0) {
       const bool is_falling = !bits_.on_is_zero && (address & kEdgeMask) == kFallingEdge;
-      block.events.push_back({0, 0, is_falling ? kFallingTrigger : kRisingTrigger, t_us});
+      block.triggers.push_back({t_us, 0, static_cast<uint8_t>(!is_falling)});
+      return;
+    }
+    if (!bits_.on_is_zero && (address & kCameraMask) != camera_) {
+      summary.other_streams += has_chosen_ ? 0 : 1;
       return;
     }
     // A column or row beyond the sensor remains outside it.
@@ -114,57 +129,59 @@ class Aedat2Blocks final : public EventBlocks {
   SourcePtr source_;
   AddressBits bits_;
   size_t width_, height_;
+  uint32_t camera_;
+  bool has_chosen_;
   uint64_t header_bytes_;
-  dat::TimeUnwrapper clock_;
-};
-
-/// Moves the triggers among the events of blocks to where they belong.
-class TriggersApart final : public EventBlocks {
- public:
-  explicit TriggersApart(BlocksPtr blocks) : blocks_(std::move(blocks)) {}
-
-  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
-    E2LF_ASSIGN_OR_RETURN(const bool more, blocks_->next(block, summary));
-    EventColumns& events = block.events;
-    size_t kept = 0;
-    for (size_t i = 0; i < events.size(); ++i) {
-      const Event event = events[i];
-      if (event.p >= kFallingTrigger) {
-        block.triggers.push_back({event.t, 0, static_cast<uint8_t>(event.p - kFallingTrigger)});
-        continue;
-      }
-      events.set(kept++, event);
-    }
-    events.resize(kept);
-    return more;
-  }
-
-  [[nodiscard]] std::span<const Restart> restarts() const override { return blocks_->restarts(); }
-  Result<void> seek_before(int64_t t_us) override { return blocks_->seek_before(t_us); }
-
- private:
-  BlocksPtr blocks_;
+  TimeUnwrapper<32> clock_;
+  bool begins_recording_ = false;
 };
 
 struct Camera {
   RecordingInfo info;
   AddressBits bits = kDavis;
+  uint32_t number = 0;  ///< of several cameras, the one that is read
 };
 
-/// Determines the kind of a camera that the header does not name from the first addresses: those of a DVS128 have 16
-/// bits.
-const char* name_by_addresses(std::span<const uint8_t> records) {
-  uint32_t x_end = 0, y_end = 0, high_bits = 0;
-  for (size_t i = 0; (i + 1) * kRecordBytes <= records.size(); ++i) {
-    const uint32_t address = load_big_endian(&records[i * kRecordBytes]);
-    high_bits |= address & kDvs128.impossible;
-    if ((address & (kDavis.no_event | kDavis.external)) != 0) continue;
-    x_end = std::max(x_end, (address >> kDavis.x_shift & kDavis.x_mask) + 1);
-    y_end = std::max(y_end, (address >> kDavis.y_shift & kDavis.y_mask) + 1);
+/// What the addresses of some records show about a camera that the header does not name.
+struct AddressExtent {
+  uint32_t x_end = 0, y_end = 0;  ///< columns and rows, read as those of a DAVIS
+  uint32_t high_bits = 0;         ///< bits that the addresses of a DVS128 do not have
+  uint16_t cameras = 0;           ///< bit i: there are events of camera i
+
+  void add(std::span<const uint8_t> records) {
+    for (size_t i = 0; (i + 1) * kRecordBytes <= records.size(); ++i) {
+      const uint32_t address = load_big_endian(&records[i * kRecordBytes]);
+      high_bits |= address & kDvs128.impossible;
+      if ((address & (kDavis.no_event | kDavis.external)) != 0) continue;
+      x_end = std::max(x_end, (address >> kDavis.x_shift & kDavis.x_mask) + 1);
+      y_end = std::max(y_end, (address >> kDavis.y_shift & kDavis.y_mask) + 1);
+      cameras = static_cast<uint16_t>(cameras | 1U << (address & kCameraMask));
+    }
   }
-  if (high_bits == 0) return "DVS128";
-  if (x_end <= 240 && y_end <= 180) return "DAVIS240";
-  return x_end <= 346 && y_end <= 260 ? "DAVIS346" : "DAVIS640";
+
+  /// Returns the smallest known camera with these addresses.
+  [[nodiscard]] const char* model() const {
+    if (high_bits == 0) return "DVS128";
+    if (x_end <= 240 && y_end <= 180) return "DAVIS240";
+    return x_end <= 346 && y_end <= 260 ? "DAVIS346" : "DAVIS640";
+  }
+};
+
+/// Inspects the first records, or all of them, and returns to the first one.
+Result<AddressExtent> inspect_addresses(ByteSource& source, bool all) {
+  AddressExtent extent;
+  const uint64_t begin = source.position();
+  E2LF_ASSIGN_OR_RETURN(auto bytes, source.fetch(kDetectBytes));
+  extent.add(bytes.first(std::min(bytes.size(), kDetectBytes)));
+  if (!all) return extent;
+  while (bytes.size() >= kRecordBytes) {
+    const size_t count = bytes.size() / kRecordBytes * kRecordBytes;
+    extent.add(bytes.first(count));
+    source.consume(count);
+    E2LF_ASSIGN_OR_RETURN(bytes, source.fetch(kRecordBytes));
+  }
+  E2LF_RETURN_IF_ERROR(source.seek(begin));
+  return extent;
 }
 
 Result<Camera> find_camera(ByteSource& source, const TextHeader& header, const OpenOptions& options) {
@@ -174,20 +191,39 @@ Result<Camera> find_camera(ByteSource& source, const TextHeader& header, const O
   std::string chip = header.find("AEChip:").value_or("");
   if (!chip.empty()) info.header.emplace_back("AEChip", chip);
   if (const auto created = header.find("created")) info.header.emplace_back("created", *created);
-  if (!find_camera_model(chip)) {
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kDetectBytes));
-    chip = name_by_addresses(bytes.first(std::min(bytes.size(), kDetectBytes)));
-    info.assumptions.push_back({cat("the header names no known camera; its addresses are those of a ", chip)});
+  // The size of the sensor mirrors columns and rows, so that it is never guessed from a part of the addresses.
+  const bool is_named = find_camera_model(chip).has_value(), is_given = options.width != 0 && options.height != 0;
+  if (!is_named && !is_given && !source.seekable()) {
+    return Error{ErrorCode::kInvalidValue, "the header names no known camera; give the size of the sensor",
+                 source.name(), Setting::kSensorSize};
+  }
+  E2LF_ASSIGN_OR_RETURN(const AddressExtent extent, inspect_addresses(source, /*all=*/!is_named && !is_given));
+  if (!is_named) chip = extent.model();
+  if (!is_named && !is_given) {
+    info.assumptions.push_back(
+        {cat("the header names no known camera; a ", chip, " is the smallest with all of its ", "addresses"),
+         Setting::kSensorSize});
   }
   const CameraModel model = *find_camera_model(chip);
   camera.bits = model.is_davis ? kDavis : kDvs128;
-  if (!info.assumptions.empty() && options.width != 0 && options.height != 0) {
-    info.assumptions.clear();
-  } else {
+  if (is_named || !is_given) {
     info.width = model.width;
     info.height = model.height;
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));
+  if (!model.is_davis) return camera;
+  std::vector<NamedStream> cameras;
+  for (uint32_t number = 0; number <= kCameraMask; ++number) {
+    if ((extent.cameras >> number & 1) != 0) cameras.push_back({cat(number), "", ""});
+  }
+  if (cameras.empty()) return camera;
+  size_t chosen = 0;
+  if (cameras.size() > 1) {
+    E2LF_ASSIGN_OR_RETURN(chosen, choose_stream(cameras, options, source.name(), info));
+  }
+  for (uint32_t number = 0, seen = 0; number <= kCameraMask; ++number) {
+    if ((extent.cameras >> number & 1) != 0 && seen++ == chosen) camera.number = number;
+  }
   return camera;
 }
 
@@ -204,8 +240,8 @@ Result<ReaderPtr> open_aedat2(SourcePtr source, const OpenOptions& options) {
     return Error{ErrorCode::kFormat, cat("this is not an AEDAT 2 recording, whose first line is ", kVersionLine), name};
   }
   E2LF_ASSIGN_OR_RETURN(Camera camera, find_camera(*source, header, options));
-  auto records = std::make_unique<Aedat2Blocks>(std::move(source), camera.bits, camera.info.width, camera.info.height);
-  auto blocks = std::make_unique<TriggersApart>(make_continued(std::move(records), EventOrder::kByTime));
+  auto blocks = std::make_unique<Aedat2Blocks>(std::move(source), camera.bits, camera.info.width, camera.info.height,
+                                               camera.number, !options.stream.empty());
   return make_block_reader(std::move(blocks), std::move(camera.info), name, options);
 }
 

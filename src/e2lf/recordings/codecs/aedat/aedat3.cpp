@@ -63,6 +63,7 @@ class Aedat3Blocks final : public EventBlocks {
   /// One packet.
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
+    begins_recording_ = false;
     E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
     if (bytes.empty()) return false;
     if (bytes.size() < kPacketHeader) return give_up(Violation::kTruncated, summary);
@@ -70,7 +71,8 @@ class Aedat3Blocks final : public EventBlocks {
     // A recording that was appended with its header.
     if (!packet && detect_aedat3(bytes)) {
       E2LF_ASSIGN_OR_RETURN(const TextHeader header, read_text_header(*source_));
-      if (header.bytes > 0) return true;
+      begins_recording_ = header.bytes > 0;
+      if (begins_recording_) return true;
     }
     // The position of the next packet is unknown.
     if (!packet) return give_up(Violation::kMisaligned, summary);
@@ -89,6 +91,8 @@ class Aedat3Blocks final : public EventBlocks {
     source_->consume(kPacketHeader + packet->bytes);
     return true;
   }
+
+  bool begins_recording() const override { return begins_recording_; }
 
   Result<void> seek_before(int64_t) override {
     has_given_up_ = false;
@@ -128,6 +132,7 @@ class Aedat3Blocks final : public EventBlocks {
   size_t flip_height_;
   uint64_t header_bytes_;
   bool has_given_up_ = false;
+  bool begins_recording_ = false;
 };
 
 /// Returns the sources in the header, "Source 1: DVS128", by number.
@@ -182,7 +187,7 @@ Result<ReaderPtr> open_aedat3(SourcePtr source, const OpenOptions& options) {
   const int16_t number = sources.size() == 1 ? kAnySource : chosen_source->first;
   auto blocks = std::make_unique<Aedat3Blocks>(std::move(source), number, !options.stream.empty(),
                                                is_from_bottom ? info.height : 0);
-  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(info), name, options);
+  return make_block_reader(std::move(blocks), std::move(info), name, options);
 }
 
 }  // namespace e2lf::recordings::aedat

@@ -38,13 +38,40 @@ TEST(Aedat2, Davis240IsReadWithoutItsFramesAndWithItsTriggers) {
   EXPECT_EQ(opened.summary.of(Violation::kOutOfRange).count, 1U);
 }
 
-TEST(Aedat2, ACameraThatIsNotNamedIsToldByItsAddresses) {
+TEST(Aedat2, ACameraThatIsNotNamedIsFoundByAllAddresses) {
   const Decoded dvs = decoded(aedat2_file("", {{7 << 8 | 5 << 1, 100}}));
   EXPECT_EQ(dvs.info.width, 128U);
   EXPECT_EQ(dvs.info.assumptions.size(), 1U);
-  const Decoded davis = decoded(aedat2_file("", {{9U << 22 | 300U << 12, 100}}));
+  // The last of many addresses exceeds a DAVIS240.
+  std::vector<std::pair<uint32_t, uint32_t>> records(5000, {9U << 22 | 30U << 12, 100});
+  records.emplace_back(9U << 22 | 300U << 12, 100);
+  const Bytes bytes = aedat2_file("", records);
+  const Decoded davis = decoded(bytes);
   EXPECT_EQ(davis.info.width, 346U);
-  EXPECT_EQ(davis.batch.events[0], (Event{45, 250, 0, 100}));
+  EXPECT_EQ(davis.batch.events[0], (Event{315, 250, 0, 100}));
+  EXPECT_EQ(davis.batch.events[5000], (Event{45, 250, 0, 100}));
+  // A pipe cannot be read twice.
+  const auto piped = open_recording(chunked(bytes, 1000));
+  ASSERT_FALSE(piped.ok());
+  EXPECT_EQ(piped.error().setting, Setting::kSensorSize);
+  const Decoded sized = decoded(chunked(bytes, 1000), {.width = 346, .height = 260});
+  EXPECT_EQ(sized.batch.events, davis.batch.events);
+  EXPECT_TRUE(sized.info.assumptions.empty());
+}
+
+TEST(Aedat2, SeveralCamerasAreStreams) {
+  std::vector<std::pair<uint32_t, uint32_t>> records;
+  for (uint32_t i = 0; i < 40; ++i) records.emplace_back(9U << 22 | (i % 4) << 12 | 1U << 11 | i % 4, i);
+  const Bytes bytes = aedat2_file("# AEChip: eu.seebetter.ini.chips.davis.DAVIS346\r\n", records);
+  const Decoded first = decoded(bytes);
+  EXPECT_EQ(first.info.streams.size(), 4U);
+  EXPECT_EQ(first.info.assumptions.size(), 1U);
+  EXPECT_EQ(first.batch.events.size(), 10U);
+  EXPECT_EQ(first.summary.other_streams, 30U);
+  const Decoded third = decoded(bytes, {.stream = "2"});
+  ASSERT_EQ(third.batch.events.size(), 10U);
+  EXPECT_EQ(third.batch.events[0], (Event{343, 250, 1, 2}));
+  EXPECT_EQ(third.summary.other_streams, 0U);
 }
 
 TEST(Aedat2, ARecordThatBeginsWithAHashIsNoLineOfTheHeader) {

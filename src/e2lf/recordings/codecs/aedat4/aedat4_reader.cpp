@@ -11,7 +11,6 @@
 #include "e2lf/recordings/codecs/aedat4/aedat4_format.h"
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/restart.h"
 #include "e2lf/recordings/stream_choice.h"
 #include "e2lf/recordings/time_search.h"
 
@@ -19,9 +18,6 @@ namespace e2lf::recordings::aedat4 {
 namespace {
 
 constexpr size_t kPacketHeader = 8;
-
-/// Number of packets whose times are inspected before they are bisected.
-constexpr size_t kProbes = 64;
 
 /// Number of packets whose positions are stored for seeking; later ones are found by reading on.
 constexpr size_t kMaxNoted = size_t{1} << 20;
@@ -53,6 +49,7 @@ class Aedat4Blocks final : public EventBlocks {
   /// One packet.
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
+    begins_recording_ = false;
     const uint64_t position = source_->position();
     if (header_.table_position != 0 && position >= header_.table_position) return pass_over_table();
     E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
@@ -75,6 +72,8 @@ class Aedat4Blocks final : public EventBlocks {
     return true;
   }
 
+  bool begins_recording() const override { return begins_recording_; }
+
   /// Visits all packet headers once without decompressing anything, then bisects the packets of events.
   Result<void> seek_before(int64_t t_us) override {
     has_given_up_ = false;
@@ -87,22 +86,10 @@ class Aedat4Blocks final : public EventBlocks {
       if (times.empty()) return INT64_MAX;
       return median<int64_t>({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
     };
-    uint64_t position = header_.bytes;
-    // If the clock starts again, only the first part could be bisected.
-    bool is_rising = true;
-    int64_t last_us = INT64_MIN;
-    for (size_t i = 0; i < kProbes && is_rising && !event_packets_.empty(); ++i) {
-      E2LF_ASSIGN_OR_RETURN(const int64_t probe_us, time_at(i * (event_packets_.size() - 1) / (kProbes - 1)));
-      is_rising = probe_us >= last_us;
-      if (probe_us != INT64_MAX) last_us = probe_us;
-    }
-    if (is_rising && !event_packets_.empty()) {
-      E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(event_packets_.size(), t_us, time_at));
-      // The first position represents the start, since packets of triggers may precede it.
-      if (place > 0) position = event_packets_[place];
-    }
+    E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(event_packets_.size(), t_us, time_at));
+    // The first position represents the start, since packets of triggers may precede it.
+    uint64_t position = place > 0 ? event_packets_[place] : header_.bytes;
     E2LF_ASSIGN_OR_RETURN(position, before_late_triggers(position, t_us));
-    last_trigger_us_ = INT64_MIN;
     return source_->seek(position);
   }
 
@@ -143,6 +130,7 @@ class Aedat4Blocks final : public EventBlocks {
     }
     header_.table_position = header.table_position == 0 ? 0 : begin + header.table_position;
     source_->consume(header.bytes);
+    begins_recording_ = true;
     return true;
   }
 
@@ -191,7 +179,6 @@ class Aedat4Blocks final : public EventBlocks {
     if (!packet) return contents;
     E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
     if (bytes.size() < packet->bytes) return contents;
-    last_trigger_us_ = INT64_MIN;
     const bool is_whole = append_packet(bytes.subspan(kPacketHeader, packet->bytes - kPacketHeader), use, contents);
     return is_whole ? contents : EventBatch();
   }
@@ -218,18 +205,7 @@ class Aedat4Blocks final : public EventBlocks {
   bool append_packet(std::span<const uint8_t> packed, Use use, EventBatch& block) {
     if (!decompressor_->unpack(packed, unpacked_)) return false;
     if (use == Use::kEvents) return append_events(unpacked_, block.events);
-    const bool is_whole = append_triggers(unpacked_, block.triggers);
-    // Several trigger streams may overlap in time; a trigger before what was already returned is damaged. Packets
-    // before the damage are treated like all others.
-    std::erase_if(block.triggers, [this](const Trigger& trigger) {
-      // A trigger whose time decreases by much may belong to a clock that has started again, which the events will
-      // show.
-      const bool is_late = trigger.t < last_trigger_us_ && trigger.t > last_trigger_us_ - kMinRestartUs;
-      if (is_late || !is_time(trigger.t)) return true;
-      last_trigger_us_ = trigger.t;
-      return false;
-    });
-    return is_whole;
+    return append_triggers(unpacked_, block.triggers);
   }
 
   /// Ends the packets here.
@@ -247,7 +223,7 @@ class Aedat4Blocks final : public EventBlocks {
   std::vector<uint64_t> event_packets_, trigger_packets_;  ///< their positions, once has_noted_
   bool has_noted_ = false;
   bool has_given_up_ = false;
-  int64_t last_trigger_us_ = INT64_MIN;
+  bool begins_recording_ = false;
 };
 
 /// Returns the streams of events, by their numbers.
@@ -291,7 +267,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   auto blocks = std::make_unique<Aedat4Blocks>(std::move(source), header, std::move(decompressor), event_streams,
                                                events, !options.stream.empty());
-  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(info), name, options);
+  return make_block_reader(std::move(blocks), std::move(info), name, options);
 }
 
 }  // namespace e2lf::recordings::aedat4

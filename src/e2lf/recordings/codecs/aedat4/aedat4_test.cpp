@@ -185,7 +185,7 @@ TEST(Aedat4, TriggersInFrontOfDamageAreInOrderToo) {
   DecodeSummary summary;
   const auto batch = read(make_file({{3, triggers}, {0, event_packet(events.events)}}, Compression::kNone), &summary);
   ASSERT_TRUE(batch.ok()) << batch.error().text();
-  EXPECT_EQ(batch->triggers, (std::vector<Trigger>{{t2, 0, 1}}));
+  EXPECT_EQ(batch->triggers, (std::vector<Trigger>{{t2, 0, 1}, {t2, 0, 0}}));
   EXPECT_EQ(summary.num_violations(), 1U);
 }
 

@@ -8,9 +8,7 @@
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/event_gate.h"
 #include "e2lf/recordings/io/unpacked_source.h"
-#include "e2lf/recordings/trigger_feed.h"
 
 namespace e2lf::recordings::dat {
 namespace {
@@ -25,7 +23,7 @@ constexpr PlaceBits kVersion1 = {0x1FF, 9, 0xFF, 17, 0x1};
 constexpr PlaceBits kVersion2 = {0x3FFF, 14, 0x3FFF, 28, 0xF};
 
 /// Appends the records as events, except those with p > 1, and returns the number of these.
-size_t append_events(std::span<const uint8_t> records, const PlaceBits& bits, TimeUnwrapper& unwrap,
+size_t append_events(std::span<const uint8_t> records, const PlaceBits& bits, TimeUnwrapper<32>& unwrap,
                      EventColumns& out) {
   const size_t begin = out.size(), count = records.size() / kRecordBytes;
   out.resize(begin + count);
@@ -43,7 +41,7 @@ size_t append_events(std::span<const uint8_t> records, const PlaceBits& bits, Ti
   return begin + count - next;
 }
 
-Trigger trigger_of_record(const uint8_t* record, TimeUnwrapper& unwrap) {
+Trigger trigger_of_record(const uint8_t* record, TimeUnwrapper<32>& unwrap) {
   const auto word = load_le<uint32_t>(record + 4);
   return {unwrap(load_le<uint32_t>(record)), static_cast<uint16_t>(word >> 26 & 0x3F),
           static_cast<uint8_t>(word & 0xF ? 1 : 0)};
@@ -83,7 +81,7 @@ class TriggerFile final : public TriggerSource {
  private:
   SourcePtr source_;
   size_t header_bytes_;
-  TimeUnwrapper unwrap_;
+  TimeUnwrapper<32> unwrap_;
 };
 
 /// Returns the index of the first record that is the text "% ...", with which a header begins, or their number if there
@@ -106,12 +104,13 @@ class DatBlocks final : public EventBlocks {
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
+    begins_recording_ = false;
     E2LF_ASSIGN_OR_RETURN(const auto bytes,
                           source_->fetch(source_->seekable() ? kBlockRecords * kRecordBytes : kRecordBytes));
     size_t count = std::min(bytes.size() / kRecordBytes, kBlockRecords);
     byte_ = source_->position();
     if (count == 0 && !bytes.empty()) summary.add(Violation::kTruncated, byte_);
-    const TimeUnwrapper clock = unwrap_;
+    const TimeUnwrapper<32> clock = unwrap_;
     size_t bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
     if (const size_t text = bad > 0 ? find_text(bytes.first(count * kRecordBytes)) : count; text < count) {
       // A recording that was appended with its header.
@@ -120,7 +119,9 @@ class DatBlocks final : public EventBlocks {
         if (const auto header = parse_header(head.first(std::min(head.size(), kDetectBytes)))) {
           block.clear();
           unwrap_ = {};
+          begins_recording_ = true;
           source_->consume(header->bytes);
+          byte_ = source_->position();
           return true;
         }
       }
@@ -137,6 +138,7 @@ class DatBlocks final : public EventBlocks {
   }
 
   uint64_t block_byte() const override { return byte_; }
+  bool begins_recording() const override { return begins_recording_; }
   size_t event_bytes() const override { return kRecordBytes; }
 
   Result<void> seek_before(int64_t t_us) override {
@@ -153,33 +155,8 @@ class DatBlocks final : public EventBlocks {
   size_t header_bytes_;
   PlaceBits bits_;
   uint64_t byte_ = 0;
-  TimeUnwrapper unwrap_;
-};
-
-/// Reads a file of triggers that was opened as a recording.
-class DatTriggerReader final : public RecordingReader {
- public:
-  DatTriggerReader(SourcePtr source, const Header& header, const OpenOptions& options) : RecordingReader(options) {
-    info_ = header.info;
-    name_ = source->name();
-    triggers_ = TriggerFeed(std::make_unique<TriggerFile>(std::move(source), header.bytes));
-  }
-
- protected:
-  Result<bool> read_next(EventBatch& batch, size_t max_events) override {
-    if (triggers_.is_at_restart()) {
-      triggers_.begin_part();
-      begin_part(0, last_us_);
-    }
-    E2LF_ASSIGN_OR_RETURN(const bool more, triggers_.take(INT64_MAX, max_events, batch.triggers, summary_));
-    if (!batch.triggers.empty()) last_us_ = batch.triggers.back().t;
-    return more;
-  }
-  Result<void> seek_before(int64_t) override { return triggers_.rewind(); }
-
- private:
-  TriggerFeed triggers_;
-  int64_t last_us_ = INT64_MIN;  ///< last time of this part
+  bool begins_recording_ = false;
+  TimeUnwrapper<32> unwrap_;
 };
 
 }  // namespace
@@ -205,9 +182,11 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(Header header, read_header(*source));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, header.info, source->name()));
   if (header.type == kTypeTrigger) {
-    return ReaderPtr(std::make_unique<DatTriggerReader>(std::move(source), header, options));
+    const std::string name = source->name();
+    return make_block_reader(nullptr, std::move(header.info), name, options,
+                             std::make_unique<TriggerFile>(std::move(source), header.bytes));
   }
-  TriggerFeed triggers;
+  TriggersPtr triggers;
   SourcePtr trigger_source;
   if (const std::filesystem::path path = source->logical_path(); !path.empty()) {
     E2LF_ASSIGN_OR_RETURN(trigger_source, open_file_beside(trigger_path(path)));
@@ -215,13 +194,12 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   if (trigger_source != nullptr) {
     E2LF_ASSIGN_OR_RETURN(const Header trigger_header, read_header(*trigger_source));
     if (trigger_header.type == kTypeTrigger) {
-      triggers = TriggerFeed(std::make_unique<TriggerFile>(std::move(trigger_source), trigger_header.bytes));
+      triggers = std::make_unique<TriggerFile>(std::move(trigger_source), trigger_header.bytes);
     }
   }
   const std::string name = source->name();
   auto blocks = std::make_unique<DatBlocks>(std::move(source), header);
-  return make_block_reader(make_continued(std::move(blocks), EventOrder::kByTime), std::move(header.info), name,
-                           options, std::move(triggers));
+  return make_block_reader(std::move(blocks), std::move(header.info), name, options, std::move(triggers));
 }
 
 }  // namespace e2lf::recordings::dat

@@ -41,7 +41,7 @@ class Search {
       last = next;
     }
     E2LF_ASSIGN_OR_RETURN(low, bisect(low, high, t_us));
-    return Place{low.record - std::min(low.record, kMargin), TimeUnwrapper(low.t_us)};
+    return Place{low.record - std::min(low.record, kMargin), TimeUnwrapper<32>(low.t_us)};
   }
 
  private:

@@ -38,11 +38,24 @@ EventColumns rest_of(const EventColumns& events, int64_t from_us) {
   return rest;
 }
 
+TEST(DatHeader, LinesOfOtherFormsDoNotEndIt) {
+  const std::vector<uint8_t> plain = encoded(random_stream({.events = 10}), "dat");
+  for (const std::string line : {"%", "%comment", "% (text)", "%% x", "%\tx y", "% Gr\u00f6\u00dfe 5"}) {
+    std::vector<uint8_t> bytes = plain;
+    const std::string text = line + "\n";
+    const auto first_end = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'}) + 1;
+    bytes.insert(first_end, text.begin(), text.end());
+    const Decoded read = decoded(bytes);
+    EXPECT_EQ(read.info.width, 640U) << line;
+    EXPECT_EQ(read.batch.events.size(), 10U) << line;
+  }
+}
+
 TEST(TimeUnwrapper, OneDamagedRecordDoesNotMoveTheClock) {
   constexpr uint32_t kTimes[] = {0, 1, 1u << 30, 1u << 31, 0xC0000000, 0xF0000000, 0xFFFFFFFF};
   for (const uint32_t now : kTimes) {
     for (const uint32_t damaged : kTimes) {
-      TimeUnwrapper clock(5 * (int64_t{1} << 32) + now);
+      TimeUnwrapper<32> clock(5 * (int64_t{1} << 32) + now);
       const int64_t before = clock(now);
       static_cast<void>(clock(damaged));
       EXPECT_EQ(clock(now + 10), before + 10) << now << " " << damaged;
@@ -51,7 +64,7 @@ TEST(TimeUnwrapper, OneDamagedRecordDoesNotMoveTheClock) {
 }
 
 TEST(TimeUnwrapper, FollowsAPause) {
-  TimeUnwrapper clock;
+  TimeUnwrapper<32> clock;
   const int64_t half = int64_t{1} << 31, wrap_us = int64_t{1} << 32;
   EXPECT_EQ(clock(5), 5);
   for (int64_t i = 0; i < 100; ++i) EXPECT_EQ(clock(static_cast<uint32_t>(half + i)), half + i);

@@ -77,7 +77,7 @@ class DatWriter final : public RecordingWriter {
   }
 
   /// Checks that a reader of the low 32 bits will obtain the same time.
-  Result<void> check_time(int64_t t_us, TimeUnwrapper& unwrap) const {
+  Result<void> check_time(int64_t t_us, TimeUnwrapper<32>& unwrap) const {
     if (unwrap(static_cast<uint32_t>(t_us)) == t_us) [[likely]] {
       return {};
     }
@@ -93,7 +93,7 @@ class DatWriter final : public RecordingWriter {
   BatchCheck check_;
   SinkPtr trigger_sink_;
   std::vector<uint8_t> buffer_;
-  TimeUnwrapper unwrap_event_, unwrap_trigger_;
+  TimeUnwrapper<32> unwrap_event_, unwrap_trigger_;
 };
 
 Result<WriterPtr> start(SinkPtr sink, const RecordingInfo& info, std::filesystem::path trigger_file) {

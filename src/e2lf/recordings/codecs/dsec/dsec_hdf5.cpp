@@ -181,7 +181,7 @@ class ColumnBlocks final : public EventBlocks {
     const size_t num_bad =
         table::to_events({numbers(x), numbers(y), numbers(p), numbers(t)}, fields, count, block.events);
     for (int64_t& t_us : block.events.t) {
-      // An invalid time stays invalid, and EventGate drops it.
+      // An invalid time stays invalid, and Timeline drops it.
       t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
     }
     summary.add_dropped(Violation::kBadRecord, 0, num_bad);

@@ -87,20 +87,19 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
   BlocksPtr blocks;
-  TriggerFeed triggers;
+  TriggersPtr triggers;
   if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
     E2LF_RETURN_IF_ERROR(table::refuse_table_options(options, "hdf5", name));
     E2LF_ASSIGN_OR_RETURN(blocks, open_event_chunks(file.get(), name, options.threads));
-    blocks = make_continued(std::move(blocks), EventOrder::kByTime);
     if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
-      triggers = TriggerFeed(std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events"));
+      triggers = std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events");
     }
   } else {
     info.format = "dsec";
     E2LF_ASSIGN_OR_RETURN(TableOfEvents events, open_columns(file.get(), options, name, info));
     E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->logical_path()));
-    return table::make_table_reader(std::move(events.blocks), events.unit, /*is_seekable=*/true, std::move(info), name,
-                                    options, std::move(triggers), events.zero_us);
+    return table::make_table_reader(std::move(events.blocks), events.unit, std::move(info), name, options,
+                                    std::move(triggers), events.zero_us);
   }
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }

@@ -242,12 +242,10 @@ Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
   source->consume(header.data_offset);
   E2LF_ASSIGN_OR_RETURN(RecordFields fields, decide_fields(*source, options, header, info));
   E2LF_RETURN_IF_ERROR(check_count(header, *source));
-  E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->logical_path()));
-  const bool is_seekable = source->seekable();
+  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->logical_path()));
   const TimeUnit unit = fields.unit;
   auto records = std::make_unique<NpyBlocks>(std::move(source), std::move(header), std::move(fields));
-  return table::make_table_reader(std::move(records), unit, is_seekable, std::move(info), name, options,
-                                  std::move(triggers));
+  return table::make_table_reader(std::move(records), unit, std::move(info), name, options, std::move(triggers));
 }
 
 }  // namespace e2lf::recordings::numpy

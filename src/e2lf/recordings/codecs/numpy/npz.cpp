@@ -380,7 +380,7 @@ Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::s
   E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
   E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "is not told", name));
   auto blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
-  return table::make_table_reader(std::move(blocks), unit, /*is_seekable=*/true, std::move(info), name, options);
+  return table::make_table_reader(std::move(blocks), unit, std::move(info), name, options);
 }
 
 }  // namespace

@@ -12,7 +12,9 @@ namespace {
 
 template <WordCodec Codec>
 ReaderPtr make_reader(SourcePtr source, RawHeader header, const OpenOptions& options) {
-  return std::make_unique<RawReader<Codec>>(std::move(source), std::move(header), options);
+  const std::string name = source->name();
+  auto blocks = std::make_unique<RawBlocks<Codec>>(std::move(source), header.info, options);
+  return make_block_reader(std::move(blocks), std::move(header.info), name, options);
 }
 
 Result<ReaderPtr> open_evt21(SourcePtr source, RawHeader header, const OpenOptions& options) {

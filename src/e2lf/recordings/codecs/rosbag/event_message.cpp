@@ -4,6 +4,7 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/recordings/codecs/rosbag/bag.h"
+#include "e2lf/recordings/time_unwrapper.h"
 
 namespace e2lf::recordings::rosbag {
 namespace {
@@ -71,15 +72,12 @@ void append_trigger(uint64_t word, int64_t base_ns, EventBatch& batch) {
 /// Appends polarity events of libcaer: validity, polarity, y from bit 2 and x from bit 17 on, then 31 bits of time in
 /// us, which may wrap within a message.
 void append_libcaer(std::span<const uint8_t> words, int64_t base_ns, EventBatch& batch) {
-  int64_t loop_us = 0, last_us = 0;
+  TimeUnwrapper<31> clock;
   for (size_t i = 0; i + kWordBytes <= words.size(); i += kWordBytes) {
     const auto data = load_le<uint32_t>(&words[i]);
     const int64_t low_us = load_le<uint32_t>(&words[i + 4]) & INT32_MAX;
-    // Half of the range; a smaller backward step is a late event.
-    if (low_us + (int64_t{1} << 30) < last_us) loop_us += int64_t{1} << 31;
-    last_us = low_us;
     batch.events.push_back({static_cast<uint16_t>(data >> 17), static_cast<uint16_t>(data >> 2 & 0x7FFF),
-                            static_cast<uint8_t>(data >> 1 & 1), base_ns / kNsPerUs + loop_us + low_us});
+                            static_cast<uint8_t>(data >> 1 & 1), base_ns / kNsPerUs + clock(low_us)});
   }
 }
 

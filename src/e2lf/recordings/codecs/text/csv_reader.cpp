@@ -332,11 +332,9 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char*
   E2LF_ASSIGN_OR_RETURN(Layout layout, decide(*source, options, std::move(head), info));
   const TimeUnit unit = layout.line.unit;
   info.format = !options.format.empty() || !info.table ? format : unit == TimeUnit::kSeconds ? "txt" : "csv";
-  E2LF_ASSIGN_OR_RETURN(TriggerFeed triggers, open_side_triggers(source->logical_path()));
-  const bool is_seekable = source->seekable();
+  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->logical_path()));
   auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
-  return table::make_table_reader(std::move(lines), unit, is_seekable, std::move(info), name, options,
-                                  std::move(triggers));
+  return table::make_table_reader(std::move(lines), unit, std::move(info), name, options, std::move(triggers));
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/recording.h"
+#include "e2lf/recordings/time_unwrapper.h"
 
 namespace e2lf::recordings::evt4 {
 namespace {
@@ -45,7 +47,7 @@ class Evt4Blocks final : public EventBlocks {
       } else if (is_vector) {
         append(word, word_at(++i), block.events, summary);
       } else if (type == kTimeHigh) {
-        high_us_ = int64_t{word & 0xFFFFFFF} << 6;
+        high_us_ = clock_(int64_t{word & 0xFFFFFFF} << 6);
         has_time_ = true;
       } else if (type == kTrigger) {
         if (has_time_)
@@ -63,6 +65,7 @@ class Evt4Blocks final : public EventBlocks {
 
   Result<void> seek_before(int64_t) override {
     has_time_ = false;
+    clock_ = {};
     return source_->seek(header_bytes_);
   }
 
@@ -85,6 +88,7 @@ class Evt4Blocks final : public EventBlocks {
 
   SourcePtr source_;
   uint64_t header_bytes_;
+  TimeUnwrapper<34> clock_;
   int64_t high_us_ = 0;
   bool has_time_ = false;
 };
@@ -93,8 +97,7 @@ class Evt4Blocks final : public EventBlocks {
 
 ReaderPtr make_reader(SourcePtr source, RecordingInfo info, const OpenOptions& options) {
   const std::string name = source->name();
-  auto blocks = make_continued(std::make_unique<Evt4Blocks>(std::move(source)), EventOrder::kByTime);
-  return make_block_reader(std::move(blocks), std::move(info), name, options);
+  return make_block_reader(std::make_unique<Evt4Blocks>(std::move(source)), std::move(info), name, options);
 }
 
 }  // namespace e2lf::recordings::evt4

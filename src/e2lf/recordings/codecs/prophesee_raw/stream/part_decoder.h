@@ -8,7 +8,6 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_stream.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
-#include "e2lf/recordings/pending_batch.h"
 
 namespace e2lf::recordings {
 
@@ -66,7 +65,7 @@ class PartDecoder {
   struct Part {
     explicit Part(const SensorLimits& limits) : stream(limits), guess(limits) {}
 
-    PendingBatch batch;
+    EventBatch batch;
     DecodeSummary summary;          ///< summary of this part only, without the counts of events and triggers
     Stream stream;                  ///< state after the part
     size_t end = 0;                 ///< number of bytes that are done
@@ -112,7 +111,8 @@ class PartDecoder {
 
   void decode_part(std::span<const uint8_t> bytes, uint64_t first_byte, const Stream& stream, size_t i) {
     Part& part = parts_[i];
-    EventBatch& batch = part.batch.refill();
+    EventBatch& batch = part.batch;
+    batch.clear();
     part.summary = {};
     ColumnSink sink(batch, kMaxPartEvents);
     const size_t begin = i * part_bytes_;
@@ -141,13 +141,17 @@ class PartDecoder {
 
   /// Raises times to the last one before the part, as the sink does within it.
   static void raise(Part& part, int64_t latest_us) {
-    part.batch.raise_times(latest_us);
+    for (int64_t& t_us : part.batch.events.t) {
+      if (t_us >= latest_us) break;
+      t_us = latest_us;
+    }
+    for (Trigger& trigger : part.batch.triggers) trigger.t = std::max(trigger.t, latest_us);
     part.latest_us = std::max(part.latest_us, latest_us);
   }
 
   void adapt(size_t good) {
     size_t events = 0;
-    for (size_t i = 0; i < good; ++i) events += parts_[i].batch.batch().events.size();
+    for (size_t i = 0; i < good; ++i) events += parts_[i].batch.events.size();
     const double bytes_per_event =
         static_cast<double>(parts_[good - 1].end) / static_cast<double>(std::max<size_t>(events, 1));
     const auto wanted = static_cast<size_t>(std::min(1e9, bytes_per_event * static_cast<double>(kPartEvents)));

@@ -10,46 +10,52 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/part_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_stream.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
 
-/// Reads a RAW recording of one encoding. Bytes of a source are decoded by a RawStream, or, for files and several
-/// threads, by a PartDecoder that is some parts ahead. The stream is copied every kCheckpointBytes, so that seeking
-/// requires no index file: it continues from the last copy before the time.
+/// The blocks of a RAW recording of one encoding. Bytes of a source are decoded by a RawStream, or, for files and
+/// several threads, by a PartDecoder that is some parts ahead. The stream is copied every kCheckpointBytes, so that
+/// seeking requires no index file: it continues from the last copy before the time.
 template <WordCodec Codec>
-class RawReader final : public RecordingReader {
+class RawBlocks final : public EventBlocks {
  public:
-  /// `source` is positioned after the header.
-  RawReader(SourcePtr source, RawHeader header, const OpenOptions& options)
-      : RecordingReader(options), source_(std::move(source)), stream_(limits_of(header.info, options)) {
-    info_ = std::move(header.info);
-    name_ = source_->name();
+  /// `source` is positioned after the header, whose properties are `info`.
+  RawBlocks(SourcePtr source, const RecordingInfo& info, const OpenOptions& options)
+      : source_(std::move(source)), options_(options), limits_(limits_of(info, options)), stream_(limits_) {
+    options_.format = info.format;
+    options_.width = info.width;
+    options_.height = info.height;
     checkpoints_.push_back({INT64_MIN, source_->position(), stream_, INT64_MIN});
     const auto threads = static_cast<size_t>(options.threads == 0 ? num_threads() : options.threads);
     if (threads == 1 || !source_->seekable()) return;
-    parts_.emplace(kPartsPerThread * threads, limits_of(info_, options_));
+    parts_.emplace(kPartsPerThread * threads, limits_);
   }
 
   std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
+  bool is_ordered() const override { return true; }
+  bool begins_recording() const override { return begins_recording_; }
+  uint64_t block_byte() const override { return recording_byte_; }
+  void limit_block(size_t max_events) override { max_events_ = max_events; }
+  void skip_events(int64_t begin_us, int64_t end_us) override { stream_.skip_events({begin_us, end_us}); }
 
- protected:
-  Result<bool> read_next(EventBatch& batch, size_t max_events) override {
-    if (next_part_ == num_parts_ && restart_) E2LF_RETURN_IF_ERROR(begin_again());
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
+    begins_recording_ = next_part_ == num_parts_ && restart_;
+    if (begins_recording_) E2LF_RETURN_IF_ERROR(begin_again());
     if (next_part_ == num_parts_) E2LF_RETURN_IF_ERROR(decode_parts());
-    if (next_part_ == num_parts_) return read_directly(batch, max_events);
-    auto& part = parts_->part(next_part_);
-    // Added once, with the first of its events.
-    summary_.append(std::exchange(part.summary, {}));
-    summary_.time_loops = loops_before_ + part.stream.time_loops();
-    part.batch.take(batch, max_events);
-    if (part.batch.empty()) ++next_part_;
+    if (next_part_ == num_parts_) return read_directly(block, summary);
+    auto& part = parts_->part(next_part_++);
+    summary.append(part.summary);
+    summary.time_loops = loops_before_ + part.stream.time_loops();
+    std::swap(block, part.batch);
     return true;
   }
 
   Result<void> seek_before(int64_t t_us) override {
     auto checkpoint = checkpoints_.rbegin();
-    while (checkpoint->time_us >= t_us) ++checkpoint;
+    while (checkpoint->time_us >= t_us && std::next(checkpoint) != checkpoints_.rend()) ++checkpoint;
     E2LF_RETURN_IF_ERROR(source_->seek(checkpoint->byte));
     stream_ = checkpoint->stream;
     latest_us_ = checkpoint->latest_us;
@@ -60,8 +66,6 @@ class RawReader final : public RecordingReader {
     loops_before_ = 0;
     return {};
   }
-
-  void skip_decoding(int64_t begin_us, int64_t end_us) override { stream_.skip_events({begin_us, end_us}); }
 
  private:
   static constexpr uint64_t kCheckpointBytes = uint64_t{4} << 20;
@@ -85,22 +89,16 @@ class RawReader final : public RecordingReader {
   /// Starts a new stream where the clock starts again, after the header of another file if there is one.
   Result<void> begin_again() {
     restart_ = false;
-    const uint64_t byte = source_->position();
-    // A part without events does not separate those around it.
-    if (latest_us_ != INT64_MIN) begin_part(byte, latest_us_);
-    OpenOptions options = options_;
-    options.format = info_.format;
-    options.width = info_.width;
-    options.height = info_.height;
-    const auto header = read_raw_header(*source_, options);
+    recording_byte_ = source_->position();
+    const auto header = read_raw_header(*source_, options_);
     if (!header) {
       return Error{header.error().code,
                    cat("another recording begins here that does not match the one before it (", header.error().message,
                        "); split the file here"),
-                   cat(name_, ": byte ", byte)};
+                   cat(source_->name(), ": byte ", recording_byte_)};
     }
     loops_before_ += stream_.time_loops();
-    stream_ = RawStream<Codec>(limits_of(info_, options_));
+    stream_ = RawStream<Codec>(limits_);
     latest_us_ = INT64_MIN;
     has_restarted_ = true;
     wanted_ = 1;
@@ -127,35 +125,31 @@ class RawReader final : public RecordingReader {
     return {};
   }
 
-  /// Decodes to the batch in this thread.
-  Result<bool> read_directly(EventBatch& batch, size_t max_events) {
-    EventColumns& events = batch.events;
-    const size_t known = events.size(), known_triggers = batch.triggers.size();
-    ColumnSink sink(batch, max_events);
+  /// Decodes to the block in this thread.
+  Result<bool> read_directly(EventBatch& block, DecodeSummary& summary) {
+    ColumnSink sink(block, max_events_);
     sink.set_latest(latest_us_);
     Result<bool> more = true;
     bool full = false;
     // A live source returns the bytes that have arrived.
-    const auto has_enough = [&] {
-      return !source_->seekable() && (sink.count > 0 || batch.triggers.size() > known_triggers);
-    };
-    while (more && *more && !full && !restart_ && !has_enough()) more = step(sink, full);
-    events.resize(known + sink.count);
+    const auto has_enough = [&] { return !source_->seekable() && (sink.count > 0 || !block.triggers.empty()); };
+    while (more && *more && !full && !restart_ && !has_enough()) more = step(sink, summary, full);
+    block.events.resize(sink.count);
     latest_us_ = sink.latest();
     return more;
   }
 
   /// Decodes the available bytes. Returns false at the end of the source; sets `full` if the sink stopped.
-  Result<bool> step(ColumnSink& sink, bool& full) {
+  Result<bool> step(ColumnSink& sink, DecodeSummary& summary, bool& full) {
     E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> bytes, source_->fetch(wanted_));
     const bool ended = bytes.size() < wanted_;
-    const auto progress = stream_.process(bytes, ended, source_->position(), sink, summary_);
+    const auto progress = stream_.process(bytes, ended, source_->position(), sink, summary);
     source_->consume(progress.used);
-    summary_.time_loops = loops_before_ + stream_.time_loops();
+    summary.time_loops = loops_before_ + stream_.time_loops();
     restart_ = progress.restarts;
     if (restart_) return true;
     if (ended && progress.used == bytes.size() && source_->pass_break()) {
-      stream_.pass_break(source_->position(), summary_);
+      stream_.pass_break(source_->position(), summary);
       wanted_ = 1;
       return true;
     }
@@ -173,6 +167,8 @@ class RawReader final : public RecordingReader {
   }
 
   SourcePtr source_;
+  OpenOptions options_;  ///< with the format and size of the first header, with which later ones must agree
+  SensorLimits limits_;
   RawStream<Codec> stream_;
   std::vector<Checkpoint> checkpoints_;
   size_t wanted_ = 1;
@@ -181,6 +177,10 @@ class RawReader final : public RecordingReader {
   std::optional<PartDecoder<Codec>> parts_;
   size_t num_parts_ = 0;  ///< number of decoded parts, of which the first next_part_ were returned
   size_t next_part_ = 0;
+
+  size_t max_events_ = RecordingReader::kDefaultBatch;
+  bool begins_recording_ = false;
+  uint64_t recording_byte_ = 0;  ///< where the last recording begins, after the first one
 
   bool restart_ = false;        ///< whether the clock starts again after what was decoded
   bool has_restarted_ = false;  ///< whether it did so before

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "e2lf/recordings/restart.h"
+#include "e2lf/recordings/io/decode_summary.h"
 
 namespace e2lf::recordings {
 

@@ -29,9 +29,9 @@ inline constexpr uint32_t kKnownTypes =
     (1u << kOff) | (1u << kOn) | (1u << kTimeHigh) | (1u << kTrigger) | (1u << kOthers) | (1u << kContinued);
 inline constexpr uint32_t kTimeHighMask = 0xFFFFFFF;
 inline constexpr uint32_t kHalfCircle = 1u << 27;
-inline constexpr uint32_t kBackOne = kTimeHighMask;  ///< one step back on the 28-bit circle, which is jitter
-inline constexpr uint32_t kNearSteps = 64;           ///< 4 ms
-inline constexpr uint32_t kMinFall = kMinRestartUs >> 6;
+inline constexpr uint32_t kBackOne = kTimeHighMask;     ///< one step back on the 28-bit circle, which is jitter
+inline constexpr uint32_t kNearSteps = 64;              ///< 4 ms
+inline constexpr uint32_t kMinFall = kDisorderUs >> 6;  ///< of a restart of the clock
 inline constexpr int kLoopBits = 34;
 inline constexpr uint32_t kNoTime = 0xFFFFFFFF;
 
