@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace e2lf::recordings {
 
@@ -28,5 +31,19 @@ namespace e2lf::recordings {
 /// Returns the value of a header key as one line of UTF-8: bytes that are not UTF-8 are read as Latin-1, and control
 /// characters become spaces.
 [[nodiscard]] std::string header_text(std::string_view bytes);
+
+/// The lines that begin with "%" at the start of Prophesee's RAW and DAT files.
+struct PercentHeader {
+  std::vector<std::pair<std::string, std::string>> keys;  ///< keys and values of the lines "% key value"
+  size_t num_bytes = 0;                                   ///< offset of the data
+};
+
+/// Returns whether a character may be in a key.
+[[nodiscard]] bool is_key_character(char c);
+
+/// Parses the header at the start of `text`: all lines of text that begin with "%" up to the line "% end"; or, if there
+/// is no such line, those of the form "% key value", since binary data may also begin with "%". A missing header is an
+/// empty one. If not `ended`, more text may follow, and nothing is returned to request it.
+[[nodiscard]] std::optional<PercentHeader> parse_percent_header(std::string_view text, bool ended);
 
 }  // namespace e2lf::recordings

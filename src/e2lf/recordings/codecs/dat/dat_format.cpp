@@ -19,28 +19,16 @@ size_t number_or_zero(const std::optional<std::string>& text) {
 }  // namespace
 
 std::optional<Header> parse_header(std::span<const uint8_t> head) {
+  auto lines = parse_percent_header(as_text(head), /*ended=*/true);
+  if (!lines || lines->keys.empty() || head.size() < lines->num_bytes + 2) return std::nullopt;
   Header header;
   header.info.format = "dat";
-  std::string_view rest = as_text(head);
-  const size_t all = rest.size();
-  while (!rest.empty() && rest.front() == '%') {
-    const size_t end = rest.find('\n');
-    if (end == std::string_view::npos) return std::nullopt;
-    std::string_view line = rest.substr(1, end - 1);
-    rest.remove_prefix(end + 1);
-    while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    while (!line.empty() && line.front() == ' ') line.remove_prefix(1);
-    if (line == "end") break;
-    const size_t space = line.find(' ');
-    const std::string_view value = space == std::string_view::npos ? "" : line.substr(space + 1);
-    header.info.header.emplace_back(header_text(line.substr(0, space)), header_text(value));
-  }
-  header.bytes = all - rest.size() + 2;
-  if (header.info.header.empty() || rest.size() < 2) return std::nullopt;
+  header.info.header = std::move(lines->keys);
+  header.bytes = lines->num_bytes + 2;
   if (header.info.find("evt") || header.info.find("format")) return std::nullopt;
-  header.type = static_cast<uint8_t>(rest[0]);
+  header.type = head[lines->num_bytes];
   const bool known = header.type == kTypeEvent2d || header.type == kTypeCd || header.type == kTypeTrigger;
-  if (!known || static_cast<size_t>(rest[1]) != kRecordBytes) return std::nullopt;
+  if (!known || head[lines->num_bytes + 1] != kRecordBytes) return std::nullopt;
   if (const auto version = number_or_zero(header.info.find("Version")); version != 0) {
     header.version = static_cast<int>(version);
   }

@@ -256,6 +256,28 @@ TEST(RawHeaders, KeysOfAllAgesAreUnderstood) {
   EXPECT_EQ(parse("").value().num_bytes, 0u);
 }
 
+TEST(RawHeaders, LinesOfOtherFormsDoNotEndThem) {
+  for (const std::string line : {"%", "%comment", "% (text)", "%% x", "%\tx y", "% Gr\u00f6\u00dfe 5",
+                                 "% \xd6"
+                                 "lner x",
+                                 "% "}) {
+    const std::string text = "% evt 3.0\n" + line + "\n% geometry 640x480\n% end\n";
+    const auto header = parse_raw_header(bytes_of(text), true, "").value();
+    EXPECT_EQ(header.info.width, 640U) << line;
+    EXPECT_EQ(header.num_bytes, text.size()) << line;
+    for (size_t size = 0; size < text.size(); ++size) {
+      const auto partial = parse_raw_header(bytes_of(text.substr(0, size)), false, "");
+      ASSERT_FALSE(partial.ok()) << line << size;
+      EXPECT_EQ(partial.error().code, ErrorCode::kTruncated) << line << size;
+    }
+  }
+}
+
+TEST(RawHeaders, WithoutAnEndStopAtTheFirstWordsThatAreNoKey) {
+  const std::string header = "% evt 3.0\n% geometry 640x480\n", words = "%\n\x25\x80 %a";
+  EXPECT_EQ(parse_raw_header(bytes_of(header + words), true, "").value().num_bytes, header.size());
+}
+
 TEST(RawHeaders, ContradictionsAndUnknownEncodingsAreErrors) {
   const auto code = [](const std::string& text) { return parse_raw_header(bytes_of(text), true, "").error().code; };
   EXPECT_EQ(code("% format EVT3;height=720;width=1280\n% geometry 640x480\n% end\n"), ErrorCode::kFormat);

@@ -14,7 +14,6 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr size_t kMaxLine = 4096;
 constexpr size_t kMaxSide = 2048;  // x and y have 11 bits
 
 struct Size {
@@ -22,48 +21,6 @@ struct Size {
   size_t height = 0;
   bool operator==(const Size&) const = default;
 };
-
-bool is_beyond_ascii(char c) {
-  return static_cast<uint8_t>(c) >= 0x80;
-}
-
-bool is_key_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
-}
-
-/// Returns whether a character is printable ASCII or a letter beyond it.
-bool is_printable(char c) {
-  return (c >= ' ' && c <= '~') || c == '\t' || is_beyond_ascii(c);
-}
-
-/// Returns whether a line may belong to a header. Beyond ASCII, nearly everything is a letter in some encoding, so at
-/// least the key must look like one, which excludes event words.
-bool is_header_line(std::string_view line) {
-  if (!std::all_of(line.begin(), line.end(), is_printable)) return false;
-  if (std::none_of(line.begin(), line.end(), is_beyond_ascii)) return true;
-  const std::string_view key = line.substr(0, line.find_first_of(" \t"));
-  return key.size() < line.size() && std::all_of(key.begin(), key.end(), is_key_character);
-}
-
-enum class Line { kHeader, kData, kIncomplete };
-
-/// Returns whether `text` begins with a header line. Event words may also begin with '%', so the whole line is
-/// inspected.
-Line next_line(std::string_view text, bool ended, std::string_view& line, size_t& length) {
-  constexpr std::string_view kStart = "% ";
-  const size_t known = std::min(text.size(), kStart.size());
-  if (text.substr(0, known) != kStart.substr(0, known)) return Line::kData;
-  if (text.size() < kStart.size()) return ended ? Line::kData : Line::kIncomplete;
-  const size_t newline = text.substr(0, kMaxLine).find('\n');
-  line = text.substr(0, newline);
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  line.remove_prefix(kStart.size());
-  if (!line.empty() && !is_key_character(line.front())) return Line::kData;
-  if (!is_header_line(line)) return Line::kData;
-  if (newline == std::string_view::npos) return ended || text.size() >= kMaxLine ? Line::kData : Line::kIncomplete;
-  length = newline + 1;
-  return Line::kHeader;
-}
 
 std::optional<size_t> parse_side(std::string_view text) {
   size_t value = 0;
@@ -181,21 +138,11 @@ std::string local_time() {
 }  // namespace
 
 Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, const std::string& name) {
-  const std::string_view text = as_text(bytes);
+  auto lines = parse_percent_header(as_text(bytes), ended);
+  if (!lines) return Error{ErrorCode::kTruncated, "the header is incomplete; read more of it", name};
   RawHeader header;
-  bool more = true;
-  while (more) {
-    std::string_view line;
-    size_t length = 0;
-    const Line kind = next_line(text.substr(header.num_bytes), ended, line, length);
-    if (kind == Line::kIncomplete)
-      return Error{ErrorCode::kTruncated, "the header is incomplete; read more of it", name};
-    if (kind == Line::kData) break;
-    header.num_bytes += length;
-    const std::string key(trimmed(line.substr(0, line.find_first_of(" \t"))));
-    more = key != "end";
-    if (more && !key.empty()) header.info.header.emplace_back(key, header_text(trimmed(line.substr(key.size()))));
-  }
+  header.num_bytes = lines->num_bytes;
+  header.info.header = std::move(lines->keys);
   E2LF_RETURN_IF_ERROR(interpret(header, name));
   return header;
 }

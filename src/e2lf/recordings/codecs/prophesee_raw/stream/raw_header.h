@@ -23,8 +23,8 @@ struct RawEncoding {
 inline constexpr std::array<RawEncoding, 4> kRawEncodings = {
     {{"evt2", "EVT2", "2.0"}, {"evt2.1", "EVT21", "2.1"}, {"evt3", "EVT3", "3.0"}, {"evt4", "EVT4", "4.0"}}};
 
-/// The text before the event words of a RAW file: lines "% key value" up to "% end", or up to the first line of another
-/// form. Keys that state the encoding: `format EVT3;height=720;width=1280`, `evt 3.0`, `geometry 1280x720`.
+/// The text before the event words of a RAW file (PercentHeader). Keys that state the encoding: `format
+/// EVT3;height=720;width=1280`, `evt 3.0`, `geometry 1280x720`.
 struct RawHeader {
   RecordingInfo info;      ///< format "evt2", "evt2.1", "evt3" or "evt4", or empty if the header does not state it
   std::string endianness;  ///< "little", "legacy" or empty; only a hint, since files are known to be wrong
