@@ -196,6 +196,14 @@ void I_LL_Biases::save_to_file(const std::filesystem::path& path) const {
   for (const auto& [name, value] : biases_) file << value << " % " << name << "\n";
 }
 
+bool I_TriggerIn::enable(const Channel& channel) {
+  if (channel == Channel::Aux && scenario().count("refuse_aux") == 1) return false;
+  on_.insert(channel);
+  return true;
+}
+
+Filter::Filter() : is_on_(scenario().count("filters") == 1) {}
+
 bool I_ErcModule::set_cd_event_rate(uint32_t events_per_s) {
   if (events_per_s > get_max_supported_cd_event_rate()) return false;
   events_per_s_ = events_per_s;

@@ -21,6 +21,7 @@
 ///   loop       sends the words repeatedly
 ///   buffer     number of bytes in a buffer (4096); period_us: time between two buffers (1000; 0 = full speed)
 ///   unplug_at  number of bytes after which the connection is lost; end_at: the same for the end of the stream
+///   refuse_aux the trigger input Aux cannot be switched on; filters: anti-flicker and trail filter are on at first
 ///   format     the name of the encoding (EVT3)
 namespace stand_in {
 
@@ -126,7 +127,7 @@ class I_HW_Identification {
 class I_TriggerIn {
  public:
   enum class Channel { Main, Aux, Loopback };
-  bool enable(const Channel& channel) { return on_.insert(channel).second || true; }
+  bool enable(const Channel& channel);
   bool disable(const Channel& channel) { return on_.erase(channel) == 1 || true; }
   bool is_enabled(const Channel& channel) const { return on_.count(channel) == 1; }
   std::map<Channel, short> get_available_channels() const {
@@ -178,14 +179,17 @@ class I_ROI {
   std::vector<Window> windows_;
 };
 
-class I_AntiFlickerModule {
+class Filter {
  public:
-  bool is_enabled() const { return false; }
+  Filter();
+  bool enable(bool on) { return (is_on_ = on, true); }
+  bool is_enabled() const { return is_on_; }
+
+ private:
+  bool is_on_;
 };
-class I_EventTrailFilterModule {
- public:
-  bool is_enabled() const { return false; }
-};
+class I_AntiFlickerModule : public Filter {};
+class I_EventTrailFilterModule : public Filter {};
 
 class Device {
  public:

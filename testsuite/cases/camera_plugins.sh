@@ -68,8 +68,11 @@ static int start(e2lf_camera*, char*) { return 0; }
 static e2lf_camera_state next(e2lf_camera* camera, e2lf_camera_buffer* buffer, char*) {
   std::this_thread::sleep_for(std::chrono::milliseconds(10));
   if (camera->kind == 'm') buffer->size = 1000;
+  static bool has_sent = false;
+  if (camera->kind == 'h' && has_sent) std::this_thread::sleep_for(std::chrono::hours(1));
+  has_sent = true;
   static int number = 0;
-  if (camera->kind == 'g' && number < 5) {
+  if ((camera->kind == 'g' || camera->kind == 'h') && number < 5) {
     static const char header[] = "% evt 3.0\n% geometry 64x48\n% end\n", words[] = "\x01\x80\x02\x60\x00\x00\x05\x20";
     buffer->bytes = reinterpret_cast<const uint8_t*>(number == 0 ? header : words);
     buffer->size = number == 0 ? sizeof header - 1 : 8;
@@ -92,6 +95,10 @@ fails 1 "failed without a message" "$E2LF" record camera://odd/silent -o x.raw
 fails 1 "returned a buffer without memory" "$E2LF" record camera://odd/memory -o x.raw
 fails 1 "sent nothing" "$E2LF" record camera://odd/never -o x.raw --seconds 0.5
 absent x.raw
+# Its first bytes are kept though it never returns.
+fails 3 "does not return" "$E2LF" record camera://odd/hung -o hung.raw --seconds 0.2
+exists hung.raw
+fails 1 "lost 2 buffers" "$E2LF" camera check camera://odd/gap --seconds 1
 # The record says where data are missing.
 "$E2LF" record camera://odd/gap -o gap.raw --seconds 1 --quiet 2>log.txt
 grep -q "gap.raw: data are missing at 1 place; its record lists them" log.txt || fail "$(cat log.txt)"

@@ -24,6 +24,7 @@ struct CameraSetup {
   std::optional<uint32_t> max_events_per_s = {};  ///< limit of the event rate controller, which drops events; 0 = off
   std::vector<SensorRegion> regions = {};         ///< the pixels that send events; empty = all
   std::string encoding = {};                      ///< "evt2", "evt2.1", "evt3"
+  bool switches_filters_off = false;  ///< the anti-flicker and event trail filters of the sensor, which drop events
   bool operator==(const CameraSetup&) const = default;
 };
 

@@ -44,6 +44,9 @@ void add_camera_options(CLI::App& app, CameraFlags& flags) {
   app.add_option("--encoding", flags.encoding, "encoding of the camera's events; default: as set in the camera")
       ->check(CLI::IsMember({"evt2", "evt2.1", "evt3"}))
       ->group(kGroup);
+  app.add_flag("--no-sensor-filters", flags.switches_filters_off,
+               "switch off the anti-flicker and event trail filters of the sensor, which drop events of the patterns")
+      ->group(kGroup);
 }
 
 Result<recordings::CameraSetup> camera_setup(const CameraFlags& flags) {
@@ -51,7 +54,8 @@ Result<recordings::CameraSetup> camera_setup(const CameraFlags& flags) {
                                 .biases = flags.biases,
                                 .max_events_per_s = flags.max_events_per_s,
                                 .regions = {},
-                                .encoding = flags.encoding};
+                                .encoding = flags.encoding,
+                                .switches_filters_off = flags.switches_filters_off};
   for (const std::string& text : flags.regions) {
     recordings::SensorRegion region;
     int length = 0;

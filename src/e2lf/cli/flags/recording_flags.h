@@ -21,6 +21,7 @@ struct CameraFlags {
   std::filesystem::path biases;
   std::optional<uint32_t> max_events_per_s;
   std::string encoding;
+  bool switches_filters_off = false;
 };
 
 void add_camera_options(CLI::App& app, CameraFlags& flags);

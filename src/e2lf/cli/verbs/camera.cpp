@@ -101,9 +101,18 @@ class CameraCheck {
       found.push_back(
           cat(summary.live.dropped_bytes, " bytes were lost because they arrived too fast; use a faster computer"));
     }
+    if (summary.live.lost_buffers > 0) {
+      found.push_back(cat("the camera or its driver lost ", summary.live.lost_buffers,
+                          " buffers; check the cable and the load of the computer"));
+    }
+    if (summary.num_gaps > 0) {
+      found.push_back(cat("the times have ", summary.num_gaps,
+                          " gaps, in which data are missing; check the cable and the load of the computer"));
+    }
     for (const char* const filter : {"anti_flicker", "event_trail_filter"}) {
       if (reader.info().find(filter) == "on") {
-        found.push_back(cat("the filter ", filter, " is on and removes events of the patterns; switch it off"));
+        found.push_back(cat("the filter ", filter,
+                            " is on and removes events of the patterns; switch it off (--no-sensor-filters)"));
       }
     }
     return found;

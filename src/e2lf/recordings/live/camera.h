@@ -14,6 +14,13 @@
 
 namespace e2lf::recordings {
 
+/// How long a camera and its reader are waited for.
+struct CameraPatience {
+  std::chrono::milliseconds end{3000};      ///< for its end after stop(); then the thread that reads it is left behind
+  std::chrono::milliseconds silence{5000};  ///< for data that follow its first ones; then a warning is logged
+  std::chrono::milliseconds reader{kBehindUs / 1000};  ///< for the reader to take data; then its delay is logged
+};
+
 /// A source of live events, which camera plugins implement. The concatenated bytes of all reads are a recording. For a
 /// camera, it has Prophesee's RAW format: a header ("% evt 3.0", "% geometry 1280x720", "% end"), then event words.
 class Camera {
@@ -42,6 +49,8 @@ class Camera {
   /// Returns whether unread data are kept for any length of time, as by the sender of a pipe. A camera does not wait:
   /// it is always read, and what exceeds the buffer of its reader is dropped and counted.
   [[nodiscard]] virtual bool keeps_unread() const { return false; }
+
+  [[nodiscard]] virtual CameraPatience patience() const { return {}; }
 
   /// Returns what was left out of the events before they became bytes, e.g. from a damaged file that is replayed. May
   /// be called by any thread.

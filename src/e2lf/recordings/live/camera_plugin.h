@@ -64,7 +64,7 @@ typedef struct e2lf_camera_functions {
      function of this camera; NULL on failure. Called after start(). Optional. */
   const char* (*save_biases)(e2lf_camera* camera, char* error);
   /* Sets "max-event-rate" (events per second, 0 = no limit), "roi" ("X,Y,WIDTH,HEIGHT", several with spaces between
-     them) or "encoding" ("evt2", "evt2.1", "evt3"). Optional. */
+     them), "encoding" ("evt2", "evt2.1", "evt3") or "sensor-filters" ("off": those that drop events). Optional. */
   int (*set)(e2lf_camera* camera, const char* name, const char* value, char* error);
 
   /* Starts the delivery of events. */

@@ -18,49 +18,131 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+struct Chunk {
+  std::vector<uint8_t> bytes;
+  Clock::time_point arrival;
+  std::optional<LiveGap> gap = {};  ///< data missing before it
+};
+
+/// What the thread that reads a camera shares with its reader. The thread holds it, too: if the camera's driver does
+/// not return, both are left behind.
+struct Intake {
+  explicit Intake(CameraPtr started) : camera(std::move(started)) {}
+
+  /// Moves the bytes that the camera delivers to `waiting`. Runs in the thread.
+  void take_bytes() {
+    std::vector<uint8_t> bytes;
+    for (bool more = true; more;) {
+      const Result<bool> delivered = camera->read(bytes);
+      const Clock::time_point now = Clock::now();
+      std::unique_lock<std::mutex> lock(mutex);
+      if (has_ended) return;  // the reader waited for it in vain
+      if (!delivered) error = delivered.error();
+      more = delivered && *delivered && !is_discarding;
+      if (more) note_lost(camera->lost_buffers());
+      if (more && !bytes.empty()) last_arrival = now;
+      if (more && !bytes.empty() && make_room(lock, bytes.size())) {
+        waiting_bytes += bytes.size();
+        waiting.push_back({std::move(bytes), now, std::exchange(missing, std::nullopt)});
+        bytes = {};
+      }
+      if (!more && missing) waiting.push_back({{}, now, missing});
+      has_ended = !more;
+      changed.notify_all();
+    }
+  }
+
+  void note_lost(uint64_t buffers) {
+    if (buffers == 0) return;
+    backlog.lost_buffers += buffers;
+    if (!missing) missing.emplace();
+    missing->lost_buffers += buffers;
+  }
+
+  /// Returns true if there is room for bytes that have arrived. A sender waits for room; without it, bytes of a camera
+  /// are dropped.
+  bool make_room(std::unique_lock<std::mutex>& lock, size_t bytes) {
+    if (waiting_bytes < kMaxWaitingBytes) return true;
+    if (camera->keeps_unread()) {
+      ++backlog.pauses;
+      changed.wait(lock, [this] { return waiting_bytes < kMaxWaitingBytes || is_discarding; });
+      return true;
+    }
+    if (!missing) missing.emplace();
+    if (missing->dropped_bytes == 0) ++backlog.pauses;
+    missing->dropped_bytes += bytes;
+    backlog.loses_events = true;
+    backlog.dropped_bytes += bytes;
+    return false;
+  }
+
+  const CameraPtr camera;
+  mutable std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Chunk> waiting;
+  size_t waiting_bytes = 0;
+  std::optional<Clock::time_point> last_arrival;
+  bool has_ended = false;
+  bool is_discarding = false;      ///< whether the reader has gone
+  std::optional<LiveGap> missing;  ///< data missing before the next bytes
+  LiveBacklog backlog;
+  std::optional<Error> error;
+};
+
 class CameraSource final : public LiveSource {
  public:
   CameraSource(CameraPtr camera, std::string name)
-      : camera_(std::move(camera)), name_(std::move(name)), thread_([this] { take_bytes(); }) {}
+      : intake_(std::make_shared<Intake>(std::move(camera))),
+        name_(std::move(name)),
+        thread_([intake = intake_] { intake->take_bytes(); }) {}
   CameraSource(const CameraSource&) = delete;
   CameraSource& operator=(const CameraSource&) = delete;
   ~CameraSource() override {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      is_discarding_ = true;
-    }
-    camera_->stop();
-    changed_.notify_all();
-    thread_.join();
+    std::unique_lock<std::mutex> lock(intake_->mutex);
+    intake_->is_discarding = true;
+    intake_->changed.notify_all();
+    if (!is_stopping_) stop_camera(lock);
+    const auto has_ended = [this] { return intake_->has_ended; };
+    const bool returns = !has_hung_ && intake_->changed.wait_until(lock, last_end(), has_ended);
+    lock.unlock();
+    returns ? thread_.join() : thread_.detach();
   }
 
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
-    std::unique_lock<std::mutex> lock(mutex_);
+    std::unique_lock<std::mutex> lock(intake_->mutex);
     for (;;) {
       if (!is_stopping_ && (stop_requested() || Clock::now() >= end_)) stop_camera(lock);
       if (buffer_.size() - begin_ >= wanted) break;
-      if (!waiting_.empty()) {
-        if (waiting_.front().gap && position_ + buffer_.size() == 0) take_gap();  // nothing is cut there
-        if (waiting_.front().gap) break;
+      std::deque<Chunk>& waiting = intake_->waiting;
+      if (!waiting.empty()) {
+        if (waiting.front().gap && position_ + buffer_.size() == 0) take_gap();  // nothing is cut there
+        if (waiting.front().gap) break;
         append_waiting();
-      } else if (has_ended_) {
-        if (position_ == 0 && buffer_.empty() && error_) return *error_;
-        if (error_) backlog_.failure = error_->text();
+      } else if (intake_->has_ended) {
+        if (position_ == 0 && buffer_.empty() && intake_->error) return *intake_->error;
+        if (intake_->error) intake_->backlog.failure = intake_->error->text();
         break;
+      } else if (is_stopping_ && Clock::now() >= last_end()) {
+        has_hung_ = intake_->has_ended = true;
+        intake_->error =
+            Error{ErrorCode::kIo, "the camera was stopped, but its driver does not return; restart the camera", name_};
       } else {
-        changed_.wait_for(lock, kNap);  // a signal does not notify this condition variable
+        tell_silence(lock);
+        intake_->changed.wait_for(lock, kNap);  // a signal does not notify this condition variable
       }
     }
-    const bool has_failed = !backlog_.failure.empty() && !std::exchange(is_failure_told_, true);
-    const bool is_behind = (backlog_.most_behind_us >= kBehindUs || backlog_.loses_events) && !is_behind_told_;
-    const bool has_lost = backlog_.lost_buffers > 0 && !std::exchange(is_loss_told_, true);
+    const LiveBacklog& backlog = intake_->backlog;
+    const int64_t longest_behind_us = 1000 * intake_->camera->patience().reader.count();
+    const bool has_failed = !backlog.failure.empty() && !std::exchange(is_failure_told_, true);
+    const bool is_behind = (backlog.most_behind_us >= longest_behind_us || backlog.loses_events) && !is_behind_told_;
+    const bool has_lost = backlog.lost_buffers > 0 && !std::exchange(is_loss_told_, true);
     is_behind_told_ = is_behind_told_ || is_behind;
     const std::string behind = is_behind ? behind_text() : "";
     lock.unlock();  // the recipient of the message may block
-    if (is_behind) camera_->keeps_unread() ? log_info(behind) : log_warning(behind);
+    if (is_behind) intake_->camera->keeps_unread() ? log_info(behind) : log_warning(behind);
     if (has_lost)
       log_warning(cat(name_, ": the camera or its driver loses data; check the cable and the load of the computer"));
-    if (has_failed) log_warning(cat(error_->text(), "; the data before that are kept"));
+    if (has_failed) log_warning(cat(intake_->error->text(), "; the data before that are kept"));
     return std::span<const uint8_t>(buffer_).subspan(begin_);
   }
   void consume(size_t count) override {
@@ -76,140 +158,96 @@ class CameraSource final : public LiveSource {
   std::optional<uint64_t> size() const override { return std::nullopt; }
   std::string name() const override { return name_; }
   DecodeSummary left_out() const override {
-    DecodeSummary all = camera_->left_out();
-    const std::lock_guard<std::mutex> lock(mutex_);
-    all.live = backlog_;
+    DecodeSummary all = intake_->camera->left_out();
+    const std::lock_guard<std::mutex> lock(intake_->mutex);
+    all.live = intake_->backlog;
     return all;
   }
   std::optional<Clock::time_point> arrival() const override { return arrival_; }
   bool pass_break() override {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (waiting_.empty() || !waiting_.front().gap) return false;
+    const std::lock_guard<std::mutex> lock(intake_->mutex);
+    if (intake_->waiting.empty() || !intake_->waiting.front().gap) return false;
     consume(buffer_.size() - begin_);
     take_gap();
     return true;
   }
   void end_at(Clock::time_point time) override { end_ = time; }
-  std::string bias_file_text() const override { return camera_->bias_file_text(); }
+  std::string bias_file_text() const override { return intake_->camera->bias_file_text(); }
 
  private:
   static constexpr auto kNap = std::chrono::milliseconds(50);
-
-  struct Chunk {
-    std::vector<uint8_t> bytes;
-    Clock::time_point arrival;
-    std::optional<LiveGap> gap = {};  ///< data missing before it
-  };
 
   /// Requests the end of the camera. Bytes that have arrived by then are still returned.
   void stop_camera(std::unique_lock<std::mutex>& lock) {
     is_stopping_ = true;
     lock.unlock();
-    camera_->stop();
+    intake_->camera->stop();
+    lock.lock();
+    stop_time_ = Clock::now();
+  }
+
+  /// Returns when the camera must have ended after it was stopped.
+  [[nodiscard]] Clock::time_point last_end() const { return stop_time_ + intake_->camera->patience().end; }
+
+  /// Warns once if a camera has sent data and then nothing for a long time.
+  void tell_silence(std::unique_lock<std::mutex>& lock) {
+    const auto longest = intake_->camera->patience().silence;
+    if (is_silence_told_ || !intake_->last_arrival || Clock::now() - *intake_->last_arrival < longest) return;
+    is_silence_told_ = true;
+    if (intake_->camera->keeps_unread()) return;  // a sender may pause
+    lock.unlock();
+    const std::chrono::duration<double> seconds = longest;
+    log_warning(cat(name_, ": no data have arrived for ", seconds.count(), " s; check the camera and its connection"));
     lock.lock();
   }
 
-  /// Moves the bytes that the camera delivers to waiting_. Runs in the thread.
-  void take_bytes() {
-    std::vector<uint8_t> bytes;
-    for (bool more = true; more;) {
-      const Result<bool> delivered = camera_->read(bytes);
-      const Clock::time_point now = Clock::now();
-      std::unique_lock<std::mutex> lock(mutex_);
-      if (!delivered) error_ = delivered.error();
-      more = delivered && *delivered && !is_discarding_;
-      if (more) note_lost(camera_->lost_buffers());
-      if (more && !bytes.empty() && make_room(lock, bytes.size())) {
-        waiting_bytes_ += bytes.size();
-        waiting_.push_back({std::move(bytes), now, std::exchange(missing_, std::nullopt)});
-        bytes = {};
-      }
-      if (!more && missing_) waiting_.push_back({{}, now, missing_});
-      has_ended_ = !more;
-      changed_.notify_all();
-    }
-  }
-
   void take_gap() {
-    std::optional<LiveGap>& gap = waiting_.front().gap;
+    std::optional<LiveGap>& gap = intake_->waiting.front().gap;
     gap->byte = position_;
-    backlog_.add_gap(*gap);
+    intake_->backlog.add_gap(*gap);
     gap.reset();
-  }
-
-  void note_lost(uint64_t buffers) {
-    if (buffers == 0) return;
-    backlog_.lost_buffers += buffers;
-    if (!missing_) missing_.emplace();
-    missing_->lost_buffers += buffers;
-  }
-
-  /// Returns true if there is room for bytes that have arrived. A sender waits for room; without it, bytes of a camera
-  /// are dropped.
-  bool make_room(std::unique_lock<std::mutex>& lock, size_t bytes) {
-    if (waiting_bytes_ < kMaxWaitingBytes) return true;
-    if (camera_->keeps_unread()) {
-      ++backlog_.pauses;
-      changed_.wait(lock, [this] { return waiting_bytes_ < kMaxWaitingBytes || is_discarding_; });
-      return true;
-    }
-    if (!missing_) missing_.emplace();
-    if (missing_->dropped_bytes == 0) ++backlog_.pauses;
-    missing_->dropped_bytes += bytes;
-    backlog_.loses_events = true;
-    backlog_.dropped_bytes += bytes;
-    return false;
   }
 
   /// Appends the waiting bytes, up to a place where bytes are missing, to the rest of the buffer.
   void append_waiting() {
+    std::deque<Chunk>& waiting = intake_->waiting;
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(begin_));
     begin_ = 0;
-    const auto behind = Clock::now() - waiting_.front().arrival;
-    backlog_.most_behind_us = std::max<int64_t>(backlog_.most_behind_us,
-                                                std::chrono::duration_cast<std::chrono::microseconds>(behind).count());
-    while (!waiting_.empty() && !waiting_.front().gap) {
-      const Chunk& chunk = waiting_.front();
+    is_silence_told_ = false;
+    int64_t& most_behind_us = intake_->backlog.most_behind_us;
+    const auto behind = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - waiting.front().arrival);
+    most_behind_us = std::max<int64_t>(most_behind_us, behind.count());
+    while (!waiting.empty() && !waiting.front().gap) {
+      const Chunk& chunk = waiting.front();
       buffer_.insert(buffer_.end(), chunk.bytes.begin(), chunk.bytes.end());
       arrival_ = chunk.arrival;
-      waiting_bytes_ -= chunk.bytes.size();
-      waiting_.pop_front();
+      intake_->waiting_bytes -= chunk.bytes.size();
+      waiting.pop_front();
     }
-    changed_.notify_all();
+    intake_->changed.notify_all();
   }
 
   /// Returns the message that is logged once if the reader is too slow.
   std::string behind_text() const {
     return cat(name_, ": the input arrives faster than it is processed: the data that are read now arrived ",
-               static_cast<double>(backlog_.most_behind_us / 100'000) * 0.1, " s ago. Up to ", kMaxWaitingBytes >> 20U,
-               " MiB wait in memory; above that, ",
-               camera_->keeps_unread() ? "the sender waits, and nothing is lost" : "the data of the camera are dropped",
+               static_cast<double>(intake_->backlog.most_behind_us / 100'000) * 0.1, " s ago. Up to ",
+               kMaxWaitingBytes >> 20U, " MiB wait in memory; above that, ",
+               intake_->camera->keeps_unread() ? "the sender waits, and nothing is lost"
+                                               : "the data of the camera are dropped",
                ". Record the input to a file and process that, or choose a faster method");
   }
 
-  CameraPtr camera_;
+  std::shared_ptr<Intake> intake_;
   std::string name_;
-
-  // Used only by the reader.
-  bool is_behind_told_ = false, is_loss_told_ = false, is_failure_told_ = false, is_stopping_ = false;
-  Clock::time_point end_ = Clock::time_point::max();
+  bool is_behind_told_ = false, is_loss_told_ = false, is_failure_told_ = false, is_silence_told_ = false;
+  bool is_stopping_ = false;
+  bool has_hung_ = false;  ///< whether the driver did not return after the camera was stopped
+  Clock::time_point end_ = Clock::time_point::max(), stop_time_ = {};
   std::vector<uint8_t> buffer_;
   size_t begin_ = 0;
   uint64_t position_ = 0;
   std::optional<Clock::time_point> arrival_;  ///< arrival of the last bytes of the buffer
-
-  // Shared with the thread.
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<Chunk> waiting_;
-  size_t waiting_bytes_ = 0;
-  bool has_ended_ = false;
-  bool is_discarding_ = false;      ///< whether the reader has gone
-  std::optional<LiveGap> missing_;  ///< data missing before the next bytes
-  LiveBacklog backlog_;
-  std::optional<Error> error_;
-
-  std::thread thread_;  ///< last, because it uses the members above
+  std::thread thread_;
 };
 
 }  // namespace

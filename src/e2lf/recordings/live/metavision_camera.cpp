@@ -4,6 +4,7 @@
 #include <chrono>
 #include <metavision/hal/facilities/i_events_stream.h>
 #include <metavision/hal/utils/hal_connection_exception.h>
+#include <mutex>
 #include <thread>
 
 #include "e2lf/base/text.h"
@@ -34,7 +35,7 @@ void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
 }
 
 /// The HAL discards the content of its queue when it is stopped or when the camera is unplugged. The queue is therefore
-/// emptied immediately, and the HAL is stopped only when it is empty.
+/// emptied as soon as the HAL reports data, and the HAL is stopped only when it is empty.
 class MetavisionCamera final : public Camera {
  public:
   explicit MetavisionCamera(std::string address) : address_(std::move(address)) {}
@@ -68,19 +69,16 @@ class MetavisionCamera final : public Camera {
       return true;
     }
     while (bytes.empty()) {
-      const bool is_stopped = is_stopped_;
-      const short state = stream_->poll_buffer();  // a blocking wait would only end with the HAL
-      const bool is_late = is_stopped && Clock::now() > stop_time_.load() + kLongestDrain;
-      if (is_stopped && (state <= 0 || is_late)) {
+      is_waiting_ = true;  // before the test of is_stopped_, as stop() sets and tests them in the opposite order
+      const short state = is_stopped_ ? stream_->poll_buffer() : stream_->wait_next_buffer();
+      is_waiting_ = false;
+      const bool is_late = is_stopped_ && Clock::now() > stop_time_.load() + kLongestDrain;
+      if (is_stopped_ && (state <= 0 || is_late)) {
         end_stream();
         return false;
       }
       if (state < 0) return Error{ErrorCode::kIo, "the stream of the camera ended by itself; start it again", name()};
-      if (state == 0) {
-        std::this_thread::sleep_for(kPoll);
-      } else {
-        copy_latest(*stream_, bytes);
-      }
+      copy_latest(*stream_, bytes);
     }
     return true;
   } catch (const Metavision::HalConnectionException& error) {
@@ -93,13 +91,16 @@ class MetavisionCamera final : public Camera {
   void stop() override {
     stop_time_ = Clock::now();
     is_stopped_ = true;
+    // If the camera sends nothing, only the end of the HAL ends the wait of read(); its queue is empty then.
+    while (is_waiting_ && Clock::now() < stop_time_.load() + kLongestWait) std::this_thread::sleep_for(1ms);
+    if (is_waiting_) end_stream();
   }
 
   std::string bias_file_text() const override { return biases_; }
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr auto kPoll = 500us;
+  static constexpr auto kLongestWait = 50ms;
   static constexpr auto kLongestDrain = 1s;  ///< limited because a camera continues to send
 
   [[nodiscard]] std::string name() const { return "camera://metavision" + (address_.empty() ? "" : "/" + address_); }
@@ -110,10 +111,12 @@ class MetavisionCamera final : public Camera {
 
   void end_stream() {
     if (stream_ == nullptr) return;
-    try {
-      stream_->stop();
-    } catch (const std::exception&) {  // NOLINT: an unplugged camera has stopped
-    }
+    std::call_once(end_, [this] {
+      try {
+        stream_->stop();
+      } catch (const std::exception&) {  // NOLINT: an unplugged camera has stopped
+      }
+    });
   }
 
   std::string address_;
@@ -122,6 +125,8 @@ class MetavisionCamera final : public Camera {
   Metavision::I_EventsStream* stream_ = nullptr;
   std::string header_, biases_;
   std::atomic<bool> is_stopped_ = false;
+  std::atomic<bool> is_waiting_ = false;  ///< whether read() waits for data
+  std::once_flag end_;
   std::atomic<Clock::time_point> stop_time_;
 };
 

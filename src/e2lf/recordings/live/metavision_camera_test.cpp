@@ -113,6 +113,27 @@ TEST_F(MetavisionCamera, SettingsThatItDoesNotTakeAreRefused) {
   expect_said({.encoding = "evt2"}, "it offers EVT3, EVT21");
 }
 
+TEST_F(MetavisionCamera, AnInputThatNobodyAskedForMayBeRefused) {
+  simulate("period_us=0;end_at=4096;refuse_aux");
+  const TestLog log;
+  const auto reader = open_camera(kName).value();
+  EXPECT_EQ(reader->info().find("trigger_channels"), "main=0");
+  EXPECT_NE(log.text().find("trigger input aux"), std::string::npos) << log.text();
+  const auto refused = open_camera(kName, {.camera = {.trigger_channels = {"aux"}}});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidValue);
+}
+
+TEST_F(MetavisionCamera, ItsFiltersAreSwitchedOffOnRequest) {
+  simulate("period_us=0;end_at=4096;filters");
+  const TestLog log;
+  for (const bool switches_off : {false, true}) {
+    const auto reader = open_camera(kName, {.camera = {.switches_filters_off = switches_off}}).value();
+    EXPECT_EQ(reader->info().find("anti_flicker"), switches_off ? "off" : "on");
+    EXPECT_EQ(reader->info().find("event_trail_filter"), switches_off ? "off" : "on");
+  }
+}
+
 TEST_F(MetavisionCamera, AnEncodingThatIsNotReadIsRefused) {
   simulate("format=EVT4");
   const TestLog log;
@@ -171,7 +192,7 @@ TEST_F(MetavisionCamera, AStopDrainsWhatHadCome) {
     simulate("buffer=512;period_us=0;loop");
     request_stop(0);
     auto source = open_camera_bytes(kName).value();
-    std::this_thread::sleep_for(std::chrono::milliseconds(5 + trial));
+    while (stand_in::bytes_sent() < 512U * static_cast<unsigned>(trial)) std::this_thread::yield();
     const uint64_t sent = stand_in::bytes_sent();
     request_stop(SIGINT);
     const std::vector<uint8_t> kept = words_of(take_all(*source));
@@ -187,7 +208,8 @@ TEST_F(MetavisionCamera, ASlowReaderHasBoundedMemoryAndWhatIsDroppedIsCounted) {
   auto source = open_camera_bytes(kName).value();
   uint64_t kept = 0;
   for (int i = 0; i < 3; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(900));
+    const uint64_t dropped = source->left_out().live.dropped_bytes;
+    while (source->left_out().live.dropped_bytes < dropped + 1'000'000) std::this_thread::yield();
     const auto bytes = source->fetch(1).value();
     EXPECT_LE(bytes.size(), kMaxWaitingBytes + 200'000);
     kept += bytes.size();

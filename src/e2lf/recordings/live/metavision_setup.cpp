@@ -12,6 +12,7 @@
 #include <metavision/hal/facilities/i_roi.h>
 #include <metavision/hal/facilities/i_trigger_in.h>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
@@ -54,9 +55,11 @@ Result<void> switch_on_triggers(Metavision::I_TriggerIn* triggers, const std::ve
     const bool is_on =
         wanted.empty() ? channel != Channel::Loopback : std::any_of(wanted.begin(), wanted.end(), is_this);
     if (!is_on) continue;
-    if (!triggers->enable(channel) || !triggers->is_enabled(channel)) {
-      return refuses(cat("to switch on its trigger input ", channel_name(channel), "; unplug it and plug it in again"));
-    }
+    if (triggers->enable(channel) && triggers->is_enabled(channel)) continue;
+    const Error refusal =
+        refuses(cat("to switch on its trigger input ", channel_name(channel), "; unplug it and plug it in again"));
+    if (!wanted.empty() || channel == Channel::Main) return refusal;
+    log_warning(refusal.text());  // nobody asked for it
   }
   for (const std::string& name : wanted) {
     const bool is_known = name == "none" || std::any_of(channels.begin(), channels.end(), [&](const auto& known) {
@@ -93,6 +96,13 @@ Result<void> limit_regions(Metavision::I_ROI* roi, const Metavision::I_Geometry*
   }
   if (roi->set_windows(windows) && roi->enable(true)) return {};
   return refuses(cat(windows.size(), " regions; it takes up to ", roi->get_max_supported_windows_count()));
+}
+
+/// Switches off a filter of events, if the camera has it.
+template <typename Filter>
+Result<void> switch_off(Filter* filter, const char* name) {
+  if (filter == nullptr || !filter->is_enabled() || (filter->enable(false) && !filter->is_enabled())) return {};
+  return refuses(cat("to switch off its ", name, "; leave the setting out"));
 }
 
 std::string enabled_text(bool is_on) {
@@ -166,6 +176,10 @@ Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup)
   if (!setup.regions.empty()) {
     E2LF_RETURN_IF_ERROR(limit_regions(device.get_facility<Metavision::I_ROI>(),
                                        device.get_facility<Metavision::I_Geometry>(), setup.regions));
+  }
+  if (setup.switches_filters_off) {
+    E2LF_RETURN_IF_ERROR(switch_off(device.get_facility<Metavision::I_AntiFlickerModule>(), "anti-flicker filter"));
+    E2LF_RETURN_IF_ERROR(switch_off(device.get_facility<Metavision::I_EventTrailFilterModule>(), "event trail filter"));
   }
   return switch_on_triggers(device.get_facility<Metavision::I_TriggerIn>(), setup.trigger_channels);
 }

@@ -52,6 +52,7 @@ class PluginCamera final : public Camera {
       regions.push_back(cat(one.x, ",", one.y, ",", one.width, ",", one.height));
     }
     if (!regions.empty()) E2LF_RETURN_IF_ERROR(set("roi", join(regions, " ")));
+    if (setup.switches_filters_off) E2LF_RETURN_IF_ERROR(set("sensor-filters", "off"));
     return switch_on_triggers(setup.trigger_channels);
   }
 
