@@ -8,8 +8,8 @@ signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 sys.exit(subprocess.run(sys.argv[2:], preexec_fn=limit, restore_signals=False).returncode)' "$@"
 }
-for output in a.hdf5 a.h5 a.raw a.csv a.npy a.npz a.dat; do
-  for size in 4 16 64; do
+for output in a.hdf5 a.raw a.npz; do
+  for size in 4 64; do
     fails 1 "cannot write" limited "$size" "$E2LF" convert rec.raw "$output"
     [ -z "$(find . -name 'a*')" ] || fail "left behind: $(find . -name 'a*')"
   done

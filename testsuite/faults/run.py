@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""testsuite/faults/run.py E2LF [TRIALS] [--seed S] [--only FAULT] [--verb VERB]: the machine of faults.
+"""testsuite/faults/run.py E2LF [TRIALS] [--seed S] [--only FAULT] [--verb VERB]: the fault tests.
 
-Runs every verb with everything that can go wrong: TRIALS times kill -9 (200), a quarter as often each other fault. After
-each, no file of the user's has changed, nothing lies half-written at a final name, and the command works when it is given
-again, leaving its result and nothing else. Prints a table of trials and losses, after Ctrl-C, too; ends with 1 where something was lost."""
+Runs a verb for each way of writing with each fault: TRIALS times kill -9 (200), a quarter as often each other fault. After
+each, no file of the user has changed, nothing incomplete has a final name, and the command succeeds when it is repeated
+and leaves only its result. Prints a table of trials and losses, also after Ctrl-C; the exit code is 1 if something was lost."""
 import argparse
 import collections
 import pathlib

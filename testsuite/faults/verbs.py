@@ -1,4 +1,4 @@
-"""What the machine of faults runs: each verb's inputs, command and result, and what must hold of a result."""
+"""The verbs that the fault tests run, one for each way of writing: inputs, command, result, and what must hold of a result."""
 import hashlib
 import json
 import os
@@ -82,15 +82,6 @@ class Verb:
                                   timeout=LIMIT_S).returncode == 0 for path in paths)
 
 
-class Frames(Verb):
-    """A folder of frames, which no other verb reads."""
-
-    def is_readable(self, e2lf, out):
-        rows = (out / self.result / "frames.csv").read_text().splitlines()[1:]
-        frames = sorted((out / self.result).glob("*.png"))
-        return len(frames) == len(rows) > 0 and all(frame.read_bytes()[-8:-4] == b"IEND" for frame in frames)
-
-
 class Comparison(Verb):
     """A folder that grows: what is there stays, and the same command goes on. Results and pages hold times."""
 
@@ -172,67 +163,16 @@ def write_training_data(folder):
     (folder / "train.json").write_text(json.dumps(config))
 
 
-def write_calibration_data(folder):
-    """A light field of fifteen even patches, and three patterns after black that pass an eighth, three quarters and a quarter."""
-    height, width = 75, 100
-    row = [[0.01 * 1.35 ** ((y // 25 * 5 + x // 20) * 7 % 15) for x in range(width)] for y in range(height)]
-    view = struct.pack(f"<{height * width}f", *(value for line in row for value in line))
-    header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': (8, 8, {height}, {width}), }}"
-    header = header.ljust(117) + "\n"
-    (folder / "patches.npy").write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + 64 * view)
-    open_cells = [0, 8, 48, 16]
-    patterns = [["".join("1" if row * 8 + column < count else "0" for column in range(8)) for row in range(8)]
-                for count in open_cells]
-    (folder / "codes.json").write_text(json.dumps({"patterns": patterns}))
-
-
-def can(program, folder, *words):
-    """Whether the build can do this, with an output that is named last: some parts are left out where a library is missing."""
-    with tempfile.TemporaryDirectory(dir=folder) as out:
-        command = [str(program), *map(str, words[:-1]), f"{out}/{words[-1]}"]
-        return subprocess.run(command, capture_output=True, check=False, timeout=LIMIT_S).returncode == 0
-
-
-def newer_verbs(e2lf, folder, run):
-    """What makes pictures, numbers and tables of light fields and event images."""
-    scene = folder / "demo" / "scene"
-    write_calibration_data(folder)
-    run("simulate", folder / "patches.npy", "--codes", folder / "codes.json", "--camera", "evk4-lcos", "--cycles", 4, "-o",
-        folder / "still.npz")
-    (folder / "compare.json").write_text(json.dumps({
-        "methods": [{"name": "inversion", "algorithm": "inversion"}], "seeds": [1, 2, 3],
-        "scenes": [{"name": "s", "scenes": [str(scene)]}]}))
-    def verb(name, *words, result, source=scene):
-        return Verb(name, e2lf, [*words, "--quiet"], result, source, False)
-    verbs = [
-        verb("depth", "depth", "{source}", "-o", "{result}", result="depth"),
-        verb("depth ply", "depth", "{source}", "-o", "{result}", result="points.ply"),
-        verb("refocus", "refocus", "{source}", "--disparity=-1,0", "-o", "{result}", result="near.png"),
-        verb("epi", "epi", "{source}", "-o", "{result}", result="epi.png"),
-        verb("codes render", "codes", "render", "--codes", "{source}", "-o", "{result}", result="display",
-             source=folder / "codes.json"),
-        verb("calibrate", "calibrate", "{source}", "--even", "-o", "{result}", result="mine.json",
-             source=folder / "still.npz"),
-        Comparison("compare", e2lf, ["compare", "{source}", "-o", "{result}", "--quiet"], "tables",
-                   folder / "compare.json", False),
-    ]
-    film = "film.gif" if can(e2lf, folder, "animate", scene, "--frames", 1, "-o", "x.gif") else "quilt_qs4x2a1.33.png"
-    shape = ["--frames", "6"] if film.endswith(".gif") else ["--columns", "4", "--rows", "2"]
-    verbs.append(verb("animate", "animate", "{source}", "-o", "{result}", *shape, result=film))
-    if can(e2lf, folder, "view", scene, "--export", "x.html"):
-        verbs.append(verb("view", "view", "{source}", "--export", "{result}", result="page.html"))
-    else:
-        print("faults: this build has no viewer: view is left out")
-    return verbs
-
-
 def prepare(e2lf, folder):
-    """Makes the inputs in `folder` and lists the verbs. Training is left out where e2lf was built without torch."""
+    """Makes the inputs in `folder` and lists a verb for each way of writing. Training is left out of builds without torch."""
     def run(*words):
         subprocess.run([str(e2lf), *map(str, words), "--quiet"], check=True, timeout=LIMIT_S)
     run("demo", "-o", folder / "demo", "--width", 64, "--height", 48)
     scene, recording = folder / "demo" / "scene", folder / "recording.raw"
     run("simulate", scene, "-o", recording, "--cycles", 12)
+    (folder / "compare.json").write_text(json.dumps({
+        "methods": [{"name": "inversion", "algorithm": "inversion"}], "seeds": [1, 2, 3],
+        "scenes": [{"name": "s", "scenes": [str(scene)]}]}))
     verbs = [
         Verb("convert", e2lf, ["convert", "{source}", "{result}", "--quiet"], "o.csv", recording, True),
         Verb("convert h5", e2lf, ["convert", "{source}", "{result}", "--quiet"], "o.hdf5", recording, True),
@@ -240,14 +180,12 @@ def prepare(e2lf, folder):
              "events.npz", recording, True),
         Verb("reconstruct", e2lf, ["reconstruct", "{source}", "-o", "{result}", "--source", "triggers", "--method",
                                    "inversion", "--max-cycles", "4", "--quiet"], "recon", recording, True),
-        Frames("video", e2lf, ["video", "{source}", "-o", "{result}", "--window-us", "20000", "--quiet"], "frames",
-               recording, True),
-        Verb("simulate", e2lf, ["simulate", "{source}", "-o", "{result}", "--cycles", "4", "--quiet"],
-             "simulated.npz", scene, False),
-        Verb("convert mat", e2lf, ["convert", "{source}", "{result}", "--quiet"], "o.mat", scene, False),
         Verb("model export", e2lf, ["model", "export", "{source}", "-o", "{result}", "--quiet"], "model.onnx",
              MODELS / "e2lf-n4.safetensors", False),
-        *newer_verbs(e2lf, folder, run),
+        Verb("animate", e2lf, ["animate", "{source}", "-o", "{result}", "--columns", "4", "--rows", "2", "--quiet"],
+             "quilt_qs4x2a1.33.png", scene, False),
+        Comparison("compare", e2lf, ["compare", "{source}", "-o", "{result}", "--quiet"], "tables",
+                   folder / "compare.json", False),
     ]
     trainer = pathlib.Path(e2lf).parent / "e2lf-train"
     if trainer.exists():
