@@ -23,7 +23,7 @@ mkdir converted
 [ "$(json converted.json "sorted(k for k, v in j['convert'].items() if v > 0)")" = "['csv', 'hdf5']" ] || fail "convert"
 [ -z "$(ls -A converted)" ] || fail "something was left behind"
 "$E2LF" convert recording.raw recording.npz --quiet
-fails 1 "give a RAW recording" "$E2LF-bench" decode recording.npz
+fails 1 "RAW recording" "$E2LF-bench" decode recording.npz
 mkdir empty
-fails 1 "no RAW recording in the folder" "$E2LF-bench" decode empty
-fails 1 "check the path" "$E2LF-bench" decode nowhere
+fails 1 "RAW recording" "$E2LF-bench" decode empty
+fails 1 "path" "$E2LF-bench" decode nowhere

@@ -70,12 +70,12 @@ py -c 'import numpy as np; np.save("board.npy", np.repeat(4 * (np.indices((160, 
 fails 1 'flat areas' "$E2LF" calibrate board.npy -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o x.json
 absent x.json x.json.run.json
 # Outputs have names of their own, and none is an input; nothing is left where the command fails.
-fails 1 'two outputs have this name' "$E2LF" calibrate events.npz --even -o x.json --threshold-map x.json
-fails 1 'two outputs have this name' "$E2LF" calibrate events.npz --even -o x.json --threshold-map x.npy --bad-pixels ./x.npy
-fails 1 'two outputs have this name' "$E2LF" calibrate events.npz --even -o x.json --bad-pixels x.json.run.json
+fails 1 'outputs' "$E2LF" calibrate events.npz --even -o x.json --threshold-map x.json
+fails 1 'outputs' "$E2LF" calibrate events.npz --even -o x.json --threshold-map x.npy --bad-pixels ./x.npy
+fails 1 'outputs' "$E2LF" calibrate events.npz --even -o x.json --bad-pixels x.json.run.json
 cp codes.npy kept.npy
 for option in --threshold-map --bad-pixels; do
-  fails 1 'is an input' "$E2LF" calibrate events.npz --even --codes codes.npy -o x.json $option codes.npy --overwrite
+  fails 1 'input' "$E2LF" calibrate events.npz --even --codes codes.npy -o x.json $option codes.npy --overwrite
 done
 cmp codes.npy kept.npy
 absent x.json x.json.run.json x.npy

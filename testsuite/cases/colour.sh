@@ -44,11 +44,11 @@ grep -aq "property uchar blue" points.ply || fail "points without colour"
 "$E2LF" view colour --export colour.html --quiet
 exists colour.html
 
-fails 1 "the light field is grey" "$E2LF" simulate grey.npy --colour-filter rggb -m "$model" -o x.npz
-fails 1 "is not a colour filter" "$E2LF" simulate scene.npy --colour-filter rgb -m "$model" -o x.npz
-fails 1 "the turntable is grey" "$E2LF" simulate --turntable 1.75 --colour-filter rggb -o x.raw
+fails 1 "light field" "$E2LF" simulate grey.npy --colour-filter rggb -m "$model" -o x.npz
+fails 1 "colour filter" "$E2LF" simulate scene.npy --colour-filter rgb -m "$model" -o x.npz
+fails 1 "turntable" "$E2LF" simulate --turntable 1.75 --colour-filter rggb -o x.raw
 py -c 'import numpy as np; np.save("odd.npy", np.ones((3, 47, 64), np.int16))'
-fails 1 "do not divide into blocks" "$E2LF" reconstruct odd.npy -m "$model" --colour-filter rggb -o x
+fails 1 "divide" "$E2LF" reconstruct odd.npy -m "$model" --colour-filter rggb -o x
 absent x x.npz x.raw
 
 # Grids of 5x5, 7x7 and 9x9: the patterns say how many views there are.

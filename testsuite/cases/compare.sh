@@ -53,7 +53,7 @@ row, other = json.load(open("r.out"))["results"][0], json.load(open("eval.json")
 assert abs(row["psnr_db"] - other["psnr_db"]) < 1e-4 and abs(row["ssim"] - other["ssim_uniform7"]) < 1e-5, (row, other)
 assert row["events_per_pixel"] == other["events"]["total_events_per_pixel"]
 PY
-fails 1 "the method regularised makes one pass" "$E2LF" reconstruct events.npz --method regularised --passes 2 -o no
+fails 1 "method" "$E2LF" reconstruct events.npz --method regularised --passes 2 -o no
 
 # LaTeX: what is opened is closed, every row has as many cells, names are escaped.
 py - <<'PY'
@@ -147,4 +147,4 @@ fails 1 "this is not a folder of results of e2lf compare" "$E2LF" compare c.json
 echo mine >one/notes.txt
 "$E2LF" compare more.json -o one --set seeds=[1,2] --quiet
 [ "$(cat one/notes.txt)" = mine ] || fail "a file of someone else is gone"
-fails 1 "which would be lost" "$E2LF" compare c.json -o .
+fails 1 "lost" "$E2LF" compare c.json -o .

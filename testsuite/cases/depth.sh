@@ -58,14 +58,14 @@ cmp maps/cycle_00000/disparity.npy out/disparity.npy
 py -c 'import numpy as np; d = np.load("maps/cycle_00001/disparity.npy"); assert np.abs(d[8:-8, 8:-8] - 0.6).max() < 0.02'
 
 fails 1 'give one of them' "$E2LF" depth cycles -o x.ply
-fails 1 'give a larger one' "$E2LF" depth cycles/cycle_00001/lightfield.npy -o x.ply --infinity 0.5
+fails 1 'larger' "$E2LF" depth cycles/cycle_00001/lightfield.npy -o x.ply --infinity 0.5
 fails 1 'there is no view (8, 0)' "$E2LF" depth plane.npy -o x --view-row 8 --view-column 0
 fails 1 'two limits' "$E2LF" depth plane.npy -o x --min-disparity 0
 fails 1 'leaves the picture of 64x48 px' "$E2LF" depth plane.npy -o x --min-disparity=-1e9 --max-disparity=1e9
 fails 1 'smaller one first' "$E2LF" depth plane.npy -o x --min-disparity 1 --max-disparity 0
-fails 1 'a single view' "$E2LF" depth plane.npy -o x --views 1
+fails 1 'single view' "$E2LF" depth plane.npy -o x --views 1
 fails 1 'overwrite' "$E2LF" depth plane.npy -o out
-fails 1 'give a light field' "$E2LF" depth one.ply -o x
+fails 1 'light field' "$E2LF" depth one.ply -o x
 absent x x.ply
 # Views that are flipped along one axis fit no depth.
 "$E2LF" demo -o demo --width 160 --height 120 --quiet

@@ -53,7 +53,7 @@ assert all(f["size"] == "quarter" for f in fields), fields
 assert 10 <= totals["totals"]["cycles"] <= 12, totals
 assert np.load("quarter.npy").shape == (8, 8, 12, 16)
 PY
-fails 1 "says nothing about a replay" "$E2LF" live 'replay:six.raw?faster=2' --no-page
+fails 1 "nothing" "$E2LF" live 'replay:six.raw?faster=2' --no-page
 
 # It ends after the time that is given, though the source goes on, and says what went wrong.
 mkfifo pipe
@@ -63,8 +63,8 @@ writer=$!
 kill "$writer" 2>/dev/null || true
 check "$(tail -n 1 pipe.json | py -c 'import json, sys; j = json.load(sys.stdin)["totals"]; print(j["cycles"] >= 5 and j["seconds"] < 30)')"
 fails 1 "give replay:FILE" "$E2LF" live six.raw --no-page
-fails 1 "give one with -o" "$E2LF" live replay:six.raw --no-page --record
-fails 1 "use the model that belongs to the patterns" "$E2LF" live replay:six.raw --no-page -m "$TESTSUITE/../models/e2lf-n8.safetensors" --patterns 4
-fails 1 "no complete pattern cycle" "$E2LF" live replay:six.raw --no-page -m "$model" --source triggers --channel 7
+fails 1 "-o" "$E2LF" live replay:six.raw --no-page --record
+fails 1 "model" "$E2LF" live replay:six.raw --no-page -m "$TESTSUITE/../models/e2lf-n8.safetensors" --patterns 4
+fails 1 "complete pattern" "$E2LF" live replay:six.raw --no-page -m "$model" --source triggers --channel 7
 mkdir mine && touch mine/notes.txt
 fails 1 "was not written by e2lf live" "$E2LF" live replay:six.raw --no-page -o mine

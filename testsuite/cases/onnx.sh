@@ -66,7 +66,7 @@ model=$models/e2lf-n4-camera.safetensors
 "$E2LF" reconstruct events.npz -m "$model" "${camera[@]}" -o told "${network_output[@]}"
 same_views "$model" events.npz told
 py -c 'import numpy as np; a, b = (np.load(f + "/lightfield.npy") for f in ("told", "e2lf-n4-camera")); assert abs(a - b).max() > 0.01'
-fails 1 "works for a single camera" "$E2LF" model export "$models/e2lf-n4.safetensors" -o other.onnx --camera paper
+fails 1 "single camera" "$E2LF" model export "$models/e2lf-n4.safetensors" -o other.onnx --camera paper
 
 # Several cycles are a batch.
 camera=()
@@ -81,7 +81,7 @@ same_views "$models/e2lf-n4.safetensors" two.npz two/cycle_00000 two/cycle_00001
 # An export is an output as any other.
 exists model.onnx.run.json
 fails 1 "--overwrite" "$E2LF" model export "$model" -o model.onnx
-fails 1 "name the output with .onnx" "$E2LF" model export "$model" -o model.pt
+fails 1 "output" "$E2LF" model export "$model" -o model.pt
 
 # The paper's network, and its capture.
 if [ -n "${E2LF_DATA:-}" ] && [ -e "$E2LF_DATA/official/Animals" ]; then

@@ -11,11 +11,11 @@ done
 "$E2LF" convert rec.raw /dev/stdout --format evt3 2>text.txt >piped.raw
 cmp file.raw piped.raw
 for format in npy hdf5 dsec; do
-  fails 1 "give a file" "$E2LF" convert rec.raw - --format "$format"
+  fails 1 "file" "$E2LF" convert rec.raw - --format "$format"
   [ ! -s stdout.txt ] || fail "$format wrote something"
 done
 absent ./-
-fails 1 "give it such a name" "$E2LF" accumulate rec.raw -o /dev/null
+fails 1 "name" "$E2LF" accumulate rec.raw -o /dev/null
 fails 1 "e.g. .raw or .hdf5" "$E2LF" simulate demo/scene -o - </dev/null
 absent ./-
 
@@ -32,12 +32,12 @@ absent /dev/null.run.json /dev/null_triggers.csv
 grep -q "triggers, which are lost" text.txt || fail "$(cat text.txt)"
 "$E2LF" convert rec.raw /dev/null --format csv >text.txt 2>warnings.txt
 grep -q " events and 0 triggers in /dev/null" text.txt || fail "$(cat text.txt)"
-fails 1 "give a file" "$E2LF" convert rec.raw /dev/null --format hdf5
+fails 1 "file" "$E2LF" convert rec.raw /dev/null --format hdf5
 "$E2LF" eval demo/scene demo/recon -o /dev/null --quiet
 if [ "$(id -u)" = 0 ]; then
   mknod null.npz c 1 3 2>/dev/null || true
   if [ -c null.npz ]; then
-    fails 1 "give a file" "$E2LF" simulate demo/scene -o null.npz --overwrite
+    fails 1 "file" "$E2LF" simulate demo/scene -o null.npz --overwrite
     [ -c null.npz ] || fail "a device was replaced"
   fi
 fi

@@ -33,20 +33,20 @@ exists quilt_qs4x2a1.33.png
 exists named_qs1x1a1.33.png
 
 fails 1 'there is no row 48; give 0 to 47' "$E2LF" epi "$lf" --row 48 -o x.png
-fails 1 'give --row or --column' "$E2LF" epi "$lf" --view 2 -o x.png
-fails 1 'this aperture contains no view' "$E2LF" refocus "$lf" --disparity=0 --aperture 0 -o x.png
-fails 1 'give --aperture' "$E2LF" refocus "$lf" --disparity=0 --centre-row 1 -o x.png
+fails 1 '--row' "$E2LF" epi "$lf" --view 2 -o x.png
+fails 1 'aperture' "$E2LF" refocus "$lf" --disparity=0 --aperture 0 -o x.png
+fails 1 '--aperture' "$E2LF" refocus "$lf" --disparity=0 --centre-row 1 -o x.png
 fails 2 'disparity' "$E2LF" refocus "$lf" -o x.png
 fails 1 'use .gif, .webm or .mp4' "$E2LF" animate "$lf" -o x.avi
-fails 1 'has no path' "$E2LF" animate "$lf" --path orbit -o x.png
+fails 1 'path' "$E2LF" animate "$lf" --path orbit -o x.png
 fails 1 'two ends' "$E2LF" animate "$lf" --path focus --from 1 -o x.gif
 fails 1 'leaves the picture of 64x48 px' "$E2LF" refocus "$lf" --disparity=0,1e30 -o x.png
 fails 1 'leaves the picture of 64x48 px' "$E2LF" animate "$lf" --still=-64 -o x.png
 # A name says what a file holds.
-fails 1 'written as .png; give it such a name' "$E2LF" refocus "$lf" --disparity=0 -o x.jpg
-fails 1 'written as .png; give it such a name' "$E2LF" epi "$lf" -o x.npy
+fails 1 'name' "$E2LF" refocus "$lf" --disparity=0 -o x.jpg
+fails 1 'name' "$E2LF" epi "$lf" -o x.npy
 absent x.jpg x.npy
-fails 1 'give a light field' "$E2LF" refocus demo/events.npz --disparity=0 -o x.png
+fails 1 'light field' "$E2LF" refocus demo/events.npz --disparity=0 -o x.png
 absent x.png x.avi x.gif
 
 if "$E2LF" animate "$lf" -o orbit.gif --frames 6 --quiet 2>message.txt; then

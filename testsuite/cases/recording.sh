@@ -56,15 +56,15 @@ wait "$sender"
 trap remove_folder EXIT
 fails 1 "cannot connect" "$E2LF" accumulate tcp://127.0.0.1:1 -o none.npz
 fails 1 "write tcp://127.0.0.1:PORT" "$E2LF" accumulate tcp://localhost -o none.npz
-fails 1 "no complete pattern cycle" "$E2LF" accumulate recording.raw -o none.npz --source triggers --channel 5
+fails 1 "complete pattern" "$E2LF" accumulate recording.raw -o none.npz --source triggers --channel 5
 absent none.npz
 fails 1 "nothing.raw" "$E2LF" reconstruct nothing.raw --method inversion -o nothing
-fails 1 "give it such a name" "$E2LF" accumulate recording.raw -o images.raw
+fails 1 "name" "$E2LF" accumulate recording.raw -o images.raw
 # A recording in which nothing is found replaces nothing and leaves nothing.
 "$E2LF" reconstruct truth.npz --method inversion -o kept --quiet
 echo keep >kept/file
 none=("$E2LF" reconstruct recording.raw --method inversion --source triggers --channel 5)
-fails 1 "no complete pattern cycle" "${none[@]}" -o kept --overwrite
+fails 1 "complete pattern" "${none[@]}" -o kept --overwrite
 [ "$(cat kept/file)" = keep ] || fail "a recording without cycles took the old result away"
 exists kept/cycle_00003/07_07.png
 fails 1 "recording.raw" "${none[@]}" -o new

@@ -66,9 +66,9 @@ page rig.html "decode and accumulate"
 [ "$(json rig.json "j['accumulated_is_summed']")" = True ] || fail "the sums of a small sensor"
 
 fails 1 "(--overwrite)" "$E2LF" eval demo/scene demo/recon --report eval.html
-fails 2 "a page (.html) or its tables" "$E2LF" eval demo/scene demo/recon --report eval.pdf
+fails 2 "tables" "$E2LF" eval demo/scene demo/recon --report eval.pdf
 cp rec.raw rec.csv
-fails 1 "is an input" "$E2LF" info rec.csv --report rec.csv --overwrite
+fails 1 "input" "$E2LF" info rec.csv --report rec.csv --overwrite
 fails 2 ".svg or .png" "$E2LF" info rec.raw --plot rate.jpg
 absent eval.pdf rate.jpg
 
@@ -79,7 +79,7 @@ if [ -x "$(dirname "$E2LF")/e2lf-train" ]; then
   page train.html "running mean" "learning rate" "Configuration" "synthesised 2"
   exists train.csv run/curves.html
   cmp train.html run/curves.html || fail "the page is that of the run"
-  fails 1 "the run writes a file with this name" "$E2LF" train "$config" -o other "${set[@]}" --report other/log.csv
+  fails 1 "run" "$E2LF" train "$config" -o other "${set[@]}" --report other/log.csv
   fails 1 "(--overwrite)" "$E2LF" train "$config" -o other "${set[@]}" --report train.html
   absent other
 fi

@@ -36,7 +36,7 @@ import numpy as np
 a, b = np.load("truth.npz"), np.load("out.npz")
 assert all(np.array_equal(a[k], b[k]) for k in "xypt"), "$input"
 PY
-  fails 1 "clock starts again" "$E2LF" convert "$input" refused.npz --restart refuse
+  fails 1 "clock" "$E2LF" convert "$input" refused.npz --restart refuse
   absent refused.npz
   rm -f part*.npz
   "$E2LF" convert "$input" part.npz --restart split --quiet

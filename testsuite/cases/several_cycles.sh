@@ -28,8 +28,8 @@ exists recorded/cycle_00000/00_00.png recorded/cycle_00001/00_00.png
 absent recorded/cycle_00002
 
 fails 1 'fewer than the 6' "$E2LF" reconstruct five.npz -m "$told" --cycles-per-field 6 -o x
-fails 1 'takes one cycle' "$E2LF" reconstruct five.npz -m "$own" --cycles-per-field 2 -o x
-fails 1 'takes one cycle' "$E2LF" reconstruct five.npz --method inversion --cycles-per-field 2 -o x
+fails 1 'cycle' "$E2LF" reconstruct five.npz -m "$own" --cycles-per-field 2 -o x
+fails 1 'cycle' "$E2LF" reconstruct five.npz --method inversion --cycles-per-field 2 -o x
 fails 2 'cycles-per-field' "$E2LF" reconstruct five.npz -m "$told" --cycles-per-field 0 -o x
 absent x
 

@@ -92,12 +92,12 @@ for number in 0 1 2; do cmp "attention/frame_00000$number.png" "attention-alone/
 fails 1 "e2lf video" "$E2LF" reconstruct rec.raw -m net.safetensors -o x
 fails 1 "e2lf reconstruct" "$E2LF" video rec.raw -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o x
 fails 1 "give only one of the three" "$E2LF" video rec.raw -o x --window-us 5 --window-events 5
-fails 1 "leave out -m or --plain" "$E2LF" video rec.raw -m net.safetensors --plain -o x
-fails 1 "give a recording" "$E2LF" video demo/scene -o x
-fails 1 "a frame needs two" "$E2LF" video rec.raw -o x --window-triggers --channel 7
-fails 1 "there are no events" "$E2LF" video rec.raw -o x --from-us 999999999
+fails 1 "--plain" "$E2LF" video rec.raw -m net.safetensors --plain -o x
+fails 1 "recording" "$E2LF" video demo/scene -o x
+fails 1 "frame" "$E2LF" video rec.raw -o x --window-triggers --channel 7
+fails 1 "events" "$E2LF" video rec.raw -o x --from-us 999999999
 fails 1 "(--overwrite)" "$E2LF" video rec.raw -o plain
-fails 1 "which would be lost" "$E2LF" video rec.raw -o .
+fails 1 "lost" "$E2LF" video rec.raw -o .
 fails 2 "--window-us" "$E2LF" video rec.raw -o x --window-us 0
 fails 1 "--checkpoint" "$E2LF" model import -o y.safetensors
 fails 1 "other layers" "$E2LF" model import --checkpoint checkpoint.safetensors --as e2vid -o y.safetensors

@@ -43,7 +43,7 @@ TEST(CodesJson, NamesUnknownKeysAndTheNearestKnownOne) {
   const Error error = json_error(R"({"pattern": [["01"]]})");
   EXPECT_EQ(error.code, ErrorCode::kInvalidValue);
   EXPECT_EQ(error.location, "c.json: $.pattern");
-  EXPECT_THAT(error.message, HasSubstr("\"patterns\""));
+  EXPECT_THAT(error.message, HasSubstr("patterns"));
 }
 
 TEST(CodesJson, NamesTheRowOfAnotherSize) {

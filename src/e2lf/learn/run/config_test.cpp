@@ -40,7 +40,7 @@ TEST(Config, ErrorsNameThePlaceAndTheNearestKey) {
   const auto unknown = error_of(R"({"train": {"bach": 3}})");
   EXPECT_EQ(unknown.code, ErrorCode::kInvalidValue);
   EXPECT_EQ(unknown.location, "test.train.bach");
-  EXPECT_NE(unknown.message.find("\"batch\""), std::string::npos);
+  EXPECT_NE(unknown.message.find("batch"), std::string::npos);
   EXPECT_EQ(error_of(R"({"data": {"synthesiser": {"size": "big"}}})").location, "test.data.synthesiser.size");
 }
 

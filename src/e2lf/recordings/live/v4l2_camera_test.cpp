@@ -176,7 +176,7 @@ TEST_F(V4l2, EventsComeFromBuffersWithPlanesAndWithout) {
     EXPECT_EQ(reader->info().width, 1280u);
     EXPECT_EQ(reader->info().find("sensor_name"), "sensor");
     EXPECT_EQ(read_all(*reader).value(), stream_) << "what came before it was unplugged is kept";
-    EXPECT_NE(reader->summary().live.failure.find("the connection to the camera is lost"), std::string::npos);
+    EXPECT_NE(reader->summary().live.failure.find("connection"), std::string::npos);
     EXPECT_EQ(reader->summary().live.num_gaps, 0u);
   }
 }

@@ -175,7 +175,7 @@ TEST(Rosbag, ADatabaseThatIsNoBagOrHasNoEventsIsRefused) {
   const Bytes none = sqlite_file({{"/image", "sensor_msgs/msg/Image"}}, {});
   const auto reader = open_bytes(none);
   ASSERT_FALSE(reader.ok());
-  EXPECT_NE(reader.error().message.find("no topic of events"), std::string::npos);
+  EXPECT_NE(reader.error().message.find("topic"), std::string::npos);
   Bytes damaged = sqlite_file({{"/events"}}, {{0, mono_message(0, 10)}});
   std::fill(damaged.begin() + 100, damaged.begin() + 4096, uint8_t{0xFF});
   EXPECT_FALSE(open_bytes(damaged).ok());
