@@ -48,7 +48,7 @@ struct Config {
   std::vector<GroupConfig> scenes;
   std::vector<SensorConfig> sensors = {SensorConfig{.name = "paper"}};
   std::vector<uint64_t> seeds = {1};
-  std::vector<std::string> metrics = {"psnr_db",        "ssim",           "events_per_pixel",
+  std::vector<std::string> metrics = {"psnr_db",        "ssim",           "bad_20_percent", "events_per_pixel",
                                       "bits_per_pixel", "measurement_ms", "reconstruct_s"};
   bool pictures = true;
 };

@@ -27,6 +27,7 @@ Result<size_t> run_jobs(const Plan& plan, const std::vector<size_t>& jobs, const
   constexpr lightfield::PngDepth kDepth = lightfield::PngDepth::k8;
   JobRunner runner(plan);
   lightfield::LightField truth;
+  lightfield::Image disparity;
   std::optional<size_t> loaded;  // the scene in `truth`
   size_t done = 0;
   const auto report = [&](size_t part, size_t total) {
@@ -38,16 +39,19 @@ Result<size_t> run_jobs(const Plan& plan, const std::vector<size_t>& jobs, const
     if (loaded != job.scene) {
       const Scene& scene = plan.scenes[job.scene];
       E2LF_ASSIGN_OR_RETURN(truth, load_scene(scene));
+      E2LF_ASSIGN_OR_RETURN(disparity, scene_disparity(scene, truth));
       loaded = job.scene;
       if (plan.pictures) {
-        E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> png, lightfield::encode_png(look(truth, nullptr), kDepth));
+        E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> png,
+                              lightfield::encode_png(look(truth, nullptr, disparity), kDepth));
         E2LF_RETURN_IF_ERROR(store.keep_picture(truth_key(scene), png));
       }
     }
-    E2LF_ASSIGN_OR_RETURN(const Outcome outcome, runner.run(job, truth, report));
+    E2LF_ASSIGN_OR_RETURN(const Outcome outcome, runner.run(job, truth, disparity, report));
     std::vector<uint8_t> png;
     if (plan.pictures && job.seed == plan.jobs.front().seed) {
-      E2LF_ASSIGN_OR_RETURN(png, lightfield::encode_png(look(outcome.light_field, &truth), kDepth));
+      E2LF_ASSIGN_OR_RETURN(
+          png, lightfield::encode_png(look(outcome.light_field, &truth, outcome.disparity, disparity), kDepth));
     }
     E2LF_RETURN_IF_ERROR(store.keep(plan, job, outcome.figures, png));
   }

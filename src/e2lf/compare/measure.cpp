@@ -10,12 +10,14 @@
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
+#include "e2lf/depth/true_disparity.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/scene.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 
@@ -107,7 +109,50 @@ void add_quality(const eval::LightFieldMetrics& quality, Json& figures) {
   for (const auto& view : quality.views) figures["views_psnr_db"].push_back(finite_or_null(view.metrics.psnr_db));
 }
 
+/// Finds the disparities of a result and compares them with the true ones.
+Result<void> add_disparity(const lightfield::Image& truth, Outcome& outcome) {
+  if (truth.pixels.empty()) return {};
+  E2LF_ASSIGN_OR_RETURN(depth::DisparityMap map, depth::estimate_disparity(outcome.light_field));
+  E2LF_ASSIGN_OR_RETURN(const depth::DisparityError error, depth::compare(map.disparity, map.confidence, truth));
+  outcome.figures["bad_07_percent"] = error.bad_07_percent;
+  outcome.figures["bad_20_percent"] = error.bad_20_percent;
+  outcome.figures["disparity_error_px"] = error.mean_absolute_px;
+  outcome.figures["disparity_slope"] = error.slope;
+  outcome.disparity = std::move(map.disparity);
+  return {};
+}
+
 }  // namespace
+
+Result<lightfield::Image> scene_disparity(const Scene& scene, const LightField& truth) {
+  const lightfield::Shape& shape = truth.shape();
+  if (!depth::has_comparable_disparity(shape)) return lightfield::Image();
+  if (scene.rendered_seed) {
+    return lightfield::render_disparity(lightfield::demo_scene(*scene.rendered_seed),
+                                        {shape.height, shape.width, 0.5F, 0.5F});
+  }
+  // A map of other views than the middle one of the scene, or for their spacing, is not the truth of this light field.
+  const bool has_other_views = scene.group.step != 1 || scene.group.reverse_rows;
+  const auto file = has_other_views ? std::nullopt : depth::find_true_disparity(scene.path);
+  if (!file) {
+    E2LF_ASSIGN_OR_RETURN(depth::DisparityMap map, depth::estimate_disparity(truth));
+    return std::move(map.disparity);
+  }
+  E2LF_ASSIGN_OR_RETURN(lightfield::Image whole, depth::read_disparity(*file));
+  const bool is_cropped = scene.group.width > 0 || scene.group.height > 0;
+  if (whole.width < shape.width || whole.height < shape.height ||
+      (!is_cropped && (whole.width != shape.width || whole.height != shape.height))) {
+    return Error{ErrorCode::kShape,
+                 cat("has ", whole.width, "x", whole.height, " px, the views have ", shape.width, "x", shape.height,
+                     "; give the map of this light field"),
+                 file->string()};
+  }
+  const LightField map({1, 1, whole.height, whole.width, 1}, whole.pixels);
+  E2LF_ASSIGN_OR_RETURN(const LightField cropped,
+                        lightfield::crop(map, {(whole.height - shape.height) / 2, (whole.width - shape.width) / 2,
+                                               shape.height, shape.width}));
+  return lightfield::view_image(cropped, 0, 0);
+}
 
 Result<LightField> load_scene(const Scene& scene) {
   const GroupConfig& group = scene.group;
@@ -221,7 +266,8 @@ Result<Outcome> JobRunner::run_scan(const Job& job, const LightField& truth, con
   return outcome;
 }
 
-Result<Outcome> JobRunner::run(const Job& job, const LightField& truth, const ProgressFn& progress) {
+Result<Outcome> JobRunner::run(const Job& job, const LightField& truth, const lightfield::Image& disparity,
+                               const ProgressFn& progress) {
   const ComparedMethod& method = plan_.methods[job.method];
   const Sensor& sensor = plan_.sensors[job.sensor];
   auto found = is_scan(method) ? run_scan(job, truth, progress) : run_method(job, truth, progress);
@@ -239,6 +285,7 @@ Result<Outcome> JobRunner::run(const Job& job, const LightField& truth, const Pr
   for (float& value : field.data()) value *= gain;
   E2LF_ASSIGN_OR_RETURN(const eval::LightFieldMetrics quality, eval::compare(truth, field));
   add_quality(quality, outcome.figures);
+  E2LF_RETURN_IF_ERROR(add_disparity(disparity, outcome));
   outcome.figures["gain"] = json_number(gain);
   outcome.figures["num_patterns"] = method.codes.num_patterns;
   outcome.figures["patterns"] = capture::codes_to_json(method.codes)["patterns"];

@@ -6,6 +6,8 @@
 
 #include "e2lf/compare/pictures.h"
 #include "e2lf/eval/metrics.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/linear_estimate.h"
 #include "e2lf/sensor/event_model.h"
@@ -200,6 +202,37 @@ TEST(Look, HasViewInsetEpiAndError) {
   EXPECT_FLOAT_EQ(compared.pixels[48 + 4], 0.5F);
   // The frame of the inset in the lower right corner.
   EXPECT_FLOAT_EQ(alone.pixels[31 * 48 + 47], 1.0F);
+}
+
+TEST(Measure, ComparesDisparitiesWithThoseRendered) {
+  Plan plan = inversion_plan(1, 1.0F);
+  const LightField truth = load_scene(plan.scenes[0]).value();
+  const lightfield::Image disparity = scene_disparity(plan.scenes[0], truth).value();
+  ASSERT_EQ(disparity.width, 48U);
+  const Outcome outcome = JobRunner(plan).run(plan.jobs[0], truth, disparity).value();
+  EXPECT_EQ(outcome.disparity.width, 48U);
+  EXPECT_GT(outcome.figures["bad_07_percent"].get<double>(), outcome.figures["bad_20_percent"].get<double>() - 1e-9);
+  EXPECT_TRUE(outcome.figures["disparity_slope"].is_number());
+  plan.scenes[0].group.height = 20;
+  EXPECT_TRUE(scene_disparity(plan.scenes[0], load_scene(plan.scenes[0]).value())->pixels.empty());
+}
+
+TEST(Measure, CropsTheDisparitiesBesideAScene) {
+  const TestFolder folder;
+  const lightfield::Shape shape{2, 2, 40, 60, 1};
+  ASSERT_TRUE(lightfield::write_views(folder.path(), LightField(shape), lightfield::LightFieldFormat::kPng8).ok());
+  std::vector<float> map(shape.view_size());
+  for (size_t i = 0; i < map.size(); ++i) map[i] = static_cast<float>(i);
+  ASSERT_TRUE(write_npy(folder.path() / "gt_disparity.npy", make_npy<float>({40, 60}, map)).ok());
+  Scene scene;
+  scene.path = folder.path();
+  scene.group.width = 50;
+  scene.group.height = 36;
+  const lightfield::Image disparity = scene_disparity(scene, LightField({2, 2, 36, 50, 1})).value();
+  ASSERT_EQ(disparity.pixels.size(), 36U * 50U);
+  EXPECT_EQ(disparity.pixels[0], 2 * 60 + 5);
+  scene.group.width = scene.group.height = 0;
+  EXPECT_EQ(scene_disparity(scene, LightField({2, 2, 36, 50, 1})).error().code, ErrorCode::kShape);
 }
 
 }  // namespace

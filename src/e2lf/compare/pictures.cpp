@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/depth/disparity_files.h"
 #include "e2lf/lightfield/contact_sheet.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/epi.h"
@@ -64,7 +65,7 @@ Image inset_of(const Image& view, const Image& shown) {
 
 }  // namespace
 
-Image look(const LightField& field, const LightField* truth) {
+Image look(const LightField& field, const LightField* truth, const Image& disparity, const Image& true_disparity) {
   E2LF_REQUIRE(truth == nullptr || truth->shape() == field.shape(), "a light field is compared with one of its shape");
   const Image view = lightfield::view_image(field, 0, 0);
   const Image shown = fitted(view);
@@ -72,7 +73,10 @@ Image look(const LightField& field, const LightField* truth) {
   const Image strip =
       enlarged(epi.width > shown.width ? lightfield::shrink(epi, shown.width, epi.height) : epi, kRowsPerView, 1);
   const size_t columns = truth == nullptr ? 1 : 2;
-  Image canvas(columns * (shown.width + kGap) - kGap, shown.height + kGap + strip.height, field.shape().channels);
+  const bool has_disparity = !disparity.pixels.empty();
+  const size_t height = shown.height + kGap + strip.height;
+  Image canvas(columns * (shown.width + kGap) - kGap, height + (has_disparity ? kGap + shown.height : 0),
+               has_disparity ? 3 : field.shape().channels);
   std::fill(canvas.pixels.begin(), canvas.pixels.end(), 0.5F);
   paste(shown, 0, 0, canvas);
   const Image inset = inset_of(view, shown);
@@ -80,6 +84,10 @@ Image look(const LightField& field, const LightField* truth) {
     paste(inset, shown.height - inset.height, shown.width - inset.width, canvas);
   }
   paste(strip, shown.height + kGap, 0, canvas);
+  if (has_disparity) {
+    const Image& shown_fully = true_disparity.pixels.empty() ? disparity : true_disparity;
+    paste(fitted(depth::colour_picture(disparity, depth::shown_range(shown_fully))), height + kGap, 0, canvas);
+  }
   if (truth == nullptr) return canvas;
   paste(fitted(error_image(view, lightfield::view_image(*truth, 0, 0))), 0, shown.width + kGap, canvas);
   return canvas;

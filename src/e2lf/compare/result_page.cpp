@@ -153,7 +153,7 @@ void add_pictures(const Plan& plan, const Results& results, const ResultStore& s
   page.heading("Pictures", 3)
       .paragraph(
           "The upper left view and its enlarged middle, with the EPI of the middle row below. Beside it is the error: "
-          "black is none, white is 0.2 and more.");
+          "black is none, white is 0.2 and more. Below is the disparity: bright is near, dark is far.");
   for (size_t scene = 0; scene < plan.scenes.size(); ++scene) {
     const std::vector<uint8_t> truth = store.picture(truth_key(plan.scenes[scene]));
     if (truth.empty()) continue;

@@ -6,6 +6,7 @@
 
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/depth/detail.h"
 #include "e2lf/depth/plane_fit.h"
 #include "e2lf/depth/semi_global.h"
 #include "e2lf/lightfield/crop.h"
@@ -96,11 +97,12 @@ float most_difference(const Image& picture) {
   return std::clamp(kDeviations * static_cast<float>(std::sqrt(variance)), kLeast, kMost);
 }
 
-Image coarse_disparities(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
-                         const ProgressFn& progress) {
-  const Labels labels = labels_for(range, farthest_steps(light_field.shape(), view));
-  const Image picture = lightfield::view_image(light_field, view.y, view.x);
-  CostVolume volume = matching_costs(light_field, view, labels, most_difference(picture), progress);
+/// Finds disparities in the detail of the views; `picture` is the view itself.
+Image coarse_disparities(const LightField& detail, const Image& picture, const ViewIndex& view,
+                         const DisparityRange& range, const ProgressFn& progress) {
+  const Labels labels = labels_for(range, farthest_steps(detail.shape(), view));
+  const float most = most_difference(lightfield::view_image(detail, view.y, view.x));
+  CostVolume volume = matching_costs(detail, view, labels, most, progress);
   smooth_costs(volume, picture, {});
   return best_disparities(volume);
 }
@@ -109,7 +111,7 @@ Image coarse_disparities(const LightField& light_field, const ViewIndex& view, c
 Image confidence_of(const Planes& planes, float noise) {
   constexpr float kHalfPx = 0.07F;
   // The measurements of neighbours are not independent: they share the noise of the reference, the blur and the model.
-  constexpr float kCommonErrors = 10.0F;
+  constexpr float kCommonErrors = 6.0F;
   Image confidence(planes.value.width, planes.value.height, 1);
   for (size_t i = 0; i < confidence.pixels.size(); ++i) {
     const float error = kCommonErrors * noise / std::sqrt(std::max(planes.weight.pixels[i], 1e-12F));
@@ -129,19 +131,23 @@ Result<void> check_stop() {
 Result<DisparityMap> map_within(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
                                 const ProgressFn& progress) {
   DisparityMap map{{}, {}, view, range, 0};
-  Planes planes = flat_planes(coarse_disparities(light_field, view, range, progress));
+  const LightField detail = detail_of(light_field);
+  const Image picture = lightfield::view_image(light_field, view.y, view.x);
+  Planes planes = flat_planes(coarse_disparities(detail, picture, view, range, progress));
   E2LF_RETURN_IF_ERROR(check_stop());
   constexpr PlaneFit kPasses[] = {{.spacing = 3, .tolerance = 0.1F}, {.spacing = 3, .tolerance = 0.07F}};
+  float noise = 0;
   for (PlaneFit pass : kPasses) {
-    const Measurements measurements = measure(light_field, view, planes.value);
-    map.residual = measurements.noise;
-    fit_planes(measurements, pass, planes);
+    const Measurements measurements = measure(detail, view, planes.value);
+    noise = measurements.noise;
+    fit_planes(measurements, picture, pass, planes);
     pass.spacing = 1;
     pass.prior_error = 0.01F;
-    fit_planes(measurements, pass, planes);
+    fit_planes(measurements, picture, pass, planes);
     E2LF_RETURN_IF_ERROR(check_stop());
   }
-  map.confidence = confidence_of(planes, map.residual);
+  map.confidence = confidence_of(planes, noise);
+  map.residual = typical_residual(light_field, view, planes.value);
   map.disparity = std::move(planes.value);
   return map;
 }
@@ -160,7 +166,7 @@ std::vector<float> sure_disparities(const DisparityMap& map, float least_confide
 /// a margin. In dark areas of low contrast, any disparity fits; they are ignored as long as there are other pixels.
 Result<DisparityRange> find_range(const LightField& light_field, const ViewIndex& view) {
   constexpr size_t kEnoughPixels = 192;
-  constexpr float kSure = 0.5F;
+  constexpr float kSure = 0.7F;
   const Shape& shape = light_field.shape();
   const size_t factor = std::clamp<size_t>(std::min(shape.height, shape.width) / kEnoughPixels, 1, 8);
   const float scale = static_cast<float>(factor), farthest = kFarthestPx / scale;

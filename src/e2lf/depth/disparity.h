@@ -30,14 +30,15 @@ struct DisparityMap {
   lightfield::Image confidence;  ///< in [0, 1]: 0.5 where the expected error is 0.07 px, 1 where it is zero
   ViewIndex view;
   DisparityRange range;  ///< the range that was searched
-  float residual = 0;  ///< robust standard deviation (1.48 times the median) of the difference between this view and a
-                       ///< view shifted by the disparities
+  float residual = 0;    ///< robust standard deviation of the difference between this view and a view shifted by the
+                         ///< disparities
 };
 
 /// Returns the view (views_y / 2, views_x / 2). 8x8 views have no exact middle; (4, 4) is next to it.
 [[nodiscard]] ViewIndex middle_view(const lightfield::Shape& shape);
 
-/// Estimates the disparity of every pixel of a view. Colour is converted to grey.
+/// Estimates the disparity of every pixel of a view. Colour is converted to grey. Views are compared in their
+/// detail_of().
 /// 1. matching_costs() are computed for equally spaced disparities, half a pixel apart in the farthest view.
 /// 2. smooth_costs() smooths them along paths.
 /// 3. Twice, measure() refines them to fractions of the spacing, and fit_planes() fits planes to the result.

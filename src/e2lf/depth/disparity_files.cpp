@@ -29,12 +29,12 @@ void append_text(std::vector<uint8_t>& bytes, const std::string& text) {
 
 using Colour = std::array<float, 3>;
 
-/// The colours from far to near, equally spaced.
-constexpr std::array<Colour, 5> kColours = {{{0.19F, 0.21F, 0.58F},
-                                             {0.15F, 0.65F, 0.85F},
-                                             {0.45F, 0.85F, 0.35F},
-                                             {0.98F, 0.80F, 0.20F},
-                                             {0.80F, 0.15F, 0.10F}}};
+/// The colours from far to near, equally spaced: perceptually uniform, and the lightness alone states the order.
+constexpr std::array<Colour, 5> kColours = {{{0.267F, 0.004F, 0.329F},
+                                             {0.231F, 0.322F, 0.545F},
+                                             {0.129F, 0.569F, 0.549F},
+                                             {0.369F, 0.788F, 0.384F},
+                                             {0.992F, 0.906F, 0.145F}}};
 
 /// Returns the colour of a `nearness` in [0, 1].
 Colour colour_of(float nearness) {
@@ -93,27 +93,31 @@ Image png_samples(const Image& disparity) {
   return image;
 }
 
-DisparityRange shown_range(const DisparityMap& map) {
-  constexpr float kSure = 0.3F;
-  std::vector<float> sorted;
-  for (size_t i = 0; i < map.disparity.pixels.size(); ++i) {
-    if (map.confidence.pixels[i] > kSure) sorted.push_back(map.disparity.pixels[i]);
-  }
-  if (sorted.size() < map.disparity.pixels.size() / 20 + 1) sorted = map.disparity.pixels;
+DisparityRange shown_range(const Image& disparity) {
+  std::vector<float> sorted = disparity.pixels;
+  std::erase_if(sorted, [](float value) { return !std::isfinite(value); });
+  if (sorted.empty()) return {};
   std::sort(sorted.begin(), sorted.end());
   const size_t last = sorted.size() - 1, few = last / 100;
   return {sorted[few], sorted[last - few]};
 }
 
-Image colour_picture(const DisparityMap& map, const DisparityRange& range) {
-  constexpr float kDarkest = 0.35F;
-  const float width = std::max(range.most - range.least, 1e-3F);
-  Image picture(map.disparity.width, map.disparity.height, 3);
+DisparityRange shown_range(const DisparityMap& map) {
+  constexpr float kSure = 0.3F;
+  Image sure;
   for (size_t i = 0; i < map.disparity.pixels.size(); ++i) {
-    const float nearness = std::clamp((range.most - map.disparity.pixels[i]) / width, 0.0F, 1.0F);
-    const float light = kDarkest + (1 - kDarkest) * map.confidence.pixels[i];
-    const Colour colour = colour_of(nearness);
-    for (size_t c = 0; c < 3; ++c) picture.pixels[3 * i + c] = light * colour[c];
+    if (map.confidence.pixels[i] > kSure) sure.pixels.push_back(map.disparity.pixels[i]);
+  }
+  return shown_range(sure.pixels.size() < map.disparity.pixels.size() / 20 + 1 ? map.disparity : sure);
+}
+
+Image colour_picture(const Image& disparity, const DisparityRange& range) {
+  const float width = std::max(range.most - range.least, 1e-3F);
+  Image picture(disparity.width, disparity.height, 3);
+  for (size_t i = 0; i < disparity.pixels.size(); ++i) {
+    const float nearness = (range.most - disparity.pixels[i]) / width;
+    const Colour colour = colour_of(std::isfinite(nearness) ? std::clamp(nearness, 0.0F, 1.0F) : 0.0F);
+    std::copy(colour.begin(), colour.end(), picture.pixels.begin() + static_cast<ptrdiff_t>(3 * i));
   }
   return picture;
 }

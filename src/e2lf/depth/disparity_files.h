@@ -26,13 +26,16 @@ inline constexpr float kPngZero = 32768.0F, kPngScale = 4096.0F;
 /// Returns the image whose 16-bit PNG has these samples.
 [[nodiscard]] lightfield::Image png_samples(const lightfield::Image& disparity);
 
-/// Returns a picture for display, from dark blue for far (range.most) through cyan, green and yellow to red for near
-/// (range.least). Lower confidence is darker.
-[[nodiscard]] lightfield::Image colour_picture(const DisparityMap& map, const DisparityRange& range);
+/// Returns a picture of disparities for display, with perceptually uniform colours from dark violet for far
+/// (range.most) through green to yellow for near (range.least).
+[[nodiscard]] lightfield::Image colour_picture(const lightfield::Image& disparity, const DisparityRange& range);
 
 /// Returns the range of the disparities of the pixels with a confidence above 0.3 (of all pixels if these are few),
 /// without a hundredth at either end.
 [[nodiscard]] DisparityRange shown_range(const DisparityMap& map);
+
+/// Returns the range of all finite disparities, without a hundredth at either end; (0, 0) if there are none.
+[[nodiscard]] DisparityRange shown_range(const lightfield::Image& disparity);
 
 /// The geometry that relates disparities to positions: an array of pinholes, one view step apart, whose pictures show
 /// the same rectangle at the focus distance, which is 1. The depth is z = 1 / (1 - d / infinity_px), which is 1 for d =

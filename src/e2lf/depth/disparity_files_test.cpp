@@ -51,10 +51,11 @@ TEST(PngSamples, SayTheDisparity) {
   }
 }
 
-TEST(ColourPicture, IsRedderNearAndBluerFar) {
-  const Image picture = colour_picture(small_map(), {-1, 1});
-  EXPECT_GT(picture.pixels[0], picture.pixels[2]);              // d = -1: red over blue
-  EXPECT_LT(picture.pixels[2 * 3], picture.pixels[2 * 3 + 2]);  // d = 1: blue over red
+TEST(ColourPicture, IsLighterForNearerPoints) {
+  Image disparity(101, 1, 1);
+  for (size_t i = 0; i < 101; ++i) disparity.pixels[i] = 1 - 0.02F * static_cast<float>(i);
+  const Image grey = lightfield::to_grey(colour_picture(disparity, {-1, 1}));
+  for (size_t i = 1; i < 101; ++i) EXPECT_GT(grey.pixels[i], grey.pixels[i - 1]) << i;
 }
 
 TEST(PointCloud, PutsPointsWhereTheyAre) {

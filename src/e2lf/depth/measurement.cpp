@@ -80,8 +80,8 @@ class Measurer {
         disparity_(disparity),
         here_(light_field.view(reference.y, reference.x)) {}
 
-  /// Estimates the noise from the median residual of a subset of pixels and views. Half of it is due to the reference.
-  [[nodiscard]] float noise() const {
+  /// Uses a subset of pixels and views. Half of the residual is due to the noise of the reference.
+  [[nodiscard]] float typical_residual() const {
     constexpr size_t kEveryPixel = 5, kEveryView = 3;
     std::vector<float> residuals;
     for (size_t y = kEveryPixel / 2; y < shape_.height; y += kEveryPixel) {
@@ -112,14 +112,15 @@ class Measurer {
         const Sums sums = sum_views(y, x, at_y, at_x, out.noise);
         const float step = sums.slopes > 0 ? -sums.products / sums.slopes : 0;
         out.value.pixels[i] = d + std::clamp(step, -kMostStepPx, kMostStepPx);
-        out.weight.pixels[i] = sums.slopes;
+        // Where few views agree with the reference, the noise is larger than elsewhere.
+        out.weight.pixels[i] = sums.slopes * sums.weights / static_cast<float>(shape_.num_views() - 1);
       }
     }
   }
 
  private:
   struct Sums {
-    float slopes = 0, products = 0;  ///< of w g^2 and of w g r
+    float slopes = 0, products = 0, weights = 0;  ///< of w g^2, of w g r and of w
   };
 
   [[nodiscard]] float residual(size_t y, size_t x, const ViewIndex& view) const {
@@ -150,6 +151,7 @@ class Measurer {
         const float w = 1 / (ratio * ratio);
         sums.slopes += w * g * g;
         sums.products += w * g * r;
+        sums.weights += w;
       }
     }
     return sums;
@@ -164,12 +166,17 @@ class Measurer {
 
 }  // namespace
 
+float typical_residual(const LightField& light_field, const ViewIndex& reference, const Image& disparity) {
+  return Measurer(light_field, reference, disparity).typical_residual();
+}
+
 Measurements measure(const LightField& light_field, const ViewIndex& reference, const Image& disparity) {
   const Shape& shape = light_field.shape();
   E2LF_REQUIRE(shape.channels == 1, "a grey light field");
   E2LF_REQUIRE(disparity.width == shape.width && disparity.height == shape.height, "a disparity for each pixel");
   const Measurer measurer(light_field, reference, disparity);
-  Measurements out{Image(shape.width, shape.height, 1), Image(shape.width, shape.height, 1), measurer.noise()};
+  Measurements out{Image(shape.width, shape.height, 1), Image(shape.width, shape.height, 1),
+                   measurer.typical_residual()};
   parallel_for(shape.height, 4, [&](size_t begin, size_t end) { measurer.measure_rows(begin, end, out); });
   return out;
 }

@@ -38,8 +38,8 @@ struct RowSums {
 
 class Fitter {
  public:
-  Fitter(const Measurements& measurements, const PlaneFit& options, const Planes& before)
-      : measurements_(measurements), options_(options), before_(before), width_(before.value.width) {
+  Fitter(const Measurements& measurements, const Image& picture, const PlaneFit& options, const Planes& before)
+      : measurements_(measurements), picture_(picture), options_(options), before_(before), width_(before.value.width) {
     least_weight_ = kLeastWeight * measurements.noise * measurements.noise;
     if (options.prior_error > 0) {
       const float ratio = measurements.noise / options.prior_error;
@@ -75,13 +75,17 @@ class Fitter {
                 *weight = measurements_.weight.pixels.data() + there;
     const float* present = before_.value.pixels.data() + here;
     const float *slope_y = before_.slope_y.pixels.data() + here, *slope_x = before_.slope_x.pixels.data() + here;
+    const float *own_grey = picture_.pixels.data() + here, *grey = picture_.pixels.data() + there;
     const auto step_y = static_cast<float>(dy), step_x = static_cast<float>(dx);
+    const float unlike = 1 / options_.contrast;
     const float off_plane = 1 / (options_.tolerance * options_.tolerance);
     for (size_t x = begin; x < end; ++x) {
       const float v = value[x] - present[x];
       const float distance = v - step_y * slope_y[x] - step_x * slope_x[x];
       const float ratio = 1 + distance * distance * off_plane;
-      const float offered = (weight[x] + least_weight_) * nearness;
+      const float difference = unlike * (grey[x] - own_grey[x]);
+      const float likeness = 1 / (1 + difference * difference);
+      const float offered = (weight[x] + least_weight_) * nearness * likeness * likeness;
       const float w = offered / (ratio * ratio);
       sums.offered[x] += offered;
       sums.one[x] += w;
@@ -119,6 +123,7 @@ class Fitter {
   }
 
   const Measurements& measurements_;
+  const Image& picture_;
   const PlaneFit& options_;
   const Planes& before_;
   size_t width_;
@@ -132,12 +137,14 @@ Planes flat_planes(const Image& disparity) {
   return {disparity, nothing, nothing, nothing, nothing};
 }
 
-void fit_planes(const Measurements& measurements, const PlaneFit& options, Planes& planes) {
+void fit_planes(const Measurements& measurements, const Image& picture, const PlaneFit& options, Planes& planes) {
   E2LF_REQUIRE(measurements.value.width == planes.value.width && measurements.value.height == planes.value.height,
                "a measurement for each pixel");
+  E2LF_REQUIRE(picture.width == planes.value.width && picture.pixels.size() == planes.value.pixels.size(),
+               "the picture is the grey view");
   E2LF_REQUIRE(options.radius > 0 && options.spacing > 0 && options.tolerance > 0, "a window needs a size");
   const Planes before = planes;
-  const Fitter fitter(measurements, options, before);
+  const Fitter fitter(measurements, picture, options, before);
   parallel_for(before.value.height, 4, [&](size_t begin, size_t end) {
     RowSums sums(before.value.width);
     for (size_t y = begin; y < end && !stop_requested(); ++y) fitter.fit_row(y, sums, planes);

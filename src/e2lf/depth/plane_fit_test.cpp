@@ -18,7 +18,7 @@ TEST(PlaneFit, FindsAPlaneFromMeasurementsOnIt) {
     measurements.weight.pixels[i] = 1;
   }
   Planes planes = flat_planes(measurements.value);
-  for (int turn = 0; turn < 8; ++turn) fit_planes(measurements, {}, planes);
+  for (int turn = 0; turn < 8; ++turn) fit_planes(measurements, Image(40, 30, 1), {}, planes);
   const size_t middle = 15 * 40 + 20;
   EXPECT_NEAR(planes.value.pixels[middle], measurements.value.pixels[middle], 1e-4);
   EXPECT_NEAR(planes.slope_x.pixels[middle], 0.01F, 1e-3);
@@ -35,7 +35,7 @@ TEST(PlaneFit, KeepsASteep) {
     measurements.weight.pixels[i] = 1;
   }
   Planes planes = flat_planes(measurements.value);
-  for (int turn = 0; turn < 3; ++turn) fit_planes(measurements, {}, planes);
+  for (int turn = 0; turn < 3; ++turn) fit_planes(measurements, Image(40, 30, 1), {}, planes);
   for (size_t x = 8; x < 32; ++x) EXPECT_NEAR(planes.value.pixels[15 * 40 + x], x < 20 ? 0 : 1, 0.015F) << x;
 }
 

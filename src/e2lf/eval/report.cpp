@@ -53,17 +53,36 @@ Json to_json(const EventStatistics& events) {
           {"events_per_light_field_pixel", events.events_per_light_field_pixel}};
 }
 
+Json to_json(const depth::DisparityError& error) {
+  Json json{{"bad_07_percent", error.bad_07_percent},
+            {"bad_20_percent", error.bad_20_percent},
+            {"mean_absolute_px", error.mean_absolute_px},
+            {"slope", error.slope},
+            {"num_pixels", error.num_pixels},
+            {"most_certain", Json::array()}};
+  for (const depth::ErrorPart& part : error.most_certain) {
+    json["most_certain"].push_back({{"pixels_percent", part.pixels_percent},
+                                    {"bad_20_percent", part.bad_20_percent},
+                                    {"mean_absolute_px", part.mean_absolute_px}});
+  }
+  return json;
+}
+
 Json to_json(const EvalRow& row) {
   Json json{{"method", row.method}, {"scene", row.scene}};
   json.update(to_json(row.quality));
   if (row.events) json["events"] = to_json(*row.events);
   if (row.gain) json["gain"] = *row.gain;
   if (row.fitted_gain) json["fitted_gain"] = *row.fitted_gain;
+  if (row.disparity) json["disparity"] = to_json(*row.disparity);
   return json;
 }
 
 report::Table quality_table(std::span<const EvalRow> rows) {
-  const bool with_events = std::any_of(rows.begin(), rows.end(), [](const EvalRow& row) { return !!row.events; });
+  const auto has = [&](auto member) {
+    return std::any_of(rows.begin(), rows.end(), [member](const EvalRow& row) { return (row.*member).has_value(); });
+  };
+  const bool with_events = has(&EvalRow::events), with_disparity = has(&EvalRow::disparity);
   report::Table table;
   const auto add_column = [&](const char* name, const char* key) {
     table.columns.push_back({name, table.columns.size() > 1, false, key});
@@ -75,11 +94,14 @@ report::Table quality_table(std::span<const EvalRow> rows) {
   add_column("SSIM Gauss", "ssim_gaussian");
   add_column("EPI error", "epi_relative_error");
   constexpr std::optional<double> EvalRow::*kGains[] = {&EvalRow::gain, &EvalRow::fitted_gain};
-  const auto has_gain = [&](auto member) {
-    return std::any_of(rows.begin(), rows.end(), [member](const EvalRow& row) { return (row.*member).has_value(); });
-  };
-  if (has_gain(kGains[0])) add_column("gain", "gain");
-  if (has_gain(kGains[1])) add_column("fitted gain", "fitted_gain");
+  if (with_disparity) {
+    add_column("> 0.07 px, %", "bad_07_percent");
+    add_column("> 0.2 px, %", "bad_20_percent");
+    add_column("off px", "mean_absolute_px");
+    add_column("slope", "slope");
+  }
+  if (has(kGains[0])) add_column("gain", "gain");
+  if (has(kGains[1])) add_column("fitted gain", "fitted_gain");
   if (with_events) {
     add_column("events/px", "events_per_pixel");
     add_column("min ms", "min_measurement_ms");
@@ -90,8 +112,18 @@ report::Table quality_table(std::span<const EvalRow> rows) {
     table.rows.push_back({report::text_cell(row.method), report::text_cell(row.scene), quality_cell(mean.psnr_db, 2),
                           quality_cell(mean.ssim_uniform7, 4), quality_cell(mean.ssim_gaussian, 4),
                           quality_cell(row.quality.epi.relative, 3)});
+    const auto add_error = [&](double depth::DisparityError::*member, int decimals) {
+      table.rows.back().push_back(row.disparity ? report::number_cell((*row.disparity).*member, decimals)
+                                                : report::Cell());
+    };
+    if (with_disparity) {
+      add_error(&depth::DisparityError::bad_07_percent, 1);
+      add_error(&depth::DisparityError::bad_20_percent, 1);
+      add_error(&depth::DisparityError::mean_absolute_px, 3);
+      add_error(&depth::DisparityError::slope, 2);
+    }
     for (const auto member : kGains) {
-      if (!has_gain(member)) continue;
+      if (!has(member)) continue;
       table.rows.back().push_back(row.*member ? report::number_cell(*(row.*member), 3) : report::Cell());
     }
     if (!with_events) continue;

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "e2lf/depth/disparity_error.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
@@ -19,6 +20,7 @@ struct EvalRow {
   std::optional<EventStatistics> events = {};  ///< absent if only pictures were compared
   std::optional<double> gain = {};             ///< factor by which the reconstruction was multiplied when it was made
   std::optional<double> fitted_gain = {};      ///< factor by which it was multiplied for the comparison: best_gain()
+  std::optional<depth::DisparityError> disparity = {};  ///< absent if there is no disparity to compare
 };
 
 /// Returns {"psnr_db", "ssim_uniform7", "ssim_gaussian", "epi_rms_error", "epi_relative_error", "views": [{"view_y",
@@ -29,11 +31,16 @@ struct EvalRow {
 /// names of the fields.
 [[nodiscard]] Json to_json(const EventStatistics& events);
 
-/// Returns {"method", "scene", the keys of the quality, and "events", "gain" and "fitted_gain" if present}.
+/// Returns {"bad_07_percent", "bad_20_percent", "mean_absolute_px", "slope", "num_pixels", "most_certain":
+/// [{"pixels_percent", "bad_20_percent", "mean_absolute_px"}]}.
+[[nodiscard]] Json to_json(const depth::DisparityError& error);
+
+/// Returns {"method", "scene", the keys of the quality, and "events", "gain", "fitted_gain" and "disparity" if
+/// present}.
 [[nodiscard]] Json to_json(const EvalRow& row);
 
-/// Makes a table with one line per row. The columns for events and gains exist if any row has them. The infinite PSNR
-/// of identical pictures reads "inf" and has no value.
+/// Makes a table with one line per row. The columns for events, gains and disparities exist if any row has them. The
+/// infinite PSNR of identical pictures reads "inf" and has no value.
 [[nodiscard]] report::Table quality_table(std::span<const EvalRow> rows);
 
 /// Formats the PSNR of each view in dB in the order of the aperture, with one text line per row of views.

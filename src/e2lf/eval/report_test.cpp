@@ -40,6 +40,17 @@ TEST(ReportJson, AddsEventsOnlyWhereTheyAreKnown) {
   EXPECT_EQ(to_json(row)["scene"], "lego, small");
 }
 
+TEST(ReportJson, AddsTheDisparityOnlyWhereItIsKnown) {
+  EvalRow row = lego_row();
+  EXPECT_FALSE(to_json(row).contains("disparity"));
+  EXPECT_EQ(quality_table({&row, 1}).columns.size(), 6U);
+  row.disparity = depth::DisparityError{38.3, 21.5, 0.462, 0.36, 100, {{50, 10, 0.1}}};
+  const Json json = to_json(row)["disparity"];
+  EXPECT_DOUBLE_EQ(json["slope"].get<double>(), 0.36);
+  EXPECT_DOUBLE_EQ(json["most_certain"][0]["bad_20_percent"].get<double>(), 10);
+  EXPECT_EQ(quality_table({&row, 1}).rows[0][9].text, "0.36");
+}
+
 TEST(QualityTable, HasALineForEachRow) {
   EvalRow other{"Baseline", "cotton", {}, {}};
   other.quality.mean = {7.5, 0.1, 0.2};

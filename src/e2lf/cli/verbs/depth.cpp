@@ -127,7 +127,7 @@ Result<void> write_all(const fs::path& folder, const DepthArguments& arguments, 
   }
   E2LF_RETURN_IF_ERROR(write_array(folder / "confidence.npy", estimate.map.confidence));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "confidence.png", estimate.map.confidence));
-  return lightfield::write_png(folder / "colour.png", depth::colour_picture(estimate.map, *shared.shown));
+  return lightfield::write_png(folder / "colour.png", depth::colour_picture(estimate.map.disparity, *shared.shown));
 }
 
 Json json_of(const Estimate& estimate, const Shared& shared) {

@@ -9,9 +9,12 @@
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/output/output.h"
+#include "e2lf/cli/output/print.h"
 #include "e2lf/cli/output/report_output.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/compare/pictures.h"
+#include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/true_disparity.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/options.h"
@@ -24,7 +27,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct EvalArguments {
-  fs::path truth, reconstruction, events, output;
+  fs::path truth, reconstruction, events, true_disparity, output;
   std::vector<std::string> named;  ///< "NAME=PATH"
   bool no_clamp = false, csv = false, fit_gain = false;
   std::vector<fs::path> reports;
@@ -90,6 +93,13 @@ std::string view_grid(const eval::LightFieldMetrics& quality, double eval::Metri
 struct Compared {
   eval::EvalRow row;
   lightfield::LightField field;
+  lightfield::Image disparity;  ///< empty if it is not compared
+};
+
+/// The true light field, with the disparities of its middle view unless there is nothing to compare.
+struct Truth {
+  lightfield::LightField field;
+  std::optional<depth::TrueDisparity> disparity;
 };
 
 std::vector<eval::EvalRow> rows_of(const std::vector<Compared>& all) {
@@ -116,7 +126,34 @@ std::string gain_text(const std::vector<eval::EvalRow>& rows) {
   return text;
 }
 
-Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfield::LightField& truth) {
+std::string disparity_text(const Truth& truth) {
+  return cat("Disparities are those that `e2lf depth` finds in the reconstruction, against ", truth.disparity->source,
+             ".");
+}
+
+/// Adds the true disparities beside those of the reconstructions, and the error of the most certain pixels.
+Result<void> add_disparities(const std::vector<Compared>& all, const Truth& truth, report::Page& page) {
+  page.heading("Disparity").paragraph(disparity_text(truth));
+  const depth::DisparityRange range = depth::shown_range(truth.disparity->disparity);
+  std::vector<NamedImage> pictures = {{depth::colour_picture(truth.disparity->disparity, range),
+                                       cat("truth, from ", formatted("%.2f", range.most), " px (dark, far) to ",
+                                           formatted("%.2f", range.least), " px (bright, near) per view step")}};
+  report::LineChart chart{"the most certain pixels, %", "off by more than 0.2 px, %", {}};
+  for (const Compared& compared : all) {
+    pictures.push_back({depth::colour_picture(compared.disparity, range), compared.row.method});
+    report::Line& line = chart.lines.emplace_back();
+    line.name = compared.row.method;
+    for (const depth::ErrorPart& part : compared.row.disparity->most_certain) {
+      line.points.push_back({part.pixels_percent, part.bad_20_percent});
+    }
+  }
+  E2LF_RETURN_IF_ERROR(add_pictures(pictures, 350, page));
+  page.drawing(report::chart_svg(chart));
+  return {};
+}
+
+Result<report::Page> eval_page(const std::vector<Compared>& all, const Truth& true_scene) {
+  const lightfield::LightField& truth = true_scene.field;
   const std::vector<eval::EvalRow> rows = rows_of(all);
   std::vector<std::string> names;
   for (const eval::EvalRow& row : rows) names.push_back(row.method);
@@ -142,6 +179,7 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfiel
     pictures.push_back({compare::look(compared.field, &truth), compared.row.method});
   }
   E2LF_RETURN_IF_ERROR(add_pictures(pictures, 700, page));
+  if (true_scene.disparity) E2LF_RETURN_IF_ERROR(add_disparities(all, true_scene, page));
   if (const auto& events = rows.front().events) {
     page.heading("Events").facts(eval::to_json(*events)).drawing(transition_bars(events->events_per_pixel));
   }
@@ -149,23 +187,25 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const lightfiel
 }
 
 /// Returns the figures of one reconstruction, or a list of them under "methods"; with `channels` unless it is 0.
-Json json_of(const std::vector<eval::EvalRow>& rows, size_t channels) {
+Json json_of(const std::vector<eval::EvalRow>& rows, const Truth& truth, size_t channels) {
   Json methods = Json::array();
   for (const eval::EvalRow& row : rows) {
     methods.push_back(eval::to_json(row));
+    if (truth.disparity) methods.back()["disparity"]["truth"] = truth.disparity->source;
     if (channels > 0) methods.back()["channels"] = channels;
   }
   return rows.size() == 1 ? methods.front() : Json{{"methods", methods}};
 }
 
-void print_rows(const std::vector<eval::EvalRow>& rows, size_t channels, const EvalArguments& arguments,
+void print_rows(const std::vector<eval::EvalRow>& rows, const Truth& truth, const EvalArguments& arguments,
                 const CommonOptions& common) {
   if (common.json) {
-    std::printf("%s", json_text(json_of(rows, channels)).c_str());
+    std::printf("%s", json_text(json_of(rows, truth, truth.field.shape().channels)).c_str());
   } else if (arguments.csv) {
     std::printf("%s", report::table_csv(eval::quality_table(rows)).c_str());
   } else if (!common.quiet) {
     std::printf("%s%s", report::table_text(eval::quality_table(rows)).c_str(), gain_text(rows).c_str());
+    if (truth.disparity) std::printf("%s\n", disparity_text(truth).c_str());
     for (const eval::EvalRow& row : rows) {
       const std::string of = rows.size() > 1 ? cat(" of ", row.method) : "";
       std::printf("\nPSNR of each view%s in dB:\n%s", of.c_str(), eval::view_grid_text(row.quality).c_str());
@@ -183,9 +223,32 @@ Result<eval::EventStatistics> read_events(const fs::path& path, const lightfield
                path.string()};
 }
 
-Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField field,
-                             const lightfield::LightField& truth, const EvalArguments& arguments, bool quiet) {
-  Compared compared{{candidate.name, arguments.truth.string(), {}}, std::move(field)};
+/// Reads the true light field with as many views as a reconstruction has, in colour if it is.
+Result<Truth> read_truth(const EvalArguments& arguments, const lightfield::Shape& shape, bool quiet) {
+  Truth truth;
+  const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
+  E2LF_ASSIGN_OR_RETURN(truth.field, load_scene(arguments.truth, same, quiet));
+  if (!(truth.field.shape() == shape) || !depth::has_comparable_disparity(shape)) return truth;
+  const auto file = arguments.true_disparity.empty() ? depth::find_true_disparity(arguments.truth)
+                                                     : std::optional(arguments.true_disparity);
+  E2LF_ASSIGN_OR_RETURN(truth.disparity, depth::true_disparity(truth.field, file));
+  return truth;
+}
+
+Result<void> compare_disparity(const Truth& truth, Compared& compared, bool quiet) {
+  if (!truth.disparity) return {};
+  ProgressBar bar("depth", quiet);
+  E2LF_ASSIGN_OR_RETURN(depth::DisparityMap map, depth::estimate_disparity(compared.field, {}, bar.callback()));
+  E2LF_ASSIGN_OR_RETURN(compared.row.disparity,
+                        depth::compare(map.disparity, map.confidence, truth.disparity->disparity));
+  compared.disparity = std::move(map.disparity);
+  return {};
+}
+
+Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField field, const Truth& true_scene,
+                             const EvalArguments& arguments, bool quiet) {
+  const lightfield::LightField& truth = true_scene.field;
+  Compared compared{{candidate.name, arguments.truth.string(), {}}, std::move(field), {}};
   if (!(compared.field.shape() == truth.shape())) {
     const auto text = [](const lightfield::Shape& shape) {
       return cat(shape.views_y, "x", shape.views_x, " views of ", shape.width, "x", shape.height, " px");
@@ -201,49 +264,50 @@ Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField 
     for (float& value : compared.field.data()) value *= gain;
     compared.row.fitted_gain = double{gain};
   }
-  ProgressBar bar("compare", quiet);
-  E2LF_ASSIGN_OR_RETURN(compared.row.quality,
-                        eval::compare(truth, compared.field, {.clamp = !arguments.no_clamp}, bar.callback()));
+  {
+    ProgressBar bar("compare", quiet);
+    E2LF_ASSIGN_OR_RETURN(compared.row.quality,
+                          eval::compare(truth, compared.field, {.clamp = !arguments.no_clamp}, bar.callback()));
+  }
+  E2LF_RETURN_IF_ERROR(compare_disparity(true_scene, compared, quiet));
   return compared;
 }
 
 Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   const bool quiet = verb.common().quiet;
   E2LF_ASSIGN_OR_RETURN(const std::vector<Candidate> candidates, candidates_of(arguments));
-  OutputRules rules{.inputs = {arguments.truth, arguments.events}, .overwrite = verb.common().overwrite};
+  OutputRules rules{.inputs = {arguments.truth, arguments.events, arguments.true_disparity},
+                    .overwrite = verb.common().overwrite};
   for (const Candidate& candidate : candidates) rules.inputs.push_back(candidate.path);
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   rules.streams = true;
   rules.ending = ".json";
   E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> output, open_optional(arguments.output, rules));
-  lightfield::LightField truth;
+  Truth truth;
   std::vector<Compared> all;
   for (const Candidate& candidate : candidates) {
     E2LF_ASSIGN_OR_RETURN(lightfield::LightField field,
                           read_with_progress(candidate.path, unchanged_options({.views = 0}), quiet));
     if (all.empty()) {
-      // Reads as many views of the ground truth, in colour if the first reconstruction is.
-      const lightfield::Shape& shape = field.shape();
-      const SceneOptions same{{}, shape.views_y, shape.views_x, shape.channels == 3};
-      E2LF_ASSIGN_OR_RETURN(truth, load_scene(arguments.truth, same, quiet));
+      E2LF_ASSIGN_OR_RETURN(truth, read_truth(arguments, field.shape(), quiet));
     }
     E2LF_ASSIGN_OR_RETURN(Compared compared, compare_one(candidate, std::move(field), truth, arguments, quiet));
     all.push_back(std::move(compared));
   }
   if (!arguments.events.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const eval::EventStatistics events, read_events(arguments.events, truth.shape()));
+    E2LF_ASSIGN_OR_RETURN(const eval::EventStatistics events, read_events(arguments.events, truth.field.shape()));
     for (Compared& compared : all) compared.row.events = events;
   }
   const std::vector<eval::EvalRow> rows = rows_of(all);
   if (output) {
-    E2LF_RETURN_IF_ERROR(write_file(output->path(), json_text(json_of(rows, 0))));
+    E2LF_RETURN_IF_ERROR(write_file(output->path(), json_text(json_of(rows, truth, 0))));
     E2LF_RETURN_IF_ERROR(output->commit());
   }
   if (reports.is_wanted()) {
     E2LF_ASSIGN_OR_RETURN(const report::Page page, eval_page(all, truth));
     E2LF_RETURN_IF_ERROR(reports.write(page));
   }
-  print_rows(rows, truth.shape().channels, arguments, verb.common());
+  print_rows(rows, truth, arguments, verb.common());
   return {};
 }
 
@@ -251,7 +315,8 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
 
 int run_eval(const std::vector<std::string>& arguments) {
   Verb verb("eval",
-            "Compare a reconstructed light field with the true one: PSNR and SSIM of each view, and their means.",
+            "Compare a reconstructed light field with the true one: PSNR and SSIM of each view, their means, and the "
+            "disparity.",
             "e2lf eval scene/ out/recon --events events.npz --report quality.html");
   EvalArguments evaluation;
   CLI::App& app = verb.app();
@@ -264,6 +329,10 @@ int run_eval(const std::vector<std::string>& arguments) {
                "multiply each reconstruction by its least-squares gain, which is reported");
   app.add_option("--events", evaluation.events,
                  "event images, which add event counts, measurement time and data rate to the result");
+  app.add_option(
+      "--true-disparity", evaluation.true_disparity,
+      "true disparities of the middle view, .npy or .pfm; default: gt_disparity.npy or gt_disp_lowres.pfm in "
+      "the folder of the true light field, else those that `e2lf depth` finds in it");
   app.add_option("-o,--output", evaluation.output, "also write the result to this JSON file");
   add_report_option(app, evaluation.reports);
   app.add_flag("--csv", evaluation.csv, "print comma-separated values");

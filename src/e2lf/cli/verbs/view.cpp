@@ -13,8 +13,8 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/depth/disparity.h"
-#include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/matching_cost.h"
+#include "e2lf/depth/true_disparity.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/image.h"
@@ -60,28 +60,8 @@ struct DisparityMaps {
   depth::ViewIndex view;
 };
 
-Result<Image> read_array(const fs::path& path) {
-  E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
-  if (array.shape.size() != 2 || array.num_elements() == 0) {
-    return Error{ErrorCode::kShape, cat("has shape ", shape_text(array.shape), "; a disparity map is [y, x]"),
-                 path.string()};
-  }
-  Image image(array.shape[1], array.shape[0], 1);
-  E2LF_ASSIGN_OR_RETURN(image.pixels, array.to_float(path.string()));
-  return image;
-}
-
 Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
-  Image image;
-  if (path.extension() == ".npy") {
-    E2LF_ASSIGN_OR_RETURN(image, read_array(path));
-  } else if (path.extension() == ".pfm") {
-    const auto decode = [&](const std::vector<uint8_t>& bytes) { return depth::decode_pfm(bytes, path.string()); };
-    E2LF_ASSIGN_OR_RETURN(image, read_file(path).and_then(decode));
-  } else {
-    return Error{ErrorCode::kUnsupported, "this is not a disparity map; give .npy, .pfm or a folder of `e2lf depth`",
-                 path.string()};
-  }
+  E2LF_ASSIGN_OR_RETURN(Image image, depth::read_disparity(path));
   if (image.width == shape.width && image.height == shape.height) return image;
   return Error{ErrorCode::kShape,
                cat("has ", image.width, "x", image.height, " px, the views have ", shape.width, "x", shape.height,

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/depth/disparity_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::depth {
+namespace {
+
+using lightfield::Image;
+
+constexpr size_t kDeciles = 10;
+constexpr double kPercent = 100;
+
+/// A pixel that is compared.
+struct Pair {
+  float truth, estimate, confidence;
+
+  [[nodiscard]] bool is_finite() const { return std::isfinite(estimate); }
+  [[nodiscard]] double error() const {
+    return is_finite() ? std::abs(double{estimate} - double{truth}) : std::numeric_limits<double>::infinity();
+  }
+};
+
+std::vector<Pair> pairs_within(const Image& estimate, const Image& confidence, const Image& truth, size_t border) {
+  std::vector<Pair> pairs;
+  for (size_t y = border; y + border < truth.height; ++y) {
+    for (size_t x = border; x + border < truth.width; ++x) {
+      const size_t i = y * truth.width + x;
+      if (!std::isfinite(truth.pixels[i])) continue;
+      pairs.push_back({truth.pixels[i], estimate.pixels[i], confidence.pixels.empty() ? 0 : confidence.pixels[i]});
+    }
+  }
+  return pairs;
+}
+
+double bad_percent(const std::vector<Pair>& pairs, double most_px) {
+  const auto bad = std::count_if(pairs.begin(), pairs.end(), [&](const Pair& pair) { return pair.error() > most_px; });
+  return kPercent * static_cast<double>(bad) / static_cast<double>(pairs.size());
+}
+
+double mean_absolute(const std::vector<Pair>& pairs) {
+  double sum = 0, count = 0;
+  for (const Pair& pair : pairs) {
+    if (!pair.is_finite()) continue;
+    sum += pair.error();
+    ++count;
+  }
+  return sum / count;
+}
+
+double regression_slope(const std::vector<Pair>& pairs) {
+  double count = 0, mean_truth = 0, mean_estimate = 0, products = 0, squares = 0;
+  for (const Pair& pair : pairs) {
+    if (!pair.is_finite()) continue;
+    ++count;
+    const double off_truth = pair.truth - mean_truth;
+    mean_truth += off_truth / count;
+    mean_estimate += (pair.estimate - mean_estimate) / count;
+    products += off_truth * (pair.estimate - mean_estimate);
+    squares += off_truth * (pair.truth - mean_truth);
+  }
+  return squares > 0 ? products / squares : 0;
+}
+
+/// Returns the errors of growing parts of the pixels, from the most certain ones on.
+std::vector<ErrorPart> parts_of(std::vector<Pair> pairs) {
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Pair& a, const Pair& b) { return a.confidence > b.confidence; });
+  std::vector<ErrorPart> parts;
+  double bad = 0, sum = 0, finite = 0;
+  size_t i = 0;
+  for (size_t part = 1; part <= kDeciles; ++part) {
+    for (; i < part * pairs.size() / kDeciles; ++i) {
+      bad += pairs[i].error() > 0.2 ? 1 : 0;
+      if (!pairs[i].is_finite()) continue;
+      sum += pairs[i].error();
+      ++finite;
+    }
+    if (finite == 0) continue;
+    parts.push_back(
+        {kPercent * static_cast<double>(part) / kDeciles, kPercent * bad / static_cast<double>(i), sum / finite});
+  }
+  return parts;
+}
+
+}  // namespace
+
+Result<DisparityError> compare(const Image& estimate, const Image& confidence, const Image& truth, size_t border) {
+  const auto has_size_of_truth = [&](const Image& image) {
+    return image.width == truth.width && image.height == truth.height && image.channels == 1;
+  };
+  if (!has_size_of_truth(estimate) || !(confidence.pixels.empty() || has_size_of_truth(confidence))) {
+    return Error{ErrorCode::kShape,
+                 cat("the disparity map has ", estimate.width, "x", estimate.height, " px, the true one ", truth.width,
+                     "x", truth.height, " px; compare maps of the same view"),
+                 ""};
+  }
+  if (truth.width <= 2 * border || truth.height <= 2 * border) {
+    return Error{ErrorCode::kShape,
+                 cat("a border of ", border, " px leaves nothing of ", truth.width, "x", truth.height,
+                     " px; use a narrower border"),
+                 ""};
+  }
+  const std::vector<Pair> pairs = pairs_within(estimate, confidence, truth, border);
+  if (std::none_of(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.is_finite(); })) {
+    return Error{ErrorCode::kInvalidValue, "no pixel has both a finite disparity and a finite true one; check the maps",
+                 ""};
+  }
+  DisparityError result{bad_percent(pairs, 0.07),
+                        bad_percent(pairs, 0.2),
+                        mean_absolute(pairs),
+                        regression_slope(pairs),
+                        pairs.size(),
+                        {}};
+  if (!confidence.pixels.empty()) result.most_certain = parts_of(pairs);
+  return result;
+}
+
+}  // namespace e2lf::depth
