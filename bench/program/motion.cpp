@@ -218,7 +218,7 @@ BenchReport motion_report(const Json& json, const MotionBench& options) {
 
 Result<recon::Reconstructor> open_network(const fs::path& path, const capture::SensorProfile& camera) {
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(path));
-  if (model::is_told_the_camera(model)) model.camera = camera;
+  if (model::is_conditioned_on_camera(model)) model.camera = camera;
   return recon::Reconstructor::create(std::move(model));
 }
 

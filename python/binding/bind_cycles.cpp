@@ -112,8 +112,11 @@ Schedule schedule_of(const ScheduleArgument& argument, size_t num_codes) {
 /// An iterator over the cycles of a recording.
 class CycleIterator {
  public:
-  CycleIterator(std::string name, cycles::CycleReader reader)
-      : name_(std::move(name)), is_live_(recordings::is_live_recording(name_)), reader_(std::move(reader)) {}
+  CycleIterator(std::string name, std::shared_ptr<diagnose::RigCheck> rig, cycles::CycleReader reader)
+      : name_(std::move(name)),
+        is_live_(recordings::is_live_recording(name_)),
+        rig_(std::move(rig)),
+        reader_(std::move(reader)) {}
 
   py::object next() {
     const OneAtATime::Use use(use_, "reader of cycles");
@@ -127,7 +130,7 @@ class CycleIterator {
       if (!std::exchange(has_ended_, true)) end();
       throw py::stop_iteration();
     }
-    confidence_.add(*cycle, reader_.source());
+    cycle->confidence = rig_->add(*cycle, reader_.options());
     py::list slices;
     for (const cycles::TimeSlice& slice : cycle->slices) slices.append(py::make_tuple(slice.begin_us, slice.end_us));
     return make_tuple_of("Cycle", to_array(std::move(cycle->images)), cycle->number, cycle->begin_us, std::move(slices),
@@ -137,8 +140,7 @@ class CycleIterator {
   [[nodiscard]] std::string source() const { return cli::source_name(reader_.source()); }
   [[nodiscard]] py::object report() {
     const OneAtATime::Use use(use_, "reader of cycles");
-    Json report = cli::report_json(reader_.report());
-    report["least_confidence"] = confidence_.least();
+    Json report = cli::report_json(*rig_, reader_);
     report["left_out"] = cli::losses_json(reader_.summary());
     report["live"] = cli::live_json(reader_.summary());
     return to_python(report);
@@ -154,13 +156,13 @@ class CycleIterator {
  private:
   void end() {
     warn_of_losses(name_, reader_.summary());
-    confidence_.warn(name_, reader_.report(), reader_.schedule());
+    diagnose::log_findings(name_, rig_->findings(reader_));
   }
 
   std::string name_;
   bool is_live_, has_ended_ = false;
+  std::shared_ptr<diagnose::RigCheck> rig_;
   cycles::CycleReader reader_;
-  cli::ConfidenceWatch confidence_;
   OneAtATime use_;
 };
 
@@ -193,11 +195,14 @@ std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArgu
   flags.origin_us = arguments.origin_us;
   Schedule schedule = schedule_of(arguments.schedule, arguments.num_codes);
   if (arguments.transitions == "all") schedule = with_all_transitions(std::move(schedule));
-  const cycles::CycleOptions options = take(cli::cycle_options(flags, std::move(schedule)));
+  cycles::CycleOptions options = take(cli::cycle_options(flags, std::move(schedule)));
+  auto rig = std::make_shared<diagnose::RigCheck>();
+  options.on_batch = [rig](const recordings::EventBatch& batch) { rig->add(batch); };
   auto reader = open_reader(path.string(), open);
   const StopOnInterrupt interrupt(recordings::is_live_recording(path.string()));
-  return std::make_unique<CycleIterator>(
-      path.string(), without_gil([&] { return cycles::CycleReader::open(std::move(reader), options); }));
+  return std::make_unique<CycleIterator>(path.string(), std::move(rig), without_gil([&] {
+                                           return cycles::CycleReader::open(std::move(reader), options);
+                                         }));
 }
 
 void bind_cycle_reader(py::module_& module) {

@@ -42,7 +42,7 @@ void bind_model(py::module_& module) {
       .def_readonly("constants", &Model::constants, "The sensor constants for which it was trained.")
       .def_readonly("camera", &Model::camera, "The camera that is used unless another is given, or None.")
       .def_property_readonly(
-          "is_told_the_camera", [](const Model& self) { return model::is_told_the_camera(self); },
+          "is_conditioned_on_camera", [](const Model& self) { return model::is_conditioned_on_camera(self); },
           "Whether the network is conditioned on the sensor profile and accepts sums over cycles.")
       .def(
           "summary", [](const Model& self) { return to_python(model::summary_json(self)); },

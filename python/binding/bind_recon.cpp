@@ -30,7 +30,7 @@ pipeline::Tone tone_of(const GainArgument& gain) {
 Result<lightfield::LightField> reconstruct_once(const pipeline::OpenedMethod& method, const pipeline::MethodUse& use,
                                                 const pipeline::Tone& tone, const capture::EventImages& images,
                                                 const capture::Orientation& orientation, const ProgressFn& progress) {
-  E2LF_ASSIGN_OR_RETURN(auto sequence, pipeline::open_sequence(method, use, tone, /*is_checked=*/false));
+  E2LF_ASSIGN_OR_RETURN(auto sequence, pipeline::open_sequence(method, use, tone));
   E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(capture::Measurement(images), progress));
   lightfield::orient(field.light_field, orientation);
   return std::move(field.light_field);

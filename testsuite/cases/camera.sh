@@ -38,14 +38,14 @@ absent x.npz x
 
 # Events say which camera recorded them, in every format and through every step; a network that asks is told that one.
 told="$TESTSUITE/../models/e2lf-n4-capture.safetensors"
-told_by() { "$E2LF" reconstruct "$@" -m "$told" -o told --overwrite --quiet 2>/dev/null; json told/run.json 'j["notes"]["camera_told_by"], j["notes"]["camera"]["name"]'; }
-[ "$(told_by paper.npz)" = "(\"the events' file\", 'paper')" ] || fail "the paper's pixels: $(told_by paper.npz)"
-[ "$(told_by real.npz --camera paper)" = "('--camera', 'paper')" ] || fail "--camera: $(told_by real.npz --camera paper)"
+stated_by() { "$E2LF" reconstruct "$@" -m "$told" -o told --overwrite --quiet 2>/dev/null; json told/run.json 'j["notes"]["camera_stated_by"], j["notes"]["camera"]["name"]'; }
+[ "$(stated_by paper.npz)" = "(\"the events' file\", 'paper')" ] || fail "the paper's pixels: $(stated_by paper.npz)"
+[ "$(stated_by real.npz --camera paper)" = "('--camera', 'paper')" ] || fail "--camera: $(stated_by real.npz --camera paper)"
 py - <<'EOF'
 import numpy as np
 np.savez("bare.npz", events=np.load("real.npz")["events"])
 EOF
-[ "$(told_by bare.npz)" = "('the model', 'evk4-lcos')" ] || fail "no camera: $(told_by bare.npz)"
+[ "$(stated_by bare.npz)" = "('the model', 'evk4-lcos')" ] || fail "no camera: $(stated_by bare.npz)"
 "$E2LF" simulate scene --tau 0.25 -o rec.raw --quiet
 "$E2LF" simulate scene --tau 0.25 -o rec.csv --quiet 2>/dev/null
 "$E2LF" convert rec.raw rec.dat --quiet

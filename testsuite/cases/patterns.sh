@@ -8,7 +8,7 @@ make events bare.npz height=64 width=96
 "$E2LF" reconstruct bare.npz -m "$model" -o bare >out.txt 2>err.txt
 grep -q "bare.npz does not state which patterns the camera showed; those of e2lf-n4 $assumed" err.txt || fail "$(cat err.txt)"
 if grep -q "differ from the given ones" out.txt; then fail "a figure that tells nothing: $(cat out.txt)"; fi
-[ "$(json bare/run.json "(j['notes']['patterns'], 'event_error' in j['notes']['cycles'][0])")" = "({'told_by': 'nothing', 'are_the_models': False}, False)" ] || fail "the record"
+[ "$(json bare/run.json "(j['notes']['patterns'], 'event_error' in j['notes']['cycles'][0])")" = "({'stated_by': 'nothing', 'are_the_models': False}, False)" ] || fail "the record"
 "$E2LF" reconstruct bare.npz -m "$model" --method inversion -o bare_inverted >out.txt 2>err.txt
 grep -q "$assumed" err.txt || fail "inversion: $(cat err.txt)"
 

@@ -131,7 +131,7 @@ class Planner {
       E2LF_ASSIGN_OR_RETURN(model::Model model, pipeline::read_network(method.model));
       E2LF_ASSIGN_OR_RETURN(model_hash, hashes_.of(method.model));
       codes = std::move(model.codes);
-      is_told = model::is_told_the_camera(model);
+      is_told = model::is_conditioned_on_camera(model);
       method.measurement = model.measurement();
     }
     if (!config.codes.empty()) {

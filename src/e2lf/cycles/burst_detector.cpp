@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/cycles/event_runs.h"
+#include "e2lf/cycles/event_histogram.h"
 #include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {

@@ -47,8 +47,7 @@ CycleAssembler::CycleAssembler(const CycleOptions& options, size_t width, size_t
       width_(width),
       height_(height),
       first_pattern_(options.schedule.first_of_cycle()),
-      window_us_(evidence_window_us(options.schedule)),
-      late_edges_(options.schedule) {
+      window_us_(evidence_window_us(options.schedule)) {
   if (options.filter) filter_.emplace(width, height, *options.filter);
 }
 
@@ -129,7 +128,7 @@ void CycleAssembler::begin_cycle(int64_t t_us) {
   open_->is_whole = report_.complete < kWholeAtBegin || number % whole_every_ == 0;
   open_->cycle.begin_us = t_us;
   open_->cycle.images = capture::EventImages(options_.schedule.num_images(), height_, width_);
-  open_->events.resize(options_.schedule.size());
+  open_->cycle.pattern_events.resize(options_.schedule.size());
 }
 
 void CycleAssembler::set_fault(CycleFault fault, int64_t t_us) {
@@ -140,13 +139,13 @@ void CycleAssembler::set_fault(CycleFault fault, int64_t t_us) {
 void CycleAssembler::end_cycle() {
   if (!open_) return;
   if (filter_) filter_->add_quiet_time(std::exchange(quiet_us_, 0));
-  if (open_->starts.size() < options_.schedule.size()) set_fault(CycleFault::kPartial, open_->cycle.begin_us);
+  if (open_->cycle.starts.size() < options_.schedule.size()) set_fault(CycleFault::kPartial, open_->cycle.begin_us);
   if (open_->fault) {
     ++report_.dropped[static_cast<size_t>(open_->fault->fault)];
     if (report_.drops.size() < CycleReport::kMaxDrops) report_.drops.push_back(*open_->fault);
   } else {
     ++report_.complete;
-    judge_by_events();
+    set_confidence();
     if (filter_) {
       filter_->apply(open_->cycle.images);
       report_.hot_pixels = filter_->num_silenced();
@@ -156,18 +155,15 @@ void CycleAssembler::end_cycle() {
   open_.reset();
 }
 
-/// Sets confidence and polarity. The confidence is 0 if the signs of the events contradict the schedule.
-void CycleAssembler::judge_by_events() {
+/// Sets the confidence; that of a cycle that was not read as a whole is the last known one.
+void CycleAssembler::set_confidence() {
   Cycle& cycle = open_->cycle;
   if (open_->is_whole) {
-    whole_confidence_ = confidence_of(open_->starts);
-    whole_polarity_ = polarity_of(options_.schedule, open_->events);
-    report_.inverted += whole_polarity_ == CyclePolarity::kInverted ? 1 : 0;
-    report_.half_cycle_off += whole_polarity_ == CyclePolarity::kHalfCycleOff ? 1 : 0;
+    whole_confidence_ = confidence_of(cycle.starts);
+  } else {
+    cycle.pattern_events.clear();
   }
-  cycle.polarity = whole_polarity_;
-  const bool contradicts = cycle.polarity == CyclePolarity::kInverted || cycle.polarity == CyclePolarity::kHalfCycleOff;
-  cycle.confidence = contradicts || open_->has_late_edge ? 0.0F : whole_confidence_;
+  cycle.confidence = whole_confidence_;
 }
 
 std::optional<TimeSlice> CycleAssembler::unused_time(const PatternTracker& tracker) const {
@@ -180,16 +176,6 @@ std::optional<TimeSlice> CycleAssembler::unused_time(const PatternTracker& track
     if (is_last_of_cycle(i)) break;
   }
   return unused.begin_us < unused.end_us ? std::optional(unused) : std::nullopt;
-}
-
-/// Records that the trigger before `start` was out of step, which is known only now; its cycle is still open.
-void CycleAssembler::note_late_edge(const PatternStart& start) {
-  if (options_.source != CycleSource::kTriggers || options_.one_trigger_per_cycle) return;
-  auto late = late_edges_.add(start);
-  if (!late || !open_) return;
-  late->cycle = open_->cycle.number;
-  open_->has_late_edge = true;
-  if (report_.late_edges.size() < CycleReport::kMaxDrops) report_.late_edges.push_back(*late);
 }
 
 /// Returns the smallest confidence of the starts. Bursts consist of events, but a start that a trigger or the schedule
@@ -216,7 +202,6 @@ float CycleAssembler::confidence_of(const std::vector<PatternStart>& starts) con
 }
 
 void CycleAssembler::apply(const PatternStart& start, const PatternTracker* tracker) {
-  note_late_edge(start);
   if (start.kind == PatternStart::Kind::kDoubled) return set_fault(CycleFault::kDoubled, start.t_us);
   close_pattern(start.t_us);
   if (start.kind == PatternStart::Kind::kLost) {
@@ -228,7 +213,7 @@ void CycleAssembler::apply(const PatternStart& start, const PatternTracker* trac
   // The first cycle of a recording may begin in its middle; it is then dropped as a partial one.
   if (!open_) begin_cycle(start.t_us);
   if (start.kind == PatternStart::Kind::kMissing) set_fault(CycleFault::kMissing, start.t_us);
-  open_->starts.push_back(start);
+  open_->cycle.starts.push_back(start);
   pattern_ = start.pattern;
   pattern_begin_us_ = start.t_us;
   const ScheduledPattern& pattern = options_.schedule.patterns[start.pattern];
@@ -239,6 +224,7 @@ void CycleAssembler::apply(const PatternStart& start, const PatternTracker* trac
 
 void CycleAssembler::close_pattern(int64_t end_us) {
   if (!pattern_) return;
+  if (open_) open_->cycle.end_us = end_us;
   if (open_ && options_.schedule.patterns[*pattern_].image) open_->cycle.slices.push_back({pattern_begin_us_, end_us});
   if (filter_ && open_ && open_->is_whole) {
     quiet_us_ += std::max<int64_t>(0, end_us - pattern_begin_us_ - options_.filter->settle_us);
@@ -253,7 +239,7 @@ void CycleAssembler::consume_events(int64_t until_us) {
   };
   const size_t end = index_at(until_us);
   if (pattern_ && open_) {
-    PatternEvents& events = open_->events[*pattern_];
+    PatternEvents& events = open_->cycle.pattern_events[*pattern_];
     const uint64_t on = recordings::count_on(std::span(events_.p).subspan(next_, end - next_));
     events.on += on;
     events.off += end - next_ - on;

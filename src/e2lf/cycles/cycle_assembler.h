@@ -46,16 +46,12 @@ class CycleAssembler {
   struct Open {
     Cycle cycle;
     std::optional<DroppedCycle> fault;
-    std::vector<PatternStart> starts;   ///< starts of the cycle's patterns
-    std::vector<PatternEvents> events;  ///< one for each pattern of the schedule
-    bool has_late_edge = false;
     bool is_whole = true;  ///< whether the events of all its patterns are read
   };
 
   void begin_cycle(int64_t t_us);
   void end_cycle();
-  void judge_by_events();
-  void note_late_edge(const PatternStart& start);
+  void set_confidence();
   void apply(const PatternStart& start, const PatternTracker* tracker);
   [[nodiscard]] float confidence_of(const std::vector<PatternStart>& starts) const;
   [[nodiscard]] bool is_last_of_cycle(size_t pattern) const;
@@ -72,7 +68,6 @@ class CycleAssembler {
   std::optional<PixelFilter> filter_;
   int64_t window_us_;         ///< length of time before and after a claimed start in which events must confirm it
   EventHistogram histogram_;  ///< events of the open cycle
-  LateEdgeFinder late_edges_;
 
   std::deque<PatternStart> starts_;
   recordings::EventColumns events_;  ///< waiting events are those from next_ on
@@ -86,7 +81,6 @@ class CycleAssembler {
   int64_t quiet_us_ = 0;     ///< quiet time in this cycle
   uint64_t whole_every_ = 1;
   float whole_confidence_ = 1.0F;  ///< confidence of the last whole cycle
-  CyclePolarity whole_polarity_ = CyclePolarity::kUnknown;
   uint64_t next_number_ = 0;
   std::deque<Cycle> complete_;
   CycleReport report_;

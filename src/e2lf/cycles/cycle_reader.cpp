@@ -105,32 +105,8 @@ class CycleReader::Impl {
     CycleReport report = assembler_.report();
     report.marks = marks_;
     report.unassigned_marks = tracker_.unassigned_marks();
-    report.onset_us = onset_.onset_us();
     report.has_assumed_first = tracker_.has_assumed_first();
-    report.triggers = survey_text(triggers_, options_.schedule);
-    if (options_.source == CycleSource::kTriggers || report.complete == 0) {
-      const SurveyOptions asked = {.takes_rising = options_.edge != TriggerEdge::kFalling,
-                                   .takes_falling = options_.edge != TriggerEdge::kRising,
-                                   .has_channel = options_.channel.has_value(),
-                                   .channel = options_.channel.value_or(0),
-                                   .one_trigger_per_cycle = options_.one_trigger_per_cycle};
-      report.advice = trigger_advice(triggers_, options_.schedule, asked, last_us_);
-    }
-    if (report.complete == 0 && report.advice.empty()) report.advice = advice_of_options();
     return report;
-  }
-
-  /// The option that most likely keeps triggers, which match the schedule, from forming cycles; empty if there is none.
-  std::string advice_of_options() const {
-    if (options_.source == CycleSource::kBursts && !triggers_.inputs().empty()) {
-      return "the events of slow pixels do not show each change of pattern; the recording has triggers, so give "
-             "--source "
-             "triggers";
-    }
-    if (options_.tracker.first_pattern && options_.source != CycleSource::kSchedule) {
-      return "no cycle begins as --first-pattern says; leave it out, so that the intervals and the events tell";
-    }
-    return "";
   }
 
   recordings::DecodeSummary summary() const {
@@ -140,8 +116,7 @@ class CycleReader::Impl {
   }
 
   const recordings::RecordingReader& recording() const { return *reader_; }
-  CycleSource source() const { return options_.source; }
-  const Schedule& schedule() const { return options_.schedule; }
+  const CycleOptions& options() const { return options_; }
 
  private:
   /// Returns the next batch, first those that were read in advance and then from the recording.
@@ -159,8 +134,6 @@ class CycleReader::Impl {
     if (options_.invert_polarity) {
       for (uint8_t& p : batch_.events.p) p = p != 0 ? 0 : 1;
     }
-    triggers_.add(batch_.triggers);
-    if (options_.source == CycleSource::kTriggers && !has_skipped_) onset_.add_events(batch_.events.t);
     if (options_.on_batch) options_.on_batch(batch_);
     if (!batch_.events.empty()) last_us_ = std::max(last_us_, batch_.events.t.back());
     if (!batch_.triggers.empty()) last_us_ = std::max(last_us_, batch_.triggers.back().t);
@@ -173,6 +146,8 @@ class CycleReader::Impl {
       case CycleSource::kTriggers:
         find_trigger_marks();
         add_starts_of_triggers();
+        // Triggers that are yet to come may begin patterns at earlier times.
+        known_us += std::min<int64_t>(options_.trigger_delay_us, 0);
         known_us = tracker_.known_until(has_ended_ ? INT64_MAX : signer_.known_until(known_us));
         break;
       case CycleSource::kBursts:
@@ -261,14 +236,13 @@ class CycleReader::Impl {
 
   void find_trigger_marks() {
     for (const recordings::Trigger& trigger : batch_.triggers) {
-      if (is_mark(trigger, options_)) found_.push_back({trigger.t, {}, 1.0F});
+      if (is_mark(trigger, options_)) found_.push_back({trigger.t + options_.trigger_delay_us, {}, 1.0F});
     }
   }
 
   /// Adds a start. With one trigger per cycle, it determines the starts of all patterns of the cycle, in proportion to
   /// the schedule.
   void add_start(const PatternStart& start) {
-    if (start.kind == PatternStart::Kind::kSeen && !has_skipped_) onset_.add_start(start.t_us);
     const bool is_fault = start.kind == PatternStart::Kind::kDoubled || start.kind == PatternStart::Kind::kLost;
     if (options_.source != CycleSource::kTriggers || !options_.one_trigger_per_cycle || is_fault)
       return assembler_.add_start(start);
@@ -289,9 +263,7 @@ class CycleReader::Impl {
   CycleOptions options_;
   PatternTracker tracker_;
   BurstDetector bursts_;
-  MarkSigner signer_, shown_signer_;
-  TriggerSurvey triggers_;
-  OnsetCheck onset_;
+  TriggerSigns signer_, shown_signer_;
   CycleAssembler assembler_;
   recordings::EventBatch batch_;
   std::vector<Mark> found_;
@@ -348,14 +320,11 @@ CycleReport CycleReader::report() const {
 recordings::DecodeSummary CycleReader::summary() const {
   return impl_->summary();
 }
-CycleSource CycleReader::source() const {
-  return impl_->source();
+const CycleOptions& CycleReader::options() const {
+  return impl_->options();
 }
 const recordings::RecordingReader& CycleReader::recording() const {
   return impl_->recording();
-}
-const Schedule& CycleReader::schedule() const {
-  return impl_->schedule();
 }
 
 }  // namespace e2lf::cycles

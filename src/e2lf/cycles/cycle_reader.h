@@ -12,14 +12,10 @@
 #include <vector>
 
 #include "e2lf/cycles/burst_detector.h"
-#include "e2lf/cycles/late_edges.h"
-#include "e2lf/cycles/mark_signer.h"
-#include "e2lf/cycles/onset_check.h"
 #include "e2lf/cycles/pattern_tracker.h"
 #include "e2lf/cycles/pixel_filter.h"
-#include "e2lf/cycles/polarity_check.h"
 #include "e2lf/cycles/schedule.h"
-#include "e2lf/cycles/trigger_survey.h"
+#include "e2lf/cycles/trigger_signs.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cycles {
@@ -43,6 +39,7 @@ struct CycleOptions {
   TriggerEdge edge = TriggerEdge::kRising;
   std::optional<uint16_t> channel = {};  ///< channel of the triggers; absent = all channels
   bool one_trigger_per_cycle = false;    ///< the trigger marks the start of the first pattern of a cycle
+  int64_t trigger_delay_us = 0;          ///< from a trigger to the change of the pattern; negative if it comes first
   TrackerOptions tracker = {};           ///< for triggers and bursts
   BurstOptions bursts = {};
   SignOptions signs = {};  ///< of triggers, used to find the pattern again after a loss
@@ -65,18 +62,24 @@ struct TimeSlice {
   int64_t end_us = 0;
 };
 
+/// The numbers of events from the change to a pattern until the next change.
+struct PatternEvents {
+  uint64_t on = 0, off = 0;
+};
+
 /// One pass over the patterns.
 struct Cycle {
-  uint64_t number = 0;            ///< in the recording, including dropped cycles
-  int64_t begin_us = 0;           ///< start of its first pattern
-  std::vector<TimeSlice> slices;  ///< intervals of the event images
+  uint64_t number = 0;                        ///< in the recording, including dropped cycles
+  int64_t begin_us = 0;                       ///< start of its first pattern
+  int64_t end_us = 0;                         ///< end of its last pattern
+  std::vector<PatternStart> starts;           ///< of all patterns, in order
+  std::vector<TimeSlice> slices;              ///< intervals of the event images
+  std::vector<PatternEvents> pattern_events;  ///< one for each pattern of the schedule; empty unless all were read
   capture::EventImages images;
   uint64_t events = 0;     ///< in the images
   uint64_t saturated = 0;  ///< number of events for which the images had no room
   /// The confidence, according to the events, that the patterns changed at the stated times, for the least certain one.
-  /// It is 0 if the signs of the events contradict the schedule or if a trigger is out of step.
   float confidence = 1.0F;
-  CyclePolarity polarity = CyclePolarity::kUnknown;
 
   int64_t known_us = 0;  ///< the time up to which the recording had been read when the cycle was complete
   /// The arrival of the bytes that completed the cycle; absent if the recording is not live. The delay from the end of
@@ -104,19 +107,12 @@ struct DroppedCycle {
 struct CycleReport {
   uint64_t complete = 0;
   std::array<uint64_t, kNumCycleFaults> dropped{};
-  std::vector<DroppedCycle> drops;   ///< the first kMaxDrops
-  uint64_t marks = 0;                ///< triggers of the channel and edge, or bursts
-  uint64_t unassigned_marks = 0;     ///< marks whose pattern could not be determined
-  bool has_assumed_first = false;    ///< intervals and events did not determine the pattern of the first trigger
-  uint64_t events_given_up = 0;      ///< because they waited too long
-  uint64_t hot_pixels = 0;           ///< that the filter currently silences
-  uint64_t inverted = 0;             ///< complete cycles whose events have the opposite signs
-  uint64_t half_cycle_off = 0;       ///< complete cycles whose patterns are mistaken for their inverses
-  std::vector<LateEdge> late_edges;  ///< the first kMaxDrops
-  /// The delay between the triggers and the events of their patterns; see OnsetCheck::onset_us().
-  std::optional<int64_t> onset_us;
-  std::string triggers;  ///< survey_text()
-  std::string advice;    ///< trigger_advice(); empty if the source is not triggers and cycles were found
+  std::vector<DroppedCycle> drops;  ///< the first kMaxDrops
+  uint64_t marks = 0;               ///< triggers of the channel and edge, or bursts
+  uint64_t unassigned_marks = 0;    ///< marks whose pattern could not be determined
+  bool has_assumed_first = false;   ///< intervals and events did not determine the pattern of the first trigger
+  uint64_t events_given_up = 0;     ///< because they waited too long
+  uint64_t hot_pixels = 0;          ///< that the filter currently silences
 
   static constexpr size_t kMaxDrops = 1000;
 };
@@ -138,7 +134,7 @@ class CycleReader {
 
   /// Reads only every `cycles`-th cycle completely. Of the others, the events that no image needs are skipped if the
   /// format permits it (recordings::RecordingReader::skip_events). The images do not change. Skipped cycles have the
-  /// confidence and polarity of the last complete one, and do not update `onset_us` and the hot pixels. With 1, the
+  /// confidence of the last complete one, and do not update the hot pixels. With 1, the
   /// default, all events are read. Has an effect only if there is a trigger for each pattern.
   void read_whole_every(uint64_t cycles);
 
@@ -151,10 +147,11 @@ class CycleReader {
   /// Returns what was left out of the recording and of the images of complete cycles.
   [[nodiscard]] recordings::DecodeSummary summary() const;
 
-  /// Returns the source in use, which is never kAuto.
-  [[nodiscard]] CycleSource source() const;
+  /// Returns the options in use, whose source is never kAuto.
+  [[nodiscard]] const CycleOptions& options() const;
+  [[nodiscard]] CycleSource source() const { return options().source; }
   [[nodiscard]] const recordings::RecordingReader& recording() const;
-  [[nodiscard]] const Schedule& schedule() const;
+  [[nodiscard]] const Schedule& schedule() const { return options().schedule; }
 
  private:
   class Impl;

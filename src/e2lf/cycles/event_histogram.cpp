@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/cycles/event_runs.h"
 #include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {

@@ -6,7 +6,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cycles/event_runs.h"
+#include "e2lf/cycles/event_histogram.h"
 
 namespace e2lf::cycles {
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "e2lf/capture/measurement/measurement.h"
-#include "e2lf/cycles/polarity_check.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/live/arrival_clock.h"
 #include "e2lf/live/pace.h"
@@ -22,28 +21,27 @@ struct LiveCycle {
   int64_t begin_us = 0, end_us = 0;
   uint64_t events = 0;
   float confidence = 1;
-  cycles::CyclePolarity polarity = cycles::CyclePolarity::kUnknown;
   double cycle_s = 0;              ///< time from the previous cycle to this one; 0 = unknown
   Clock::time_point last_event{};  ///< arrival of its last event at this host
 };
 
 /// The parameters for rendering a light field. Viewpoints are in view steps from the centre of the grid, as in the
 /// viewer.
-struct Look {
+struct RenderSettings {
   float x = 0.5F, y = 0.5F;  ///< viewpoint, to the right and downwards; by default one of the four central views
   float focus = 0;           ///< disparity of the plane in focus, in px of the full resolution per view step
   float radius = 0;          ///< radius of the round aperture, in view steps; 0 = only the viewpoint
   std::optional<uint32_t> row = {}, column = {};  ///< EPIs to cut, in px of the full resolution; empty = none
-  bool operator==(const Look&) const = default;
+  bool operator==(const RenderSettings&) const = default;
 };
 
 /// The light field of a cycle.
 struct LiveField {
   lightfield::LightField light_field;  ///< upright, as computed by the network; see `black` and `gain`
   std::vector<size_t> views;           ///< numbers of the views that are set, in order; empty = all
-  Look look;                           ///< the parameters that determined the views
+  RenderSettings settings;             ///< the parameters that determined the views
   LiveCycle cycle;                     ///< always in full resolution
-  Gait gait;
+  QualityLevel level;
   float black = 0, gain = 1;  ///< displayed values are gain * (value - black)
   double reconstruct_s = 0;
   uint64_t serial = 0;  ///< counts the light fields from 1

@@ -16,7 +16,7 @@ Result<std::unique_ptr<LiveReader>> LiveReader::open(const OpenCycles& open, con
   const recordings::RecordingInfo& info = reader->cycles_->recording().info();
   reader->preview_.emplace(info.width, info.height);
   reader->recorder_.emplace(options.recordings, info);
-  reader->statistics_.set_report(reader->cycles_->report(), reader->cycles_->summary());
+  reader->report();
   return reader;
 }
 
@@ -24,6 +24,7 @@ void LiveReader::see(const recordings::EventBatch& batch) {
   constexpr std::chrono::milliseconds kReportPeriod{500};
   const Clock::time_point now = Clock::now();
   statistics_.add_batch(batch, now);
+  rig_.add(batch);
   if (!has_all_events_) {
     // Recordings start at the beginning of a cycle.
   } else if (options_.is_inverted && recorder_->is_recording()) {
@@ -40,7 +41,11 @@ void LiveReader::see(const recordings::EventBatch& batch) {
   }
   if (now - reported_ < kReportPeriod) return;
   reported_ = now;
-  statistics_.set_report(cycles_->report(), cycles_->summary());
+  report();
+}
+
+void LiveReader::report() {
+  statistics_.set_report(cycles_->report(), cycles_->summary(), rig_.json(*cycles_));
 }
 
 /// Requests all events while a recording or the picture for focusing needs them.
@@ -54,16 +59,16 @@ Result<bool> LiveReader::next(LiveCycle& cycle) {
   if (stop_requested() || (options_.max_cycles != 0 && taken_ == options_.max_cycles)) return false;
   choose_events();
   E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> next, cycles_->next());
-  statistics_.set_report(cycles_->report(), cycles_->summary());
+  report();
   if (!next) return false;
   ++taken_;
+  next->confidence = rig_.add(*next, cycles_->options());
   statistics_.add_cycle(next->confidence);
   cycle.number = next->number;
   cycle.begin_us = next->begin_us;
   cycle.end_us = next->slices.back().end_us;
   cycle.events = next->events;
   cycle.confidence = next->confidence;
-  cycle.polarity = next->polarity;
   // Until bytes have arrived without delay, the clock estimates arrivals too late; events that were read have arrived.
   cycle.last_event = std::min(arrivals_.arrival_of(cycle.end_us), Clock::now());
   cycle.cycle_s = 0;

@@ -8,6 +8,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/diagnose/rig.h"
 #include "e2lf/live/event_preview.h"
 #include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_cycle.h"
@@ -44,6 +45,8 @@ class LiveReader {
   [[nodiscard]] size_t average() const { return average_; }
 
   [[nodiscard]] const cycles::CycleReader& cycles() const { return *cycles_; }
+  /// Returns the check of the rig; only the thread that reads may call it.
+  [[nodiscard]] const diagnose::RigCheck& rig() const { return rig_; }
   [[nodiscard]] Statistics& statistics() { return statistics_; }
   [[nodiscard]] EventPreview& preview() { return *preview_; }
   [[nodiscard]] Recorder& recorder() { return *recorder_; }
@@ -51,9 +54,11 @@ class LiveReader {
  private:
   void see(const recordings::EventBatch& batch);
   void choose_events();
+  void report();
 
   ReadingOptions options_;
   std::optional<cycles::CycleReader> cycles_;
+  diagnose::RigCheck rig_;
   Statistics statistics_;
   std::optional<EventPreview> preview_;
   std::optional<Recorder> recorder_;

@@ -37,20 +37,21 @@ Answer framed(const Json& header, std::initializer_list<const lightfield::ByteIm
   return answer;
 }
 
-Look look_of(const Parameters& parameters) {
-  Look look;
-  look.x = number<float>(parameters, "x").value_or(look.x);
-  look.y = number<float>(parameters, "y").value_or(look.y);
-  look.focus = number<float>(parameters, "focus").value_or(look.focus);
-  look.radius = number<float>(parameters, "radius").value_or(look.radius);
-  look.row = number<uint32_t>(parameters, "row");
-  look.column = number<uint32_t>(parameters, "column");
-  return look;
+RenderSettings settings_of(const Parameters& parameters) {
+  RenderSettings settings;
+  settings.x = number<float>(parameters, "x").value_or(settings.x);
+  settings.y = number<float>(parameters, "y").value_or(settings.y);
+  settings.focus = number<float>(parameters, "focus").value_or(settings.focus);
+  settings.radius = number<float>(parameters, "radius").value_or(settings.radius);
+  settings.row = number<uint32_t>(parameters, "row");
+  settings.column = number<uint32_t>(parameters, "column");
+  return settings;
 }
 
 Answer picture(Session& session, const Parameters& parameters) {
   constexpr std::chrono::milliseconds kPatience{250};
-  const auto shown = session.picture(look_of(parameters), number<uint64_t>(parameters, "after").value_or(0), kPatience);
+  const auto shown =
+      session.picture(settings_of(parameters), number<uint64_t>(parameters, "after").value_or(0), kPatience);
   if (!shown) return {204, "text/plain", ""};
   const FieldReport& field = shown->field;
   const Picture& seen = shown->picture;
@@ -62,7 +63,7 @@ Answer picture(Session& session, const Parameters& parameters) {
                        {"field", field.serial},
                        {"cycle", field.cycle},
                        {"cycles", field.cycles},
-                       {"size", size_name(field.gait.size)},
+                       {"size", size_name(field.level.size)},
                        {"latency_s", field.latency_s},
                        {"reconstruct_s", field.reconstruct_s}};
   return framed(header, {&seen.image, &seen.row_epi, &seen.column_epi});

@@ -9,10 +9,10 @@
 #include "e2lf/live/arrival_clock.h"
 #include "e2lf/live/event_preview.h"
 #include "e2lf/live/event_sums.h"
-#include "e2lf/live/look.h"
 #include "e2lf/live/newest_slot.h"
 #include "e2lf/live/pace.h"
 #include "e2lf/live/recorder.h"
+#include "e2lf/live/render.h"
 #include "e2lf/live/statistics.h"
 #include "testing/test_streams.h"
 
@@ -108,23 +108,23 @@ TEST(CycleSum, SumsTheLastCyclesAndBeginsAnewWhenOneIsWanted) {
 
 TEST(Pace, TakesWhatKeepsPaceAndGoesBackWhenTheBetterOneWould) {
   Pace pace({50, 10});
-  const Gait full{1, PictureSize::kFull}, half{1, PictureSize::kHalf}, quarter{1, PictureSize::kQuarter};
-  EXPECT_EQ(pace.gait(), full) << "the fastest network begins";
+  const QualityLevel full{1, PictureSize::kFull}, half{1, PictureSize::kHalf}, quarter{1, PictureSize::kQuarter};
+  EXPECT_EQ(pace.level(), full) << "the fastest network begins";
   EXPECT_FALSE(pace.add(9.0, 0.1)) << "the first one prepares memory";
   EXPECT_FALSE(pace.add(0.5, 0.1));
   EXPECT_TRUE(pace.add(0.5, 0.1));
-  EXPECT_EQ(pace.gait(), half);
+  EXPECT_EQ(pace.level(), half);
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(pace.add(0.05, 0.1)) << "four times that is no pace";
   for (int i = 0; i < 100; ++i) pace.add(0.4, 0.1);
-  EXPECT_EQ(pace.gait(), quarter) << "and nothing is faster";
+  EXPECT_EQ(pace.level(), quarter) << "and nothing is faster";
   Pace fast({50, 10});
   for (int i = 0; i < 3; ++i) fast.add(0.5, 0.1);
-  ASSERT_EQ(fast.gait(), half);
+  ASSERT_EQ(fast.level(), half);
   int added = 0;
   while (!fast.add(0.01, 0.1)) ASSERT_LT(++added, 100);
-  EXPECT_EQ(fast.gait(), full);
+  EXPECT_EQ(fast.level(), full);
   while (!fast.add(0.01, 0.1)) ASSERT_LT(++added, 100);
-  EXPECT_EQ(fast.gait(), (Gait{0, PictureSize::kFull})) << "five times that is a pace, too";
+  EXPECT_EQ(fast.level(), (QualityLevel{0, PictureSize::kFull})) << "five times that is a pace, too";
 }
 
 TEST(Pace, KeepsANamedSizeAndAPaceThatHolds) {
@@ -134,10 +134,10 @@ TEST(Pace, KeepsANamedSizeAndAPaceThatHolds) {
     EXPECT_FALSE(keeps.add(0.09, 0.1));
     EXPECT_FALSE(keeps.add(0.2, 0)) << "nothing is known of the cycle";
   }
-  EXPECT_EQ(keeps.gait().size, PictureSize::kFull);
+  EXPECT_EQ(keeps.level().size, PictureSize::kFull);
   Pace better({50, 10}, PictureSize::kHalf);
   for (int i = 0; i < 50; ++i) better.add(0.01, 0.1);
-  EXPECT_EQ(better.gait(), (Gait{0, PictureSize::kHalf}));
+  EXPECT_EQ(better.level(), (QualityLevel{0, PictureSize::kHalf}));
   EXPECT_FALSE(size_from_name("auto").value().has_value());
   EXPECT_EQ(size_from_name("half").value(), PictureSize::kHalf);
   EXPECT_FALSE(size_from_name("Half").ok());
@@ -221,7 +221,7 @@ LiveField demo_field() {
   return field;
 }
 
-TEST(Look, AViewpointOfTheGridIsThatViewPixelForPixel) {
+TEST(RenderSettings, AViewpointOfTheGridIsThatViewPixelForPixel) {
   LiveField field = demo_field();
   field.black = 0.125F;
   field.gain = 1.5F;
@@ -237,18 +237,18 @@ TEST(Look, AViewpointOfTheGridIsThatViewPixelForPixel) {
   EXPECT_EQ(picture.column_epi.pixels[6], picture.image.pixels[31]) << "a column outside is the last one";
 }
 
-TEST(Look, AWideApertureIsTheRefocusedSum) {
+TEST(RenderSettings, AWideApertureIsTheRefocusedSum) {
   const LiveField field = demo_field();
   const Picture picture = render(field, {.x = 0, .y = 0, .focus = 1.25F, .radius = 3});
   const auto aperture = lightfield::round_aperture(field.light_field.shape(), {.radius = 3});
   EXPECT_EQ(picture.image, lightfield::to_bytes(lightfield::refocus(field.light_field, 1.25F, aperture)));
   LiveField half = demo_field();
-  half.gait.size = PictureSize::kHalf;
+  half.level.size = PictureSize::kHalf;
   EXPECT_EQ(render(half, {.x = 0, .y = 0, .focus = 2.5F, .radius = 3}).image, picture.image)
       << "disparities are those of the full size";
 }
 
-TEST(Look, TheFocusOfAPointIsTheDisparityOfWhatIsSeenThere) {
+TEST(RenderSettings, TheFocusOfAPointIsTheDisparityOfWhatIsSeenThere) {
   constexpr float kDisparity = 1.3F;
   LiveField field;
   field.light_field = lightfield::LightField({8, 8, 48, 64});
@@ -262,17 +262,18 @@ TEST(Look, TheFocusOfAPointIsTheDisparityOfWhatIsSeenThere) {
     }
   }
   EXPECT_NEAR(disparity_at(field, 30.5F, 20), kDisparity, 0.02F);
-  field.gait.size = PictureSize::kHalf;
+  field.level.size = PictureSize::kHalf;
   EXPECT_NEAR(disparity_at(field, 61, 40), 2 * kDisparity, 0.04F) << "of the full size";
 }
 
-TEST(Look, NumbersOfNobodyAreHarmless) {
+TEST(RenderSettings, NumbersOfNobodyAreHarmless) {
   const LiveField field = demo_field();
   const float nan = std::numeric_limits<float>::quiet_NaN(), huge = std::numeric_limits<float>::max();
-  for (const Look& look : {Look{nan, nan, nan, nan, {}, {}}, Look{huge, -huge, huge, huge, {}, {}},
-                           Look{-huge, huge, -huge, -huge, {}, {}}}) {
-    EXPECT_EQ(render(field, look).image.pixels.size(), 32u * 24u);
-    EXPECT_LE(std::abs(disparity_at(field, look.x, look.y)), 5.1F);
+  for (const RenderSettings& settings :
+       {RenderSettings{nan, nan, nan, nan, {}, {}}, RenderSettings{huge, -huge, huge, huge, {}, {}},
+        RenderSettings{-huge, huge, -huge, -huge, {}, {}}}) {
+    EXPECT_EQ(render(field, settings).image.pixels.size(), 32u * 24u);
+    EXPECT_LE(std::abs(disparity_at(field, settings.x, settings.y)), 5.1F);
   }
 }
 

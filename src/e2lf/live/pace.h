@@ -22,10 +22,10 @@ enum class PictureSize {
 [[nodiscard]] size_t block_side(PictureSize size);
 
 /// The network and the resolution with which light fields are reconstructed.
-struct Gait {
+struct QualityLevel {
   size_t network = 0;  ///< number of the FieldMaker
   PictureSize size = PictureSize::kFull;
-  bool operator==(const Gait&) const = default;
+  bool operator==(const QualityLevel&) const = default;
 };
 
 /// Chooses network and resolution by the pace: the best ones with which a light field is finished before the next cycle
@@ -36,14 +36,14 @@ class Pace {
   /// fastest one in the first size, and keeps a size that is named.
   explicit Pace(const std::vector<double>& macs_per_pixel = {1}, std::optional<PictureSize> named = {});
 
-  [[nodiscard]] Gait gait() const { return steps_[step_].gait; }
+  [[nodiscard]] QualityLevel level() const { return steps_[step_].level; }
 
   /// Adds how long a light field took that was made so, and how long a cycle takes. Returns true if that changes.
   bool add(double field_s, double cycle_s);
 
  private:
   struct Step {
-    Gait gait;
+    QualityLevel level;
     double cost = 1;  ///< multiply-adds per pixel of the sensor
     int falls = 0;    ///< number of times that this step was too slow
   };

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "e2lf/base/clock.h"
-#include "e2lf/capture/measurement/plausible_events.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/live/event_sums.h"
 #include "e2lf/recon/gain.h"
@@ -95,7 +94,7 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   bool finds_tone = false;
   {
     const std::lock_guard lock(settings_mutex_);
-    field.gait = pace_.gait();
+    field.level = pace_.level();
     finds_tone = has_events && (!gain_ || !black_);
   }
   choose_views(field);
@@ -108,31 +107,31 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   field.serial = ++made_;
 
   std::unique_lock lock(settings_mutex_);
-  const bool changes = field.gait == pace_.gait() && pace_.add(field.reconstruct_s, cycle_s);
-  const Gait gait = pace_.gait();
+  const bool changes = field.level == pace_.level() && pace_.add(field.reconstruct_s, cycle_s);
+  const QualityLevel level = pace_.level();
   if (finds_tone) find_tone(field);
   field.black = black_.value_or(0.0F);
   field.gain = gain_.value_or(1.0F);
   lock.unlock();
-  if (changes && options_.on_gait) options_.on_gait(gait);
+  if (changes && options_.on_level) options_.on_level(level);
   return {};
 }
 
-/// While the look changes, all views are made, so that the next look need not wait for another light field.
+/// While the settings change, all views are made, so that the next picture need not wait for another light field.
 void Session::choose_views(LiveField& field) {
   constexpr std::chrono::seconds kStill{1};
   const lightfield::Shape grid{model().views_y, model().views_x, 1, 1};
   const std::lock_guard lock(field_mutex_);
-  field.look = look_;
-  const bool needs_all = !options_.views.is_upright() || Clock::now() - look_since_ < kStill;
-  field.views = needs_all ? std::vector<size_t>() : views_of(grid, look_);
+  field.settings = render_settings_;
+  const bool needs_all = !options_.views.is_upright() || Clock::now() - settings_since_ < kStill;
+  field.views = needs_all ? std::vector<size_t>() : views_of(grid, render_settings_);
 }
 
 /// Makes field.views of a cycle.
 Result<void> Session::make_views(const LiveCycle& cycle, bool exactly, LiveField& field) {
   const std::lock_guard lock(maker_mutex_);
-  FieldMaker& maker = makers_[field.gait.network];
-  const size_t side = block_side(field.gait.size), samples = cycle.cycles * side * side;
+  FieldMaker& maker = makers_[field.level.network];
+  const size_t side = block_side(field.level.size), samples = cycle.cycles * side * side;
   if (side > 1) sum_blocks(cycle.counts.events, side, sums_.events);
   const capture::Measurement& counts = side > 1 ? sums_ : cycle.counts;
   E2LF_RETURN_IF_ERROR(exactly ? maker.make_exactly(counts, samples, field.light_field)
@@ -155,20 +154,20 @@ void Session::show() {
     double latency_s = 0;
     {
       std::unique_lock lock(field_mutex_);
-      field_changed_.wait(lock, [this] { return is_new_ || is_last_ || (look_changed_ && shown_.serial > 0); });
+      field_changed_.wait(lock, [this] { return is_new_ || is_last_ || (settings_changed_ && shown_.serial > 0); });
       // After the last light field, picture() renders the pictures itself.
       if (is_last_ && !is_new_) break;
       is_new = std::exchange(is_new_, false);
-      look_changed_ = false;
-      const bool can_look = has_views(shown_, views_of(shown_.light_field.shape(), look_));
+      settings_changed_ = false;
+      const bool can_render = has_views(shown_, views_of(shown_.light_field.shape(), render_settings_));
       // The next light field has the views.
-      if (!can_look && !is_new) continue;
-      next->look = can_look ? look_ : shown_.look;
-      next->picture = render(shown_, next->look);
+      if (!can_render && !is_new) continue;
+      next->settings = can_render ? render_settings_ : shown_.settings;
+      next->picture = render(shown_, next->settings);
       latency_s = seconds_since(shown_.cycle.last_event);
       const LiveCycle& cycle = shown_.cycle;
       next->field = {shown_.serial,    cycle.number, cycle.begin_us,       cycle.cycles, cycle.events,
-                     cycle.confidence, shown_.gait,  shown_.reconstruct_s, latency_s};
+                     cycle.confidence, shown_.level, shown_.reconstruct_s, latency_s};
     }
     next->serial = ++serial;
     const FieldReport report = next->field;
@@ -184,34 +183,34 @@ void Session::show() {
   has_ended_ = true;
 }
 
-std::shared_ptr<const ShownPicture> Session::picture(const Look& look, uint64_t after,
+std::shared_ptr<const ShownPicture> Session::picture(const RenderSettings& settings, uint64_t after,
                                                      std::chrono::milliseconds patience) {
   {
     const std::lock_guard lock(field_mutex_);
-    if (!(look == look_)) {
-      look_ = look;
-      look_since_ = Clock::now();
-      look_changed_ = true;
+    if (!(settings == render_settings_)) {
+      render_settings_ = settings;
+      settings_since_ = Clock::now();
+      settings_changed_ = true;
     }
   }
   field_changed_.notify_one();
-  const auto is_wanted = [&] { return picture_ && picture_->serial > after && picture_->look == look; };
+  const auto is_wanted = [&] { return picture_ && picture_->serial > after && picture_->settings == settings; };
   std::unique_lock lock(picture_mutex_);
   if (!has_ended_) picture_changed_.wait_for(lock, patience, is_wanted);
   if (is_wanted()) return picture_;
-  if (!picture_ || picture_->look == look) return nullptr;
+  if (!picture_ || picture_->settings == settings) return nullptr;
   const std::lock_guard field_lock(field_mutex_);
-  if (!has_views(shown_, views_of(shown_.light_field.shape(), look)) && !complete()) return nullptr;
+  if (!has_views(shown_, views_of(shown_.light_field.shape(), settings)) && !complete()) return nullptr;
   if (!has_ended_) {
-    look_changed_ = true;
+    settings_changed_ = true;
     field_changed_.notify_one();
     return nullptr;
   }
   // The threads have ended: this one makes the picture.
   auto next = std::make_shared<ShownPicture>(*picture_);
   ++next->serial;
-  next->look = look;
-  next->picture = render(shown_, look);
+  next->settings = settings;
+  next->picture = render(shown_, settings);
   picture_ = std::move(next);
   return picture_;
 }
@@ -223,7 +222,7 @@ std::optional<float> Session::disparity_at(float x, float y) {
     if (shown_.serial == 0) return std::nullopt;
     if (shown_.views.empty()) return live::disparity_at(shown_, x, y);
     field.cycle = shown_.cycle;
-    field.gait = shown_.gait;
+    field.level = shown_.level;
   }
   // The comparison needs all views of the same cycle.
   if (const Result<void> made = make_views(field.cycle, false, field); !made) {
@@ -253,7 +252,7 @@ std::optional<LiveField> Session::freeze() {
     if (shown_.serial == 0) return frozen;
     frozen.emplace();
     frozen->cycle = shown_.cycle;
-    frozen->gait = shown_.gait;
+    frozen->level = shown_.level;
     frozen->black = shown_.black;
     frozen->gain = shown_.gain;
     frozen->reconstruct_s = shown_.reconstruct_s;
@@ -292,9 +291,9 @@ Json Session::json() {
   const cycles::Schedule& schedule = reader_->cycles().schedule();
   json["schedule"] = {{"patterns", schedule.size()}, {"cycle_us", schedule.cycle_us()}};
   const std::lock_guard lock(settings_mutex_);
-  json["size"] = size_name(pace_.gait().size);
+  json["size"] = size_name(pace_.level().size);
   json["size_choice"] = named_size_ ? size_name(*named_size_) : "auto";
-  json["network"] = model(pace_.gait().network).name;
+  json["network"] = model(pace_.level().network).name;
   json["gain"] = gain_ ? Json(*gain_) : Json();
   json["black"] = black_ ? Json(*black_) : Json();
   json["error"] = error_ ? Json(error_->text()) : Json();

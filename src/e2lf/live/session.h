@@ -12,9 +12,9 @@
 #include "e2lf/capture/profile/orientation.h"
 #include "e2lf/live/field_maker.h"
 #include "e2lf/live/live_reader.h"
-#include "e2lf/live/look.h"
 #include "e2lf/live/newest_slot.h"
 #include "e2lf/live/pace.h"
+#include "e2lf/live/render.h"
 
 namespace e2lf::live {
 
@@ -26,7 +26,7 @@ struct FieldReport {
   size_t cycles = 1;  ///< number of cycles that were summed
   uint64_t events = 0;
   float confidence = 1;
-  Gait gait;
+  QualityLevel level;
   double reconstruct_s = 0;
   double latency_s = 0;  ///< time from the arrival of the last event of the cycle to the completion of the picture
 };
@@ -36,14 +36,15 @@ struct SessionOptions {
   std::optional<float> gain = {}, black = {};  ///< empty = determined from the first cycle that has events
   capture::Orientation views = {};             ///< orientation in which the views are reconstructed
   std::function<void(const FieldReport&)> on_field = {};
-  std::function<void(const Gait&)> on_gait = {};  ///< called after the size or the network was changed automatically
+  std::function<void(const QualityLevel&)> on_level =
+      {};  ///< called after the size or the network was changed automatically
 };
 
 /// A picture of the newest light field, as requested by the browser.
 struct ShownPicture {
   uint64_t serial = 0;  ///< counts pictures from 1
   FieldReport field;
-  Look look;
+  RenderSettings settings;
   Picture picture;
 };
 
@@ -77,10 +78,10 @@ class Session {
   /// Returns Statistics::json() and, among others, "size", "average", "has_ended" and the schedule.
   [[nodiscard]] Json json();
 
-  /// Sets the rendering parameters to `look`, and waits up to `patience` for a picture that was rendered with them and
-  /// is newer than `after`. Returns null if there is none by then. Does not delay the reconstruction. If `look` has not
-  /// changed for a second, only the views that it needs are computed.
-  [[nodiscard]] std::shared_ptr<const ShownPicture> picture(const Look& look, uint64_t after,
+  /// Sets the rendering parameters to `settings`, and waits up to `patience` for a picture that was rendered with them
+  /// and is newer than `after`. Returns null if there is none by then. Does not delay the reconstruction. If `settings`
+  /// has not changed for a second, only the views that it needs are computed.
+  [[nodiscard]] std::shared_ptr<const ShownPicture> picture(const RenderSettings& settings, uint64_t after,
                                                             std::chrono::milliseconds patience);
 
   /// Returns disparity_at() of the newest light field, or nothing if there is none yet. Computes its missing views.
@@ -121,9 +122,9 @@ class Session {
   std::mutex field_mutex_;
   std::condition_variable field_changed_;
   LiveField shown_;
-  Look look_;
-  Clock::time_point look_since_{};
-  bool is_new_ = false, is_last_ = false, look_changed_ = false;
+  RenderSettings render_settings_;
+  Clock::time_point settings_since_{};
+  bool is_new_ = false, is_last_ = false, settings_changed_ = false;
 
   std::mutex picture_mutex_;
   std::condition_variable picture_changed_;

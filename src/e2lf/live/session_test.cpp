@@ -172,10 +172,11 @@ TEST(Session, AStillLookIsGivenItsViewsAloneAndANewOneTheOthers) {
   session.start();
   ASSERT_TRUE(session.wait().ok());
   const LiveField frozen = *session.freeze();
-  for (const Look& look : {Look(), Look{.x = -2, .y = 1}, Look{.x = 0, .y = 0, .focus = 0.5F, .radius = 3}}) {
-    const auto shown = session.picture(look, 0, std::chrono::milliseconds(0));
+  for (const RenderSettings& settings : {RenderSettings(), RenderSettings{.x = -2, .y = 1},
+                                         RenderSettings{.x = 0, .y = 0, .focus = 0.5F, .radius = 3}}) {
+    const auto shown = session.picture(settings, 0, std::chrono::milliseconds(0));
     ASSERT_TRUE(shown);
-    const Picture expected = render(frozen, look);
+    const Picture expected = render(frozen, settings);
     ASSERT_EQ(shown->picture.image.pixels.size(), expected.image.pixels.size());
     for (size_t i = 0; i < expected.image.pixels.size(); ++i) {
       ASSERT_NEAR(shown->picture.image.pixels[i], expected.image.pixels[i], 1);

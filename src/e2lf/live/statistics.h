@@ -44,8 +44,8 @@ class Statistics {
   void add_skipped();
   /// Adds a light field whose picture is complete.
   void add_field(double latency_s, double reconstruct_s);
-  /// Replaces the reader's report about cycles and its summary of the data that was left out.
-  void set_report(const cycles::CycleReport& report, const recordings::DecodeSummary& summary);
+  /// Replaces the reader's report about cycles, its summary of the data that was left out, and the check of the rig.
+  void set_report(const cycles::CycleReport& report, const recordings::DecodeSummary& summary, Json rig);
 
   /// Returns all figures: totals, latencies, the rates of the last second, and the report of the reader.
   [[nodiscard]] Json json(Clock::time_point now = Clock::now()) const;

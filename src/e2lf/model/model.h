@@ -68,7 +68,7 @@ struct Model {
 };
 
 /// Returns true if the network is conditioned on the sensor profile and the number of cycles.
-[[nodiscard]] bool is_told_the_camera(const Model& model);
+[[nodiscard]] bool is_conditioned_on_camera(const Model& model);
 
 /// Returns the name of an input kind in model files: "counts", "cumulative", "intensity", "camera", "images",
 /// "image-sum" or "lens-array".

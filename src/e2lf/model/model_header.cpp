@@ -151,7 +151,7 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
       "input"};
 }
 
-bool is_told_the_camera(const Model& model) {
+bool is_conditioned_on_camera(const Model& model) {
   return std::any_of(model.input.begin(), model.input.end(),
                      [](const InputGroup& group) { return group.kind == InputKind::kCamera; });
 }

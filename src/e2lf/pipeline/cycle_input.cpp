@@ -5,7 +5,6 @@
 #include <cstdlib>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/plausible_events.h"
 
 namespace e2lf::pipeline {
 namespace {
@@ -95,7 +94,7 @@ Result<std::optional<CycleImages>> CycleInput::next_cycle() {
   if (!next.cycle) return std::optional<CycleImages>();
   ++taken_;
   next.source = reader_->source();
-  if (options_.on_cycle) options_.on_cycle(*next.cycle, next.source);
+  if (options_.on_cycle) options_.on_cycle(*next.cycle, reader_->options());
   next.ready = next.cycle->arrival.value_or(CycleClock::now());
   next.behind_s = behind_s(*next.cycle);
   next.images = std::move(next.cycle->images);

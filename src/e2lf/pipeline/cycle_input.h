@@ -30,8 +30,8 @@ struct CycleInputOptions {
   uint64_t max_cycles = 0;       ///< 0 = all
   bool is_strict = false;        ///< whether sums that exceed 16 bits are an error
   bool invert_polarity = false;  ///< only for files of event images; CycleReader has its own option
-  /// Called for each cycle of a recording.
-  std::function<void(const cycles::Cycle& cycle, cycles::CycleSource source)> on_cycle = {};
+  /// Called for each cycle of a recording, whose confidence it may correct.
+  std::function<void(cycles::Cycle& cycle, const cycles::CycleOptions& options)> on_cycle = {};
 };
 
 /// Provides the measurements for a sequence of light fields, from a file of measurements or from a recording that is

@@ -5,7 +5,6 @@
 #include <chrono>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/plausible_events.h"
 #include "e2lf/recon/gain.h"
 #include "e2lf/recon/scene_motion.h"
 
@@ -43,23 +42,8 @@ recon::Method colour_method(recon::Method grey, const capture::ColourFilter& fil
   };
 }
 
-/// Compares a light field with its events, and judges the difference if it is the first.
-Result<void> FieldSequence::compare(const recon::EventCheck& check, const recon::Method& method,
-                                    const std::optional<recon::Rival>& rival, const capture::Measurement& measurement,
-                                    Field& field) {
-  E2LF_ASSIGN_OR_RETURN(field.error, recon::event_error(check, field.light_field, 1.0F, measurement.events));
-  if (is_first_ && judging_ != Judging::kNone) {
-    // Intensity images have no signs.
-    const bool is_of_events = measurement.kind == capture::MeasurementKind::kEventImages;
-    const bool has_changes = judging_ == Judging::kChanges && is_of_events;
-    E2LF_ASSIGN_OR_RETURN(field.judgement, recon::judge(check, field.light_field, measurement.events, rival,
-                                                        has_changes ? method : recon::Method()));
-  }
-  is_first_ = false;
-  return {};
-}
-
-Result<Field> FieldSequence::next(const capture::Measurement& measurement, const ProgressFn& progress) {
+Result<Field> FieldSequence::next(const capture::Measurement& measurement, const ProgressFn& progress,
+                                  const FieldObserver& observer) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
   Field field;
@@ -70,15 +54,9 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   }
   field.is_of_lit = lit.has_value();
   const capture::Measurement& used = lit ? *lit : measurement;
-  const recon::Method& method = lit ? lit_->method : method_;
-  const std::optional<recon::EventCheck>& check = lit ? lit_->check : check_;
-  E2LF_ASSIGN_OR_RETURN(field.light_field, method(used, progress));
+  E2LF_ASSIGN_OR_RETURN(field.light_field, (lit ? *lit_ : method_)(used, progress));
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
-  if (check && capture::has_events(used.kind)) {
-    // The rival takes the transitions of the whole cycle.
-    const std::optional<recon::Rival> none;
-    E2LF_RETURN_IF_ERROR(compare(*check, method, lit ? none : rival_, used, field));
-  }
+  if (observer) E2LF_RETURN_IF_ERROR(observer(field.light_field, used, field.is_of_lit));
   // Without events, the brightness of the scene is unknown; a later cycle determines it.
   const bool has_scene = !capture::has_events(used.kind) || !capture::is_without_events(used.events);
   if (!tone_.black && has_scene) tone_.black = recon::auto_black(field.light_field);

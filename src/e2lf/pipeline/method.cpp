@@ -46,7 +46,7 @@ Result<void> open_lit(engine::Precision precision, OpenedMethod& opened) {
   if (!shown) return {};
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network, bundled_network(*shown, opened.camera));
   if (!network) return {};
-  if (model::is_told_the_camera(network->model) && opened.camera) network->model.camera = opened.camera;
+  if (model::is_conditioned_on_camera(network->model) && opened.camera) network->model.camera = opened.camera;
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit,
                         recon::Reconstructor::create(std::move(network->model), {.precision = precision}));
   opened.lit = std::make_shared<const recon::Reconstructor>(std::move(lit));
@@ -57,19 +57,19 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(choose_network(choice, opened, opened.bundled));
   model::Model& model = *choice.model;
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
-  const bool is_told = model::is_told_the_camera(model);
+  const bool is_told = model::is_conditioned_on_camera(model);
   if (!is_told && choice.camera) {
     return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera only; leave it out"), "camera"};
   }
   const bool has_pixels = is_told && model.camera && model.camera->is_pixel();
   if (has_pixels && choice.camera && capture::to_json(*model.camera) != capture::to_json(*choice.camera)) {
-    opened.rival = model.camera;
+    opened.models_camera = model.camera;
   }
   if (is_told && opened.camera) {
     model.camera = opened.camera;
   } else if (is_told && model.camera) {
     opened.camera = model.camera;
-    opened.camera_told_by = ToldBy::kModel;
+    opened.camera_stated_by = StatedBy::kModel;
   }
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(choice.precision));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor network,
@@ -128,14 +128,14 @@ Result<OpenedMethod> open_method(MethodChoice choice) {
   OpenedMethod opened;
   opened.algorithm = choice.algorithm;
   opened.camera = choice.camera ? choice.camera : choice.events.camera;
-  if (opened.camera) opened.camera_told_by = choice.camera ? ToldBy::kCaller : ToldBy::kEvents;
+  if (opened.camera) opened.camera_stated_by = choice.camera ? StatedBy::kCaller : StatedBy::kEvents;
   opened.views = choice.camera && choice.camera->views ? choice.camera->views : choice.events.views;
   E2LF_RETURN_IF_ERROR(is_network ? open_network(choice, opened) : open_classical(choice, opened));
   return opened;
 }
 
 bool OpenedMethod::are_patterns_the_models() const {
-  return network && are_patterns_told(codes) && network->model().codes && *network->model().codes == codes->codes;
+  return network && are_patterns_stated(codes) && network->model().codes && *network->model().codes == codes->codes;
 }
 
 std::optional<capture::Codes> OpenedMethod::codes_of_signs() const {
@@ -159,9 +159,7 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
                          : cat("the method ", algorithm, " takes one cycle for each light field; leave it out"),
                  "cycles"};
   }
-  recon::Method method = [network = network, use](const capture::Measurement& measured, const ProgressFn& progress) {
-    return network->reconstruct(measured, progress, use.passes, use.cycles);
-  };
+  recon::Method method = method_of(network, use);
   if (algorithm == "regularised") {
     method = [known = *codes](const capture::Measurement& measured, const ProgressFn& progress) {
       return recon::reconstruct_regularised(measured.events, known.codes, known.constants, {}, progress);
@@ -176,61 +174,20 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   return colour_method(std::move(method), filter);
 }
 
-namespace {
-
-/// Returns the method for cycles with motion, if there is a network for it. Behind colour
-/// filters, the correlation of neighbouring pixels does not measure motion.
-std::optional<LitMethod> lit_of(const OpenedMethod& opened, const MethodUse& use,
-                                const std::optional<recon::EventCheck>& check) {
-  if (!opened.lit || !use.colour_filter.empty() || (use.cycles > 1 && !model::is_told_the_camera(opened.lit->model())))
-    return std::nullopt;
-  LitMethod lit;
-  lit.method = [network = opened.lit, use](const capture::Measurement& measured, const ProgressFn& progress) {
+recon::Method method_of(std::shared_ptr<const recon::Reconstructor> network, const MethodUse& use) {
+  return [network = std::move(network), use](const capture::Measurement& measured, const ProgressFn& progress) {
     return network->reconstruct(measured, progress, use.passes, use.cycles);
   };
-  if (check) {
-    lit.check = check;
-    lit.check->codes = *opened.lit->model().codes;
-  }
-  return lit;
 }
 
-/// Returns the same network with its own sensor profile.
-std::optional<recon::Rival> rival_of(const OpenedMethod& opened) {
-  if (!opened.rival) return std::nullopt;
-  auto method = [network = opened.network->with_camera(*opened.rival)](const capture::Measurement& measured,
-                                                                       const ProgressFn& progress) {
-    return network.reconstruct(measured, progress);
-  };
-  return recon::Rival{std::move(method), {opened.codes->codes, opened.codes->constants, {}, opened.rival}};
-}
-
-/// Returns how the check is judged. The error of a method that does not use the sensor profile does not depend on the
-/// polarity or the order of the events. If the camera of the events is unknown, a network is judged by its own profile.
-Judging judging_of(const OpenedMethod& opened) {
-  if (!opened.camera) return opened.network ? Judging::kNoise : Judging::kNone;
-  if (opened.camera->is_pixel() && !opened.takes_sums()) return Judging::kNone;
-  return opened.algorithm == "regularised" ? Judging::kNoise : Judging::kChanges;
-}
-
-}  // namespace
-
-Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone, bool is_checked) {
+Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone) {
   E2LF_ASSIGN_OR_RETURN(recon::Method ready, method.ready(use));
-  const bool is_pixel = method.camera && method.camera->is_pixel();
-  std::optional<recon::EventCheck> check;
-  std::optional<recon::Rival> rival;
-  // The check is meaningless with assumed patterns, because wrong ones explain the events too, and it does not support
-  // sums over several cycles or colours.
-  if (is_checked && are_patterns_told(method.codes) && use.cycles == 1 && use.colour_filter.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const auto model, sensor::event_model_from_name(method.codes->event_model));
-    check = recon::EventCheck{method.codes->codes, method.codes->constants, model};
-    if (is_pixel) check->pixels = method.camera;
-    rival = rival_of(method);
+  std::optional<recon::Method> lit;
+  // Behind colour filters, the correlation of neighbouring pixels does not measure motion.
+  if (method.lit && use.colour_filter.empty() && (use.cycles == 1 || model::is_conditioned_on_camera(method.lit->model()))) {
+    lit = method_of(method.lit, use);
   }
-  std::optional<LitMethod> lit = lit_of(method, use, check);
-  return FieldSequence(std::move(ready), method.complete(tone), std::move(check), std::move(rival), judging_of(method),
-                       std::move(lit));
+  return FieldSequence(std::move(ready), method.complete(tone), std::move(lit));
 }
 
 }  // namespace e2lf::pipeline

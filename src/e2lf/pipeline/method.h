@@ -42,12 +42,12 @@ struct OpenedMethod {
   std::optional<std::filesystem::path> bundled;     ///< file of the bundled network that was chosen by default
   std::optional<KnownCodes> codes;                  ///< empty if no source, not even the model, states the patterns
   std::optional<capture::SensorProfile> camera;     ///< profile of the sensor of the events; empty = unknown
-  ToldBy camera_told_by = ToldBy::kNobody;
-  std::optional<capture::Orientation> views;    ///< orientation of the views, as the profile or the events state it
-  std::optional<capture::SensorProfile> rival;  ///< profile of the network, if the caller specifies another one
+  StatedBy camera_stated_by = StatedBy::kNone;
+  std::optional<capture::Orientation> views;  ///< orientation of the views, as the profile or the events state it
+  std::optional<capture::SensorProfile> models_camera;  ///< profile of the network, if the caller specifies another
 
   /// Returns true if the method accepts sums over several cycles.
-  [[nodiscard]] bool takes_sums() const { return network && model::is_told_the_camera(network->model()); }
+  [[nodiscard]] bool takes_sums() const { return network && model::is_conditioned_on_camera(network->model()); }
   /// Returns true if the network was trained for the patterns of the events, as far as these are known.
   [[nodiscard]] bool are_patterns_the_models() const;
 
@@ -72,11 +72,12 @@ struct OpenedMethod {
 /// Reconstructor::create() does.
 [[nodiscard]] Result<OpenedMethod> open_method(MethodChoice choice);
 
-/// Starts a sequence of light fields. Each light field of one cycle in grey is compared with its events if `is_checked`
-/// is set and the patterns are known; the first comparison is judged if the method uses a sensor profile. The tone is
-/// completed by OpenedMethod::complete(). Fails as OpenedMethod::ready() does.
-[[nodiscard]] Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone,
-                                                  bool is_checked);
+/// Returns the method of a network.
+[[nodiscard]] recon::Method method_of(std::shared_ptr<const recon::Reconstructor> network, const MethodUse& use);
+
+/// Starts a sequence of light fields. The tone is completed by OpenedMethod::complete(). Fails as OpenedMethod::ready()
+/// does.
+[[nodiscard]] Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone);
 
 /// A model and the file from which it was read.
 struct BundledNetwork {

@@ -34,15 +34,15 @@ TEST(OpenMethod, TakesTheBundledNetworkForPatternsAndCamera) {
   ASSERT_TRUE(of_paper) << of_paper.error().text();
   EXPECT_EQ(of_paper->network->model().name, "e2lf-n4");
   EXPECT_EQ(of_paper->bundled->stem(), "e2lf-n4");
-  EXPECT_EQ(of_paper->codes->told_by, ToldBy::kEvents);
+  EXPECT_EQ(of_paper->codes->stated_by, StatedBy::kEvents);
   EXPECT_TRUE(of_paper->are_patterns_the_models());
-  EXPECT_EQ(of_paper->camera_told_by, ToldBy::kNobody);
+  EXPECT_EQ(of_paper->camera_stated_by, StatedBy::kNone);
 
   const auto of_pixels = open_method({.codes = codes, .events = {.camera = pixel_camera()}});
   ASSERT_TRUE(of_pixels) << of_pixels.error().text();
   EXPECT_EQ(of_pixels->network->model().name, "e2lf-n4-camera");
-  EXPECT_EQ(of_pixels->codes->told_by, ToldBy::kCaller);
-  EXPECT_EQ(of_pixels->camera_told_by, ToldBy::kEvents);
+  EXPECT_EQ(of_pixels->codes->stated_by, StatedBy::kCaller);
+  EXPECT_EQ(of_pixels->camera_stated_by, StatedBy::kEvents);
 
   const auto of_eight = open_method({.codes = *bundled("e2lf-n8").codes, .events = {.camera = pixel_camera()}});
   ASSERT_TRUE(of_eight) << of_eight.error().text();
@@ -62,11 +62,11 @@ TEST(OpenMethod, TellsTheNetworkTheFirstCameraThatThereIs) {
   const auto named = open_method({.model = bundled("e2lf-n4-camera"), .camera = mine});
   ASSERT_TRUE(named) << named.error().text();
   EXPECT_EQ(named->network->model().camera->name, "mine");
-  EXPECT_EQ(named->rival->name, pixel_camera().name);
+  EXPECT_EQ(named->models_camera->name, pixel_camera().name);
   const auto of_model = open_method({.model = bundled("e2lf-n4-camera")});
-  EXPECT_EQ(of_model->camera_told_by, ToldBy::kModel);
+  EXPECT_EQ(of_model->camera_stated_by, StatedBy::kModel);
   EXPECT_EQ(of_model->camera->name, pixel_camera().name);
-  EXPECT_FALSE(of_model->rival);
+  EXPECT_FALSE(of_model->models_camera);
   EXPECT_EQ(open_method({.model = bundled("e2lf-n4"), .camera = mine}).error().location, "camera");
 }
 
@@ -101,46 +101,15 @@ TEST(OpenMethod, TheInversionIsThatOfReconAndTakesOneCycleAndPass) {
 TEST(OpenMethod, PatternsOfNobodyAreTheUsualOnes) {
   const auto opened = open_method({.algorithm = "inversion"});
   ASSERT_TRUE(opened) << opened.error().text();
-  EXPECT_EQ(opened->codes->told_by, ToldBy::kNobody);
+  EXPECT_EQ(opened->codes->stated_by, StatedBy::kNone);
   EXPECT_EQ(opened->codes->codes, usual_patterns().value());
-}
-
-TEST(OpenSequence, ChecksFieldsWhosePatternsAreTold) {
-  const capture::Codes codes = *bundled("e2lf-n4").codes;
-  const auto told = open_method({.algorithm = "inversion", .codes = codes});
-  auto checked = open_sequence(*told, {}, {.black = std::nullopt}, /*is_checked=*/true);
-  EXPECT_EQ(checked->tone().black, 0.0F);
-  EXPECT_TRUE(checked->next(some_events())->error);
-  EXPECT_FALSE(open_sequence(*told, {}, {}, /*is_checked=*/false)->next(some_events())->error);
-  const auto assumed = open_method({.algorithm = "inversion"});
-  EXPECT_FALSE(open_sequence(*assumed, {}, {}, /*is_checked=*/true)->next(some_events())->error);
-}
-
-TEST(OpenSequence, JudgesOnlyMethodsThatKnowTheCamera) {
-  const capture::Codes codes = *bundled("e2lf-n4").codes;
-  const auto first = [](const OpenedMethod& method) {
-    return *open_sequence(method, {}, {}, true)->next(some_events());
-  };
-  const auto nobody = open_method({.algorithm = "inversion", .codes = codes});
-  EXPECT_FALSE(first(*nobody).judgement);
-  EXPECT_FALSE(nobody->codes_of_signs());
-  EXPECT_TRUE(first(*open_method({.model = bundled("e2lf-n4"), .codes = codes})).judgement);
-  const auto paper = open_method({.algorithm = "inversion", .codes = codes, .camera = capture::SensorProfile{}});
-  EXPECT_TRUE(first(*paper).judgement);
-  EXPECT_EQ(paper->codes_of_signs(), codes);
-  const auto pixels = open_method({.algorithm = "inversion", .codes = codes, .camera = pixel_camera()});
-  EXPECT_TRUE(first(*pixels).error);
-  EXPECT_FALSE(first(*pixels).judgement);
-  EXPECT_FALSE(pixels->codes_of_signs());
-  const auto told = open_method({.model = bundled("e2lf-n4-camera"), .codes = codes, .camera = pixel_camera()});
-  EXPECT_TRUE(first(*told).judgement);
 }
 
 TEST(OpenSequence, FindsBlackOfPhysicalPixelsUnlessBrightnessIsMeasured) {
   const capture::Codes codes = *bundled("e2lf-n4").codes;
   const auto pixels = open_method({.algorithm = "inversion", .codes = codes, .camera = pixel_camera()});
-  EXPECT_FALSE(open_sequence(*pixels, {}, {.black = std::nullopt}, true)->tone().black);
-  EXPECT_EQ(open_sequence(*pixels, {}, {.gain = 1.0F, .black = std::nullopt}, true)->tone().black, 0.0F);
+  EXPECT_FALSE(open_sequence(*pixels, {}, {.black = std::nullopt})->tone().black);
+  EXPECT_EQ(open_sequence(*pixels, {}, {.gain = 1.0F, .black = std::nullopt})->tone().black, 0.0F);
 }
 
 }  // namespace

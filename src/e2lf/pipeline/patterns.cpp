@@ -6,8 +6,8 @@
 
 namespace e2lf::pipeline {
 
-bool are_patterns_told(const std::optional<KnownCodes>& known) {
-  return known && (known->told_by == ToldBy::kCaller || known->told_by == ToldBy::kEvents);
+bool are_patterns_stated(const std::optional<KnownCodes>& known) {
+  return known && (known->stated_by == StatedBy::kCaller || known->stated_by == StatedBy::kEvents);
 }
 
 std::optional<KnownCodes> known_codes(const std::optional<capture::Codes>& of_caller,
@@ -18,15 +18,15 @@ std::optional<KnownCodes> known_codes(const std::optional<capture::Codes>& of_ca
     known.event_model = model->event_model;
     known.measurement = model->measurement();
   }
-  const auto take = [&](const std::optional<capture::Codes>& codes, ToldBy told_by) {
-    if (!codes || known.told_by != ToldBy::kNobody) return;
+  const auto take = [&](const std::optional<capture::Codes>& codes, StatedBy stated_by) {
+    if (!codes || known.stated_by != StatedBy::kNone) return;
     known.codes = *codes;
-    known.told_by = told_by;
+    known.stated_by = stated_by;
   };
-  take(of_caller, ToldBy::kCaller);
-  take(of_events, ToldBy::kEvents);
-  if (model != nullptr) take(model->codes, ToldBy::kModel);
-  if (known.told_by == ToldBy::kNobody) return std::nullopt;
+  take(of_caller, StatedBy::kCaller);
+  take(of_events, StatedBy::kEvents);
+  if (model != nullptr) take(model->codes, StatedBy::kModel);
+  if (known.stated_by == StatedBy::kNone) return std::nullopt;
   return known;
 }
 

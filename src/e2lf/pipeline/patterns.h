@@ -11,24 +11,24 @@
 namespace e2lf::pipeline {
 
 /// The source that states the patterns or the sensor profile of some events.
-enum class ToldBy {
+enum class StatedBy {
   kCaller,
   kEvents,  ///< the file of the events
   kModel,   ///< the network that was trained for them
-  kNobody,  ///< no source; they are unknown or assumed
+  kNone,  ///< no source; they are unknown or assumed
 };
 
 /// Aperture patterns, and the properties of the sensor for which they were made.
 struct KnownCodes {
   capture::Codes codes;
-  ToldBy told_by = ToldBy::kNobody;
+  StatedBy stated_by = StatedBy::kNone;
   capture::SensorConstants constants;
   std::string event_model = "reference-aware";
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;  ///< input of the model
 };
 
 /// Returns true if a source other than the model itself states which patterns the camera showed.
-[[nodiscard]] bool are_patterns_told(const std::optional<KnownCodes>& known);
+[[nodiscard]] bool are_patterns_stated(const std::optional<KnownCodes>& known);
 
 /// Returns the patterns of the caller, or else those of the file of the events, or else those of the model, which also
 /// provides the constants. Returns nothing if no source has any.

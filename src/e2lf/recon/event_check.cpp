@@ -27,6 +27,7 @@ class PixelCheck {
         inverse_gain_(1.0F / gain),
         eps_(check.constants.eps),
         tau_(check.constants.tau),
+        cycles_(static_cast<int>(check.cycles)),
         is_reference_aware_(check.model == sensor::EventModel::kReferenceAware),
         levels_(intensities.count) {}
 
@@ -38,7 +39,7 @@ class PixelCheck {
       float reference = levels_[0] + tau_ * static_cast<float>(part) / (kResidueParts - 1);
       for (size_t k = 1; k < levels_.size(); ++k) {
         const auto count = static_cast<int>((levels_[k] - reference) / tau_);
-        differences[part] += static_cast<uint64_t>(std::abs(count - int{given_.image(k - 1)[pixel]}));
+        differences[part] += static_cast<uint64_t>(std::abs(cycles_ * count - int{given_.image(k - 1)[pixel]}));
         reference = is_reference_aware_ ? reference + tau_ * static_cast<float>(count) : levels_[k];
       }
     }
@@ -48,6 +49,7 @@ class PixelCheck {
   const capture::CodedIntensities& intensities_;
   const capture::EventImages& given_;
   float inverse_gain_, eps_, tau_;
+  int cycles_;
   bool is_reference_aware_;
   std::vector<float> levels_;  ///< log intensities of the current pixel
 };
@@ -67,11 +69,12 @@ Result<EventError> pixel_error(const EventCheck& check, const lightfield::LightF
   E2LF_ASSIGN_OR_RETURN(
       const capture::EventImages counted,
       sensor::simulate_pixel_events(check.codes, light_field, average_pixels(*check.pixels), {.gain = 1.0F / gain}));
+  const auto cycles = static_cast<int>(check.cycles);
   uint64_t sum = 0;
   for (size_t i = 0; i < given.values.size(); ++i) {
-    sum += static_cast<uint64_t>(std::abs(int{counted.values[i]} - int{given.values[i]}));
+    sum += static_cast<uint64_t>(std::abs(cycles * int{counted.values[i]} - int{given.values[i]}));
   }
-  const double mean = static_cast<double>(sum) / static_cast<double>(given.values.size());
+  const double mean = static_cast<double>(sum) / static_cast<double>(given.values.size() * check.cycles);
   return EventError{.at_first = mean, .least = mean};
 }
 
@@ -101,7 +104,9 @@ Result<EventError> event_error(const EventCheck& check, const lightfield::LightF
     for (size_t part = 0; part < kResidueParts; ++part) differences[part] += own[part];
   });
 
-  const auto mean = [&](uint64_t sum) { return static_cast<double>(sum) / static_cast<double>(given.values.size()); };
+  const auto mean = [&](uint64_t sum) {
+    return static_cast<double>(sum) / static_cast<double>(given.values.size() * check.cycles);
+  };
   const auto least = std::min_element(differences.begin(), differences.end());
   return EventError{mean(differences[0]), mean(*least),
                     static_cast<double>(least - differences.begin()) / static_cast<double>(kResidueParts - 1)};

@@ -19,9 +19,10 @@ struct EventCheck {
   capture::SensorConstants constants;
   sensor::EventModel model = sensor::EventModel::kReferenceAware;
   std::optional<capture::SensorProfile> pixels = {};  ///< physical pixels, which replace `constants` and `model`
+  size_t cycles = 1;                                  ///< number of cycles over which the given events are summed
 };
 
-/// Means of |simulated - given| over pixels and transitions.
+/// Means of |simulated - given| over pixels and transitions, of one cycle.
 struct EventError {
   double at_first = 0;   ///< if references start at the first log intensity, as in the paper's model
   double least = 0;      ///< if they start at the best residue of 0, 1/4, ..., 1 thresholds above it

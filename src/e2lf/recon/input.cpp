@@ -68,7 +68,7 @@ std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size
   return begins;
 }
 
-void fill_traits(std::span<const float> conditioning, float scale, size_t first_channel, InputPlanes& planes) {
+void fill_conditioning(std::span<const float> conditioning, float scale, size_t first_channel, InputPlanes& planes) {
   float* plane = planes.values.data() + first_channel * planes.height * planes.width;
   for (const float trait : conditioning) plane = std::fill_n(plane, planes.height * planes.width, scale * trait);
 }
@@ -168,7 +168,7 @@ Result<void> network_input(const capture::Measurement& measurement, std::span<co
     const float scale = groups[g].scale;
     const bool is_image = groups[g].kind == model::InputKind::kImages || groups[g].kind == model::InputKind::kImageSum;
     if (groups[g].kind == model::InputKind::kCamera)
-      fill_traits(conditions.conditioning, scale, first_channels[g], planes);
+      fill_conditioning(conditions.conditioning, scale, first_channels[g], planes);
     if (is_image) fill_images(measurement.images, scale, first_channels[g], planes);
     if (groups[g].kind == model::InputKind::kLensArray) {
       fill_lens_array(measurement.images, scale, first_channels[g], planes);

@@ -71,7 +71,7 @@ Result<void> Reconstructor::fill_input(const capture::Measurement& measurement, 
   InputConditions conditions{model_.camera->constants, {}, cycles};
   if (constant_cycles_) {
     conditions.conditioning = {1.0F};
-  } else if (model::is_told_the_camera(model_)) {
+  } else if (model::is_conditioned_on_camera(model_)) {
     conditions.conditioning = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
   }
   return network_input(measurement, model_.input, conditions, model::size_multiple(model_.network), planes);
@@ -152,7 +152,7 @@ Result<void> Reconstructor::reconstruct_into(const capture::Measurement& measure
 Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measurement& measurement,
                                                           const ProgressFn& progress, size_t passes,
                                                           size_t cycles) const {
-  E2LF_REQUIRE(cycles == 1 || model::is_told_the_camera(model_), "the network must know of several cycles");
+  E2LF_REQUIRE(cycles == 1 || model::is_conditioned_on_camera(model_), "the network must know of several cycles");
   E2LF_RETURN_IF_ERROR(check(measurement));
   const lightfield::Shape shape{model_.views_y, model_.views_x, measurement.height(), measurement.width()};
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));

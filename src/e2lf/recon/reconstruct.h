@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -14,6 +15,10 @@
 #include "e2lf/recon/input.h"
 
 namespace e2lf::recon {
+
+/// A method that reconstructs a light field from a measurement: a network or the inversion.
+using Method =
+    std::function<Result<lightfield::LightField>(const capture::Measurement& measurement, const ProgressFn& progress)>;
 
 /// Memory that one reconstruction after the other uses again. It belongs to one Reconstructor.
 struct ReconstructionMemory {
@@ -36,7 +41,7 @@ class Reconstructor {
   /// errors of a network with reduced resolution depend on the position of the pixels on its grid. The result is
   /// therefore the mean over the first num_passes(passes) of grid_shifts(), at a proportional cost. With two or more
   /// passes, or if the result is cropped, memory for a second light field is needed. The images may be sums over
-  /// several `cycles` of a static scene if model::is_told_the_camera(). Fails with kInvalidValue if the measurement is
+  /// several `cycles` of a static scene if model::is_conditioned_on_camera(). Fails with kInvalidValue if the measurement is
   /// not of the kind that the model takes, with kShape if the number of images does not match its patterns or if they
   /// are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const capture::Measurement& measurement,

@@ -17,4 +17,9 @@ using EventImages = Planes<int16_t>;
   return static_cast<int16_t>(std::clamp<int>(count, INT16_MIN, INT16_MAX));
 }
 
+/// Returns whether no pixel has an event.
+[[nodiscard]] inline bool is_without_events(const EventImages& images) {
+  return std::ranges::all_of(images.values, [](int16_t count) { return count == 0; });
+}
+
 }  // namespace e2lf::capture

@@ -77,6 +77,12 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   app.add_option("--origin-us", flags.origin_us,
                  "--source schedule: the time at which the first pattern of any cycle began")
       ->group(group);
+  app.add_option(
+         "--trigger-delay-us", flags.trigger_delay_us,
+         "time from a trigger to the change of the pattern, such as the latency of the display; negative if the "
+         "pattern changes first")
+      ->check(CLI::Range(-100'000, 100'000))
+      ->group(group);
   app.add_flag("--invert-polarity", flags.invert_polarity, "exchange ON and OFF events");
   app.add_flag("--filter-pixels", flags.filter_pixels, "ignore hot and flickering pixels")->group(group);
   app.add_option("--max-cycles", flags.max_cycles, "maximum number of complete cycles; 0 = all")->capture_default_str();
@@ -91,6 +97,7 @@ Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Sche
   options.edge = choice_of(flags.edge, kTriggerEdges);
   options.channel = flags.channel;
   options.one_trigger_per_cycle = flags.one_trigger_per_cycle;
+  options.trigger_delay_us = flags.trigger_delay_us;
   options.tracker.first_pattern = flags.first_pattern;
   // Triggers are often set up to begin with the sequence, which does not hold for bursts.
   const bool may_be_triggers =
@@ -135,17 +142,19 @@ Error by_flag(Error error, const fs::path& input) {
 }
 
 Result<pipeline::CycleInput> open_cycle_input(const fs::path& input, const CycleFlags& flags, size_t cycles_per_field,
-                                              const Verb& verb, ConfidenceWatch& confidence) {
+                                              const Verb& verb, diagnose::RigCheck& rig) {
   pipeline::CycleInputOptions options{.cycles_per_field = cycles_per_field,
                                       .max_cycles = flags.max_cycles,
                                       .is_strict = flags.recording.is_strict,
                                       .invert_polarity = flags.invert_polarity};
-  options.on_cycle = [&confidence](const cycles::Cycle& cycle, cycles::CycleSource source) {
-    confidence.add(cycle, source);
+  options.on_cycle = [&rig](cycles::Cycle& cycle, const cycles::CycleOptions& used) {
+    cycle.confidence = rig.add(cycle, used);
   };
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(input));
   if (kind == FileKind::kRecording) {
-    E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(input, flags));
+    E2LF_ASSIGN_OR_RETURN(
+        cycles::CycleReader reader,
+        open_cycles(input, flags, {.on_batch = [&rig](const recordings::EventBatch& batch) { rig.add(batch); }}));
     return by_flag(pipeline::CycleInput::create(std::move(reader), std::move(options)), input);
   }
   if (kind != FileKind::kEventImages && kind != FileKind::kImages) {

@@ -13,6 +13,7 @@
 #include "e2lf/cli/output/cycle_report.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/diagnose/rig.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/method.h"
 
@@ -35,6 +36,7 @@ struct CycleFlags {
   std::optional<size_t> num_wanted;  ///< number of patterns of the network; determines transitions "auto"
   bool one_trigger_per_cycle = false, filter_pixels = false, invert_polarity = false;
   std::optional<int64_t> origin_us;
+  int64_t trigger_delay_us = 0;
   uint64_t max_cycles = 0;  ///< 0 = all
   RecordingFlags recording;
 };
@@ -61,11 +63,11 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
 
-/// Opens event images, another measurement, or a recording, whose cycles are passed to `confidence`. Fails as
+/// Opens event images, another measurement, or a recording, which is passed to `rig`. Fails as
 /// CycleInput::create() does, and with kInvalidValue if flags for recordings are given for a measurement.
 [[nodiscard]] Result<pipeline::CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
                                                             size_t cycles_per_field, const Verb& verb,
-                                                            ConfidenceWatch& confidence);
+                                                            diagnose::RigCheck& rig);
 
 /// Sets the number of patterns that the cycles of a recording must have for the model or patterns of the caller.
 [[nodiscard]] CycleFlags wanted_cycles(CycleFlags flags, const pipeline::MethodChoice& choice);

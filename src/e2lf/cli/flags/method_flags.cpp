@@ -11,7 +11,7 @@
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 using pipeline::OpenedMethod;
-using pipeline::ToldBy;
+using pipeline::StatedBy;
 namespace {
 
 /// Returns a finite number of at least 0, or nothing for "auto" or another text.
@@ -75,10 +75,10 @@ Result<pipeline::Tone> tone_of(const MethodFlags& flags) {
 namespace {
 
 /// Returns who told the patterns or the camera; `flag` is the one that tells them.
-const char* told_by_name(ToldBy told_by, const char* flag) {
-  if (told_by == ToldBy::kCaller) return flag;
-  if (told_by == ToldBy::kEvents) return "the events' file";
-  return told_by == ToldBy::kModel ? "the model" : "nothing";
+const char* stated_by_name(StatedBy stated_by, const char* flag) {
+  if (stated_by == StatedBy::kCaller) return flag;
+  if (stated_by == StatedBy::kEvents) return "the events' file";
+  return stated_by == StatedBy::kModel ? "the model" : "nothing";
 }
 
 void say_taken(const std::string& name, bool is_for_pixels) {
@@ -94,10 +94,10 @@ void warn_of_assumed_patterns(const fs::path& events, const std::string& whose) 
 /// Records the source of the patterns, and warns unless the network was trained for them.
 void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord& record) {
   const model::Model& model = method.network->model();
-  const bool is_told = pipeline::are_patterns_told(method.codes);
-  const ToldBy told_by = is_told ? method.codes->told_by : ToldBy::kNobody;
+  const bool is_told = pipeline::are_patterns_stated(method.codes);
+  const StatedBy stated_by = is_told ? method.codes->stated_by : StatedBy::kNone;
   record.note("patterns",
-              {{"told_by", told_by_name(told_by, "--codes")}, {"are_the_models", method.are_patterns_the_models()}});
+              {{"stated_by", stated_by_name(stated_by, "--codes")}, {"are_the_models", method.are_patterns_the_models()}});
   if (method.are_patterns_the_models()) return;
   if (!is_told) return warn_of_assumed_patterns(events, model.name);
   log_warning(model.codes
@@ -114,7 +114,7 @@ void note_network(const OpenedMethod& method, const fs::path& events, size_t pas
   if (method.bundled) {
     record.add_input(*method.bundled);
     record.resolve("model", method.bundled->stem().string());
-    say_taken(network.model().name, is_pixel && method.camera_told_by != ToldBy::kModel);
+    say_taken(network.model().name, is_pixel && method.camera_stated_by != StatedBy::kModel);
   }
   note_patterns(method, events, record);
   if (!method.takes_sums() && is_pixel) {
@@ -140,9 +140,9 @@ void note_classical(const OpenedMethod& method, const fs::path& events, const fs
     record.resolve("codes", method.bundled->stem().string());
     log_info(cat("no patterns were given; using those of ", method.bundled->stem().string()));
   }
-  if (method.codes->told_by == ToldBy::kNobody) {
+  if (method.codes->stated_by == StatedBy::kNone) {
     log_warning("the camera may have shown other patterns; give those of the camera with --codes");
-  } else if (!pipeline::are_patterns_told(method.codes)) {
+  } else if (!pipeline::are_patterns_stated(method.codes)) {
     warn_of_assumed_patterns(events, model.string());
   }
   if (method.camera && method.camera->is_pixel()) {
@@ -159,9 +159,9 @@ void say_bundled_network(const pipeline::BundledNetwork& network) {
 
 void note_method(const OpenedMethod& method, const fs::path& events, const fs::path& model, size_t passes,
                  RunRecord& record) {
-  if (method.camera && method.camera_told_by != ToldBy::kNobody) {
+  if (method.camera && method.camera_stated_by != StatedBy::kNone) {
     record.note("camera", capture::to_json(*method.camera));
-    record.note("camera_told_by", told_by_name(method.camera_told_by, "--camera"));
+    record.note("camera_stated_by", stated_by_name(method.camera_stated_by, "--camera"));
   }
   if (method.network) {
     note_network(method, events, passes, record);

@@ -8,29 +8,11 @@
 #include "e2lf/base/result.h"
 #include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/diagnose/rig.h"
 #include "e2lf/files/options.h"
 
 /// What is said of the cycles that were found in a recording.
 namespace e2lf::cli {
-
-/// Returns whether the events hardly confirm the times of a cycle.
-[[nodiscard]] bool is_doubtful(const cycles::Cycle& cycle, cycles::CycleSource source);
-
-/// Collects how well the events confirm the times of the cycles.
-class ConfidenceWatch {
- public:
-  void add(const cycles::Cycle& cycle, cycles::CycleSource source);
-  [[nodiscard]] float least() const { return least_; }
-  /// Warns about cycles whose stated changes of pattern the events do not confirm or contradict, about inverted
-  /// polarity and triggers that are out of step, and about assumptions.
-  void warn(const std::filesystem::path& input, const cycles::CycleReport& report,
-            const cycles::Schedule& schedule) const;
-
- private:
-  float least_ = 1.0F;
-  uint64_t cycles_ = 0, doubtful_ = 0;
-  bool is_by_schedule_ = false;
-};
 
 /// The values of --source.
 inline constexpr Choice<cycles::CycleSource> kCycleSources[] = {{"auto", cycles::CycleSource::kAuto},
@@ -44,8 +26,10 @@ inline constexpr Choice<cycles::CycleSource> kCycleSources[] = {{"auto", cycles:
 /// Returns one line of text: the number of cycles that were found and dropped, with the reasons.
 [[nodiscard]] std::string report_text(const cycles::CycleReport& report);
 /// Returns the error for a recording without a complete cycle, with advice.
-[[nodiscard]] Error no_cycle_error(const std::filesystem::path& input, const cycles::CycleReport& report);
-[[nodiscard]] Json report_json(const cycles::CycleReport& report);
+[[nodiscard]] Error no_cycle_error(const std::filesystem::path& input, const diagnose::RigCheck& rig,
+                                   const cycles::CycleReader& reader);
+/// Returns the cycles found and dropped, and what may be wrong with the rig.
+[[nodiscard]] Json report_json(const diagnose::RigCheck& rig, const cycles::CycleReader& reader);
 
 /// Returns a cycle as JSON: number, times, events, confidence.
 [[nodiscard]] Json cycle_json(const cycles::Cycle& cycle);

@@ -4,9 +4,9 @@
 #include "e2lf/base/clock.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/plausible_events.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/output/print.h"
+#include "e2lf/diagnose/event_images.h"
 #include "e2lf/lightfield/contact_sheet.h"
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/light_field_io.h"
@@ -15,6 +15,7 @@
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
+using lightfield::LightField;
 
 Result<void> write_reconstruction(const fs::path& folder, lightfield::LightField& light_field,
                                   const std::string& format, const capture::Orientation& views,
@@ -40,11 +41,20 @@ std::string cycle_name(size_t cycle) {
 }
 
 Result<lightfield::LightField> LightFieldWriter::process(const pipeline::CycleImages& cycle, const fs::path& folder) {
-  warn_of_events(cycle);
+  check_events(cycle);
+  const bool is_confirmed =
+      options_.is_confirmed && !(cycle.cycle && diagnose::is_doubtful(cycle.cycle->confidence, cycle.source));
   // For live input, the log has a line for each cycle instead.
   ProgressBar bar(cat("reconstruct ", cycle_name(cycles_.size())), options_.is_quiet || cycle.is_live());
   bar.update(0, 1);
-  E2LF_ASSIGN_OR_RETURN(pipeline::Field field, by_flag(sequence_.next(cycle.images, bar.callback()), options_.input));
+  Json comparison = Json::object();
+  const auto observe = [&](const LightField& unprocessed, const capture::Measurement& used,
+                           bool is_of_lit) -> Result<void> {
+    E2LF_ASSIGN_OR_RETURN(comparison, check_field(unprocessed, used, is_of_lit, is_confirmed));
+    return {};
+  };
+  E2LF_ASSIGN_OR_RETURN(pipeline::Field field,
+                        by_flag(sequence_.next(cycle.images, bar.callback(), observe), options_.input));
   hide_progress();
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder, field.light_field, options_.format,
                                             options_.views.value_or(capture::Orientation{}), {}));
@@ -58,13 +68,7 @@ Result<lightfield::LightField> LightFieldWriter::process(const pipeline::CycleIm
     about["transitions"] = field.is_of_lit ? "lit" : "all";
   }
   about["latency_s"] = cycle.behind_s + seconds_since(cycle.ready);
-  if (field.error) {
-    about["event_error"] = field.error->at_first;
-    about["least_event_error"] = {{"value", field.error->least}, {"residue", field.error->residue}};
-  }
-  if (field.judgement) {
-    about["check"] = check_json(*field.judgement, cycle.cycle && is_doubtful(*cycle.cycle, cycle.source));
-  }
+  about.update(comparison);
   if (cycle.is_live()) live_log_.add(about["number"], about["events"], about["latency_s"]);
   cycles_.push_back(std::move(about));
   return std::move(field.light_field);
@@ -75,30 +79,27 @@ Json LightFieldWriter::notes() const {
   return {{"views", lightfield::views_note(*options_.views, stored_views(options_.format, *options_.views))}};
 }
 
-void LightFieldWriter::warn_of_events(const pipeline::CycleImages& cycle) {
-  constexpr size_t kMostWarnings = 3;
-  if (warned_ == kMostWarnings || !capture::has_events(cycle.images.kind)) return;
-  const std::vector<std::string> doubts =
-      capture::event_doubts(cycle.images.events, options_.codes ? &*options_.codes : nullptr);
-  for (const std::string& doubt : doubts) {
-    log_warning(cat(options_.input.string(), ", cycle ", cycles_.size(), ": ", doubt));
-  }
-  warned_ += doubts.empty() ? 0 : 1;
-  if (warned_ == kMostWarnings && !doubts.empty()) log_warning("further warnings of this kind are suppressed");
+Result<Json> LightFieldWriter::check_field(const LightField& field, const capture::Measurement& used, bool is_of_lit,
+                                           bool is_confirmed) const {
+  Json json = Json::object();
+  if (!options_.check || !capture::has_events(used.kind)) return json;
+  E2LF_ASSIGN_OR_RETURN(const recon::EventError error, options_.check->compare(field, used.events, is_of_lit));
+  json["event_error"] = error.at_first;
+  json["least_event_error"] = {{"value", error.least}, {"residue", error.residue}};
+  if (!cycles_.empty()) return json;
+  E2LF_ASSIGN_OR_RETURN(const auto explanation, options_.check->judge(field, used, is_of_lit));
+  if (explanation) json["check"] = explanation->json(is_confirmed);
+  return json;
 }
 
-Json check_json(const recon::EventJudgement& judgement, bool is_doubtful) {
-  const bool is_favourable = judgement.verdict == recon::Verdict::kGood || judgement.verdict == recon::Verdict::kUsual;
-  Json json = {{"verdict", is_doubtful && is_favourable ? "unconfirmed" : recon::verdict_name(judgement.verdict)},
-               {"error", judgement.error},
-               {"noise_error", judgement.noise_error},
-               {"ratio", judgement.ratio}};
-  if (!judgement.change.empty()) {
-    json["changed"] = {
-        {"how", judgement.change}, {"error", judgement.changed_error}, {"unchanged_error", judgement.unchanged_error}};
-  }
-  if (judgement.rival_error) json["error_with_the_models_camera"] = *judgement.rival_error;
-  return json;
+void LightFieldWriter::check_events(const pipeline::CycleImages& cycle) {
+  constexpr size_t kMostWarnings = 3;
+  if (warned_ == kMostWarnings || !capture::has_events(cycle.images.kind)) return;
+  const diagnose::Findings findings = diagnose::check_event_images(
+      cycle.images.events, options_.codes ? &*options_.codes : nullptr, options_.cycles_per_field);
+  diagnose::log_findings(cat(options_.input.string(), ", cycle ", cycles_.size()), findings, "--");
+  warned_ += findings.empty() ? 0 : 1;
+  if (warned_ == kMostWarnings && !findings.empty()) log_warning("further warnings of this kind are suppressed");
 }
 
 std::string event_error_text(const Json& cycle) {
@@ -114,36 +115,17 @@ std::string event_error_text(const Json& cycle) {
   }
   if (!cycle.contains("check")) return text + "\n";
   const Json& check = cycle["check"];
-  return text + formatted("; %.1f times the difference that noise causes: %s\n", check["ratio"].get<double>(),
+  return text + formatted("; %.2g times the difference that noise causes: %s\n", check["ratio"].get<double>(),
                           check["verdict"] == "good"    ? "good"
                           : check["verdict"] == "usual" ? "as usual"
                           : check["verdict"] == "unconfirmed"
                               ? "unconfirmed, because the confidence of the cycle is low"
-                              : "see the warning");
+                              : "doubtful, see the warnings");
 }
 
-void warn_of_verdict(const Json& cycle) {
+void log_check(const fs::path& input, const Json& cycle) {
   if (!cycle.contains("check")) return;
-  const Json& check = cycle["check"];
-  if (check["verdict"] == "wrong") {
-    log_warning(cat("the light field differs from its events by ", formatted("%.1f", check["ratio"].get<double>()),
-                    " times the difference that noise causes: the polarity of the events, the order of the patterns or "
-                    "the camera is probably wrong; check them (`e2lf codes show`, docs/recordings.md)"));
-  } else if (check["verdict"] == "changed-better") {
-    const Json& changed = check["changed"];
-    const std::string how = changed["how"].get<std::string>();
-    log_warning(cat(
-        "the events are explained much better ", how, ": their light field differs by ",
-        formatted("%.3f instead of %.3f", changed["error"].get<double>(), changed["unchanged_error"].get<double>()),
-        how.find("polarity") != std::string::npos ? "; give --invert-polarity"
-                                                  : "; check the order of the patterns (--codes, --first-pattern)"));
-  } else if (check["verdict"] == "rival-better") {
-    log_warning(cat("the camera of --camera explains the events much worse than the one for which the network was ",
-                    "trained: they differ by ",
-                    formatted("%.3f instead of %.3f", check["error"].get<double>(),
-                              check["error_with_the_models_camera"].get<double>()),
-                    "; leave --camera out, or calibrate again"));
-  }
+  diagnose::log_findings(input.string(), diagnose::findings_from_json(cycle["check"]["findings"]), "--");
 }
 
 }  // namespace e2lf::cli

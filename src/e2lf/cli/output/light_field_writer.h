@@ -6,11 +6,11 @@
 #include <string>
 
 #include "e2lf/cli/output/cycle_report.h"
+#include "e2lf/diagnose/field_check.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/field_sequence.h"
-#include "e2lf/recon/event_judgement.h"
 
 namespace e2lf::cli {
 
@@ -35,6 +35,9 @@ struct LightFieldWriterOptions {
   bool is_quiet = false;
   std::optional<capture::Orientation> views = {};  ///< orientation in which views are reconstructed
   std::optional<capture::Codes> codes = {};        ///< patterns that determine the signs of the events
+  std::optional<diagnose::FieldCheck> check = {};  ///< compares each light field with its events
+  size_t cycles_per_field = 1;                     ///< number of cycles over which counts are summed
+  bool is_confirmed = true;                        ///< whether a file of event images states no doubt about its cycles
 };
 
 /// Reconstructs cycles one by one, writes their light fields, and keeps a record of them.
@@ -54,8 +57,11 @@ class LightFieldWriter {
   [[nodiscard]] const pipeline::Tone& tone() const { return sequence_.tone(); }
 
  private:
-  /// Warns about implausible events in the first cycles.
-  void warn_of_events(const pipeline::CycleImages& cycle);
+  /// Logs what may be wrong with the events of the first cycles.
+  void check_events(const pipeline::CycleImages& cycle);
+  /// Returns the comparison of a light field with its events for the record, judged if it is the first.
+  [[nodiscard]] Result<Json> check_field(const lightfield::LightField& field, const capture::Measurement& used,
+                                         bool is_of_lit, bool is_confirmed) const;
 
   LightFieldWriterOptions options_;
   pipeline::FieldSequence sequence_;
@@ -64,16 +70,11 @@ class LightFieldWriter {
   LiveLog live_log_;
 };
 
-/// Returns the judgement of a light field for the record: {"verdict", "error", "noise_error", "ratio", ...}. If the
-/// times of its cycle are doubtful, a favourable verdict is replaced by "unconfirmed": the light field may explain the
-/// events of wrong times, too.
-[[nodiscard]] Json check_json(const recon::EventJudgement& judgement, bool is_doubtful);
-
 /// Returns a line on the difference between the events of a cycle of the record and those that its light field would
 /// cause, with the verdict.
 [[nodiscard]] std::string event_error_text(const Json& cycle);
 
-/// Logs a warning with a remedy if the verdict on a cycle of the record is that something is probably wrong.
-void warn_of_verdict(const Json& cycle);
+/// Logs what the check of the first cycle of the record found.
+void log_check(const std::filesystem::path& input, const Json& cycle);
 
 }  // namespace e2lf::cli

@@ -56,15 +56,16 @@ class CyclePlot {
   FoundCycles found_;
 };
 
-/// Returns an observer that updates the progress bar and, unless it is null, the plot.
-CycleObserver observer(ProgressBar& bar, CyclePlot* plot) {
-  CycleObserver both = plot != nullptr ? plot->observer() : CycleObserver();
-  both.on_batch = [&bar, events = size_t{0}, of_plot = both.on_batch](const recordings::EventBatch& batch) mutable {
+/// Returns an observer that updates the progress bar, the check of the rig and, unless it is null, the plot.
+CycleObserver observer(ProgressBar& bar, diagnose::RigCheck& rig, CyclePlot* plot) {
+  CycleObserver all = plot != nullptr ? plot->observer() : CycleObserver();
+  all.on_batch = [&, events = size_t{0}, of_plot = all.on_batch](const recordings::EventBatch& batch) mutable {
     events += batch.events.size();
+    rig.add(batch);
     bar.update(events, 0);
     if (of_plot) of_plot(batch);
   };
-  return both;
+  return all;
 }
 
 /// Stores the setup of the recording with its event images. Patterns that do not match the schedule are left out.
@@ -139,20 +140,20 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   CyclePlot plot;
   const bool is_plotted = chart.is_wanted() || reports.is_wanted();
   std::optional<capture::EventImages> first;  // for the report
+  diagnose::RigCheck rig;
   // For live input, the log has a line for each cycle instead.
   ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
-  E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
-                        open_cycles(arguments.input, arguments.cycles, observer(bar, is_plotted ? &plot : nullptr)));
+  E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(arguments.input, arguments.cycles,
+                                                                observer(bar, rig, is_plotted ? &plot : nullptr)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader));
   setup.views = arguments.orientation.after(setup.views);
-  ConfidenceWatch confidence;
   LiveLog live_log;
   Json cycles = Json::array();
   while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
-    E2LF_ASSIGN_OR_RETURN(const std::optional<cycles::Cycle> cycle, reader.next());
+    E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> cycle, reader.next());
     if (!cycle) break;
-    confidence.add(*cycle, reader.source());
+    cycle->confidence = rig.add(*cycle, reader.options());
     if (reports.is_wanted() && !first) first = cycle->images;
     if (writer.cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.count, writer);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
@@ -177,32 +178,28 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     const std::vector<recordings::Loss> losses = recordings::losses(summary);
     const Json facts = {{"recording", arguments.input.string()},
                         {"source", source_name(reader.source())},
-                        {"found", report_json(report)},
-                        {"least_confidence", confidence.least()},
+                        {"found", report_json(rig, reader)},
                         {"left_out", losses.empty() ? "nothing" : recordings::loss_text(losses)}};
     E2LF_ASSIGN_OR_RETURN(const report::Page page, cycles_page(arguments.input, facts, cycles, plot, first));
     E2LF_RETURN_IF_ERROR(reports.write(page));
   }
-  confidence.warn(arguments.input, report, reader.schedule());
-  if (writer.cycles() == 0) return no_cycle_error(arguments.input, report);
+  if (writer.cycles() == 0) return no_cycle_error(arguments.input, rig, reader);
+  diagnose::log_findings(arguments.input.string(), rig.findings(reader), "--");
   E2LF_RETURN_IF_ERROR(writer.finish());
   record.resolve("source", source_name(reader.source()));
-  record.note("cycles", report_json(report));
-  const Json found = {{"left_out", losses_json(summary)},
-                      {"live", live_json(summary)},
-                      {"least_confidence", confidence.least()},
-                      {"each", std::move(cycles)}};
+  record.note("cycles", report_json(rig, reader));
+  const Json found = {{"left_out", losses_json(summary)}, {"live", live_json(summary)}, {"each", std::move(cycles)}};
   record.note(found);
   record.note(reading_notes(arguments.input, reader.recording().info()));
   if (setup.views) record.note("views", capture::orientation_name(*setup.views));
   record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(arguments.input), output.path()));
   record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
-  Json json = report_json(report);
+  Json json = report_json(rig, reader);
   json.update(found);
   print_result(common, json,
-               cat(report.triggers, "\n", report_text(report), " in ", arguments.output.string(),
-                   formatted(", least confidence %.2f\n", double{confidence.least()})));
+               cat(rig.triggers_text(reader.schedule()), "\n", report_text(report), " in ", arguments.output.string(),
+                   formatted(", least confidence %.2f\n", double{rig.least_confidence()})));
   return {};
 }
 

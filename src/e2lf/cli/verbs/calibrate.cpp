@@ -45,8 +45,8 @@ struct Source {
 };
 
 Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const Verb& verb, RunRecord& record) {
-  ConfidenceWatch confidence;
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, flags, 1, verb, confidence));
+  diagnose::RigCheck rig;
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, flags, 1, verb, rig));
   if (input.measurement() != capture::MeasurementKind::kEventImages) {
     return Error{ErrorCode::kInvalidValue,
                  cat("a calibration uses event images, and this is the measurement ",
@@ -61,7 +61,8 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
     if (!cycle) break;
     source.scene.cycles.push_back(std::move(cycle->images.events));
   }
-  if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, input.reader().report());
+  if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, rig, input.reader());
+  if (input.is_recording()) diagnose::log_findings(path.string(), rig.findings(input.reader()), "--");
   record.add_input(path);
   return source;
 }
@@ -164,7 +165,7 @@ Result<Json> compare_cameras(std::optional<model::Model> model, const capture::C
       model = std::move(network->model);
     }
   }
-  if (!model || !model::is_told_the_camera(*model) || model->num_patterns != codes.num_patterns ||
+  if (!model || !model::is_conditioned_on_camera(*model) || model->num_patterns != codes.num_patterns ||
       model->measurement() != capture::MeasurementKind::kEventImages || (model->codes && *model->codes != codes)) {
     return Json();
   }

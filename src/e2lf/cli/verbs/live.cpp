@@ -99,7 +99,7 @@ FineMethod fine_method(recon::Reconstructor network, const capture::Orientation&
     const auto method = [&](const capture::Measurement& counts, const ProgressFn& progress) {
       return network.reconstruct(counts, progress, network.num_passes(kPasses), frozen.cycle.cycles);
     };
-    pipeline::FieldSequence sequence(method, {.gain = frozen.gain, .black = frozen.black}, {});
+    pipeline::FieldSequence sequence(method, {.gain = frozen.gain, .black = frozen.black});
     E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(frozen.cycle.counts));
     if (!views.is_upright()) lightfield::orient(field.light_field, views);
     return std::move(field.light_field);
@@ -161,7 +161,7 @@ Json field_json(const live::FieldReport& field) {
           {"cycles", field.cycles},
           {"events", field.events},
           {"confidence", field.confidence},
-          {"size", live::size_name(field.gait.size)},
+          {"size", live::size_name(field.level.size)},
           {"reconstruct_s", field.reconstruct_s},
           {"latency_s", field.latency_s}};
 }
@@ -172,7 +172,7 @@ void print_field(const live::FieldReport& field, const CommonOptions& common) {
   } else if (!common.quiet) {
     std::printf("light field %llu of cycle %llu: %s size, reconstructed in %.3f s, latency %.3f s\n",
                 static_cast<unsigned long long>(field.serial), static_cast<unsigned long long>(field.cycle),
-                live::size_name(field.gait.size), field.reconstruct_s, field.latency_s);
+                live::size_name(field.level.size), field.reconstruct_s, field.latency_s);
   }
   std::fflush(stdout);
 }
@@ -203,9 +203,9 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   const CommonOptions& common = verb.common();
   std::vector<std::string> networks;
   for (const live::FieldMaker& maker : instrument.makers) networks.push_back(maker.reconstructor().model().name);
-  instrument.options.on_gait = [networks](const live::Gait& gait) {
-    log_info(cat("the light fields now have ", live::size_name(gait.size), " size and are reconstructed by ",
-                 networks[gait.network], ", to keep pace with the cycles"));
+  instrument.options.on_level = [networks](const live::QualityLevel& level) {
+    log_info(cat("the light fields now have ", live::size_name(level.size), " size and are reconstructed by ",
+                 networks[level.network], ", to keep pace with the cycles"));
   };
   if (arguments.has_no_page || common.json) {
     instrument.options.on_field = [&common](const live::FieldReport& field) { print_field(field, common); };
@@ -232,7 +232,10 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   record.note("totals", totals);
   print_totals(totals, common);
   if (!ended) return ended;
-  if (totals["cycles"] == 0) return no_cycle_error(arguments.source, cycles.report());
+  if (totals["cycles"] == 0) {
+    return no_cycle_error(arguments.source, session.reader().rig(), cycles);
+  }
+  diagnose::log_findings(arguments.source.string(), session.reader().rig().findings(cycles), "--");
   if (last != nullptr) E2LF_RETURN_IF_ERROR(write_last(session, *last, record, verb));
   const Json recording = session.reader().recorder().json();
   if (recording["error"] == "") return {};

@@ -110,7 +110,7 @@ Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step
   RunRecord record(cat("model ", step), {arguments.input});
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.input));
   if (!arguments.camera.empty()) {
-    if (!model::is_told_the_camera(model)) {
+    if (!model::is_conditioned_on_camera(model)) {
       return Error{ErrorCode::kInvalidValue, cat(model.name, " works for a single camera; leave --camera out"),
                    "--camera"};
     }
@@ -164,7 +164,7 @@ Result<void> export_model(const RewriteArguments& arguments, const Verb& verb) {
       }));
   print_result(verb.common(), export_summary(model),
                cat(output.string(), " takes events [batch, ", model.num_patterns - 1, ", y, x]",
-                   model::is_told_the_camera(model) ? ", traits" : "", " and returns views [batch, ",
+                   model::is_conditioned_on_camera(model) ? ", traits" : "", " and returns views [batch, ",
                    model.views_y * model.views_x, ", y, x]\n"));
   return {};
 }

@@ -113,10 +113,10 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(flags, record));
   choice.algorithm = arguments.method;
   choice.lit_where_moving = arguments.cycles.transitions == "auto";
-  ConfidenceWatch confidence;
+  diagnose::RigCheck rig;
   E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input,
                         open_cycle_input(arguments.input, wanted_cycles(arguments.cycles, choice),
-                                         arguments.cycles_per_field, verb, confidence));
+                                         arguments.cycles_per_field, verb, rig));
   if (input.is_without_events()) {
     return Error{ErrorCode::kInvalidValue,
                  "there are no events to reconstruct from: all counts are 0; check how they were accumulated",
@@ -137,7 +137,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
       .colour_filter = arguments.colour_filter.empty() ? recorded_filter : arguments.colour_filter};
   E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(flags));
   E2LF_ASSIGN_OR_RETURN(pipeline::FieldSequence sequence,
-                        by_flag(pipeline::open_sequence(method, use, tone, /*is_checked=*/true), arguments.input));
+                        by_flag(pipeline::open_sequence(method, use, tone), arguments.input));
+  E2LF_ASSIGN_OR_RETURN(std::optional<diagnose::FieldCheck> check, diagnose::FieldCheck::create(method, use));
   note_method(method, arguments.input, flags.codes.model, arguments.passes, record);
   if (!use.colour_filter.empty()) record.resolve("colour-filter", use.colour_filter);
   record.end_step("open");
@@ -150,21 +151,23 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                            .format = arguments.format,
                            .is_quiet = common.quiet,
                            .views = arguments.orientation.after(method.views),
-                           .codes = method.codes_of_signs()},
+                           .codes = method.codes_of_signs(),
+                           .check = std::move(check),
+                           .cycles_per_field = arguments.cycles_per_field},
                           std::move(sequence));
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view.get(), verb));
   warn_of_losses(arguments.input, input.summary());
   verb.note_failed_input(input.summary().live.failure);
-  if (!writer.cycles().empty()) warn_of_verdict(writer.cycles().front());
+  if (!writer.cycles().empty()) log_check(arguments.input, writer.cycles().front());
   if (method.lit) say_motion(arguments.input, writer.cycles(), method.lit->model().name);
   if (input.is_recording()) {
     const cycles::CycleReader& reader = input.reader();
     writer.live_log().finish(reader.report());
-    if (writer.cycles().empty()) return no_cycle_error(arguments.input, reader.report());
-    confidence.warn(arguments.input, reader.report(), reader.schedule());
+    if (writer.cycles().empty()) return no_cycle_error(arguments.input, rig, reader);
+    diagnose::log_findings(arguments.input.string(), rig.findings(reader), "--");
     record.resolve("source", source_name(reader.source()));
-    record.note("found", report_json(reader.report()));
+    record.note("found", report_json(rig, reader));
     record.note(reading_notes(arguments.input, reader.recording().info()));
   }
   record.note("left_out", losses_json(input.summary()));

@@ -75,7 +75,7 @@ Result<std::string> onnx_file(const Model& model) {
   const size_t transitions = model.num_patterns - 1;
   OnnxGraph graph;
   graph.add_input("events", {"batch", static_cast<int64_t>(transitions), "y", "x"});
-  if (is_told_the_camera(model)) {
+  if (is_conditioned_on_camera(model)) {
     graph.add_input("traits", {"batch", static_cast<int64_t>(capture::conditioning_size(model.num_patterns))});
   }
   graph.add_output("views", {"batch", static_cast<int64_t>(model.views_y * model.views_x), "y", "x"});
@@ -100,7 +100,7 @@ std::vector<std::pair<std::string, std::string>> onnx_metadata(const Model& mode
                                                                {"views_y", std::to_string(model.views_y)},
                                                                {"views_x", std::to_string(model.views_x)}};
   if (model.codes) metadata.emplace_back("patterns", json_line(capture::codes_to_json(*model.codes)));
-  if (!is_told_the_camera(model)) return metadata;
+  if (!is_conditioned_on_camera(model)) return metadata;
   Json conditioning = Json::array();
   for (const float trait : capture::conditioning_vector(camera, model.num_patterns))
     conditioning.push_back(json_number(trait));

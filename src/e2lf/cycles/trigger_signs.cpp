@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cycles/mark_signer.h"
+#include "e2lf/cycles/trigger_signs.h"
 
 namespace e2lf::cycles {
 
-void MarkSigner::add(const recordings::EventColumns& events, const std::vector<Mark>& marks) {
+void TriggerSigns::add(const recordings::EventColumns& events, const std::vector<Mark>& marks) {
   marks_.insert(marks_.end(), marks.begin(), marks.end());
   histogram_.add(events, 0, events.size());
   if (!events.empty()) {
@@ -13,7 +13,7 @@ void MarkSigner::add(const recordings::EventColumns& events, const std::vector<M
   forget();
 }
 
-std::optional<Mark> MarkSigner::take(bool needs_sign, bool is_end) {
+std::optional<Mark> TriggerSigns::take(bool needs_sign, bool is_end) {
   if (marks_.empty()) return std::nullopt;
   Mark mark = marks_.front();
   if (needs_sign) {
@@ -26,7 +26,7 @@ std::optional<Mark> MarkSigner::take(bool needs_sign, bool is_end) {
 
 /// Returns the share of ON in the rise at a time. Returns nothing if chance may have caused it, or at the beginning of
 /// the recording, where the first events of the pixels are not informative.
-std::optional<float> MarkSigner::on_share_at(int64_t t_us) const {
+std::optional<float> TriggerSigns::on_share_at(int64_t t_us) const {
   if (t_us - options_.window_us < first_event_us_) return std::nullopt;
   const EventRise rise = event_rise(histogram_, t_us, options_.window_us);
   if (rise.significance < options_.min_significance) return std::nullopt;
@@ -34,7 +34,7 @@ std::optional<float> MarkSigner::on_share_at(int64_t t_us) const {
 }
 
 /// Drops the bins that are not needed for future triggers.
-void MarkSigner::forget() {
+void TriggerSigns::forget() {
   const int64_t needed_us = std::min(known_until(last_event_us_), last_event_us_) - 2 * options_.window_us;
   histogram_.forget_before(needed_us);
 }

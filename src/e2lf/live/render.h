@@ -18,13 +18,13 @@ struct Picture {
 };
 
 /// Returns the numbers of the views that render() needs, in order; empty = all.
-[[nodiscard]] std::vector<size_t> views_of(const lightfield::Shape& shape, const Look& look);
+[[nodiscard]] std::vector<size_t> views_of(const lightfield::Shape& shape, const RenderSettings& settings);
 
 /// Returns whether a light field contains these views, given as by views_of().
 [[nodiscard]] bool has_views(const LiveField& field, const std::vector<size_t>& views);
 
-/// Renders the light field with the parameters `look` to 8 bits: round(255 * clamp(gain * (value - black))).
-[[nodiscard]] Picture render(const LiveField& field, const Look& look);
+/// Renders the light field with the parameters `settings` to 8 bits: round(255 * clamp(gain * (value - black))).
+[[nodiscard]] Picture render(const LiveField& field, const RenderSettings& settings);
 
 /// Returns the disparity from -5 to 5, in px per view step of the full size, at which the views agree best around a
 /// point (px of the full size).

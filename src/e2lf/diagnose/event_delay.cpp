@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cycles/onset_check.h"
+#include "e2lf/diagnose/event_delay.h"
 
 #include <algorithm>
 
-namespace e2lf::cycles {
+namespace e2lf::diagnose {
 namespace {
 
 constexpr int64_t kBinUs = 100;
@@ -16,7 +16,7 @@ constexpr size_t kMostCounted = 8192;   // events per call
 
 }  // namespace
 
-void OnsetCheck::add_events(std::span<const int64_t> times_us) {
+void EventDelay::add_events(std::span<const int64_t> times_us) {
   if (times_us.empty()) return;
   if (!first_us_) {
     first_us_ = times_us.front();
@@ -32,11 +32,11 @@ void OnsetCheck::add_events(std::span<const int64_t> times_us) {
   }
 }
 
-void OnsetCheck::add_start(int64_t t_us) {
+void EventDelay::add_start(int64_t t_us) {
   if (starts_us_.empty() || t_us < starts_us_.front() + kWatchedUs) starts_us_.push_back(t_us);
 }
 
-std::vector<uint64_t> OnsetCheck::profile(int64_t reach_us) const {
+std::vector<uint64_t> EventDelay::profile(int64_t reach_us) const {
   const int64_t bins = reach_us / kBinUs + kSmoothedBins;
   std::vector<uint64_t> sums(static_cast<size_t>(2 * bins));
   for (const int64_t start_us : starts_us_) {
@@ -47,7 +47,7 @@ std::vector<uint64_t> OnsetCheck::profile(int64_t reach_us) const {
   return sums;
 }
 
-std::optional<int64_t> OnsetCheck::onset_us() const {
+std::optional<int64_t> EventDelay::delay_us() const {
   if (!first_us_ || starts_us_.size() < kMinStarts) return std::nullopt;
   int64_t reach_us = kMostReachUs;
   for (size_t i = 1; i < starts_us_.size(); ++i) {
@@ -59,7 +59,7 @@ std::optional<int64_t> OnsetCheck::onset_us() const {
     for (size_t bin = first; bin < first + kSmoothedBins; ++bin) all += events[bin];
     return all;
   };
-  // With slow pixels, the rate rises gradually; the onset is where it rises most relative to the previous rate.
+  // With slow pixels, the rate rises gradually; the first events are where it rises most relative to the previous rate.
   uint64_t most = 0;
   for (size_t bin = 0; bin + kSmoothedBins <= events.size(); ++bin) most = std::max(most, sum(bin));
   const double least = kChanceShare * static_cast<double>(most) + 1.0;  // smaller counts are chance
@@ -79,4 +79,4 @@ std::optional<int64_t> OnsetCheck::onset_us() const {
   return (static_cast<int64_t>(best) - static_cast<int64_t>(events.size() / 2)) * kBinUs;
 }
 
-}  // namespace e2lf::cycles
+}  // namespace e2lf::diagnose

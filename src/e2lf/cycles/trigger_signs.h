@@ -20,9 +20,9 @@ struct SignOptions {
 /// Assigns to triggers the sign of the burst of events after them, as bursts have it themselves: a change to black
 /// makes OFF events, and one to white ON events. The pattern can thus be found again after a loss although the
 /// intervals between triggers repeat within a cycle (both half cycles of the paper's sequence have the same intervals).
-class MarkSigner {
+class TriggerSigns {
  public:
-  explicit MarkSigner(const SignOptions& options) : options_(options) {}
+  explicit TriggerSigns(const SignOptions& options) : options_(options) {}
 
   /// Adds the next events, and the triggers of their time.
   void add(const recordings::EventColumns& events, const std::vector<Mark>& marks);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/live/look.h"
+#include "e2lf/live/render.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ lightfield::ByteImage toned(lightfield::Image image, const LiveField& field) {
 }
 
 float scale_of(const LiveField& field) {
-  return 1.0F / static_cast<float>(block_side(field.gait.size));
+  return 1.0F / static_cast<float>(block_side(field.level.size));
 }
 
 /// Returns the value at a position between four pixels; outside of the view, that of its border.
@@ -73,11 +73,11 @@ double disagreement(const lightfield::LightField& light_field, float x, float y,
 /// Returns the weight of each view. For a radius of at least one view step, the weights are those of
 /// lightfield::round_aperture(); for smaller radii, they blend into the interpolation of the viewpoint from its
 /// neighbouring views.
-lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& look) {
+lightfield::Aperture aperture_of(const lightfield::Shape& shape, const RenderSettings& settings) {
   const float middle_y = static_cast<float>(shape.views_y - 1) / 2,
               middle_x = static_cast<float>(shape.views_x - 1) / 2;
-  const float x = limited(look.x, middle_x), y = limited(look.y, middle_y);
-  const float radius = std::max(0.0F, limited(look.radius, middle_x + middle_y));
+  const float x = limited(settings.x, middle_x), y = limited(settings.y, middle_y);
+  const float radius = std::max(0.0F, limited(settings.radius, middle_x + middle_y));
   lightfield::Aperture aperture = lightfield::round_aperture(shape, {.radius = radius, .centre_y = y, .centre_x = x});
   const float share = std::min(1.0F, radius);
   for (size_t view = 0; view < aperture.weights.size(); ++view) {
@@ -90,12 +90,13 @@ lightfield::Aperture aperture_of(const lightfield::Shape& shape, const Look& loo
 
 }  // namespace
 
-std::vector<size_t> views_of(const lightfield::Shape& shape, const Look& look) {
-  const lightfield::Aperture aperture = aperture_of(shape, look);
-  const size_t row = nearest_view(look.y, shape.views_y), column = nearest_view(look.x, shape.views_x);
+std::vector<size_t> views_of(const lightfield::Shape& shape, const RenderSettings& settings) {
+  const lightfield::Aperture aperture = aperture_of(shape, settings);
+  const size_t row = nearest_view(settings.y, shape.views_y), column = nearest_view(settings.x, shape.views_x);
   std::vector<size_t> views;
   for (size_t view = 0; view < shape.num_views(); ++view) {
-    const bool is_cut = (look.row && view / shape.views_x == row) || (look.column && view % shape.views_x == column);
+    const bool is_cut =
+        (settings.row && view / shape.views_x == row) || (settings.column && view % shape.views_x == column);
     if (is_cut || aperture.weights[view] > 0) views.push_back(view);
   }
   return views.size() == shape.num_views() ? std::vector<size_t>() : views;
@@ -105,25 +106,25 @@ bool has_views(const LiveField& field, const std::vector<size_t>& views) {
   return field.views.empty() || (!views.empty() && std::ranges::includes(field.views, views));
 }
 
-Picture render(const LiveField& field, const Look& look) {
+Picture render(const LiveField& field, const RenderSettings& settings) {
   constexpr float kMostDisparity = 32;
   const lightfield::Shape& shape = field.light_field.shape();
   const float scale = scale_of(field);
   Picture picture;
-  picture.image = toned(
-      lightfield::refocus(field.light_field, scale * limited(look.focus, kMostDisparity), aperture_of(shape, look)),
-      field);
+  picture.image = toned(lightfield::refocus(field.light_field, scale * limited(settings.focus, kMostDisparity),
+                                            aperture_of(shape, settings)),
+                        field);
   const auto cut = [scale](uint32_t px, size_t count) {
     return std::min(static_cast<size_t>(scale * static_cast<float>(px)), count - 1);
   };
-  if (look.row) {
-    picture.row_epi = toned(lightfield::horizontal_epi(field.light_field, nearest_view(look.y, shape.views_y),
-                                                       cut(*look.row, shape.height)),
+  if (settings.row) {
+    picture.row_epi = toned(lightfield::horizontal_epi(field.light_field, nearest_view(settings.y, shape.views_y),
+                                                       cut(*settings.row, shape.height)),
                             field);
   }
-  if (look.column) {
-    picture.column_epi = toned(lightfield::vertical_epi(field.light_field, nearest_view(look.x, shape.views_x),
-                                                        cut(*look.column, shape.width)),
+  if (settings.column) {
+    picture.column_epi = toned(lightfield::vertical_epi(field.light_field, nearest_view(settings.x, shape.views_x),
+                                                        cut(*settings.column, shape.width)),
                                field);
   }
   return picture;

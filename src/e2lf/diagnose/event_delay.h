@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-namespace e2lf::cycles {
+namespace e2lf::diagnose {
 
-/// Measures the delay between the triggers and the onset of the events of their patterns, over the beginning of a
-/// recording. Pixels respond within a millisecond, so that a negative delay indicates that the triggers are late.
-class OnsetCheck {
+/// Measures the delay between the triggers and the first events of their patterns, over the beginning of a recording.
+/// Pixels respond within a millisecond, so that a negative delay indicates that the triggers are late.
+class EventDelay {
  public:
   /// Counts events, whose times must not decrease from call to call, up to kWatchedUs after the first one.
   void add_events(std::span<const int64_t> times_us);
@@ -21,7 +21,7 @@ class OnsetCheck {
   /// Returns the time of the largest relative rise of the event rate, relative to the starts and summed over all of
   /// them; it is negative if the events begin before their start. Half the shortest interval on either side is
   /// searched. Returns nothing if there are fewer than kMinStarts starts, too few events, or no clear rise.
-  [[nodiscard]] std::optional<int64_t> onset_us() const;
+  [[nodiscard]] std::optional<int64_t> delay_us() const;
 
   static constexpr int64_t kWatchedUs = 2'000'000;
   static constexpr size_t kMinStarts = 6;
@@ -36,4 +36,4 @@ class OnsetCheck {
   std::vector<int64_t> starts_us_;
 };
 
-}  // namespace e2lf::cycles
+}  // namespace e2lf::diagnose

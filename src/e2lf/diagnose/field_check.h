@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "e2lf/diagnose/finding.h"
+#include "e2lf/pipeline/method.h"
+#include "e2lf/recon/event_check.h"
+
+namespace e2lf::diagnose {
+
+/// How well a light field explains its events.
+struct Explanation {
+  double error = 0;        ///< recon::EventError::least in the middle of the image
+  double noise_error = 0;  ///< the same for events simulated from the light field with the noise of the camera
+  double ratio = 0;        ///< error / noise_error: the same scale for dark and bright scenes and for all cameras
+  double contrast = 0;     ///< of the middle view without its noise: (bright - dark) / (bright + dark), 0 to 1
+  Findings findings = {};
+
+  /// Returns "good", "usual", "unconfirmed" or, if there is a finding of a warning or an error, "doubtful".
+  [[nodiscard]] std::string verdict(bool is_confirmed) const;
+  [[nodiscard]] Json json(bool is_confirmed) const;
+};
+
+/// Compares light fields with the events from which they were reconstructed. No ground truth is needed.
+class FieldCheck {
+ public:
+  /// Returns nothing if the patterns are unknown or if colours are reconstructed separately.
+  [[nodiscard]] static Result<std::optional<FieldCheck>> create(const pipeline::OpenedMethod& method,
+                                                                const pipeline::MethodUse& use);
+
+  /// Computes recon::event_error() of an unprocessed light field. `is_of_lit` is that of pipeline::Field.
+  [[nodiscard]] Result<recon::EventError> compare(const lightfield::LightField& light_field,
+                                                  const capture::EventImages& events, bool is_of_lit) const;
+
+  /// Judges an unprocessed light field in a window of at most 512x512 px in the middle of the image. Events with
+  /// inverted signs, in other orders, and mirrored or turned are reconstructed as well, in a window of at most 192x192
+  /// px, to detect a wrong polarity, order or orientation of the patterns. Returns nothing if the method does not use
+  /// the sensor profile, because its error does not depend on these. Fails as recon::event_error() and the method do.
+  [[nodiscard]] Result<std::optional<Explanation>> judge(const lightfield::LightField& light_field,
+                                                         const capture::Measurement& measurement, bool is_of_lit) const;
+
+ private:
+  /// A method and the camera with which its light fields are compared.
+  struct Candidate {
+    recon::Method method;
+    recon::EventCheck check;
+  };
+  enum class Judging { kNone, kNoise, kChanges };
+
+  [[nodiscard]] const Candidate& candidate(bool is_of_lit) const { return is_of_lit && lit_ ? *lit_ : own_; }
+
+  Candidate own_;
+  std::optional<Candidate> lit_;               ///< for the lit transitions of cycles with motion
+  std::optional<Candidate> of_models_camera_;  ///< with the camera of the network, if the caller specifies another one
+  Judging judging_ = Judging::kNone;
+};
+
+}  // namespace e2lf::diagnose

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/diagnose/field_check.h"
+
+#include <gtest/gtest.h>
+
+#include "e2lf/files/bundled_files.h"
+#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
+#include "e2lf/sensor/pixel_model.h"
+
+namespace e2lf::diagnose {
+namespace {
+
+/// Light fields of the demo scene and their events with physical pixels.
+class FieldChecks : public testing::Test {
+ protected:
+  [[nodiscard]] capture::EventImages simulate(const lightfield::LightField& scene, uint64_t seed = 7) const {
+    return sensor::simulate_pixel_events(*network_.codes, scene, *network_.camera, {.seed = seed}).value();
+  }
+
+  [[nodiscard]] FieldCheck check(size_t cycles = 1) const {
+    const auto method = pipeline::open_method({.model = network_}).value();
+    return FieldCheck::create(method, {.cycles = cycles}).value().value();
+  }
+
+  [[nodiscard]] Explanation judge(const lightfield::LightField& field, const capture::EventImages& events) const {
+    return check().judge(field, capture::Measurement(events), false).value().value();
+  }
+
+  model::Model network_ = pipeline::read_network(bundled_file_named(kBundledModels, "e2lf-n4-camera").value()).value();
+  lightfield::LightField truth_ = lightfield::render_light_field(lightfield::demo_scene(), {8, 8, 160, 200});
+};
+
+TEST_F(FieldChecks, CallTheLightFieldItselfGoodInBrightAndDarkScenes) {
+  for (const float brightness : {1.0F, 0.2F}) {
+    lightfield::LightField scene = truth_;
+    for (float& value : scene.data()) value *= brightness;
+    const Explanation explained = judge(scene, simulate(scene));
+    EXPECT_NEAR(explained.ratio, 1.0, 0.05) << brightness;
+    EXPECT_EQ(explained.verdict(true), "good") << to_json(explained.findings).dump();
+    EXPECT_EQ(explained.verdict(false), "unconfirmed");
+  }
+}
+
+TEST_F(FieldChecks, FindInvertedPolarityAndOtherOrders) {
+  capture::EventImages events = simulate(truth_), rotated = events;
+  for (size_t k = 0; k < 3; ++k) std::ranges::copy(events.image((k + 1) % 3), rotated.image(k).begin());
+  EXPECT_TRUE(contains(judge(truth_, rotated).findings, "order-better-changed"));
+  for (int16_t& count : events.values) count = static_cast<int16_t>(-count);
+  EXPECT_EQ(judge(truth_, events).verdict(true), "doubtful");
+}
+
+TEST_F(FieldChecks, TrustNoLightFieldWithoutContrast) {
+  lightfield::LightField fog = truth_;
+  std::ranges::fill(fog.data(), 0.3F);
+  EXPECT_EQ(judge(fog, simulate(fog)).verdict(true), "doubtful");
+}
+
+TEST_F(FieldChecks, SumsOfCyclesAreComparedPerCycle) {
+  capture::EventImages sum = simulate(truth_, 1);
+  pipeline::add_counts(simulate(truth_, 2), sum);
+  const Explanation explained = check(2).judge(truth_, capture::Measurement(sum), false).value().value();
+  EXPECT_NEAR(explained.ratio, 1.0, 0.1);
+}
+
+TEST_F(FieldChecks, JudgeOnlyMethodsThatUseTheCamera) {
+  const auto opened = [&](pipeline::MethodChoice choice) { return pipeline::open_method(std::move(choice)).value(); };
+  const auto is_judged = [&](const pipeline::OpenedMethod& method) {
+    const auto made = FieldCheck::create(method, {}).value();
+    return made && made->judge(truth_, capture::Measurement(simulate(truth_)), false).value().has_value();
+  };
+  EXPECT_FALSE(is_judged(opened({.algorithm = "inversion", .codes = network_.codes})));
+  EXPECT_FALSE(is_judged(opened({.algorithm = "inversion", .codes = network_.codes, .camera = network_.camera})));
+  EXPECT_TRUE(is_judged(opened({.model = network_, .codes = network_.codes})));
+  EXPECT_FALSE(FieldCheck::create(opened({.model = network_}), {.colour_filter = "rggb"}).value());
+}
+
+}  // namespace
+}  // namespace e2lf::diagnose

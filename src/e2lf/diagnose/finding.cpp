@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/diagnose/finding.h"
+
+#include <algorithm>
+#include <array>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::diagnose {
+namespace {
+
+constexpr std::array kSeverities = {Severity::kNote, Severity::kWarning, Severity::kError};
+
+std::string word_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+}  // namespace
+
+const char* severity_name(Severity severity) {
+  return severity == Severity::kNote ? "note" : severity == Severity::kWarning ? "warning" : "error";
+}
+
+bool contains(const Findings& findings, const std::string& code) {
+  return std::ranges::any_of(findings, [&](const Finding& finding) { return finding.code == code; });
+}
+
+bool has_doubt(const Findings& findings) {
+  return std::ranges::any_of(findings, [](const Finding& finding) { return finding.severity != Severity::kNote; });
+}
+
+std::string text_of(const Finding& finding, const std::string& prefix) {
+  std::string text = cat(finding.message, "; ");
+  bool is_setting = false;
+  for (const char letter : finding.remedy) {
+    if (letter != '`') {
+      text += letter;
+    } else if ((is_setting = !is_setting)) {
+      text += prefix;
+    }
+  }
+  return text;
+}
+
+void log_findings(const std::string& name, const Findings& findings, const std::string& prefix) {
+  for (const Finding& finding : findings) {
+    const std::string text = cat(name, ": ", finding.code, ": ", text_of(finding, prefix));
+    finding.severity == Severity::kNote ? log_info(text) : log_warning(text);
+  }
+}
+
+Json to_json(const Findings& findings) {
+  Json json = Json::array();
+  for (const Finding& finding : findings) {
+    json.push_back({{"code", finding.code},
+                    {"severity", severity_name(finding.severity)},
+                    {"message", finding.message},
+                    {"remedy", finding.remedy},
+                    {"figures", finding.figures}});
+  }
+  return json;
+}
+
+Findings findings_from_json(const Json& json) {
+  Findings findings;
+  for (const Json& each : json.is_array() ? json : Json::array()) {
+    if (!each.is_object()) continue;
+    Finding finding{
+        .code = word_of(each, "code"), .message = word_of(each, "message"), .remedy = word_of(each, "remedy")};
+    for (const Severity severity : kSeverities) {
+      if (word_of(each, "severity") == severity_name(severity)) finding.severity = severity;
+    }
+    finding.figures = each.value("figures", Json());
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+}  // namespace e2lf::diagnose

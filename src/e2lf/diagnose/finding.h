@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/files/options.h"
+
+/// What may be wrong with a rig: judgements of what the pipeline produced, each with its remedy.
+namespace e2lf::diagnose {
+
+enum class Severity {
+  kNote,     ///< the result is probably right; the user should know about an assumption
+  kWarning,  ///< the result is doubtful
+  kError,    ///< the result is wrong
+};
+[[nodiscard]] const char* severity_name(Severity severity);  ///< "note", "warning", "error"
+
+/// One judgement about a rig or its recording.
+struct Finding {
+  std::string code;  ///< a stable name, such as "polarity-inverted"; docs/troubleshooting.md lists them
+  Severity severity = Severity::kWarning;
+  std::string message;  ///< what was found, with its figures, without a full stop
+  std::string remedy;   ///< what to do about it; names of settings, such as `invert-polarity`, are in backticks
+  Json figures = {};    ///< the figures of the message for programs
+};
+using Findings = std::vector<Finding>;
+
+/// Returns true if a finding has this code.
+[[nodiscard]] bool contains(const Findings& findings, const std::string& code);
+/// Returns true if a finding is a warning or an error.
+[[nodiscard]] bool has_doubt(const Findings& findings);
+
+/// Returns "message; remedy" with `prefix` before each setting instead of its backticks.
+[[nodiscard]] std::string text_of(const Finding& finding, const std::string& prefix = "");
+
+/// Logs each finding as "name: code: message; remedy", where settings are spelled with `prefix`.
+void log_findings(const std::string& name, const Findings& findings, const std::string& prefix = "");
+
+/// Converts findings to [{"code", "severity", "message", "remedy", "figures"}, ...].
+[[nodiscard]] Json to_json(const Findings& findings);
+/// Converts them back, and ignores what is not of this form.
+[[nodiscard]] Findings findings_from_json(const Json& json);
+
+}  // namespace e2lf::diagnose

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/diagnose/rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::diagnose {
+namespace {
+
+using cycles::BurstSign;
+using cycles::CycleSource;
+
+/// Returns the agreement of the signs, from -1, where all are opposite to the schedule, to 1, or nothing if there are
+/// too few events.
+std::optional<double> sign_agreement(const cycles::Schedule& schedule, std::span<const cycles::PatternEvents> events) {
+  constexpr double kLeastEvents = 500;
+  double agreeing = 0, all = 0;
+  for (size_t i = 0; i < schedule.size(); ++i) {
+    const BurstSign sign = schedule.patterns[i].sign;
+    if (sign == BurstSign::kAny) continue;
+    const auto on = static_cast<double>(events[i].on), off = static_cast<double>(events[i].off);
+    agreeing += sign == BurstSign::kOn ? on - off : off - on;
+    all += on + off;
+  }
+  if (all < kLeastEvents) return std::nullopt;
+  return agreeing / all;
+}
+
+/// Returns the first pattern of `sign` that is followed by one of the opposite sign.
+std::optional<size_t> find_extreme(const cycles::Schedule& schedule, BurstSign sign, BurstSign next_sign) {
+  for (size_t i = 0; i < schedule.size(); ++i) {
+    const BurstSign next = schedule.patterns[(i + 1) % schedule.size()].sign;
+    if (schedule.patterns[i].sign == sign && next == next_sign) return i;
+  }
+  return std::nullopt;
+}
+
+/// Returns the ratio of the events between black and white to those between white and black, or nothing if the schedule
+/// does not contain both.
+std::optional<double> strength_after_black(const cycles::Schedule& schedule,
+                                           std::span<const cycles::PatternEvents> events) {
+  const auto black = find_extreme(schedule, BurstSign::kOff, BurstSign::kOn);
+  const auto white = find_extreme(schedule, BurstSign::kOn, BurstSign::kOff);
+  if (!black || !white) return std::nullopt;
+  const auto between = [&](size_t begin, size_t end) {
+    double sum = 0;
+    for (size_t i = (begin + 1) % schedule.size(); i != end; i = (i + 1) % schedule.size()) {
+      sum += static_cast<double>(events[i].on + events[i].off);
+    }
+    return sum;
+  };
+  return between(*black, *white) / std::max(between(*white, *black), 1.0);
+}
+
+}  // namespace
+
+Polarity polarity_of(const cycles::Schedule& schedule, std::span<const cycles::PatternEvents> events) {
+  constexpr double kLeastAgreement = 0.15;
+  // Recordings synthesised from event images have artificial events in one half of the cycle, at most three times those
+  // in the other.
+  constexpr double kClearRatio = 4;
+  const auto agreement = sign_agreement(schedule, events);
+  if (!agreement || std::abs(*agreement) < kLeastAgreement) return Polarity::kUnknown;
+  const bool agrees = *agreement > 0;
+  const auto strength = strength_after_black(schedule, events);
+  if (!strength || *strength > kClearRatio) return agrees ? Polarity::kRight : Polarity::kInverted;
+  if (*strength < 1 / kClearRatio) return agrees ? Polarity::kInverted : Polarity::kHalfCycleOff;
+  return Polarity::kUnknown;
+}
+
+bool is_doubtful(float confidence, CycleSource source) {
+  // Bursts that are detected with certainty may exceed strong noise only slightly; correct times are well confirmed.
+  constexpr float kDoubtfulBurst = 0.1F, kDoubtfulClaim = 0.3F;
+  return confidence < (source == CycleSource::kBursts ? kDoubtfulBurst : kDoubtfulClaim);
+}
+
+void RigCheck::add(const recordings::EventBatch& batch) {
+  diagnose::add(batch.triggers, inputs_);
+  delay_.add_events(batch.events.t);
+  if (!batch.events.empty()) last_us_ = std::max(last_us_, batch.events.t.back());
+  if (!batch.triggers.empty()) last_us_ = std::max(last_us_, batch.triggers.back().t);
+}
+
+float RigCheck::add(const cycles::Cycle& cycle, const cycles::CycleOptions& options) {
+  constexpr size_t kMostLate = 1000;
+  if (!cycle.pattern_events.empty()) {
+    polarity_ = polarity_of(options.schedule, cycle.pattern_events);
+    ++polarities_[static_cast<size_t>(polarity_)];
+    for (const cycles::PatternStart& start : cycle.starts) delay_.add_start(start.t_us);
+  }
+  std::vector<LateTrigger> late;
+  if (options.source == CycleSource::kTriggers && !options.one_trigger_per_cycle) {
+    late = late_.add(cycle, options.schedule);
+  }
+  num_late_ += late.size();
+  if (late_triggers_.size() < kMostLate) late_triggers_.insert(late_triggers_.end(), late.begin(), late.end());
+  const bool contradicts = polarity_ == Polarity::kInverted || polarity_ == Polarity::kHalfCycleOff;
+  const float confidence = contradicts || !late.empty() ? 0.0F : cycle.confidence;
+  ++cycles_;
+  doubtful_ += is_doubtful(confidence, options.source);
+  least_confidence_ = std::min(least_confidence_, confidence);
+  return confidence;
+}
+
+Findings RigCheck::findings(const cycles::CycleReader& reader) const {
+  const cycles::CycleOptions& options = reader.options();
+  Findings findings;
+  std::optional<Finding> of_triggers;
+  if (options.source == CycleSource::kTriggers) of_triggers = check_triggers(options);
+  // Patterns that are mistaken for others have other signs.
+  if (!of_triggers) add_signs(reader, findings);
+  add_late_triggers(options.schedule, findings);
+  if (options.source == CycleSource::kTriggers) add_delay(options, findings);
+  if (of_triggers) findings.push_back(std::move(*of_triggers));
+  if (reader.report().has_assumed_first) {
+    findings.push_back(
+        {"first-pattern-assumed", Severity::kWarning,
+         "neither intervals nor events determine which pattern the first trigger begins, and pattern 0 of "
+         "the schedule is assumed",
+         "give its number with `first-pattern`"});
+  }
+  add_confidence(reader, findings);
+  return findings;
+}
+
+void RigCheck::add_signs(const cycles::CycleReader& reader, Findings& findings) const {
+  const uint64_t inverted = polarities_[static_cast<size_t>(Polarity::kInverted)];
+  const uint64_t half_off = polarities_[static_cast<size_t>(Polarity::kHalfCycleOff)];
+  if (inverted > 0) {
+    findings.push_back({"polarity-inverted",
+                        Severity::kError,
+                        cat("the polarity is inverted in ", inverted, " of ", cycles_,
+                            " cycles: the change from black to the first pattern causes OFF events"),
+                        reader.options().invert_polarity ? "omit `invert-polarity`" : "give `invert-polarity`",
+                        {{"cycles", inverted}}});
+  }
+  if (half_off > 0) {
+    findings.push_back({"half-cycle-off",
+                        Severity::kError,
+                        cat("the patterns of ", half_off, " of ", cycles_, " cycles are mistaken for their inverses"),
+                        "check `first-pattern` and `origin-us`",
+                        {{"cycles", half_off}}});
+  }
+}
+
+void RigCheck::add_late_triggers(const cycles::Schedule& schedule, Findings& findings) const {
+  constexpr size_t kNamed = 3;
+  if (num_late_ == 0) return;
+  std::vector<std::string> named;
+  Json each = Json::array();
+  for (const LateTrigger& late : late_triggers_) {
+    each.push_back({{"cycle", late.cycle}, {"pattern", late.pattern}, {"late_us", late.late_us}});
+    if (named.size() == kNamed) continue;
+    named.push_back(cat("cycle ", late.cycle, ", pattern ", late.pattern, " (", schedule.patterns[late.pattern].name,
+                        "): ", std::abs(late.late_us), " us ", late.late_us > 0 ? "late" : "early"));
+  }
+  findings.push_back({"triggers-late",
+                      Severity::kWarning,
+                      cat(num_late_, num_late_ == 1 ? " trigger is" : " triggers are",
+                          " out of step with the others, so that events were assigned to the wrong pattern (",
+                          join(named, "; "), num_late_ > kNamed ? "; ..." : "", ")"),
+                      "look for noise on the wire; the confidence of these cycles is 0",
+                      {{"triggers", each}}});
+}
+
+void RigCheck::add_delay(const cycles::CycleOptions& options, Findings& findings) const {
+  // Pixels respond within a millisecond in bright light; triggers and displays differ by some tens of microseconds.
+  constexpr int64_t kEarliestUs = -250, kLatestUs = 2'000;
+  // The first events of most cameras follow the change of the pattern by about this time.
+  constexpr int64_t kUsualUs = 200;
+  const auto delay_us = delay_.delay_us();
+  if (!delay_us || (*delay_us >= kEarliestUs && *delay_us <= kLatestUs)) return;
+  const bool is_late = *delay_us < 0;
+  const int64_t shift_us = options.trigger_delay_us + *delay_us - kUsualUs;
+  findings.push_back({"trigger-delay",
+                      Severity::kError,
+                      cat("the events change ", std::abs(*delay_us), " us ", is_late ? "before" : "after",
+                          " the trigger of each pattern, so that some of them are assigned to the ",
+                          is_late ? "previous" : "next", " pattern"),
+                      cat("check whether the other `edge` is the right one, or give the delay of the display, about "
+                          "`trigger-delay-us` ",
+                          shift_us),
+                      {{"event_delay_us", *delay_us}, {"trigger_delay_us", shift_us}}});
+}
+
+void RigCheck::add_confidence(const cycles::CycleReader& reader, Findings& findings) const {
+  // A more certain reason explains it, but times that only the schedule states may be wrong in addition.
+  const bool is_by_schedule = reader.options().source == CycleSource::kSchedule;
+  if (doubtful_ == 0 || (!is_by_schedule && contains(findings, "polarity-inverted")) ||
+      (!is_by_schedule && contains(findings, "half-cycle-off")) || doubtful_ <= late_triggers_.size()) {
+    return;
+  }
+  findings.push_back(
+      {"cycles-unconfirmed",
+       Severity::kWarning,
+       cat("the events of ", doubtful_, " of ", cycles_,
+           " cycles do not change when the patterns should have (least confidence ", least_confidence_, ")"),
+       "check `schedule`, `origin-us` and `first-pattern`, and look at the plot of the cycles",
+       {{"cycles", doubtful_}, {"least_confidence", least_confidence_}}});
+}
+
+Json RigCheck::json(const cycles::CycleReader& reader) const {
+  const auto delay_us = delay_.delay_us();
+  return {{"triggers", triggers_text(reader.schedule())},
+          {"least_confidence", least_confidence_},
+          {"event_delay_us", delay_us ? Json(*delay_us) : Json()},
+          {"findings", to_json(findings(reader))}};
+}
+
+Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader) {
+  const cycles::CycleReport report = reader.report();
+  const cycles::CycleOptions& options = reader.options();
+  Finding none{"cycles-absent", Severity::kError, "no complete pattern cycle was found",
+               "check `source`, `schedule` and `patterns`"};
+  const auto of_triggers = rig.check_triggers(options);
+  if (of_triggers) {
+    none.code = of_triggers->code;
+    none.message += cat(": ", of_triggers->message);
+    none.remedy = of_triggers->remedy;
+  } else if (options.source == CycleSource::kBursts && rig.has_triggers()) {
+    none.message += ": the events of slow pixels do not show each change of pattern, but the recording has triggers";
+    none.remedy = "give `source` triggers";
+  } else if (options.tracker.first_pattern && options.source != CycleSource::kSchedule) {
+    none.message += cat(": no cycle begins with pattern ", *options.tracker.first_pattern);
+    none.remedy = "omit `first-pattern`, so that it is determined from the intervals and the events";
+  } else if (report.unassigned_marks > 0) {
+    none.message +=
+        cat(": ", report.unassigned_marks, " of ", report.marks, " triggers or bursts cannot be assigned to a pattern");
+    none.remedy = "give the pattern of the first one with `first-pattern`";
+  }
+  return none;
+}
+
+}  // namespace e2lf::diagnose

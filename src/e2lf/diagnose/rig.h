@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/diagnose/event_delay.h"
+#include "e2lf/diagnose/finding.h"
+#include "e2lf/diagnose/triggers.h"
+
+namespace e2lf::diagnose {
+
+/// The polarity of a cycle according to its events.
+enum class Polarity {
+  kUnknown,       ///< the schedule states no signs, or there are too few events
+  kRight,         ///< the signs are those of the schedule
+  kInverted,      ///< ON and OFF are exchanged
+  kHalfCycleOff,  ///< the patterns are mistaken for their inverses
+};
+
+/// Compares the events of a whole cycle, with one entry per pattern of the schedule, with the signs that the schedule
+/// states. A display that shows each pattern and its inverse has the same intervals in both halves of its cycle, so
+/// that inverted signs alone look like the other half. The strength distinguishes them: the changes after black cause
+/// many times the events of the changes after white, because pixels respond to relative changes. Both criteria are
+/// therefore combined.
+[[nodiscard]] Polarity polarity_of(const cycles::Schedule& schedule, std::span<const cycles::PatternEvents> events);
+
+/// Returns true if the events hardly confirm the times of a cycle with this confidence.
+[[nodiscard]] bool is_doubtful(float confidence, cycles::CycleSource source);
+
+/// Watches a recording while it is divided into cycles, and judges its triggers, its schedule and the polarity of its
+/// events.
+class RigCheck {
+ public:
+  /// Adds the next batch; see cycles::CycleOptions::on_batch.
+  void add(const recordings::EventBatch& batch);
+
+  /// Adds the next complete cycle, and returns its confidence: that of the cycle, or 0 if the signs of its events
+  /// contradict the schedule or if a trigger is out of step.
+  float add(const cycles::Cycle& cycle, const cycles::CycleOptions& options);
+
+  [[nodiscard]] float least_confidence() const { return least_confidence_; }
+
+  /// Returns what may be wrong, the most certain reason first.
+  [[nodiscard]] Findings findings(const cycles::CycleReader& reader) const;
+
+  /// Returns the triggers found and expected in one line.
+  [[nodiscard]] std::string triggers_text(const cycles::Schedule& schedule) const {
+    return diagnose::triggers_text(inputs_, schedule);
+  }
+
+  [[nodiscard]] bool has_triggers() const { return !inputs_.empty(); }
+  [[nodiscard]] std::optional<Finding> check_triggers(const cycles::CycleOptions& options) const {
+    return diagnose::check_triggers(inputs_, options, last_us_);
+  }
+
+  /// Returns {"triggers", "least_confidence", "event_delay_us", "findings"}.
+  [[nodiscard]] Json json(const cycles::CycleReader& reader) const;
+
+ private:
+  void add_signs(const cycles::CycleReader& reader, Findings& findings) const;
+  void add_late_triggers(const cycles::Schedule& schedule, Findings& findings) const;
+  void add_delay(const cycles::CycleOptions& options, Findings& findings) const;
+  void add_confidence(const cycles::CycleReader& reader, Findings& findings) const;
+
+  TriggerInputs inputs_;
+  EventDelay delay_;
+  LateTriggerFinder late_;
+  std::vector<LateTrigger> late_triggers_;  ///< the first ones
+  uint64_t num_late_ = 0;
+  int64_t last_us_ = INT64_MIN;
+  Polarity polarity_ = Polarity::kUnknown;  ///< of the last cycle all of whose events were read
+  std::array<uint64_t, 4> polarities_{};    ///< number of such cycles
+  uint64_t cycles_ = 0, doubtful_ = 0;
+  float least_confidence_ = 1.0F;
+};
+
+/// Returns the reason why a recording contains no complete cycle.
+[[nodiscard]] Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader);
+
+}  // namespace e2lf::diagnose

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/diagnose/triggers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "e2lf/base/median.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::diagnose {
+namespace {
+
+constexpr double kTolerance = 0.2;  // of an interval, as in PatternTracker
+constexpr double kMost = 0.9;       // share of the intervals that an explanation must match
+
+std::string ms(double us) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g ms", us / 1000);
+  return text;
+}
+
+Finding finding(const char* code, std::string message, std::string remedy, Json figures = {}) {
+  return {code, Severity::kError, std::move(message), std::move(remedy), std::move(figures)};
+}
+
+std::vector<double> intervals_of(const std::vector<int64_t>& times_us) {
+  std::vector<double> intervals;
+  for (size_t i = 1; i < times_us.size(); ++i) intervals.push_back(static_cast<double>(times_us[i] - times_us[i - 1]));
+  return intervals;
+}
+
+std::vector<double> intervals_of(const cycles::Schedule& schedule) {
+  std::vector<double> intervals;
+  for (const auto& pattern : schedule.patterns) intervals.push_back(static_cast<double>(pattern.interval_us()));
+  return intervals;
+}
+
+/// Returns the share of the intervals that match the expected ones, repeated and multiplied by `scale`, for the best
+/// phase.
+double matching_share(const std::vector<double>& intervals, const std::vector<double>& expected, double scale = 1) {
+  size_t best = 0;
+  for (size_t phase = 0; phase < expected.size(); ++phase) {
+    size_t matching = 0;
+    for (size_t i = 0; i < intervals.size(); ++i) {
+      const double wanted = scale * expected[(phase + i) % expected.size()];
+      matching += std::abs(intervals[i] - wanted) <= kTolerance * wanted ? 1 : 0;
+    }
+    best = std::max(best, matching);
+  }
+  return intervals.empty() ? 0 : static_cast<double>(best) / static_cast<double>(intervals.size());
+}
+
+/// Returns the ratio of the display's cycle to that of the schedule, if the intervals repeat after one cycle.
+double scale_of(const std::vector<double>& intervals, const cycles::Schedule& schedule) {
+  std::vector<double> cycles;
+  for (size_t i = 0; i + schedule.size() <= intervals.size(); ++i) {
+    double sum = 0;
+    for (size_t k = 0; k < schedule.size(); ++k) sum += intervals[i + k];
+    cycles.push_back(sum);
+  }
+  return median(cycles) / static_cast<double>(schedule.cycle_us());
+}
+
+/// Returns the intervals between every second trigger of the schedule, beginning with its trigger `first`.
+std::vector<double> pairs_of(const std::vector<double>& expected, size_t first) {
+  std::vector<double> pairs;
+  for (size_t i = first; i < first + 2 * expected.size(); i += 2) {
+    pairs.push_back(expected[i % expected.size()] + expected[(i + 1) % expected.size()]);
+  }
+  return pairs;
+}
+
+/// Returns how many triggers are missing if each interval is one of the schedule or the sum of several consecutive
+/// ones, for the best phase; 0 if intervals are left unexplained, or if fewer than half of them are single ones.
+size_t missing_triggers(const std::vector<double>& intervals, const std::vector<double>& expected) {
+  auto most_explained = static_cast<size_t>(std::ceil(kMost * static_cast<double>(intervals.size())));
+  size_t found = 0;
+  for (size_t phase = 0; phase < expected.size(); ++phase) {
+    size_t place = phase, single = 0, explained = 0, missing = 0;
+    for (const double interval : intervals) {
+      double sum = 0, tolerance = 0;
+      size_t steps = 0;
+      while (sum + tolerance < interval && steps < 2 * expected.size()) {
+        const double next = expected[(place + steps++) % expected.size()];
+        sum += next;
+        tolerance = kTolerance * next;
+      }
+      place += std::max<size_t>(steps, 1);
+      if (std::abs(sum - interval) > tolerance) continue;
+      ++explained;
+      single += steps == 1 ? 1 : 0;
+      missing += steps - 1;
+    }
+    if (explained < most_explained || 2 * single < intervals.size()) continue;
+    most_explained = explained + 1;
+    found = missing;
+  }
+  return found;
+}
+
+/// Explains the times of one edge of one input, by the most certain reason first.
+std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const cycles::Schedule& schedule,
+                                   bool is_one_per_cycle) {
+  const std::vector<double> intervals = intervals_of(times_us), expected = intervals_of(schedule);
+  const double usual_us = median(intervals), cycle_us = static_cast<double>(schedule.cycle_us());
+  const bool are_cycles = std::abs(usual_us - cycle_us) <= kTolerance * cycle_us;
+  const Json figures = {{"interval_us", usual_us}, {"cycle_us", cycle_us}};
+  if (is_one_per_cycle) {
+    if (are_cycles) return std::nullopt;
+    return finding(
+        "triggers-of-patterns",
+        cat("one trigger per cycle is expected, every ", ms(cycle_us), ", but one comes every ", ms(usual_us)),
+        "omit `one-trigger-per-cycle`, or give the `schedule` of the display", figures);
+  }
+  if (are_cycles && schedule.size() > 1) {
+    return finding("triggers-of-cycles", cat("there is one trigger in ", ms(usual_us), ", which is a whole cycle"),
+                   "give `one-trigger-per-cycle`", figures);
+  }
+  if (matching_share(intervals, expected) >= kMost) return std::nullopt;
+  if (const double scale = scale_of(intervals, schedule);
+      scale > 0.05 && std::abs(scale - 1) > 0.02 && matching_share(intervals, expected, scale) >= kMost) {
+    return finding(
+        "schedule-scaled",
+        cat("the intervals between triggers have the order of the schedule but are ", std::round(100 * scale) / 100,
+            " times as long: the display's cycle takes ", ms(scale * cycle_us), " and the schedule's ", ms(cycle_us)),
+        "give a `schedule` with the durations of the display", {{"scale", scale}});
+  }
+  if (std::max(matching_share(intervals, pairs_of(expected, 0)), matching_share(intervals, pairs_of(expected, 1))) >=
+      kMost) {
+    return finding("triggers-halved",
+                   "every second trigger is missing: the display may change its output at each pattern",
+                   "give `edge` both, or repair the signal", figures);
+  }
+  if (const size_t missing = missing_triggers(intervals, expected); missing > 0) {
+    return finding(
+        "triggers-missing",
+        cat(missing, " of ", times_us.size() + missing, " triggers are missing, and the others match the schedule"),
+        "check the wire, the level and the length of the trigger pulses", {{"missing", missing}});
+  }
+  return finding("schedule-other",
+                 cat("a trigger comes every ", ms(usual_us), ", and the schedule has ", schedule.size(),
+                     " patterns in ", ms(cycle_us)),
+                 "give the `schedule` of the display, or the number of its coding `patterns`", figures);
+}
+
+/// Returns the input whose triggers match the schedule best.
+uint16_t best_input(const TriggerInputs& inputs, const cycles::CycleOptions& options) {
+  const auto* best = &*inputs.begin();
+  double best_share = -1;
+  for (const auto& entry : inputs) {
+    const auto& times_us =
+        options.edge == cycles::TriggerEdge::kFalling ? entry.second.falling_us : entry.second.rising_us;
+    const double share = matching_share(intervals_of(times_us), intervals_of(options.schedule));
+    if (share > best_share) best = &entry;
+    best_share = std::max(best_share, share);
+  }
+  return best->first;
+}
+
+}  // namespace
+
+void add(std::span<const recordings::Trigger> triggers, TriggerInputs& inputs) {
+  for (const recordings::Trigger& trigger : triggers) {
+    TriggerInput& input = inputs[trigger.id];
+    ++(trigger.p != 0 ? input.rising : input.falling);
+    auto& times_us = trigger.p != 0 ? input.rising_us : input.falling_us;
+    if (times_us.size() < TriggerInput::kMostTimes) times_us.push_back(trigger.t);
+  }
+}
+
+std::string triggers_text(const TriggerInputs& inputs, const cycles::Schedule& schedule) {
+  std::vector<std::string> texts;
+  for (const auto& [id, input] : inputs) {
+    const auto& times_us = input.rising >= input.falling ? input.rising_us : input.falling_us;
+    texts.push_back(cat("channel ", id, " has ", input.rising, " rising and ", input.falling, " falling edges",
+                        times_us.size() > 1 ? cat(", mostly ", ms(median(intervals_of(times_us))), " apart") : ""));
+  }
+  return cat("triggers: ", texts.empty() ? "none" : join(texts, "; "), "; the schedule expects ", schedule.size(),
+             " in ", ms(static_cast<double>(schedule.cycle_us())), ", mostly ", ms(median(intervals_of(schedule))),
+             " apart");
+}
+
+std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles::CycleOptions& options,
+                                      int64_t last_us) {
+  if (inputs.empty()) {
+    return finding("triggers-absent", "the recording contains no triggers",
+                   "enable the trigger input of the camera and check its cable; pixels that are faster than the "
+                   "patterns also permit `source` bursts");
+  }
+  if (options.channel && !inputs.contains(*options.channel)) {
+    return finding("trigger-channel", cat("channel ", *options.channel, " has no triggers"),
+                   cat("give `channel` ", inputs.begin()->first));
+  }
+  if (!options.channel && inputs.size() > 1) {
+    return finding("trigger-channel", cat(inputs.size(), " channels have triggers"),
+                   cat("give that of the patterns, probably `channel` ", best_input(inputs, options)));
+  }
+  using cycles::TriggerEdge;
+  const TriggerInput& input = options.channel ? inputs.at(*options.channel) : inputs.begin()->second;
+  if (options.edge == TriggerEdge::kRising && input.rising == 0) {
+    return finding("trigger-edge", "there are only falling edges", "give `edge` falling");
+  }
+  if (options.edge == TriggerEdge::kFalling && input.falling == 0) {
+    return finding("trigger-edge", "there are only rising edges", "give `edge` rising");
+  }
+  const auto& times_us = options.edge == TriggerEdge::kFalling ? input.falling_us : input.rising_us;
+  if (options.edge == TriggerEdge::kBoth && input.falling > 0 &&
+      !check_times(times_us, options.schedule, options.one_trigger_per_cycle)) {
+    return finding("trigger-edge", "each pattern has a rising and a falling edge", "give `edge` rising");
+  }
+  if (times_us.size() < options.schedule.size()) {
+    return finding(
+        "triggers-few",
+        cat("there are ", times_us.size(), " triggers, and a cycle has ", options.schedule.size(), " patterns"),
+        "record for longer, or give `one-trigger-per-cycle` if each marks a cycle");
+  }
+  if (auto found = check_times(times_us, options.schedule, options.one_trigger_per_cycle)) return found;
+  if (last_us - times_us.back() > 2 * options.schedule.cycle_us() && times_us.size() < TriggerInput::kMostTimes) {
+    return finding(
+        "triggers-end",
+        cat("the triggers end ", ms(static_cast<double>(last_us - times_us.back())), " before the recording"),
+        "check the cable");
+  }
+  return std::nullopt;
+}
+
+double LateTriggerFinder::expected_us(size_t pattern, const cycles::Schedule& schedule) const {
+  constexpr size_t kEnough = 3;  // with fewer, the schedule is used
+  const auto known = intervals_us_.find(pattern);
+  if (known == intervals_us_.end() || known->second.size() < kEnough) {
+    return static_cast<double>(schedule.patterns[pattern].interval_us());
+  }
+  return median(std::vector<double>(known->second.begin(), known->second.end()));
+}
+
+std::vector<LateTrigger> LateTriggerFinder::add(const cycles::Cycle& cycle, const cycles::Schedule& schedule) {
+  constexpr size_t kRemembered = 7;     // number of intervals whose median is the expected one
+  constexpr double kLeastLateUs = 150;  // displays and clocks have a jitter of about 10 us
+  constexpr double kLeastShare = 0.02;  // relative to an interval
+  if (cycle.number != std::exchange(next_cycle_, cycle.number + 1)) before_.reset();
+  std::vector<LateTrigger> late;
+  for (size_t i = 0; i < cycle.starts.size(); ++i) {
+    const cycles::PatternStart& start = cycle.starts[i];
+    const int64_t end_us = i + 1 < cycle.starts.size() ? cycle.starts[i + 1].t_us : cycle.end_us;
+    const auto interval_us = static_cast<double>(end_us - start.t_us);
+    if (before_) {
+      const double first_us = expected_us(before_->pattern, schedule), second_us = expected_us(start.pattern, schedule);
+      const double longer_us = static_cast<double>(start.t_us - before_->t_us) - first_us;
+      const double shorter_us = second_us - interval_us, late_us = 0.5 * (longer_us + shorter_us);
+      const double least_us = std::max(kLeastLateUs, kLeastShare * std::min(first_us, second_us));
+      if (std::abs(late_us) > least_us && std::abs(longer_us - shorter_us) < 0.5 * std::abs(late_us)) {
+        late.push_back({cycle.number, start.pattern, static_cast<int64_t>(std::llround(late_us))});
+      }
+    }
+    auto& known = intervals_us_[start.pattern];
+    known.push_back(interval_us);
+    if (known.size() > kRemembered) known.pop_front();
+    before_ = start;
+  }
+  return late;
+}
+
+}  // namespace e2lf::diagnose
