@@ -95,7 +95,7 @@ wait $recorder || code=$?
 
 # The check says what is wrong.
 camera "loop;period_us=500" camera check --seconds 1 --json --quiet >check.json 2>log.txt || fail "$(cat log.txt)"
-[ "$(json check.json 'j["problems"], j["header"]["serial_number"]')" = "([], 'A1')" ] || fail "$(cat check.json)"
+[ "$(json check.json 'j["findings"], j["header"]["serial_number"]')" = "([], 'A1')" ] || fail "$(cat check.json)"
 check "$(json check.json 'j["trigger_channels"][0]["rising_per_s"]') > 1"
 check "0.2 < $(json check.json 'j["on_share"]') < 0.8"
 fails 1 "no trigger within 3" camera "period_us=1000" camera check camera://metavision --trigger-channel none --seconds 3

@@ -2,6 +2,14 @@
 import { fetchFile } from './document';
 import { context2d, element } from './dom';
 
+/** What may be wrong with the rig. */
+export interface Finding {
+  code: string;
+  severity: 'note' | 'warning' | 'error';
+  message: string;
+  remedy: string; // settings are in backticks
+}
+
 export interface Statistics {
   network: string;
   size: string;
@@ -20,14 +28,11 @@ export interface Statistics {
   triggers_per_s: Record<string, number>;
   schedule: { patterns: number; cycle_us: number };
   found: string;
-  advice: string;
+  findings: Finding[];
   confidence: number;
   least_confidence: number;
   dropped_cycles: Record<string, number>;
-  inverted_cycles: number;
-  half_cycle_off_cycles: number;
-  late_triggers: number;
-  onset_us: number | null;
+  event_delay_us: number | null;
   silenced_pixels: number;
   left_out: Record<string, number>;
   may_have_lost_events: boolean;
@@ -100,6 +105,20 @@ export class FigureList {
 
   show(rows: [name: string, value: string][]): void {
     this.root.replaceChildren(...rows.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, value)]));
+  }
+}
+
+/** The findings with their remedies, the options spelled as on the command line. */
+export class FindingList {
+  readonly root = element('ul', { class: 'findings', role: 'status' });
+  private shown = '';
+
+  show(findings: Finding[]): void {
+    const text = JSON.stringify(findings);
+    if (text === this.shown) return; // screen readers announce changes
+    this.shown = text;
+    this.root.replaceChildren(...findings.map(({ code, severity, message, remedy }) => element('li', { class: `is-${severity}` },
+      element('b', {}, code), ` ${message}: ${remedy.replace(/`([^`]+)`/g, '--$1')}`)));
   }
 }
 

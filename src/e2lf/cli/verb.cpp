@@ -10,6 +10,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <unistd.h>
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
@@ -63,7 +64,11 @@ namespace {
 
 void print_log(LogLevel level, const std::string& message) {
   hide_progress();
-  std::fprintf(stderr, "%s: %s%s\n", program_name(), level == LogLevel::kWarning ? "warning: " : "",
+  const bool is_warning = level == LogLevel::kWarning, is_coloured = isatty(STDERR_FILENO) != 0;
+  std::fprintf(stderr, "%s: %s%s\n", program_name(),
+               !is_warning   ? ""
+               : is_coloured ? "\x1b[1;33mwarning:\x1b[0m "
+                             : "warning: ",
                printable(without_workspaces(message)).c_str());
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::cycles {
@@ -121,10 +122,14 @@ Result<Schedule> parse_schedule(const std::string& text, const std::string& name
   OptionReader reader(json, name + ": $");
   std::optional<std::string> views;
   const Json& patterns = reader.read("views", views).child("patterns");
+  const Json& codes = reader.child("codes");
   E2LF_RETURN_IF_ERROR(reader.finish());
   Schedule schedule;
   if (views) {
     E2LF_ASSIGN_OR_RETURN(schedule.views, capture::orientation_from_name(*views, reader.child_location("views")));
+  }
+  if (!codes.is_null()) {
+    E2LF_ASSIGN_OR_RETURN(schedule.codes, capture::codes_from_json(codes, cat(name, ": $.codes")));
   }
   for (size_t i = 0; patterns.is_array() && i < patterns.size(); ++i) {
     E2LF_ASSIGN_OR_RETURN(auto pattern, parse_pattern(patterns[i], cat(name, ": $.patterns[", i, "]")));
@@ -151,6 +156,7 @@ std::string schedule_text(const Schedule& schedule) {
   }
   Json json = {{"patterns", std::move(patterns)}};
   if (schedule.views) json["views"] = capture::orientation_name(*schedule.views);
+  if (schedule.codes) json["codes"] = capture::codes_to_json(*schedule.codes);
   return json_text(json);
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/orientation.h"
 
 namespace e2lf::cycles {
@@ -32,6 +33,7 @@ struct ScheduledPattern {
 struct Schedule {
   std::vector<ScheduledPattern> patterns;
   std::optional<capture::Orientation> views = {};  ///< orientation of the resulting views; absent = unknown
+  std::optional<capture::Codes> codes = {};        ///< the coding patterns a1 to aN; absent = unknown
 
   [[nodiscard]] size_t size() const { return patterns.size(); }
   [[nodiscard]] size_t num_images() const;
@@ -62,8 +64,9 @@ struct Schedule {
 [[nodiscard]] Result<void> validate(const Schedule& schedule, const std::string& location);
 
 /// Read and write a schedule as {"patterns": [{"name": "a2", "duration_us": 10000, "overhead_us": 0, "image": 0,
-/// "sign": "on"}, ...], "views": "turned"}. If image is omitted, the events are not used; views is a name of
-/// capture::orientation_name(). Fails with kNotFound, kFormat and kInvalidValue.
+/// "sign": "on"}, ...], "views": "turned", "codes": {...}}. If image is omitted, the events are not used; views is a
+/// name of capture::orientation_name(), and codes is what capture::codes_to_json() returns. Fails with kNotFound,
+/// kFormat and kInvalidValue.
 [[nodiscard]] Result<Schedule> read_schedule(const std::filesystem::path& path);
 [[nodiscard]] Result<Schedule> parse_schedule(const std::string& text, const std::string& name);
 [[nodiscard]] std::string schedule_text(const Schedule& schedule);

@@ -2,12 +2,14 @@
 #include "e2lf/diagnose/field_check.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <functional>
+#include <memory>
 #include <numeric>
 
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/crop.h"
+#include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::diagnose {
@@ -162,16 +164,16 @@ std::vector<Change> other_orientations(size_t side) {
   };
   using Place = std::pair<size_t, size_t>;
   return {change("with mirrored patterns",
-                 "show them with `flip-x` of `e2lf codes render`, or state the orientation of the views",
+                 "render the patterns with `flip-x`, or state the orientation of the views",
                  [=](size_t y, size_t x) {
                    return Place{y, last(x)};
                  }),
-          change("with patterns turned by 90 degrees", "show them with `rotate` 90 of `e2lf codes render`",
+          change("with patterns turned by 90 degrees", "render the patterns with `rotate` 90",
                  [=](size_t y, size_t x) {
                    return Place{last(x), y};
                  }),
           change("with patterns mirrored and turned by 90 degrees",
-                 "show them with `flip-x` and `rotate` 90 of `e2lf codes render`", [=](size_t y, size_t x) {
+                 "render the patterns with `flip-x` and `rotate` 90", [=](size_t y, size_t x) {
                    return Place{x, y};
                  })};
 }
@@ -332,6 +334,16 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
   }
   if (explained.findings.empty()) add_ratio(explained);
   return std::optional(std::move(explained));
+}
+
+Result<std::optional<Explanation>> FieldCheck::judge_events(const capture::EventImages& events) const {
+  const lightfield::CropRegion region = middle_of(events, kMostSide, kMostSide);
+  FieldCheck middle = *this;
+  const double share_of_width = static_cast<double>(region.width) / static_cast<double>(events.width);
+  middle.own_.check = in_window(own_.check, share_of_width);
+  const capture::Measurement given(crop(events, region));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, own_.method(given, {}));
+  return middle.judge(light_field, given, false);
 }
 
 }  // namespace e2lf::diagnose

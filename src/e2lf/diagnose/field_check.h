@@ -41,6 +41,9 @@ class FieldCheck {
   [[nodiscard]] Result<std::optional<Explanation>> judge(const lightfield::LightField& light_field,
                                                          const capture::Measurement& measurement, bool is_of_lit) const;
 
+  /// Reconstructs the middle of the image, at most 512x512 px, and judges it. Fails as judge() does.
+  [[nodiscard]] Result<std::optional<Explanation>> judge_events(const capture::EventImages& events) const;
+
  private:
   /// A method and the camera with which its light fields are compared.
   struct Candidate {

@@ -78,4 +78,13 @@ Findings findings_from_json(const Json& json) {
   return findings;
 }
 
+std::string to_text(const Findings& findings) {
+  return to_json(findings).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Findings findings_from_text(const std::string& text) {
+  const auto json = parse_json(text, "findings");
+  return json ? findings_from_json(*json) : Findings();
+}
+
 }  // namespace e2lf::diagnose

@@ -43,4 +43,8 @@ void log_findings(const std::string& name, const Findings& findings, const std::
 /// Converts them back, and ignores what is not of this form.
 [[nodiscard]] Findings findings_from_json(const Json& json);
 
+/// The same as text, for capture::RecordedSetup::findings.
+[[nodiscard]] std::string to_text(const Findings& findings);
+[[nodiscard]] Findings findings_from_text(const std::string& text);
+
 }  // namespace e2lf::diagnose

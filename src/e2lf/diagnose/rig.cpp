@@ -16,7 +16,7 @@ using cycles::CycleSource;
 /// Returns the agreement of the signs, from -1, where all are opposite to the schedule, to 1, or nothing if there are
 /// too few events.
 std::optional<double> sign_agreement(const cycles::Schedule& schedule, std::span<const cycles::PatternEvents> events) {
-  constexpr double kLeastEvents = 500;
+  constexpr double kLeastSignedEvents = 500;
   double agreeing = 0, all = 0;
   for (size_t i = 0; i < schedule.size(); ++i) {
     const BurstSign sign = schedule.patterns[i].sign;
@@ -25,7 +25,7 @@ std::optional<double> sign_agreement(const cycles::Schedule& schedule, std::span
     agreeing += sign == BurstSign::kOn ? on - off : off - on;
     all += on + off;
   }
-  if (all < kLeastEvents) return std::nullopt;
+  if (all < kLeastSignedEvents) return std::nullopt;
   return agreeing / all;
 }
 
@@ -80,8 +80,14 @@ bool is_doubtful(float confidence, CycleSource source) {
 void RigCheck::add(const recordings::EventBatch& batch) {
   diagnose::add(batch.triggers, inputs_);
   delay_.add_events(batch.events.t);
-  if (!batch.events.empty()) last_us_ = std::max(last_us_, batch.events.t.back());
-  if (!batch.triggers.empty()) last_us_ = std::max(last_us_, batch.triggers.back().t);
+  if (!batch.events.empty()) {
+    first_us_ = std::min(first_us_, batch.events.t.front());
+    last_us_ = std::max(last_us_, batch.events.t.back());
+  }
+  if (!batch.triggers.empty()) {
+    first_us_ = std::min(first_us_, batch.triggers.front().t);
+    last_us_ = std::max(last_us_, batch.triggers.back().t);
+  }
 }
 
 float RigCheck::add(const cycles::Cycle& cycle, const cycles::CycleOptions& options) {
@@ -232,6 +238,57 @@ Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader)
     none.remedy = "give the pattern of the first one with `first-pattern`";
   }
   return none;
+}
+
+Finding no_trigger_finding(double seconds) {
+  return {"triggers-absent", Severity::kError, cat("there was no trigger within ", seconds, " s"),
+          "check the trigger cable, its level and the input (`trigger-channel`)"};
+}
+
+Findings check_camera(const recordings::RecordingReader& camera, uint64_t events, uint64_t triggers, double seconds) {
+  const recordings::DecodeSummary summary = camera.summary();
+  Findings findings;
+  if (events == 0) {
+    findings.push_back({"events-absent", Severity::kError, "the camera sent no events",
+                        "take off the lens cap, and check the biases"});
+  }
+  if (triggers == 0) findings.push_back(no_trigger_finding(seconds));
+  const uint64_t dropped = summary.sensor_events_in - std::min(summary.sensor_events_in, summary.sensor_events_sent);
+  if (dropped > 0) {
+    findings.push_back({"sensor-overloaded",
+                        Severity::kWarning,
+                        cat("the sensor dropped ", dropped, " of ", summary.sensor_events_in, " events"),
+                        "use less light, a smaller region (`roi`) or other biases",
+                        {{"dropped", dropped}}});
+  }
+  if (summary.live.dropped_bytes > 0) {
+    findings.push_back({"bytes-lost",
+                        Severity::kWarning,
+                        cat(summary.live.dropped_bytes, " bytes were lost because they arrived too fast"),
+                        "use a faster computer",
+                        {{"bytes", summary.live.dropped_bytes}}});
+  }
+  if (summary.live.lost_buffers > 0) {
+    findings.push_back({"buffers-lost",
+                        Severity::kWarning,
+                        cat("the camera or its driver lost ", summary.live.lost_buffers, " buffers"),
+                        "check the cable and the load of the computer",
+                        {{"buffers", summary.live.lost_buffers}}});
+  }
+  if (summary.num_gaps > 0) {
+    findings.push_back({"times-with-gaps",
+                        Severity::kWarning,
+                        cat("the times have ", summary.num_gaps, " gaps, in which data are missing"),
+                        "check the cable and the load of the computer",
+                        {{"gaps", summary.num_gaps}}});
+  }
+  for (const char* const filter : {"anti_flicker", "event_trail_filter"}) {
+    if (camera.info().find(filter) != "on") continue;
+    findings.push_back({"sensor-filter", Severity::kWarning,
+                        cat("the filter ", filter, " is on and removes events of the patterns"),
+                        "give `no-sensor-filters`"});
+  }
+  return findings;
 }
 
 }  // namespace e2lf::diagnose

@@ -54,6 +54,8 @@ class RigCheck {
     return diagnose::triggers_text(inputs_, schedule);
   }
 
+  /// Returns the time of the recording that was added.
+  [[nodiscard]] int64_t seen_us() const { return last_us_ == INT64_MIN ? 0 : last_us_ - first_us_; }
   [[nodiscard]] bool has_triggers() const { return !inputs_.empty(); }
   [[nodiscard]] std::optional<Finding> check_triggers(const cycles::CycleOptions& options) const {
     return diagnose::check_triggers(inputs_, options, last_us_);
@@ -73,7 +75,7 @@ class RigCheck {
   LateTriggerFinder late_;
   std::vector<LateTrigger> late_triggers_;  ///< the first ones
   uint64_t num_late_ = 0;
-  int64_t last_us_ = INT64_MIN;
+  int64_t first_us_ = INT64_MAX, last_us_ = INT64_MIN;
   Polarity polarity_ = Polarity::kUnknown;  ///< of the last cycle all of whose events were read
   std::array<uint64_t, 4> polarities_{};    ///< number of such cycles
   uint64_t cycles_ = 0, doubtful_ = 0;
@@ -82,5 +84,10 @@ class RigCheck {
 
 /// Returns the reason why a recording contains no complete cycle.
 [[nodiscard]] Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader);
+
+/// Returns what may be wrong with a camera that was observed for some time and sent so many events and triggers.
+[[nodiscard]] Findings check_camera(const recordings::RecordingReader& camera, uint64_t events, uint64_t triggers,
+                                    double seconds);
+[[nodiscard]] Finding no_trigger_finding(double seconds);
 
 }  // namespace e2lf::diagnose

@@ -45,7 +45,28 @@ void LiveReader::see(const recordings::EventBatch& batch) {
 }
 
 void LiveReader::report() {
-  statistics_.set_report(cycles_->report(), cycles_->summary(), rig_.json(*cycles_));
+  constexpr int64_t kCyclesBefore = 3;  // what is found earlier may be due to a few triggers
+  Json rig = rig_.json(*cycles_);
+  diagnose::Findings findings;
+  if (rig_.seen_us() > kCyclesBefore * cycles_->schedule().cycle_us()) findings = rig_.findings(*cycles_);
+  const std::lock_guard lock(findings_mutex_);
+  findings.insert(findings.end(), other_findings_.begin(), other_findings_.end());
+  rig["findings"] = diagnose::to_json(findings);
+  announce(findings);
+  statistics_.set_report(cycles_->report(), cycles_->summary(), std::move(rig));
+}
+
+void LiveReader::add_findings(const diagnose::Findings& findings) {
+  const std::lock_guard lock(findings_mutex_);
+  other_findings_.insert(other_findings_.end(), findings.begin(), findings.end());
+  announce(findings);
+}
+
+/// Passes findings on whose code is new. findings_mutex_ must be locked.
+void LiveReader::announce(const diagnose::Findings& findings) {
+  for (const diagnose::Finding& finding : findings) {
+    if (announced_.insert(finding.code).second && options_.on_finding) options_.on_finding(finding);
+  }
 }
 
 /// Requests all events while a recording or the picture for focusing needs them.

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <set>
 
 #include "e2lf/base/result.h"
 #include "e2lf/cycles/cycle_reader.h"
@@ -25,6 +27,7 @@ struct ReadingOptions {
   std::filesystem::path recordings = {};  ///< the folder of Recorder
   bool is_inverted = false;               ///< batches have ON and OFF exchanged; recordings store them as sent
   uint64_t max_cycles = 0;                ///< 0 = all
+  std::function<void(const diagnose::Finding&)> on_finding = {};  ///< called once for each code
 };
 
 /// Reads a live source as fast as it delivers: finds cycles, accumulates event images, updates the statistics, records,
@@ -47,6 +50,8 @@ class LiveReader {
   [[nodiscard]] const cycles::CycleReader& cycles() const { return *cycles_; }
   /// Returns the check of the rig; only the thread that reads may call it.
   [[nodiscard]] const diagnose::RigCheck& rig() const { return rig_; }
+  /// Adds what another check found. May be called from any thread.
+  void add_findings(const diagnose::Findings& findings);
   [[nodiscard]] Statistics& statistics() { return statistics_; }
   [[nodiscard]] EventPreview& preview() { return *preview_; }
   [[nodiscard]] Recorder& recorder() { return *recorder_; }
@@ -55,10 +60,14 @@ class LiveReader {
   void see(const recordings::EventBatch& batch);
   void choose_events();
   void report();
+  void announce(const diagnose::Findings& findings);
 
   ReadingOptions options_;
   std::optional<cycles::CycleReader> cycles_;
   diagnose::RigCheck rig_;
+  std::mutex findings_mutex_;
+  diagnose::Findings other_findings_;
+  std::set<std::string> announced_;  ///< codes
   Statistics statistics_;
   std::optional<EventPreview> preview_;
   std::optional<Recorder> recorder_;

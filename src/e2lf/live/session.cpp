@@ -24,7 +24,7 @@ Session::~Session() {
 }
 
 void Session::join() {
-  for (std::thread* thread : {&reading_, &reconstructing_, &showing_}) {
+  for (std::thread* thread : {&reading_, &reconstructing_, &showing_, &checking_}) {
     if (thread->joinable()) thread->join();
   }
 }
@@ -92,6 +92,7 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const Clock::time_point begin = Clock::now();
   const bool has_events = !capture::is_without_events(cycle.counts.events);
   bool finds_tone = false;
+  if (has_events) begin_check(cycle);
   {
     const std::lock_guard lock(settings_mutex_);
     field.level = pace_.level();
@@ -115,6 +116,11 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   lock.unlock();
   if (changes && options_.on_level) options_.on_level(level);
   return {};
+}
+
+void Session::begin_check(const LiveCycle& cycle) {
+  if (!options_.check || checking_.joinable()) return;
+  checking_ = std::thread([this, events = cycle.counts.events] { reader_->add_findings(options_.check(events)); });
 }
 
 /// While the settings change, all views are made, so that the next picture need not wait for another light field.

@@ -35,6 +35,8 @@ struct SessionOptions {
   std::optional<PictureSize> size = {};        ///< empty = selected by the pace
   std::optional<float> gain = {}, black = {};  ///< empty = determined from the first cycle that has events
   capture::Orientation views = {};             ///< orientation in which the views are reconstructed
+  /// Judges the events of the first cycle that has some, in a thread of its own; empty = not at all.
+  std::function<diagnose::Findings(const capture::EventImages&)> check = {};
   std::function<void(const FieldReport&)> on_field = {};
   std::function<void(const QualityLevel&)> on_level =
       {};  ///< called after the size or the network was changed automatically
@@ -101,6 +103,7 @@ class Session {
   void choose_views(LiveField& field);
   [[nodiscard]] bool complete();
   void find_tone(const LiveField& field);
+  void begin_check(const LiveCycle& cycle);
   void join();
   void fail(const Error& error);
 
@@ -131,7 +134,7 @@ class Session {
   std::shared_ptr<const ShownPicture> picture_;
 
   std::atomic<bool> has_ended_ = false;
-  std::thread reading_, reconstructing_, showing_;
+  std::thread reading_, reconstructing_, showing_, checking_;
 };
 
 }  // namespace e2lf::live

@@ -57,6 +57,10 @@ class CycleInput {
   [[nodiscard]] capture::MeasurementKind measurement() const {
     return reader_ ? capture::MeasurementKind::kEventImages : file_.cycles.front().kind;
   }
+  /// Returns the number of event images of a cycle.
+  [[nodiscard]] size_t transitions() const {
+    return reader_ ? reader_->schedule().num_images() : file_.cycles.front().events.count;
+  }
   /// Returns the setup with which the events were recorded; `input` is the name under which they were opened. Fails as
   /// recorded_setup() does.
   [[nodiscard]] Result<capture::RecordedSetup> setup(const std::filesystem::path& input) const {

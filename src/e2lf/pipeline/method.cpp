@@ -53,9 +53,21 @@ Result<void> open_lit(engine::Precision precision, OpenedMethod& opened) {
   return {};
 }
 
+/// Fails if a network for the transitions of the whole cycle is to take those between the active patterns alone.
+Result<void> check_transitions(size_t transitions, const model::Model& model) {
+  const auto shown = model.codes ? capture::codes_of_whole_cycle(*model.codes) : std::nullopt;
+  if (!shown || transitions + 1 != shown->num_patterns) return {};
+  return Error{
+      ErrorCode::kShape,
+      cat("there are only the ", transitions, " event images of the active patterns, and ", model.name, " takes the ",
+          model.num_patterns - 1, " of all transitions of the cycle; accumulate the recording with all transitions"),
+      "transitions"};
+}
+
 Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(choose_network(choice, opened, opened.bundled));
   model::Model& model = *choice.model;
+  E2LF_RETURN_IF_ERROR(check_transitions(choice.transitions, model));
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
   const bool is_told = model::is_conditioned_on_camera(model);
   if (!is_told && choice.camera) {
@@ -184,7 +196,8 @@ Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse&
   E2LF_ASSIGN_OR_RETURN(recon::Method ready, method.ready(use));
   std::optional<recon::Method> lit;
   // Behind colour filters, the correlation of neighbouring pixels does not measure motion.
-  if (method.lit && use.colour_filter.empty() && (use.cycles == 1 || model::is_conditioned_on_camera(method.lit->model()))) {
+  if (method.lit && use.colour_filter.empty() &&
+      (use.cycles == 1 || model::is_conditioned_on_camera(method.lit->model()))) {
     lit = method_of(method.lit, use);
   }
   return FieldSequence(std::move(ready), method.complete(tone), std::move(lit));

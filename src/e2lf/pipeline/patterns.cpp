@@ -10,6 +10,11 @@ bool are_patterns_stated(const std::optional<KnownCodes>& known) {
   return known && (known->stated_by == StatedBy::kCaller || known->stated_by == StatedBy::kEvents);
 }
 
+capture::Codes codes_for(const model::Model& model, const capture::Codes& codes) {
+  const bool is_whole = model.num_patterns == 2 * codes.num_patterns + 1 && model.num_patterns != codes.num_patterns;
+  return is_whole ? capture::whole_cycle(codes) : codes;
+}
+
 std::optional<KnownCodes> known_codes(const std::optional<capture::Codes>& of_caller,
                                       const std::optional<capture::Codes>& of_events, const model::Model* model) {
   KnownCodes known;
@@ -20,7 +25,7 @@ std::optional<KnownCodes> known_codes(const std::optional<capture::Codes>& of_ca
   }
   const auto take = [&](const std::optional<capture::Codes>& codes, StatedBy stated_by) {
     if (!codes || known.stated_by != StatedBy::kNone) return;
-    known.codes = *codes;
+    known.codes = model != nullptr ? codes_for(*model, *codes) : *codes;
     known.stated_by = stated_by;
   };
   take(of_caller, StatedBy::kCaller);

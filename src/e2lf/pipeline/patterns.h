@@ -15,7 +15,7 @@ enum class StatedBy {
   kCaller,
   kEvents,  ///< the file of the events
   kModel,   ///< the network that was trained for them
-  kNone,  ///< no source; they are unknown or assumed
+  kNone,    ///< no source; they are unknown or assumed
 };
 
 /// Aperture patterns, and the properties of the sensor for which they were made.
@@ -29,6 +29,10 @@ struct KnownCodes {
 
 /// Returns true if a source other than the model itself states which patterns the camera showed.
 [[nodiscard]] bool are_patterns_stated(const std::optional<KnownCodes>& known);
+
+/// Returns the patterns between which the event images of a network lie: `codes`, or capture::whole_cycle() of them if
+/// the network takes the transitions of their whole cycle.
+[[nodiscard]] capture::Codes codes_for(const model::Model& model, const capture::Codes& codes);
 
 /// Returns the patterns of the caller, or else those of the file of the events, or else those of the model, which also
 /// provides the constants. Returns nothing if no source has any.

@@ -25,10 +25,12 @@ namespace e2lf::pipeline {
                                                             const recordings::RecordingInfo& info);
 
 /// Returns the setup of a recording that is divided into cycles. If its patterns are those of the schedule, they are
-/// reduced to the patterns between which the reader forms event images. The orientation of the views is that of the
-/// schedule if it states one.
-[[nodiscard]] Result<capture::RecordedSetup> setup_of_cycles(const std::filesystem::path& recording,
-                                                             const cycles::CycleReader& reader);
+/// reduced to the patterns between which the reader forms event images. The patterns are those of the caller, or else
+/// those of the recording, or else those of the schedule. The orientation of the views is that of the schedule if it
+/// states one.
+[[nodiscard]] Result<capture::RecordedSetup> setup_of_cycles(
+    const std::filesystem::path& recording, const cycles::CycleReader& reader,
+    const std::optional<capture::Codes>& of_caller = std::nullopt);
 
 /// Returns the colour filters (see capture::colour_filter_from_name()) of the sensor of a recording or of event images,
 /// which their run record contains. Returns an empty string if it has none or describes other events.

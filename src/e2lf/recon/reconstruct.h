@@ -41,9 +41,9 @@ class Reconstructor {
   /// errors of a network with reduced resolution depend on the position of the pixels on its grid. The result is
   /// therefore the mean over the first num_passes(passes) of grid_shifts(), at a proportional cost. With two or more
   /// passes, or if the result is cropped, memory for a second light field is needed. The images may be sums over
-  /// several `cycles` of a static scene if model::is_conditioned_on_camera(). Fails with kInvalidValue if the measurement is
-  /// not of the kind that the model takes, with kShape if the number of images does not match its patterns or if they
-  /// are empty, and as Engine::run does.
+  /// several `cycles` of a static scene if model::is_conditioned_on_camera(). Fails with kInvalidValue if the
+  /// measurement is not of the kind that the model takes, with kShape if the number of images does not match its
+  /// patterns or if they are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const capture::Measurement& measurement,
                                                            const ProgressFn& progress = {}, size_t passes = 1,
                                                            size_t cycles = 1) const;

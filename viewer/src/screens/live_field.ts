@@ -5,7 +5,7 @@ import { ApertureMap } from '../aperture_map';
 import { fetchFile, type LiveItem } from '../document';
 import { element } from '../dom';
 import { maxDisparity } from '../light_field';
-import { askForPicture, command, drawGrey, FigureList, followStatistics, rest, SettingControl, type Framed, type Statistics } from '../live';
+import { askForPicture, command, drawGrey, FigureList, FindingList, followStatistics, rest, SettingControl, type Framed, type Statistics } from '../live';
 import { Pane } from '../pane';
 import { focusOn, type Context, type Screen } from '../screen';
 import { pressViewKey, viewKeys } from '../view_keys';
@@ -34,6 +34,7 @@ export class LiveFieldScreen implements Screen {
   private readonly fineButton: HTMLElement;
   private readonly average: SettingControl<HTMLInputElement>;
   private readonly size: SettingControl<HTMLSelectElement>;
+  private readonly findings = new FindingList();
   private readonly problem = element('p', { class: 'advice', role: 'status' });
   private serial = 0;
   private field = 0;
@@ -53,7 +54,7 @@ export class LiveFieldScreen implements Screen {
     this.average = new SettingControl(average, (cycles) => this.tell(`average?cycles=${cycles}`));
     const size = element('select', { name: 'resolution' }, ...['auto', 'full', 'half', 'quarter'].map((name) => element('option', { value: name }, name)));
     this.size = new SettingControl(size, (to) => this.tell(`size?to=${to}`));
-    panel.group('Light field', this.figures.root, this.problem,
+    panel.group('Light field', this.figures.root, this.findings.root, this.problem,
       panel.button('Freeze', () => this.tell('freeze')), this.fineButton, panel.button('Brightness anew', () => this.tell('brightness')));
     panel.group('Pace',
       element('label', { class: 'choice' }, element('span', {}, 'Size'), size),
@@ -132,6 +133,7 @@ export class LiveFieldScreen implements Screen {
       ['network', now.network],
       ['size', now.size],
     ]);
+    this.findings.show(now.findings);
     this.size.show(now.size_choice);
     this.average.show(String(now.average));
     this.average.control.setAttribute('aria-valuetext', `${now.average} cycles`);

@@ -2,7 +2,7 @@
 // and the switch of the recording.
 import type { LiveItem } from '../document';
 import { canvas, element } from '../dom';
-import { askForPicture, command, countText, drawGrey, FigureList, followStatistics, rest, type Statistics } from '../live';
+import { askForPicture, command, countText, drawGrey, FigureList, FindingList, followStatistics, rest, type Statistics } from '../live';
 import { fit, setSize, type Context, type Screen } from '../screen';
 
 interface EventsHeader {
@@ -30,7 +30,8 @@ export class LiveSetupScreen implements Screen {
   private readonly cycles = new FigureList();
   private readonly losses = new FigureList();
   private readonly recording = new FigureList();
-  private readonly advice = element('p', { class: 'advice', role: 'status' });
+  private readonly findings = new FindingList();
+  private readonly problem = element('p', { class: 'advice', role: 'status' });
   private readonly recordButton: HTMLElement;
   private isRecording = false;
   private sharpest = 0;
@@ -43,10 +44,11 @@ export class LiveSetupScreen implements Screen {
     this.figure = element('figure', { class: 'live' }, this.picture);
     stage.append(this.figure);
     this.recordButton = panel.button('Record', () => this.switchRecording());
+    panel.group('Findings', this.findings.root, this.problem);
     panel.group('Sharpness', this.sharpness.root, panel.button('Reset the best', () => (this.sharpest = 0)));
     panel.group('Recording', this.recording.root, this.recordButton);
     panel.group('Events', this.events.root);
-    panel.group('Triggers', this.triggers.root, this.advice);
+    panel.group('Triggers', this.triggers.root);
     panel.group('Cycles', this.cycles.root);
     panel.group('Left out', this.losses.root);
     const fail = (error: unknown) => this.isClosed || context.fail(error);
@@ -88,16 +90,14 @@ export class LiveSetupScreen implements Screen {
       ...(rates.length > 0 ? rates : [['triggers', 'none so far'] as [string, string]]),
       ['patterns of the schedule, per second', expected.toFixed(1)],
     ]);
-    this.advice.textContent = now.error ?? now.advice;
+    this.findings.show(now.findings);
+    this.problem.textContent = now.error ?? (now.findings.length === 0 ? 'none so far' : '');
     this.cycles.show([
       ['complete', String(now.cycles)],
       ['dropped', String(sum(now.dropped_cycles))],
       ...reasons(now.dropped_cycles),
       ['confidence', `${now.confidence.toFixed(2)} (least ${now.least_confidence.toFixed(2)})`],
-      ['inverted polarity', String(now.inverted_cycles)],
-      ['half a cycle off', String(now.half_cycle_off_cycles)],
-      ['triggers out of step', String(now.late_triggers)],
-      ['delay of events after triggers', now.onset_us === null ? 'unknown' : `${now.onset_us} us`],
+      ['delay of events after triggers', now.event_delay_us === null ? 'unknown' : `${now.event_delay_us} us`],
     ]);
     const sensor: [string, string][] = now.sensor_dropped_share === undefined ? [] : [['by the sensor', `${(100 * now.sensor_dropped_share).toFixed(1)} %`]];
     this.losses.show([

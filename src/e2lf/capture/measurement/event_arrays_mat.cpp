@@ -85,7 +85,7 @@ Result<NpyArray> to_numpy(const MatArray& array, const std::string& location) {
 Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(path));
   NpzArrays arrays;
-  for (const char* name : {"events", "codes", "camera", "views"}) {
+  for (const char* name : {"events", "codes", "camera", "views", "findings"}) {
     const std::string location = cat(path.string(), ": ", name);
     const auto found = find_mat_array(bytes, name, kMostMatBytes, location);
     if (!found && found.error().code == ErrorCode::kNotFound) continue;
@@ -104,7 +104,7 @@ Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
     }
     shape.insert(shape.begin(), 1);
   }
-  for (const char* name : {"camera", "views"}) {
+  for (const char* name : {"camera", "views", "findings"}) {
     if (const auto text = arrays.find(name); text != arrays.end()) text->second.shape = {text->second.num_elements()};
   }
   return arrays;

@@ -20,9 +20,9 @@ using EventImageFile = CyclesFile<EventImages>;
 
 /// Reads event images from
 ///  - an .npz file with `events` [cycles, N-1, y, x] or [N-1, y, x] (any integer type, or floats with integral values)
-///  and optionally `codes`, `camera` and `views`;
+///  and optionally `codes`, `camera`, `views` and `findings`;
 ///  - a .mat file before version 7.3 with the same arrays, whose axes are in MATLAB's order: events (y, x, N-1,
-///  cycles), codes (view_y, view_x, N), camera and views (1, length);
+///  cycles), codes (view_y, view_x, N), the others (1, length);
 ///  - an .npy file of either shape;
 ///  - a folder of event_image_00000.npy, ... as the paper's software writes them, [y, x] or [y, x, 1], one per
 ///  transition.

@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy_header.h"
 #include "e2lf/files/zip_format.h"
@@ -91,7 +92,7 @@ class EventImageWriter::Impl {
     return std::fflush(stream_) == 0 ? Result<void>() : io_error();
   }
 
-  Result<void> finish() {
+  Result<void> finish(const std::string& findings) {
     if (cycles_ == 0) {
       return Error{ErrorCode::kInvalidValue, "no complete pattern cycle was found; check the schedule and its source",
                    file_.target().string()};
@@ -106,7 +107,8 @@ class EventImageWriter::Impl {
     events.offset = end_of_members();
     const std::vector<uint8_t> local = local_header(events);
     members_.push_back(events);
-    E2LF_RETURN_IF_ERROR(write(zip::directory(members_, events.offset + local.size() + events.packed, kAlwaysZip64)));
+    if (!findings.empty()) E2LF_RETURN_IF_ERROR(write_known("findings.npy", text_to_npy(findings)));
+    E2LF_RETURN_IF_ERROR(write(zip::directory(members_, end_of_members(), kAlwaysZip64)));
     if (std::fseek(stream_, static_cast<long>(events.offset), SEEK_SET) != 0) return io_error();  // NOLINT: C's type
     E2LF_RETURN_IF_ERROR(write(local));
     E2LF_RETURN_IF_ERROR(write(stored_block(header)));
@@ -128,7 +130,7 @@ class EventImageWriter::Impl {
     return write(stored_block(npy_header(0, shape_)));
   }
 
-  /// Writes codes, camera or views, uncompressed.
+  /// Writes codes, camera, views or findings, uncompressed.
   Result<void> write_known(const std::string& name, const NpyArray& array) {
     const std::vector<uint8_t> bytes = encode_npy(array);
     const zip::Member member{.name = name,
@@ -213,8 +215,8 @@ Result<void> EventImageWriter::add(const EventImages& images) {
 uint64_t EventImageWriter::cycles() const {
   return impl_->cycles();
 }
-Result<void> EventImageWriter::finish() {
-  return impl_->finish();
+Result<void> EventImageWriter::finish(const std::string& findings) {
+  return impl_->finish(findings);
 }
 
 }  // namespace e2lf::capture

@@ -29,8 +29,9 @@ class EventImageWriter {
 
   [[nodiscard]] uint64_t cycles() const;
 
-  /// Completes the file and moves it to its path. Fails with kIo, and with kInvalidValue if no cycle was added.
-  [[nodiscard]] Result<void> finish();
+  /// Adds the findings of the whole recording (RecordedSetup::findings), completes the file and moves it to its path.
+  /// Fails with kIo, and with kInvalidValue if no cycle was added.
+  [[nodiscard]] Result<void> finish(const std::string& findings = "");
 
  private:
   class Impl;

@@ -11,6 +11,7 @@ void setup_to_arrays(const RecordedSetup& setup, NpzArrays& arrays) {
   if (setup.codes) arrays["codes"] = codes_to_npy(*setup.codes);
   if (setup.camera) arrays["camera"] = camera_to_npy(*setup.camera);
   if (setup.has_own_views()) arrays["views"] = views_to_npy(*setup.views);
+  if (!setup.findings.empty()) arrays["findings"] = text_to_npy(setup.findings);
 }
 
 Result<RecordedSetup> setup_from_arrays(const NpzArrays& arrays, const std::string& location) {
@@ -24,6 +25,10 @@ Result<RecordedSetup> setup_from_arrays(const NpzArrays& arrays, const std::stri
   }
   if (const auto views = arrays.find("views"); views != arrays.end()) {
     E2LF_ASSIGN_OR_RETURN(setup.views, views_from_npy(views->second, cat(location, ": views")));
+  }
+  if (const auto findings = arrays.find("findings"); findings != arrays.end()) {
+    E2LF_ASSIGN_OR_RETURN(setup.findings,
+                          text_from_npy(findings->second, "the list of findings", cat(location, ": findings")));
   }
   return setup;
 }

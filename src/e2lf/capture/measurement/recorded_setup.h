@@ -16,13 +16,14 @@ struct RecordedSetup {
   std::optional<Codes> codes = {};
   std::optional<SensorProfile> camera = {};
   std::optional<Orientation> views = {};  ///< orientation of the views: its own, or that of the camera
+  std::string findings = {};  ///< what may be wrong with the rig: diagnose::to_json() as text; empty = unknown
 
   /// Returns true if the orientation is known and is not that of the camera.
   [[nodiscard]] bool has_own_views() const { return views && !(camera && camera->views == views); }
 };
 
 /// Adds the setup to the arrays of a file: `codes` [N, view_y, view_x], `camera` (see camera_to_npy()) and, if the
-/// camera does not state them, `views` (see views_to_npy()).
+/// camera does not state them, `views` (see views_to_npy()), and `findings` as bytes.
 void setup_to_arrays(const RecordedSetup& setup, NpzArrays& arrays);
 
 /// Returns the setup that the arrays of a file hold. Fails as codes_from_npy(), camera_from_npy() and views_from_npy()

@@ -17,6 +17,13 @@ const std::string* find_line(const HeaderLines& header, const char* key) {
   return line == header.end() ? nullptr : &line->second;
 }
 
+Result<SensorProfile> camera_from_text(const std::string& text, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(text, location));
+  return camera_from_json(json, location);
+}
+
+}  // namespace
+
 NpyArray text_to_npy(const std::string& text) {
   return make_npy<uint8_t>({text.size()}, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
 }
@@ -25,13 +32,6 @@ Result<std::string> text_from_npy(const NpyArray& array, const char* what, const
   if (array.shape.size() == 1 && array.item_size == 1) return std::string(array.bytes.begin(), array.bytes.end());
   return Error{ErrorCode::kShape, cat(what, " is not text; write it as an array of bytes, or leave it out"), location};
 }
-
-Result<SensorProfile> camera_from_text(const std::string& text, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(text, location));
-  return camera_from_json(json, location);
-}
-
-}  // namespace
 
 HeaderLines camera_to_header(const SensorProfile& camera) {
   return {{kCameraKey, json_line(to_json(camera))}};

@@ -34,4 +34,8 @@ namespace e2lf::capture {
 [[nodiscard]] NpyArray views_to_npy(const Orientation& views);
 [[nodiscard]] Result<Orientation> views_from_npy(const NpyArray& array, const std::string& location);
 
+/// Returns a text as an array of bytes, and reads it back. Fails with kShape; `what` names the text in the message.
+[[nodiscard]] NpyArray text_to_npy(const std::string& text);
+[[nodiscard]] Result<std::string> text_from_npy(const NpyArray& array, const char* what, const std::string& location);
+
 }  // namespace e2lf::capture

@@ -130,7 +130,8 @@ Error by_flag(Error error, const fs::path& input) {
                                                             {"cycles", "--cycles-per-field"},
                                                             {"invert_polarity", "--invert-polarity"},
                                                             {"max_cycles", "--max-cycles"},
-                                                            {"passes", "--passes"}};
+                                                            {"passes", "--passes"},
+                                                            {"transitions", "--transitions all"}};
   for (const auto& [option, flag] : kFlags) {
     if (error.location != option) continue;
     error.location = flag != nullptr ? flag : input.string();

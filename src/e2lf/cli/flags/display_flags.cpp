@@ -35,6 +35,7 @@ Result<DisplaySequence> display_sequence(const DisplayFlags& flags, RunRecord& r
     sequence.schedule = cycles::paper_schedule(sequence.codes.num_patterns);
     parts.insert(parts.begin(), capture::complement(sequence.codes));
   }
+  sequence.schedule.codes = sequence.codes;
   capture::DisplayLayout layout = flags.layout;
   layout.quarter_turns = flags.rotation_deg / 90;
   for (const capture::Codes& part : parts) {

@@ -88,7 +88,7 @@ void say_taken(const std::string& name, bool is_for_pixels) {
 
 void warn_of_assumed_patterns(const fs::path& events, const std::string& whose) {
   log_warning(cat(events.string(), " does not state which patterns the camera showed; those of ", whose,
-                  " are assumed without confirmation"));
+                  " are assumed"));
 }
 
 /// Records the source of the patterns, and warns unless the network was trained for them.
@@ -96,8 +96,8 @@ void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord
   const model::Model& model = method.network->model();
   const bool is_told = pipeline::are_patterns_stated(method.codes);
   const StatedBy stated_by = is_told ? method.codes->stated_by : StatedBy::kNone;
-  record.note("patterns",
-              {{"stated_by", stated_by_name(stated_by, "--codes")}, {"are_the_models", method.are_patterns_the_models()}});
+  record.note("patterns", {{"stated_by", stated_by_name(stated_by, "--codes")},
+                           {"are_the_models", method.are_patterns_the_models()}});
   if (method.are_patterns_the_models()) return;
   if (!is_told) return warn_of_assumed_patterns(events, model.name);
   log_warning(model.codes

@@ -7,6 +7,7 @@
 #include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/file_kind.h"
+#include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/output/output.h"
 #include "e2lf/cli/output/print.h"
@@ -17,6 +18,7 @@
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/files/options.h"
 #include "e2lf/pipeline/cycle_input.h"
+#include "e2lf/pipeline/patterns.h"
 #include "e2lf/recordings/event_rate.h"
 #include "e2lf/terminal/progress_bar.h"
 
@@ -25,7 +27,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct AccumulateArguments {
-  fs::path input, output, plot;
+  fs::path input, output, plot, codes;
   std::vector<fs::path> reports;
   CycleFlags cycles;
   OrientationFlags orientation;
@@ -131,7 +133,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   }
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");
-  OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule}, .overwrite = common.overwrite};
+  OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule, arguments.codes},
+                    .overwrite = common.overwrite};
   E2LF_ASSIGN_OR_RETURN(ChartOutput chart, ChartOutput::open(arguments.plot, rules));
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   rules.recover = recover_cycles;
@@ -143,10 +146,16 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   diagnose::RigCheck rig;
   // For live input, the log has a line for each cycle instead.
   ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
-  E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(arguments.input, arguments.cycles,
-                                                                observer(bar, rig, is_plotted ? &plot : nullptr)));
+  std::optional<capture::Codes> codes;
+  if (!arguments.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(codes, pipeline::read_patterns(arguments.codes));
+    record.add_input(arguments.codes);
+  }
+  E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
+                        open_cycles(arguments.input, wanted_cycles(arguments.cycles, {.codes = codes}),
+                                    observer(bar, rig, is_plotted ? &plot : nullptr)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
-  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader));
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader, codes));
   setup.views = arguments.orientation.after(setup.views);
   LiveLog live_log;
   Json cycles = Json::array();
@@ -185,7 +194,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   }
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, rig, reader);
   diagnose::log_findings(arguments.input.string(), rig.findings(reader), "--");
-  E2LF_RETURN_IF_ERROR(writer.finish());
+  E2LF_RETURN_IF_ERROR(writer.finish(diagnose::to_text(rig.findings(reader))));
   record.resolve("source", source_name(reader.source()));
   record.note("cycles", report_json(rig, reader));
   const Json found = {{"left_out", losses_json(summary)}, {"live", live_json(summary)}, {"each", std::move(cycles)}};
@@ -219,6 +228,10 @@ int run_accumulate(const std::vector<std::string>& arguments) {
   add_chart_option(verb.app(), accumulation.plot,
                    "write the event rate with the triggers or bursts and the cycles found, as a picture (.svg, .png)");
   add_report_option(verb.app(), accumulation.reports);
+  add_codes_option(
+      verb.app(), accumulation.codes,
+      "the patterns that the camera showed (.json, .npy, .npz, or a model); default: as the recording or the "
+      "schedule states");
   add_cycle_options(verb.app(), accumulation.cycles);
   add_orientation_options(verb.app(), accumulation.orientation);
   verb.stop_gently();

@@ -55,6 +55,7 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
   }
   Source source;
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
+  diagnose::log_findings(path.string(), diagnose::findings_from_text(setup.findings), "--");
   source.codes = std::move(setup.codes);
   while (true) {
     E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::CycleImages> cycle, input.next());

@@ -10,6 +10,7 @@
 #include "e2lf/cli/output/print.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/verbs/describe.h"
+#include "e2lf/diagnose/rig.h"
 #include "e2lf/files/options.h"
 #include "e2lf/recordings/live/usb_cameras.h"
 #include "e2lf/recordings/open/open_named_recording.h"
@@ -86,41 +87,8 @@ class CameraCheck {
             {"header", header_json(reader.info())}};
   }
 
-  /// Returns a message for each problem, with its remedy.
-  [[nodiscard]] std::vector<std::string> problems(const recordings::RecordingReader& reader, double seconds) const {
-    const recordings::DecodeSummary summary = reader.summary();
-    std::vector<std::string> found;
-    if (events_ == 0) found.push_back("the camera sent no events; take off the lens cap, and check the biases");
-    if (triggers_ == 0) found.push_back(no_trigger_text(seconds));
-    const uint64_t dropped = summary.sensor_events_in - std::min(summary.sensor_events_in, summary.sensor_events_sent);
-    if (dropped > 0) {
-      found.push_back(cat("the sensor dropped ", dropped, " of ", summary.sensor_events_in,
-                          " events; use less light, a smaller region (--roi) or other biases"));
-    }
-    if (summary.live.dropped_bytes > 0) {
-      found.push_back(
-          cat(summary.live.dropped_bytes, " bytes were lost because they arrived too fast; use a faster computer"));
-    }
-    if (summary.live.lost_buffers > 0) {
-      found.push_back(cat("the camera or its driver lost ", summary.live.lost_buffers,
-                          " buffers; check the cable and the load of the computer"));
-    }
-    if (summary.num_gaps > 0) {
-      found.push_back(cat("the times have ", summary.num_gaps,
-                          " gaps, in which data are missing; check the cable and the load of the computer"));
-    }
-    for (const char* const filter : {"anti_flicker", "event_trail_filter"}) {
-      if (reader.info().find(filter) == "on") {
-        found.push_back(cat("the filter ", filter,
-                            " is on and removes events of the patterns; switch it off (--no-sensor-filters)"));
-      }
-    }
-    return found;
-  }
-
-  static std::string no_trigger_text(double seconds) {
-    return cat("no trigger within ", seconds,
-               " s; check the trigger cable, its level and the input (--trigger-channel)");
+  [[nodiscard]] diagnose::Findings findings(const recordings::RecordingReader& reader, double seconds) const {
+    return diagnose::check_camera(reader, events_, triggers_, seconds);
   }
 
   [[nodiscard]] std::string text(const Json& json, const recordings::DecodeSummary& summary) const {
@@ -172,21 +140,24 @@ Result<void> check_camera(const CheckArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(more, reader->read(batch));
     check.add(batch);
     if (check.triggers() == 0 && !is_told && more && passed_s() > kPatienceS) {
-      log_warning(CameraCheck::no_trigger_text(kPatienceS));
+      diagnose::log_findings(arguments.input.string(), {diagnose::no_trigger_finding(kPatienceS)}, "--");
       is_told = true;
     }
   }
   const double seconds = std::max(passed_s(), 1e-3);
   const recordings::DecodeSummary summary = reader->summary();
-  const std::vector<std::string> problems = check.problems(*reader, arguments.seconds);
+  diagnose::Findings findings = check.findings(*reader, arguments.seconds);
   Json json = check.json(*reader, seconds);
-  json["problems"] = problems;
+  json["findings"] = diagnose::to_json(findings);
   std::printf("%s", verb.common().json ? json_text(json).c_str() : printable(check.text(json, summary)).c_str());
   warn_of_losses(arguments.input, summary);
   verb.note_failed_input(summary.live.failure);
-  if (problems.empty()) return {};
-  for (size_t i = 1; i < problems.size(); ++i) log_warning(problems[i]);
-  return Error{ErrorCode::kInvalidValue, problems.front(), arguments.input.string()};
+  if (findings.empty()) return {};
+  const diagnose::Finding first = findings.front();
+  findings.erase(findings.begin());
+  diagnose::log_findings(arguments.input.string(), findings, "--");
+  return Error{ErrorCode::kInvalidValue, cat(first.code, ": ", diagnose::text_of(first, "--")),
+               arguments.input.string()};
 }
 
 int run_camera_list(const std::vector<std::string>& arguments) {

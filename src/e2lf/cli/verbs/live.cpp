@@ -16,6 +16,7 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/verbs/live_page.h"
+#include "e2lf/diagnose/field_check.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/live/session.h"
@@ -115,6 +116,17 @@ Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, cons
   return method;
 }
 
+/// Returns the check of the first cycle against its events.
+using EventsCheck = std::function<diagnose::Findings(const capture::EventImages&)>;
+Result<EventsCheck> check_of(const pipeline::OpenedMethod& method) {
+  E2LF_ASSIGN_OR_RETURN(std::optional<diagnose::FieldCheck> check, diagnose::FieldCheck::create(method, {}));
+  return EventsCheck([check = std::move(check)](const capture::EventImages& events) {
+    if (!check) return diagnose::Findings();
+    const auto explained = check->judge_events(events);
+    return explained && *explained ? (*explained)->findings : diagnose::Findings();
+  });
+}
+
 Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
   Instrument instrument;
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
@@ -123,8 +135,14 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   const live::OpenCycles open = [&](const auto& on_batch) {
     return open_cycles(arguments.source, flags, {.on_batch = on_batch, .on_mark = {}});
   };
-  E2LF_ASSIGN_OR_RETURN(instrument.reader,
-                        live::LiveReader::open(open, {recordings, flags.invert_polarity, flags.max_cycles}));
+  E2LF_ASSIGN_OR_RETURN(
+      instrument.reader,
+      live::LiveReader::open(open, {.recordings = recordings,
+                                    .is_inverted = flags.invert_polarity,
+                                    .max_cycles = flags.max_cycles,
+                                    .on_finding = [source = arguments.source.string()](const auto& finding) {
+                                      diagnose::log_findings(source, {finding}, "--");
+                                    }}));
   const cycles::CycleReader& cycles = instrument.reader->cycles();
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.source, cycles));
   E2LF_RETURN_IF_ERROR(complete_choice(arguments.method, std::move(setup), record, choice));
@@ -150,6 +168,7 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
     instrument.makers.emplace_back(*best.network);
   }
   instrument.makers.emplace_back(*method.network);
+  E2LF_ASSIGN_OR_RETURN(instrument.options.check, check_of(method));
   instrument.fine = fine_method(*best.network, instrument.options.views);
   return instrument;
 }
@@ -235,7 +254,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   if (totals["cycles"] == 0) {
     return no_cycle_error(arguments.source, session.reader().rig(), cycles);
   }
-  diagnose::log_findings(arguments.source.string(), session.reader().rig().findings(cycles), "--");
+
   if (last != nullptr) E2LF_RETURN_IF_ERROR(write_last(session, *last, record, verb));
   const Json recording = session.reader().recorder().json();
   if (recording["error"] == "") return {};

@@ -16,6 +16,7 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verb.h"
+#include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::cli {
@@ -126,7 +127,16 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     return Error{ErrorCode::kInvalidValue, "does nothing for event images; leave it out", "--transitions lit"};
   }
   choice.measurement = input.measurement();
+  choice.transitions = input.transitions();
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(arguments.input));
+  diagnose::Findings recorded = diagnose::findings_from_text(setup.findings);
+  if (arguments.cycles.invert_polarity) {
+    std::erase_if(recorded, [](const diagnose::Finding& finding) { return finding.code == "polarity-inverted"; });
+  }
+  diagnose::log_findings(arguments.input.string(), recorded, "--");
+  if (choice.codes && input.is_recording()) {
+    choice.codes = cycles::codes_of_images(*choice.codes, input.reader().schedule()).value_or(*choice.codes);
+  }
   E2LF_RETURN_IF_ERROR(complete_choice(flags, std::move(setup), record, choice));
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method,
                         by_flag(pipeline::open_method(std::move(choice)), arguments.input));
@@ -153,7 +163,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                            .views = arguments.orientation.after(method.views),
                            .codes = method.codes_of_signs(),
                            .check = std::move(check),
-                           .cycles_per_field = arguments.cycles_per_field},
+                           .cycles_per_field = arguments.cycles_per_field,
+                           .is_confirmed = !diagnose::has_doubt(recorded)},
                           std::move(sequence));
   const bool is_strict = arguments.cycles.recording.is_strict;
   E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view.get(), verb));

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Counts how often each finding is right and wrong on simulated recordings whose mistake is known.
+
+    python3 bench/quality/findings.py SCENE...      with e2lf in PATH; SCENE is a light field
+"""
+
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+MODEL, CAMERA, SIDE, LIGHTS, CYCLES, SEEDS = "e2lf-n4-camera", "evk4-lcos", 192, (1.0, 0.2), 6, 10
+
+# The change of the patterns on the aperture [pattern, view_y, view_x], and of the event images [cycle, transition, y, x].
+PATTERNS = {"mirrored patterns": lambda codes: codes[:, :, ::-1],
+            "patterns turned by 90 degrees": lambda codes: np.rot90(codes, axes=(1, 2)),
+            "patterns mirrored and turned by 90 degrees": lambda codes: codes.transpose(0, 2, 1),
+            "patterns turned by 180 degrees": lambda codes: codes[:, ::-1, ::-1]}
+IMAGES = {"right": lambda events: events,
+          "inverted polarity": lambda events: -events,
+          "event images rotated by one": lambda events: np.roll(events, 1, axis=1),
+          "first two event images swapped": lambda events: events[:, [1, 0, 2]],
+          "last two event images swapped": lambda events: events[:, [0, 2, 1]]}
+EXPECTED = {"inverted polarity": "polarity-better-inverted", "event images rotated by one": "order-better-changed",
+            "first two event images swapped": "order-better-changed",
+            "last two event images swapped": "order-better-changed"} | \
+    {way: "orientation-better-changed" for way in PATTERNS}
+
+# The change of the pulses of a recording, each a row (rising us, falling us).
+TRIGGERS = {"right triggers": (lambda pulses: pulses, ""),
+            "triggers 1 ms late": (lambda pulses: pulses + 1000, "trigger-delay"),
+            "triggers 3 ms late": (lambda pulses: pulses + 3000, "trigger-delay"),
+            "triggers 3 ms early": (lambda pulses: pulses - 3000, "trigger-delay"),
+            "one trigger 500 us late": (lambda pulses: pulses + 500 * (np.arange(len(pulses)) == 21)[:, None],
+                                        "triggers-late"),
+            "every second trigger missing": (lambda pulses: pulses[::2], "triggers-halved"),
+            "one trigger in ten missing": (lambda pulses: pulses[np.arange(len(pulses)) % 10 != 7], "triggers-missing"),
+            "one trigger per cycle": (lambda pulses: pulses[::8], "triggers-of-cycles")}
+
+
+def run(*command: object) -> subprocess.CompletedProcess:
+    return subprocess.run(["e2lf", *map(str, command)], capture_output=True, text=True)
+
+
+def simulate(scene: object, output: Path, codes: object, light: float, *options: object) -> None:
+    run("simulate", scene, "--codes", codes, "--camera", CAMERA, "--scene-gain", light, "-o", output, *options,
+        "--overwrite", "--quiet").check_returncode()
+
+
+def middle_of(file: Path) -> dict:
+    arrays = dict(np.load(file))
+    arrays.pop("codes")  # as a real recording, which does not state its patterns
+    events = arrays["events"] if arrays["events"].ndim == 4 else arrays["events"][None]
+    y, x = ((extent - SIDE) // 2 for extent in events.shape[2:])
+    arrays["events"] = events[:, :, y:y + SIDE, x:x + SIDE]
+    return arrays
+
+
+def check_images(way: str, arrays: dict, folder: Path, found: Counter) -> None:
+    np.savez(folder / "events.npz", **arrays)
+    result = run("reconstruct", folder / "events.npz", "-m", MODEL, "-o", folder / "out", "--json", "--overwrite", "--quiet")
+    check = json.loads(result.stdout)["cycles"][0]["check"]
+    codes = [finding["code"] for finding in check["findings"]]
+    found[way, "runs"] += 1
+    found[way, "warned"] += check["verdict"] == "doubtful"
+    found[way, "named"] += EXPECTED.get(way) in codes
+    print(f"{way}: ratio {check['ratio']:.3f}, contrast {check['contrast']:.2f}, {codes}", file=sys.stderr, flush=True)
+
+
+def check_triggers(recording: Path, folder: Path, found: Counter) -> None:
+    run("convert", recording, folder / "rig.csv", "--overwrite", "--quiet").check_returncode()
+    rows = list(csv.reader(open(folder / "rig_triggers.csv")))
+    names = [row for row in rows if not row[0].lstrip("-").isdigit()]
+    times = [max(range(len(row)), key=lambda i: int(row[i])) for row in rows[len(names):]]
+    edges = np.array([int(row[time]) for row, time in zip(rows[len(names):], times)]).reshape(-1, 2)
+    size = json.loads(run("info", recording, "--json").stdout)
+    for way, (change, expected) in TRIGGERS.items():
+        pulses = rows[len(names):]
+        with open(folder / "rig_triggers.csv", "w") as file:
+            csv.writer(file).writerows(names)
+            for pulse in change(edges):
+                for edge, time in enumerate(pulse):
+                    row = list(pulses[edge])
+                    row[times[edge]] = str(int(time))
+                    csv.writer(file).writerow(row)
+        result = run("accumulate", folder / "rig.csv", "-o", folder / "events.npz", "--source", "triggers", "--json", "--quiet",
+                     "--sensor-width", size["width"], "--sensor-height", size["height"], "--overwrite")
+        codes = [finding["code"] for finding in json.loads(result.stdout)["findings"]] if result.returncode == 0 else \
+            [result.stderr]
+        found[way, "runs"] += 1
+        found[way, "warned"] += codes != []
+        found[way, "named"] += any(expected in code for code in codes) if expected else 0
+        print(f"{way}: {codes}", file=sys.stderr, flush=True)
+
+
+def main() -> None:
+    found: Counter = Counter()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run("codes", "show", "-m", MODEL, "-o", folder / "codes.npy").check_returncode()
+        codes = np.load(folder / "codes.npy")
+        for scene in sys.argv[1:]:
+            for light in LIGHTS:
+                simulate(scene, folder / "right.npz", MODEL, light)
+                for way, change in IMAGES.items():
+                    arrays = middle_of(folder / "right.npz")
+                    check_images(way, arrays | {"events": change(arrays["events"])}, folder, found)
+                for way, change in PATTERNS.items():
+                    np.save(folder / "other.npy", np.ascontiguousarray(change(codes)))
+                    simulate(scene, folder / "other.npz", folder / "other.npy", light)
+                    check_images(way, middle_of(folder / "other.npz"), folder, found)
+        run("demo", "-o", folder / "demo", "--width", 96, "--height", 64).check_returncode()
+        for seed in range(SEEDS):
+            simulate(folder / "demo" / "scene", folder / "rig.raw", MODEL, 1.0, "--cycles", CYCLES, "--seed", seed)
+            check_triggers(folder / "rig.raw", folder, found)
+    print("| mistake | runs | warned | named |\n|---|---|---|---|")
+    for way in [*IMAGES, *PATTERNS, *TRIGGERS]:
+        print(f"| {way} | {found[way, 'runs']} | {found[way, 'warned']} | {found[way, 'named']} |")
+
+
+if __name__ == "__main__":
+    main()
