@@ -10,6 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/pipeline/cycle_input.h"
+#include "e2lf/recon/inversion.h"
 #include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::diagnose {
@@ -118,6 +119,7 @@ struct Change {
   const char* code;
   std::string name, remedy;
   std::function<capture::EventImages(const capture::EventImages&)> apply;
+  std::vector<size_t> shown = {};  ///< the order in which the patterns were shown, if that is the mistake
 };
 
 Change inversion() {
@@ -163,8 +165,7 @@ std::vector<Change> other_orientations(size_t side) {
                   [from](const capture::EventImages& events) { return moved(events, from); }};
   };
   using Place = std::pair<size_t, size_t>;
-  return {change("with mirrored patterns",
-                 "render the patterns with `flip-x`, or state the orientation of the views",
+  return {change("with mirrored patterns", "render the patterns with `flip-x`, or state the orientation of the views",
                  [=](size_t y, size_t x) {
                    return Place{y, last(x)};
                  }),
@@ -172,15 +173,50 @@ std::vector<Change> other_orientations(size_t side) {
                  [=](size_t y, size_t x) {
                    return Place{last(x), y};
                  }),
-          change("with patterns mirrored and turned by 90 degrees",
-                 "render the patterns with `flip-x` and `rotate` 90", [=](size_t y, size_t x) {
+          change("with patterns mirrored and turned by 90 degrees", "render the patterns with `flip-x` and `rotate` 90",
+                 [=](size_t y, size_t x) {
                    return Place{x, y};
                  })};
+}
+
+/// Returns the orders of the patterns in which two neighbours are exchanged. The event images of the right order follow
+/// from those of the other by Eq. 11.
+std::vector<Change> other_sequences(const capture::Codes& codes) {
+  std::vector<Change> changes;
+  if (capture::codes_of_whole_cycle(codes)) return changes;
+  for (size_t n = 1; n + 1 < codes.num_patterns; ++n) {
+    std::vector<size_t> shown(codes.num_patterns);
+    std::iota(shown.begin(), shown.end(), size_t{0});
+    std::swap(shown[n], shown[n + 1]);
+    changes.push_back({"order-better-changed", cat("with the patterns a", n + 1, " and a", n + 2, " exchanged"),
+                       "check the order of the patterns in `codes` and on the display",
+                       [shown](const capture::EventImages& events) { return recon::permute_events(events, shown); },
+                       shown});
+  }
+  return changes;
+}
+
+capture::Codes in_order(const capture::Codes& codes, const std::vector<size_t>& order) {
+  capture::Codes result = codes;
+  for (size_t n = 0; n < order.size(); ++n) std::ranges::copy(codes.pattern(order[n]), result.pattern(n).begin());
+  return result;
 }
 
 Result<double> error_of(const recon::Method& method, const recon::EventCheck& check,
                         const capture::EventImages& events) {
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(capture::Measurement(events), {}));
+  E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
+  return error.least;
+}
+
+/// Returns the error of the light field of changed events. Those of another sequence of the patterns are sums, so that
+/// their light field is compared with the given ones.
+Result<double> error_of(const recon::Method& method, recon::EventCheck check, const capture::EventImages& events,
+                        const Change& change) {
+  const capture::EventImages changed = change.apply(events);
+  if (change.shown.empty()) return error_of(method, check, changed);
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(capture::Measurement(changed), {}));
+  check.codes = in_order(check.codes, change.shown);
   E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
   return error.least;
 }
@@ -196,11 +232,12 @@ Result<std::optional<Finding>> better_change(const recon::Method& method, const 
   E2LF_ASSIGN_OR_RETURN(const double unchanged, error_of(method, own, given));
   std::vector<Change> changes = other_orders(events.count);
   changes.push_back(inversion());
+  std::ranges::move(other_sequences(check.codes), std::back_inserter(changes));
   std::ranges::move(other_orientations(side), std::back_inserter(changes));
   const Change* best = nullptr;
   double least = 0;
   for (const Change& change : changes) {
-    E2LF_ASSIGN_OR_RETURN(const double error, error_of(method, own, change.apply(given)));
+    E2LF_ASSIGN_OR_RETURN(const double error, error_of(method, own, given, change));
     if (best != nullptr && error >= least) continue;
     best = &change;
     least = error;
@@ -285,9 +322,7 @@ Result<std::optional<FieldCheck>> FieldCheck::create(const pipeline::OpenedMetho
   }
   // The error of a method that does not use the sensor profile does not depend on the polarity or the order of the
   // events. If the camera of the events is unknown, a network is judged by its own profile.
-  if (!method.camera) {
-    check.judging_ = method.network ? Judging::kNoise : Judging::kNone;
-  } else if (!is_pixel || method.takes_sums()) {
+  if (method.camera ? !is_pixel || method.takes_sums() : method.network != nullptr) {
     check.judging_ = method.algorithm == "regularised" ? Judging::kNoise : Judging::kChanges;
   }
   return std::optional(std::move(check));
@@ -299,7 +334,8 @@ Result<recon::EventError> FieldCheck::compare(const lightfield::LightField& ligh
 }
 
 Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightField& light_field,
-                                                     const capture::Measurement& measurement, bool is_of_lit) const {
+                                                     const capture::Measurement& measurement, bool is_of_lit,
+                                                     bool is_confirmed) const {
   if (judging_ == Judging::kNone) return std::optional<Explanation>();
   const Candidate& own = candidate(is_of_lit);
   const capture::EventImages& events = measurement.events;
@@ -328,7 +364,7 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
     }
   }
   // Intensity images have no signs.
-  if (judging_ == Judging::kChanges && measurement.kind == capture::MeasurementKind::kEventImages) {
+  if (is_confirmed && judging_ == Judging::kChanges && measurement.kind == capture::MeasurementKind::kEventImages) {
     E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio));
     if (change) explained.findings.push_back(std::move(*change));
   }
@@ -343,7 +379,7 @@ Result<std::optional<Explanation>> FieldCheck::judge_events(const capture::Event
   middle.own_.check = in_window(own_.check, share_of_width);
   const capture::Measurement given(crop(events, region));
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, own_.method(given, {}));
-  return middle.judge(light_field, given, false);
+  return middle.judge(light_field, given, false, true);
 }
 
 }  // namespace e2lf::diagnose

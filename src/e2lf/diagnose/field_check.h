@@ -36,10 +36,12 @@ class FieldCheck {
 
   /// Judges an unprocessed light field in a window of at most 512x512 px in the middle of the image. Events with
   /// inverted signs, in other orders, and mirrored or turned are reconstructed as well, in a window of at most 192x192
-  /// px, to detect a wrong polarity, order or orientation of the patterns. Returns nothing if the method does not use
+  /// px, to detect a wrong polarity, order or orientation of the patterns, unless the times of the cycle are not
+  /// confirmed, which explains any of them. Returns nothing if the method does not use
   /// the sensor profile, because its error does not depend on these. Fails as recon::event_error() and the method do.
   [[nodiscard]] Result<std::optional<Explanation>> judge(const lightfield::LightField& light_field,
-                                                         const capture::Measurement& measurement, bool is_of_lit) const;
+                                                         const capture::Measurement& measurement, bool is_of_lit,
+                                                         bool is_confirmed = true) const;
 
   /// Reconstructs the middle of the image, at most 512x512 px, and judges it. Fails as judge() does.
   [[nodiscard]] Result<std::optional<Explanation>> judge_events(const capture::EventImages& events) const;

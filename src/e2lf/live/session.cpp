@@ -119,7 +119,9 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
 }
 
 void Session::begin_check(const LiveCycle& cycle) {
-  if (!options_.check || checking_.joinable()) return;
+  // Wrong times explain whatever the check would find.
+  const auto source = reader_->cycles().options().source;
+  if (!options_.check || checking_.joinable() || diagnose::is_doubtful(cycle.confidence, source)) return;
   checking_ = std::thread([this, events = cycle.counts.events] { reader_->add_findings(options_.check(events)); });
 }
 

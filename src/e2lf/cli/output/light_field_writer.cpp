@@ -87,7 +87,7 @@ Result<Json> LightFieldWriter::check_field(const LightField& field, const captur
   json["event_error"] = error.at_first;
   json["least_event_error"] = {{"value", error.least}, {"residue", error.residue}};
   if (!cycles_.empty()) return json;
-  E2LF_ASSIGN_OR_RETURN(const auto explanation, options_.check->judge(field, used, is_of_lit));
+  E2LF_ASSIGN_OR_RETURN(const auto explanation, options_.check->judge(field, used, is_of_lit, is_confirmed));
   if (explanation) json["check"] = explanation->json(is_confirmed);
   return json;
 }
