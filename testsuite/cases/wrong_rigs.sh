@@ -74,8 +74,6 @@ py -c 'import numpy as n; assert n.array_equal(n.load("in_step.npz")["events"], 
 "$E2LF" reconstruct inverted.npz --codes e2lf-n4 -m e2lf-n4-camera -o fog --json >fog.json 2>err.txt
 grep -q "polarity-inverted.*--invert-polarity" err.txt || fail "$(cat err.txt)"
 [ "$(json fog.json "j['cycles'][0]['check']['verdict'] in ('doubtful', 'unconfirmed')")" = True ] || fail "$(cat fog.json)"
-"$E2LF" reconstruct inverted.npz --codes e2lf-n4 -m e2lf-n4-camera -o clear --invert-polarity --quiet 2>err.txt
-if grep -q "polarity" err.txt; then fail "$(cat err.txt)"; fi
 # The schedule of the display states the patterns, so that nothing has to be stated twice.
 "$E2LF" codes render --codes e2lf-n4 -o shown --quiet
 "$E2LF" accumulate delayed.csv -o stated.npz --sensor-width 96 --sensor-height 64 --trigger-delay-us -1500 --schedule shown/schedule.json --quiet 2>/dev/null

@@ -129,11 +129,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   choice.measurement = input.measurement();
   choice.transitions = input.transitions();
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(arguments.input));
-  diagnose::Findings recorded = diagnose::findings_from_text(setup.findings);
-  if (arguments.cycles.invert_polarity) {
-    std::erase_if(recorded, [](const diagnose::Finding& finding) { return finding.code == "polarity-inverted"; });
-  }
-  diagnose::log_findings(arguments.input.string(), recorded, "--");
+  // Their remedies are options of accumulate, because wrong times and signs select other events.
+  const diagnose::Findings recorded = diagnose::findings_from_text(setup.findings);
+  diagnose::log_findings(cat(arguments.input.string(), ": when it was accumulated"), recorded, "--");
   if (choice.codes && input.is_recording()) {
     choice.codes = cycles::codes_of_images(*choice.codes, input.reader().schedule()).value_or(*choice.codes);
   }
