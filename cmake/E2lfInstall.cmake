@@ -118,13 +118,13 @@ function(e2lf_install_package)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/e2lf COMPONENT program)
   install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
     DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
-  # They do not exist if only a part was built.
-  set(texts ${PROJECT_BINARY_DIR}/texts)
-  install(FILES ${texts}/bash/e2lf DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program OPTIONAL)
-  install(FILES ${texts}/zsh/_e2lf DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program OPTIONAL)
-  install(FILES ${texts}/fish/e2lf.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program
-    OPTIONAL)
-  install(DIRECTORY ${texts}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program OPTIONAL)
+  install(FILES ${PROJECT_SOURCE_DIR}/src/e2lf/cli/completion.bash RENAME e2lf
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+  find_program(E2LF_HELP2MAN help2man)
+  if(E2LF_HELP2MAN)
+    install(CODE "execute_process(COMMAND ${PROJECT_SOURCE_DIR}/scripts/make_manual.sh $<TARGET_FILE:e2lf>
+      \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program)
+  endif()
   if(PROJECT_IS_TOP_LEVEL)
     include(E2lfPackage)
   endif()

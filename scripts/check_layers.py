@@ -8,7 +8,8 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-INCLUDE = re.compile(r'^\s*#\s*include\s*"(?:e2lf/([a-z0-9_/]+)/[^/"]+|(bench|testing)/[^"]+)"', re.MULTILINE)
+TOPS = ("src/e2lf", "python", "bench")
+INCLUDE = re.compile(r'^\s*#\s*include\s*"(?:e2lf/([a-z0-9_/]+)/[^/"]+|(bench|python|testing)/[^"]+)"', re.MULTILINE)
 
 
 def read_layers():
@@ -57,10 +58,9 @@ def circles(layers):
 
 
 def refused_includes(layers, tests):
-    for path in sorted((ROOT / "src" / "e2lf").rglob("*")):
-        if path.suffix not in {".h", ".cpp"}:
-            continue
-        folder = str(path.parent.relative_to(ROOT / "src" / "e2lf"))
+    paths = [path for top in TOPS for path in (ROOT / top).rglob("*") if path.suffix in {".h", ".cpp"}]
+    for path in sorted(paths):
+        folder = str(path.parent.relative_to(ROOT)).removeprefix("src/e2lf/")
         layer, module = deepest(folder, layers), folder.split("/")[0]
         if layer is None:
             yield f"{path.relative_to(ROOT)}: its folder is not in layers.txt"

@@ -8,18 +8,19 @@
 #include "bench/program/report.h"
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/verb.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
+#include "e2lf/program/verb.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/streams/stream_options.h"
 #include "e2lf/streams/virtual_rig.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {
-using namespace cli;
+using namespace program;
 namespace {
 
 namespace fs = std::filesystem;
@@ -244,8 +245,7 @@ BenchReport camera_report(const Json& json) {
 Result<void> bench(const CameraBench& options, const std::vector<fs::path>& report_names, const Verb& verb) {
   std::vector<fs::path> inputs = options.scenes;
   inputs.insert(inputs.end(), options.models.begin(), options.models.end());
-  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, {.inputs = std::move(inputs),
-                                                                                .overwrite = verb.common().overwrite}));
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, output_rules(verb, inputs)));
   RunRecord record("camera");
   E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {

@@ -10,11 +10,12 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/program/run_record.h"
+#include "e2lf/program/verb.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {
-using namespace cli;
+using namespace program;
 namespace {
 
 /// Measured on one thread of a Zen 4 class server CPU, from memory, on streams of these shapes; 0 = does not read it.
@@ -147,9 +148,7 @@ int run_decode(const std::vector<std::string>& arguments) {
   verb.app().add_option("--convert", convert_folder,
                         "measure the conversion of a dense EVT3 file, or the given one, in this folder too");
   return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(
-        ReportOutput reports,
-        ReportOutput::open(report_names, {.inputs = {options.input}, .overwrite = verb.common().overwrite}));
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, output_rules(verb, {options.input})));
     options.with_reference = !without_reference;
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto rows, benchmark_decoding(options, bar.callback()));

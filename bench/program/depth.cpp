@@ -10,17 +10,18 @@
 
 #include "bench/program/report.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/verb.h"
 #include "e2lf/depth/view_order.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/scene.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/run_record.h"
+#include "e2lf/program/verb.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {
-using namespace cli;
+using namespace program;
 namespace {
 
 namespace fs = std::filesystem;
@@ -129,8 +130,7 @@ BenchReport depth_report(const Json& scenes) {
 }
 
 Result<void> bench(const std::vector<fs::path>& paths, const std::vector<fs::path>& report_names, const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(ReportOutput reports,
-                        ReportOutput::open(report_names, {.inputs = paths, .overwrite = verb.common().overwrite}));
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, output_rules(verb, paths)));
   ProgressBar bar("depth", verb.common().quiet);
   Json scenes = Json::array();
   E2LF_ASSIGN_OR_RETURN(scenes.emplace_back(), measure(demo()));

@@ -21,17 +21,17 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/model.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
+#include "e2lf/program/verb.h"
 #include "e2lf/streams/stream_options.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {
-using namespace cli;
+using namespace program;
 namespace {
 
 /// A number that may not be there.
@@ -265,8 +265,8 @@ Result<Json> run_training_program(const std::vector<std::string>& arguments, int
                  program};
   }
   if (threads > 0) ::setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
-  std::string command = cli::shell_word(program);
-  for (const std::string& argument : arguments) command += cat(" ", cli::shell_word(argument));
+  std::string command = program::shell_word(program);
+  for (const std::string& argument : arguments) command += cat(" ", program::shell_word(argument));
   std::FILE* const pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) return Error{ErrorCode::kIo, cat("cannot start it (", std::strerror(errno), ")"), program};
   std::string text;
@@ -309,5 +309,5 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace e2lf::bench
 
 int main(int argc, char** argv) {
-  return e2lf::cli::run_program("e2lf-bench", argc, argv, e2lf::bench::run);
+  return e2lf::program::run_program("e2lf-bench", argc, argv, e2lf::bench::run);
 }

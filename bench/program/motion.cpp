@@ -10,12 +10,13 @@
 #include "bench/program/report.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/verb.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/lightfield/turntable_scene.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
+#include "e2lf/program/verb.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
 #include "e2lf/sensor/coded_intensity.h"
@@ -25,7 +26,7 @@
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {
-using namespace cli;
+using namespace program;
 namespace {
 
 namespace fs = std::filesystem;
@@ -225,8 +226,7 @@ Result<recon::Reconstructor> open_network(const fs::path& path, const capture::S
 Result<void> bench(const MotionBench& options, const std::vector<fs::path>& report_names, const Verb& verb) {
   std::vector<fs::path> inputs = options.scenes;
   inputs.insert(inputs.end(), {options.lit, options.whole});
-  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, {.inputs = std::move(inputs),
-                                                                                .overwrite = verb.common().overwrite}));
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, output_rules(verb, inputs)));
   RunRecord record("motion");
   E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit, open_network(options.lit, camera));

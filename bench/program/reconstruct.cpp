@@ -16,6 +16,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
+#include "e2lf/info/describe.h"
 
 namespace e2lf::bench {
 namespace {

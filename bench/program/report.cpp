@@ -4,9 +4,10 @@
 #include <cstdio>
 
 #include "e2lf/files/options.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::bench {
-using namespace cli;
+using namespace program;
 
 report::BarChart bars_of(const report::Table& table, size_t column, const std::string& label) {
   report::BarChart chart{label, true, 3, {}, {{table.columns.at(column).name, {}}}};
@@ -19,7 +20,7 @@ report::BarChart bars_of(const report::Table& table, size_t column, const std::s
 }
 
 Result<ReportOutput> open_reports(const std::vector<std::filesystem::path>& names, const Verb& verb) {
-  return ReportOutput::open(names, {.overwrite = verb.common().overwrite});
+  return ReportOutput::open(names, output_rules(verb, {}));
 }
 
 Result<void> finish(const Verb& verb, const Json& json, const BenchReport& found, ReportOutput& reports) {

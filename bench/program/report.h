@@ -4,17 +4,17 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/cli/output/report_output.h"
-#include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
+#include "e2lf/program/report_output.h"
+#include "e2lf/program/verb.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/table.h"
 
 /// The output of benchmarks: printed text, JSON and the files of --report.
 namespace e2lf::bench {
 
-using cli::ReportOutput;
-using cli::Verb;
+using program::ReportOutput;
+using program::Verb;
 
 /// The results of a benchmark as text, tables and charts.
 struct BenchReport {

@@ -9,19 +9,20 @@
 #include "bench/program/report.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/verb.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/model/model.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/run_record.h"
+#include "e2lf/program/verb.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recordings/recording.h"
 #include "e2lf/streams/stream_options.h"
 #include "e2lf/streams/virtual_rig.h"
 
 namespace e2lf::bench {
-using namespace cli;
+using namespace program;
 namespace {
 
 using lightfield::LightField;

@@ -14,6 +14,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
+#include "e2lf/info/describe.h"
 #include "e2lf/model/video/event_video_networks.h"
 
 namespace e2lf::bench {

@@ -6,8 +6,8 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/cli/version.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/info/version.h"
 #include "python/binding/errors.h"
 #include "python/binding/module.h"
 
@@ -58,7 +58,7 @@ void bind_bundled_files(py::module_& module) {
 }  // namespace
 
 void bind_base(py::module_& module) {
-  module.attr("__version__") = cli::kVersion;
+  module.attr("__version__") = info::kVersion;
   bind_bundled_files(module);
   take(apply_isa_cap());
   set_log_sink(log_to_python);

@@ -10,9 +10,9 @@
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/cli/output/report_output.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/page_parts.h"
 #include "e2lf/pipeline/patterns.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
@@ -155,7 +155,7 @@ void bind_event_images(py::module_& module) {
       "event_picture",
       [](const py::array& images) {
         const auto counts = event_images_of(images, "images");
-        return to_array(cli::event_picture(*counts));
+        return to_array(info::event_picture(*counts));
       },
       py::arg("images"),
       "Draws event images [transition, y, x] side by side as float32 [y, x, 3], ON events in red and OFF events in "

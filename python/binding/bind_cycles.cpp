@@ -5,13 +5,14 @@
 #include <variant>
 
 #include "e2lf/capture/patterns/codes_header.h"
-#include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/output/cycle_report.h"
-#include "e2lf/cli/output/output.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
+#include "e2lf/info/cycle_report.h"
+#include "e2lf/info/recording_report.h"
+#include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/recordings/open/registry.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
@@ -137,12 +138,12 @@ class CycleIterator {
                          cycle->events, cycle->saturated, cycle->confidence);
   }
 
-  [[nodiscard]] std::string source() const { return cli::source_name(reader_.source()); }
+  [[nodiscard]] std::string source() const { return info::source_name(reader_.source()); }
   [[nodiscard]] py::object report() {
     const OneAtATime::Use use(use_, "reader of cycles");
-    Json report = cli::report_json(*rig_, reader_);
-    report["left_out"] = cli::losses_json(reader_.summary());
-    report["live"] = cli::live_json(reader_.summary());
+    Json report = info::report_json(*rig_, reader_);
+    report["left_out"] = info::losses_json(reader_.summary());
+    report["live"] = info::live_json(reader_.summary());
     return to_python(report);
   }
   [[nodiscard]] py::object codes() const {
@@ -181,21 +182,23 @@ struct CycleArguments {
 
 std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArguments& arguments,
                                            const OpenArguments& open) {
-  check_word(arguments.source, {"auto", "triggers", "bursts", "schedule"}, "source");
-  check_word(arguments.edge, {"rising", "falling", "both"}, "edge");
-  check_word(arguments.transitions, {"lit", "all"}, "transitions");
-  cli::CycleFlags flags;
-  flags.source = arguments.source;
-  flags.edge = arguments.edge;
-  flags.channel = arguments.channel;
-  flags.first_pattern = arguments.first_pattern;
-  flags.one_trigger_per_cycle = arguments.one_trigger_per_cycle;
-  flags.filter_pixels = arguments.filter_pixels;
-  flags.invert_polarity = arguments.invert_polarity;
-  flags.origin_us = arguments.origin_us;
-  Schedule schedule = schedule_of(arguments.schedule, arguments.num_codes);
-  if (arguments.transitions == "all") schedule = with_all_transitions(std::move(schedule));
-  cycles::CycleOptions options = take(cli::cycle_options(flags, std::move(schedule)));
+  constexpr cycles::CycleSource kSources[] = {cycles::CycleSource::kAuto, cycles::CycleSource::kTriggers,
+                                              cycles::CycleSource::kBursts, cycles::CycleSource::kSchedule};
+  constexpr cycles::TriggerEdge kEdges[] = {cycles::TriggerEdge::kRising, cycles::TriggerEdge::kFalling,
+                                            cycles::TriggerEdge::kBoth};
+  cycles::CycleOptions options;
+  options.source = kSources[check_word(arguments.source, {"auto", "triggers", "bursts", "schedule"}, "source")];
+  options.edge = kEdges[check_word(arguments.edge, {"rising", "falling", "both"}, "edge")];
+  options.schedule = schedule_of(arguments.schedule, arguments.num_codes);
+  if (check_word(arguments.transitions, {"lit", "all"}, "transitions") == 1) {
+    options.schedule = with_all_transitions(std::move(options.schedule));
+  }
+  options.channel = arguments.channel;
+  options.one_trigger_per_cycle = arguments.one_trigger_per_cycle;
+  options.invert_polarity = arguments.invert_polarity;
+  options.tracker.first_pattern = arguments.first_pattern;
+  if (arguments.filter_pixels) options.filter = cycles::PixelFilterOptions{};
+  take(pipeline::choose_source(options, arguments.origin_us));
   auto rig = std::make_shared<diagnose::RigCheck>();
   options.on_batch = [rig](const recordings::EventBatch& batch) { rig->add(batch); };
   auto reader = open_reader(path.string(), open);
@@ -278,9 +281,8 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
   }
   without_gil([&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(const recordings::Codec* codec, recordings::codec_to_write(path, ""));
-    E2LF_ASSIGN_OR_RETURN(cli::OutputFile output, cli::OutputFile::create(path, {.overwrite = overwrite,
-                                                                                 .streams = codec->create != nullptr,
-                                                                                 .side_file = codec->side_file}));
+    E2LF_ASSIGN_OR_RETURN(OutputFile output,
+                          OutputFile::create(path, recordings::recording_output_rules({}, overwrite, *codec)));
     E2LF_ASSIGN_OR_RETURN(const auto writer, recordings::create_recording(output.path(), "", info));
     if (triggers && !writer->holds_triggers()) {
       return Error{ErrorCode::kUnsupported,

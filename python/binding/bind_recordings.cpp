@@ -3,7 +3,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "e2lf/cli/verbs/describe.h"
+#include "e2lf/info/describe.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/recording.h"
 #include "python/binding/arrays.h"
@@ -98,17 +99,11 @@ uint64_t count_events(const fs::path& path, int threads) {
   });
 }
 
-py::object info(const fs::path& path, const OpenArguments& arguments, const ProgressArgument& progress) {
-  check_word(arguments.time_unit, {"auto", "s", "ms", "us", "ns"}, "time_unit");
-  cli::DescribeOptions options;
-  options.recording.format = arguments.format;
-  options.recording.width = arguments.width;
-  options.recording.height = arguments.height;
-  options.recording.stream = arguments.stream;
-  options.recording.columns = arguments.columns;
-  options.recording.time_unit = arguments.time_unit;
+py::object describe(const fs::path& path, const OpenArguments& arguments, const ProgressArgument& progress) {
+  info::DescribeOptions options;
+  options.recording = open_options(path.string(), arguments);
   options.progress = progress_of(progress);
-  const auto described = without_gil([&] { return cli::describe(path, options); });
+  const auto described = without_gil([&] { return info::describe(path, options); });
   return to_python(described.json);
 }
 
@@ -161,7 +156,7 @@ void bind_recording(py::module_& module) {
           },
           kViewsDoc)
       .def(
-          "summary", [](Recording& self) { return to_python(cli::summary_json(self.summary())); },
+          "summary", [](Recording& self) { return to_python(info::summary_json(self.summary())); },
           "Returns a summary of the data read so far: counts of events and triggers, times in us, and the data that "
           "were "
           "left out, with reasons.")
@@ -263,7 +258,7 @@ void bind_recordings(py::module_& module) {
         arguments.stream = stream;
         arguments.columns = columns;
         arguments.time_unit = time_unit;
-        return info(path, arguments, progress);
+        return describe(path, arguments, progress);
       },
       py::arg("path"), py::kw_only(), py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0,
       py::arg("stream") = "", py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("progress") = py::none(),

@@ -6,9 +6,9 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_header.h"
-#include "e2lf/cli/flags/recording_flags.h"
-#include "e2lf/cli/output/output.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/recordings/convert.h"
+#include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/recordings/open/registry.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
@@ -18,18 +18,16 @@ namespace e2lf::python {
 namespace fs = std::filesystem;
 namespace {
 
-Result<cli::OutputFile> open_output(const fs::path& path, const std::string& format,
-                                    const std::vector<fs::path>& inputs, bool overwrite) {
+Result<OutputFile> open_output(const fs::path& path, const std::string& format, const std::vector<fs::path>& inputs,
+                               bool overwrite) {
   E2LF_ASSIGN_OR_RETURN(const recordings::Codec* codec, recordings::codec_to_write(path, format));
-  return cli::OutputFile::create(
-      path,
-      {.inputs = inputs, .overwrite = overwrite, .streams = codec->create != nullptr, .side_file = codec->side_file});
+  return OutputFile::create(path, recordings::recording_output_rules(inputs, overwrite, *codec));
 }
 
 /// A recording that is being written. It appears at finish().
 class Writer {
  public:
-  Writer(fs::path path, cli::OutputFile output, std::unique_ptr<recordings::RecordingWriter> writer)
+  Writer(fs::path path, OutputFile output, std::unique_ptr<recordings::RecordingWriter> writer)
       : path_(std::move(path)), output_(std::move(output)), writer_(std::move(writer)) {}
 
   [[nodiscard]] bool holds_triggers() { return open().holds_triggers(); }
@@ -70,7 +68,7 @@ class Writer {
   }
 
   fs::path path_;
-  std::optional<cli::OutputFile> output_;
+  std::optional<OutputFile> output_;
   std::unique_ptr<recordings::RecordingWriter> writer_;
   OneAtATime use_;
 };
@@ -83,14 +81,14 @@ std::unique_ptr<Writer> create(const fs::path& path, size_t width, size_t height
   info.height = height;
   if (codes) info.header = capture::codes_to_header(codes_of(*codes, "codes"));
   info.header.insert(info.header.end(), header.begin(), header.end());
-  cli::OutputFile output = take(open_output(path, format, {}, overwrite));
+  OutputFile output = take(open_output(path, format, {}, overwrite));
   auto writer = take(recordings::create_recording(output.path(), format, info));
   return std::make_unique<Writer>(path, std::move(output), std::move(writer));
 }
 
 py::object convert(const fs::path& input, const fs::path& output_path, const std::string& output_format, bool overwrite,
                    const ProgressArgument& progress, const OpenArguments& arguments) {
-  cli::OutputFile output = take(open_output(output_path, output_format, {input}, overwrite));
+  OutputFile output = take(open_output(output_path, output_format, {input}, overwrite));
   const auto reader = open_reader(input.string(), arguments);
   const ProgressFn told = progress_of(progress);
   const auto report = without_gil([&]() -> Result<recordings::ConvertReport> {
@@ -106,7 +104,7 @@ py::object convert(const fs::path& input, const fs::path& output_path, const std
                     {"triggers", report.triggers},
                     {"lost_triggers", report.lost_triggers},
                     {"trigger_file", triggers.string()},
-                    {"left_out", cli::losses_json(report.summary)},
+                    {"left_out", info::losses_json(report.summary)},
                     {"sorted", report.summary.out_of_order},
                     {"warnings", report.warnings}});
 }

@@ -72,8 +72,9 @@ void raise_error(const Error& error) {
 
 }  // namespace
 
-void check_word(const std::string& word, const std::vector<std::string>& words, const char* argument) {
-  if (std::find(words.begin(), words.end(), word) != words.end()) return;
+size_t check_word(const std::string& word, const std::vector<std::string>& words, const char* argument) {
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found != words.end()) return static_cast<size_t>(found - words.begin());
   throw ResultError({ErrorCode::kInvalidValue, cat("there is no \"", word, "\"; give one of ", join(words)), argument});
 }
 

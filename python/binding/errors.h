@@ -33,8 +33,9 @@ inline void take(const Result<void>& result) {
   if (!result) throw ResultError(result.error());
 }
 
-/// Fails with kInvalidValue if `word` is not one of `words`; `argument` is the location.
-void check_word(const std::string& word, const std::vector<std::string>& words, const char* argument);
+/// Returns the number of `word` among `words`. Fails with kInvalidValue if it is none of them; `argument` is the
+/// location.
+size_t check_word(const std::string& word, const std::vector<std::string>& words, const char* argument);
 
 /// Adds e2lf.Error to the module; ResultError is translated to it, and ContractError to ValueError.
 void bind_errors(py::module_& module);

@@ -4,19 +4,23 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/lightfield/orient.h"
 #include "python/binding/arrays.h"
 
 /// The arguments of every function that can reorder the views; see open_arguments.h.
 #define E2LF_ORIENTATION_PARAMETERS bool turn_views, bool flip_x, bool flip_y
-#define E2LF_ORIENTATION_VALUE ::e2lf::cli::OrientationFlags{turn_views, flip_x, flip_y}.value()
+#define E2LF_ORIENTATION_VALUE ::e2lf::python::orientation_of(turn_views, flip_x, flip_y)
 #define E2LF_ORIENTATION_ARGUMENTS py::arg("turn_views") = false, py::arg("flip_x") = false, py::arg("flip_y") = false
 #define E2LF_ORIENTATION_DOC                                                                                       \
   "turn_views, flip_x, flip_y: turn the grid of views by 180 degrees, exchange left and right views, or exchange " \
   "upper and lower views, which changes the sign of disparities.\n"
 
 namespace e2lf::python {
+
+/// Returns the combination of all arguments that are set.
+inline capture::Orientation orientation_of(bool turn_views, bool flip_x, bool flip_y) {
+  return capture::Orientation{flip_x, flip_y} + (turn_views ? capture::kTurned : capture::Orientation{});
+}
 
 /// Returns the light field with its views reordered.
 inline Borrowed<lightfield::LightField> oriented(Borrowed<lightfield::LightField> field,

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/cli/output/output.h"
+#include "e2lf/files/output.h"
 #include "python/binding/calls.h"
 
 namespace e2lf::python {
@@ -15,7 +15,7 @@ namespace e2lf::python {
 template <typename Write>
 void write_output(const std::filesystem::path& path, bool overwrite, const Write& write) {
   without_gil([&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(cli::OutputFile output, cli::OutputFile::create(path, {.overwrite = overwrite}));
+    E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(path, {.overwrite = overwrite}));
     E2LF_RETURN_IF_ERROR(write(output.path()));
     return output.commit();
   });

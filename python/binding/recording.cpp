@@ -6,7 +6,6 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::python {
@@ -26,29 +25,49 @@ int64_t multiple_below(int64_t t_us, int64_t step) {
 
 }  // namespace
 
+recordings::OpenOptions open_options(const std::string& name, const OpenArguments& arguments) {
+  const size_t unit = check_word(arguments.time_unit, {"auto", "s", "ms", "us", "ns"}, "time_unit");
+  const size_t restart = check_word(arguments.restart, {"continue", "split", "refuse"}, "restart");
+  if (arguments.threads < 0) throw py::value_error("the number of threads cannot be negative; 0 is all cores");
+  constexpr recordings::TimeUnit kUnits[] = {recordings::TimeUnit::kAuto, recordings::TimeUnit::kSeconds,
+                                             recordings::TimeUnit::kMilliseconds, recordings::TimeUnit::kMicroseconds,
+                                             recordings::TimeUnit::kNanoseconds};
+  constexpr recordings::RestartPolicy kRestarts[] = {
+      recordings::RestartPolicy::kContinue, recordings::RestartPolicy::kSplit, recordings::RestartPolicy::kRefuse};
+  recordings::OpenOptions options;
+  options.format = arguments.format;
+  options.width = arguments.width;
+  options.height = arguments.height;
+  options.stream = arguments.stream;
+  options.columns = arguments.columns;
+  options.time_unit = kUnits[unit];
+  options.restart = kRestarts[restart];
+  options.from_us = arguments.from_us.value_or(INT64_MIN);
+  options.to_us = arguments.to_us.value_or(INT64_MAX);
+  if (options.from_us >= options.to_us) {
+    throw ResultError({ErrorCode::kInvalidValue, "the range of time is empty; give a later to_us", "from_us"});
+  }
+  options.range = arguments.relative ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
+  options.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
+  options.threads = arguments.threads;
+  options.camera = arguments.camera_setup.value_or(recordings::CameraSetup());
+  // With a camera, damage is reported at once; for a file, the summary at the end is sufficient.
+  options.policy = arguments.strict                      ? recordings::DecodePolicy::kStrict
+                   : recordings::is_live_recording(name) ? recordings::DecodePolicy::kReport
+                                                         : recordings::DecodePolicy::kSkip;
+  return options;
+}
+
 std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name, const OpenArguments& arguments,
                                                          bool reads_parts) {
-  check_word(arguments.time_unit, {"auto", "s", "ms", "us", "ns"}, "time_unit");
-  check_word(arguments.restart, {"continue", "split", "refuse"}, "restart");
-  if (arguments.threads < 0) throw py::value_error("the number of threads cannot be negative; 0 is all cores");
-  cli::RecordingFlags flags;
-  flags.format = arguments.format;
-  flags.width = arguments.width;
-  flags.height = arguments.height;
-  flags.stream = arguments.stream;
-  flags.columns = arguments.columns;
-  flags.time_unit = arguments.time_unit;
-  flags.restart = arguments.restart;
-  flags.from_us = arguments.from_us.value_or(flags.from_us);
-  flags.to_us = arguments.to_us.value_or(flags.to_us);
-  flags.is_relative = arguments.relative;
-  flags.is_strict = arguments.strict;
+  const recordings::OpenOptions options = open_options(name, arguments);
+  if (options.restart == recordings::RestartPolicy::kSplit && !reads_parts) {
+    throw ResultError({ErrorCode::kInvalidValue,
+                       "\"split\" is only for open_recording(), whose next_part() continues; use \"continue\"",
+                       "restart"});
+  }
   const StopOnInterrupt interrupt(recordings::is_live_recording(name));
   return without_gil([&]() -> Result<std::unique_ptr<recordings::RecordingReader>> {
-    E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions options, cli::open_options(name, flags, reads_parts));
-    options.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
-    options.threads = arguments.threads;
-    options.camera = arguments.camera_setup.value_or(recordings::CameraSetup());
     E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(name, options));
     for (const recordings::Assumption& assumption : reader->info().assumptions) {
       log_info(cat(name, ": ", assumption.text));

@@ -22,7 +22,11 @@ struct OpenArguments {
   std::optional<recordings::CameraSetup> camera_setup;
 };
 
-/// Opens a recording by its name, as the verbs do, and logs assumptions. `reads_parts` is as for cli::open_options().
+/// Returns the options of a reader. Fails with kInvalidValue for an unknown word and an empty range of time.
+[[nodiscard]] recordings::OpenOptions open_options(const std::string& name, const OpenArguments& arguments);
+
+/// Opens a recording by its name, as the verbs do, and logs assumptions. Fails with kInvalidValue for restart="split"
+/// unless the caller reads the parts.
 [[nodiscard]] std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name,
                                                                        const OpenArguments& arguments,
                                                                        bool reads_parts = false);

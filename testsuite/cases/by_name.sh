@@ -21,10 +21,6 @@ rm e2lf-n4
 "$E2LF" simulate demo/scene -o default.npz >said.txt 2>&1
 grep -q "e2lf-n4" said.txt || fail "$(cat said.txt)"
 "$E2LF" reconstruct default.npz -o default --quiet
-for shell in bash zsh fish; do
-  "$E2LF" completion $shell >script.txt
-  grep -q "e2lf-n4-camera" script.txt || fail "$shell does not offer the names"
-done
 # The record of a run works from any folder, and after its folder was moved.
 mkdir elsewhere
 mv named moved

@@ -4,12 +4,16 @@ model=$TESTSUITE/../models/e2lf-n4.safetensors
 "$E2LF" reconstruct demo/events.npz -m "$model" --gain 2 --format npy -o bright --quiet
 "$E2LF" reconstruct demo/events.npz -m "$model" --gain 1 --format npy -o plain --quiet
 "$E2LF" eval demo/scene bright >eval.txt
-grep -q "a gain of 2 was applied" eval.txt || fail "$(cat eval.txt)"
+grep -q "toned when it was reconstructed: a gain of 2 and" eval.txt || fail "$(cat eval.txt)"
 "$E2LF" eval demo/scene --name twice=bright --name once=plain --fit-gain --no-clamp --json --report eval.html >eval.json
 check "$(json eval.json "[m['method'] for m in j['methods']]") == ['twice', 'once']"
 check "$(json eval.json "abs(j['methods'][1]['fitted_gain'] / j['methods'][0]['fitted_gain'] - 2)") < 0.001"
 check "$(json eval.json "abs(j['methods'][1]['psnr_db'] - j['methods'][0]['psnr_db'])") < 0.01"
 grep -q "twice" eval.html || fail "no caption"
+# The black level is fitted, too: a toned result is as good as the plain one.
+"$E2LF" reconstruct demo/events.npz -m "$model" --gain 2 --black 0.1 --format npy -o toned --quiet
+"$E2LF" eval demo/scene --name toned=toned --name plain=plain --fit-gain --no-clamp --json >eval.json
+check "abs($(json eval.json "j['methods'][0]['psnr_db'] - j['methods'][1]['psnr_db']")) < 0.01"
 fails 1 "NAME=PATH" "$E2LF" eval demo/scene --name bright
 # What a verb does not take is sent to the verb that does.
 fails 1 "\`e2lf reconstruct\` computes a light field from them" "$E2LF" accumulate demo/events.npz -o x.npz

@@ -64,13 +64,13 @@ says() {
   "$E2LF" info "$1" --json >said.json
   [ "$(json said.json "j['kind']")" = "$3" ] || fail "$1: $(cat said.json)"
 }
-says "$TESTSUITE/../cameras/evk4-lcos.json" "threshold_on .* uncertain by" camera
-says "$TESTSUITE/../cameras/paper.json" "event model reference-aware" camera
-says rendered/schedule.json "8 patterns in 94.7" schedule
-says rendered/codes.json "4 of 8x8, black first" codes
-says patterns.npy "4 of 8x8" codes
-says patterns.npz "4 of 8x8" codes
-says rendered/run.json "record of .e2lf codes render" record
+says "$TESTSUITE/../cameras/evk4-lcos.json" "^constants threshold on uncertainty" camera
+says "$TESTSUITE/../cameras/paper.json" "^event model *reference-aware" camera
+says rendered/schedule.json "^cycle us *947" schedule
+says rendered/codes.json "^black first *yes" codes
+says patterns.npy "^views *8, 8" codes
+says patterns.npz "^views *8, 8" codes
+says rendered/run.json "^verb *codes render" record
 says "$TESTSUITE/../configs/first-run.json" "for .e2lf train" "training settings"
 says sensor.bias "bias_fo" biases
 fails 1 "this is a file of settings; give" "$E2LF" convert sensor.bias out.raw

@@ -1,13 +1,11 @@
 # A disk that fills: one message, exit code 1, and nothing left; a limit on the size of files stands for it.
 "$E2LF" demo -o demo --width 64 --height 64 --quiet
 "$E2LF" simulate demo/scene -o rec.raw --cycles 20 --quiet
-limited() { # <KiB> <command...>: Python ignores the signal of the limit, and so do its children
-  py -c 'import resource, signal, subprocess, sys
-size = int(sys.argv[1]) << 10
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-sys.exit(subprocess.run(sys.argv[2:], preexec_fn=limit, restore_signals=False).returncode)' "$@"
-}
+limited() ( # <KiB> <command...>
+  ulimit -f "$1"
+  shift
+  "$@"
+)
 for output in a.hdf5 a.raw a.npz; do
   for size in 4 64; do
     fails 1 "cannot write" limited "$size" "$E2LF" convert rec.raw "$output"

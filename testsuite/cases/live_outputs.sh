@@ -3,13 +3,11 @@
 model=$TESTSUITE/../models/e2lf-n4-live.safetensors
 "$E2LF" simulate demo/scene -m "$model" --cycles 3 -o three.raw --quiet
 "$E2LF" simulate demo/scene -m "$model" --cycles 120 -o long.raw --quiet
-limited() { # <KiB> <command...>: see the case full_disk
-  py -c 'import resource, signal, subprocess, sys
-size = int(sys.argv[1]) << 10
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-sys.exit(subprocess.run(sys.argv[2:], preexec_fn=limit, restore_signals=False).returncode)' "$@"
-}
+limited() ( # <KiB> <command...>
+  ulimit -f "$1"
+  shift
+  "$@"
+)
 head -c 1000 /dev/urandom >junk.raw
 mkdir folder folder/mine
 echo mine >taken.raw

@@ -50,7 +50,7 @@ cmp mended.png upright.png
 py -c 'import json; j = json.load(open("display/schedule.json")); j["views"] = "turned"; json.dump(j, open("rig.json", "w"))'
 orientation() { "$E2LF" info "$1" --json >info.json && json info.json "j['orientation']"; }
 "$E2LF" accumulate rec.raw -o plain.npz --quiet
-[ "$(orientation plain.npz)" = "not told" ] || fail "nobody told"
+[ "$(orientation plain.npz)" = None ] || fail "nobody told"
 "$E2LF" accumulate rec.raw -o told.npz --schedule rig.json --quiet
 [ "$(orientation told.npz)" = turned ] || fail "the schedule tells"
 "$E2LF" accumulate rec.raw -o both.npz --schedule rig.json --flip-x --quiet

@@ -21,7 +21,7 @@ for side in 6 8 15; do
 done
 mkdir oblong
 for ((i = 0; i < 24; ++i)); do cp demo/scene/00_00.png "$(printf 'oblong/input_Cam%03d.png' "$i")"; done
-fails 1 "--view-columns" "$E2LF" info oblong
+fails 1 "view columns" "$E2LF" info oblong
 "$E2LF" info oblong --view-columns 6 --json >info.json
 [ "$(json info.json "j['views']")" = "[4, 6]" ] || fail "$(cat info.json)"
 printf '[extrinsics]\nnum_cams_x = 6\nnum_cams_y = 4\n' >oblong/parameters.cfg

@@ -29,7 +29,7 @@ cat one.dat one.dat >joined.dat
 cat one.csv one.csv >joined.csv
 for input in joined.*; do
   "$E2LF" convert "$input" out.npz --overwrite --json >out.json 2>stderr.txt || fail "$input: $(cat stderr.txt)"
-  grep -q -- "--restart" stderr.txt || fail "$input: the restart is not stated: $(cat stderr.txt)"
+  grep -q "the clock starts again" stderr.txt || fail "$input: the restart is not stated: $(cat stderr.txt)"
   check "$(json out.json "j['left_out'] == [] and [r['shift_us'] for r in j['restarts']] == [89001]")"
   py - <<PY
 import numpy as np

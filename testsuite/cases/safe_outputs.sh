@@ -24,6 +24,7 @@ refused "is an input" "$E2LF" convert demo/scene demo/scene --overwrite
 refused "e2lf did not write this folder" "$E2LF" convert demo/scene cap --overwrite
 refused "e2lf did not write this folder" "$E2LF" demo -o cap --overwrite --width 48 --height 32
 refused "is an input" "$E2LF" convert cap/rec.raw link/rec.raw --overwrite
+refused "is an input" "$E2LF" convert "replay:cap/rec.raw?speed=10" cap/rec.raw --overwrite
 refused "is an input" "$E2LF" convert - cap/rec.raw --format evt3 --overwrite <cap/rec.raw
 refused "lies in an input" "$E2LF" simulate demo/scene -o demo/scene/ev.npz
 refused "put it beside that, e.g. at $PWD/demo/x.json" "$E2LF" eval demo/scene demo/recon -o demo/recon/x.json

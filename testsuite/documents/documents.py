@@ -109,7 +109,7 @@ def wrong_words(command, programs, everywhere):
         help_of = programs.get(words[0]) if words else None
         if help_of is None or len(words) < 2 or not re.fullmatch(r"[a-z-]+", words[1]):
             continue
-        if words[1].startswith("--") or words[1] == "completion":
+        if words[1].startswith("--"):
             continue
         if words[1] not in help_of.verbs:
             yield f"{words[1]} is no verb"

@@ -2,7 +2,11 @@
 #include "e2lf/base/text.h"
 
 #include <algorithm>
+#include <cstdarg>
+#include <cstdio>
 #include <numeric>
+
+#include "e2lf/base/format.h"
 
 namespace e2lf {
 namespace {
@@ -63,6 +67,21 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& ca
   constexpr size_t kMost = 12;
   const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(std::min(kMost, candidates.size()));
   return cat("known are ", join({candidates.begin(), end}), candidates.size() > kMost ? ", ..." : "");
+}
+
+std::string formatted(const char* format, ...) {
+  va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  std::string text(static_cast<size_t>(std::vsnprintf(nullptr, 0, format, arguments)), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
+  va_end(arguments);
+  return text;
+}
+
+std::string counted(size_t count, const char* what) {
+  return cat(count, " ", what, count == 1 ? "" : "s");
 }
 
 }  // namespace e2lf

@@ -245,15 +245,15 @@ std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, c
     if (spreads > kQuantile) {
       warnings.push_back(cat(each.key, " went from ", static_cast<float>(each.get(start)), " to ",
                              static_cast<float>(value),
-                             ", which is outside the uncertainty of the starting camera; check the input, or fix the "
-                             "constant with --hold"));
+                             ", which is outside the uncertainty of the starting camera; check the input, or hold the "
+                             "constant"));
     }
     for (const Bound& bound : bounds) {
       if (each.kind != Parameter::Kind::kConstant || each.index != static_cast<size_t>(bound.constant)) continue;
       const bool is_low = each.is_logarithm ? value < kNearBound * each.get(start) : value <= bound.low;
       if (!is_low && value < bound.high) continue;
       warnings.push_back(cat(each.key, " ends at the bound ", is_low ? bound.low : bound.high,
-                             ": the input contradicts the model; fix the constant with --hold"));
+                             ": the input contradicts the model; hold the constant"));
     }
   }
   return warnings;

@@ -8,7 +8,7 @@
 
 #include "e2lf/compare/config_fields.h"
 #include "e2lf/compare/metrics.h"
-#include "e2lf/files/options.h"
+#include "e2lf/files/fields.h"
 
 namespace e2lf::compare {
 namespace {
@@ -16,75 +16,6 @@ namespace {
 Error invalid(const std::string& message, const std::string& location) {
   return {ErrorCode::kInvalidValue, message, location};
 }
-
-/// Reads the fields of one object.
-class FieldReader {
- public:
-  FieldReader(const Json& json, std::string location) : location_(location), reader_(json, std::move(location)) {}
-
-  template <typename Field>
-  void operator()(const char* key, Field& field, const char*) {
-    reader_.read(key, field);
-  }
-
-  template <typename Item, typename Fields>
-  void list(const char* key, std::vector<Item>& items, const Fields& fields) {
-    const Json& array = reader_.child(key);
-    if (array.is_null()) return;
-    const std::string place = cat(location_, ".", key);
-    if (!array.is_array()) return fail(invalid("expected a list; write [{ ... }, ...]", place));
-    items.clear();
-    for (size_t i = 0; i < array.size(); ++i) {
-      Item item;
-      FieldReader inner(array[i], cat(place, "[", i, "]"));
-      fields(item, inner);
-      if (const auto read = inner.finish(); !read) return fail(read.error());
-      items.push_back(std::move(item));
-    }
-  }
-
-  [[nodiscard]] Result<void> finish() const {
-    if (error_) return *error_;
-    return reader_.finish();
-  }
-
- private:
-  void fail(Error error) {
-    if (!error_) error_ = std::move(error);
-  }
-  std::string location_;
-  OptionReader reader_;
-  std::optional<Error> error_;
-};
-
-/// Writes one row of a Markdown table per field.
-class TableWriter {
- public:
-  explicit TableWriter(std::string path = "") : path_(std::move(path)) {}
-
-  template <typename Field>
-  void operator()(const char* key, const Field& field, const char* meaning) {
-    rows += cat("| `", path_, key, "` | ", text_of(field), " | ", meaning, " |\n");
-  }
-  template <typename Item, typename Fields>
-  void list(const char* key, const std::vector<Item>&, const Fields& fields) {
-    Item item;
-    TableWriter inner(cat(path_, key, "[]."));
-    fields(item, inner);
-    rows += inner.rows;
-  }
-
-  std::string rows;
-
- private:
-  template <typename Field>
-  static std::string text_of(const Field& field) {
-    return json_line(Json(field));
-  }
-  static std::string text_of(float field) { return json_line(json_number(field)); }
-  static std::string text_of(const std::optional<float>&) { return ""; }
-  std::string path_;
-};
 
 /// Checks that every item has a name and that no name occurs twice.
 template <typename Item>
@@ -196,10 +127,10 @@ Result<Config> read_config(const std::filesystem::path& path) {
 }
 
 std::string documented_keys() {
-  Config config;
-  TableWriter writer;
-  visit_config(config, writer);
-  return writer.rows;
+  FieldTable table;
+  const Config config;
+  visit_config(config, table);
+  return table.rows();
 }
 
 }  // namespace e2lf::compare

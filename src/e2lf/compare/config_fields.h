@@ -3,12 +3,12 @@
 
 #include "e2lf/compare/config.h"
 
-/// The single list of all keys of a configuration, used for reading and for the table in docs/compare.md. visit(key,
-/// field, meaning) is called for each field, and visit.list(key, list, fields) for each list of objects.
+/// The single list of all keys of a configuration, used for reading and for the table in docs/compare.md; see
+/// files/fields.h.
 namespace e2lf::compare {
 
-template <typename Visitor>
-void visit_method(MethodConfig& method, Visitor& visit) {
+template <typename Method, typename Visitor>
+void visit_method(Method& method, Visitor& visit) {
   visit("name", method.name, "name in the tables");
   visit("algorithm", method.algorithm,
         "`network`; `inversion` or `regularised`, [which need no model](#methods-without-a-network); or `event-video`, "
@@ -28,8 +28,8 @@ void visit_method(MethodConfig& method, Visitor& visit) {
   visit("optional", method.optional, "skips the method if its files are missing");
 }
 
-template <typename Visitor>
-void visit_group(GroupConfig& group, Visitor& visit) {
+template <typename Group, typename Visitor>
+void visit_group(Group& group, Visitor& visit) {
   visit("name", group.name, "name in the tables");
   visit("scenes", group.scenes,
         "light fields of any format, or `demo` or `demo:SEED` for a rendered scene; the last component of a path may "
@@ -45,8 +45,8 @@ void visit_group(GroupConfig& group, Visitor& visit) {
   visit("optional", group.optional, "skips the group if neither `scenes` nor `stand_in` exist");
 }
 
-template <typename Visitor>
-void visit_sensor(SensorConfig& sensor, Visitor& visit) {
+template <typename Sensor, typename Visitor>
+void visit_sensor(Sensor& sensor, Visitor& visit) {
   visit("name", sensor.name, "name in the tables");
   visit("camera", sensor.camera, "a camera file, or the name of a bundled one: `paper`, `ideal`, `evk4-lcos`");
   visit("tau", sensor.tau, "overrides the contrast threshold of the camera; not for physical pixels");
@@ -60,8 +60,8 @@ void visit_sensor(SensorConfig& sensor, Visitor& visit) {
         "sets `fit_gain` for every method, for cameras that the networks were not trained for");
 }
 
-template <typename Visitor>
-void visit_config(Config& config, Visitor& visit) {
+template <typename Fields, typename Visitor>
+void visit_config(Fields& config, Visitor& visit) {
   visit("name", config.name, "title of the page");
   visit.list("methods", config.methods, [](auto& method, auto& inner) { visit_method(method, inner); });
   visit.list("scenes", config.scenes, [](auto& group, auto& inner) { visit_group(group, inner); });

@@ -5,12 +5,12 @@
 #include <charconv>
 #include <fnmatch.h>
 #include <map>
-#include <openssl/evp.h>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/sha256.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/video/video_model.h"
 #include "e2lf/pipeline/method.h"
@@ -88,7 +88,7 @@ class Planner {
       return Error{
           ErrorCode::kNotFound,
           "nothing is left to compare, because no method or no scene exists; give existing files, or the folder "
-          "they are in with --data",
+          "of the data that contains them",
           ""};
     }
     add_jobs();
@@ -299,19 +299,6 @@ class Planner {
 };
 
 }  // namespace
-
-std::string sha256_of_text(const std::string& text) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int length = 0;
-  EVP_Digest(text.data(), text.size(), digest, &length, EVP_sha256(), nullptr);
-  std::string hex;
-  for (unsigned int i = 0; i < length; ++i) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    hex += kDigits[digest[i] >> 4];
-    hex += kDigits[digest[i] & 15];
-  }
-  return hex;
-}
 
 Result<Plan> make_plan(const Config& config, const Surroundings& surroundings) {
   return Planner(config, surroundings).make();

@@ -80,7 +80,4 @@ struct Surroundings {
 /// cameras and patterns does.
 [[nodiscard]] Result<Plan> make_plan(const Config& config, const Surroundings& surroundings);
 
-/// Returns the SHA-256 of a text in hex.
-[[nodiscard]] std::string sha256_of_text(const std::string& text);
-
 }  // namespace e2lf::compare

@@ -3,6 +3,7 @@
 
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/sha256.h"
 
 namespace e2lf::compare {
 namespace fs = std::filesystem;

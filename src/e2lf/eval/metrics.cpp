@@ -186,4 +186,23 @@ float best_gain(const lightfield::LightField& truth, const lightfield::LightFiel
   return squares > 0 ? static_cast<float>(products / squares) : 0.0F;
 }
 
+Tone best_tone(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {
+  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields of different shapes have no best tone");
+  const auto mean = [](std::span<const float> values) {
+    double sum = 0;
+    for (const float value : values) sum += double{value};
+    return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+  };
+  const double mean_truth = mean(truth.data()), mean_value = mean(reconstruction.data());
+  double products = 0, squares = 0;
+  for (size_t i = 0; i < truth.data().size(); ++i) {
+    const double value = double{reconstruction.data()[i]} - mean_value;
+    products += value * (double{truth.data()[i]} - mean_truth);
+    squares += value * value;
+  }
+  if (squares <= 0 || products <= 0) return {0.0F, static_cast<float>(mean_value)};
+  const double gain = products / squares;
+  return {static_cast<float>(gain), static_cast<float>(mean_value - mean_truth / gain)};
+}
+
 }  // namespace e2lf::eval

@@ -69,4 +69,13 @@ struct LightFieldMetrics {
 /// shapes break the contract.
 [[nodiscard]] float best_gain(const lightfield::LightField& truth, const lightfield::LightField& reconstruction);
 
+/// The brightness (value - black) * gain of a light field.
+struct Tone {
+  float gain = 1.0F, black = 0.0F;
+};
+
+/// Returns the tone of the reconstruction that minimises the squared error from the truth. The gain is 0 for a
+/// reconstruction without contrast. Different shapes break the contract.
+[[nodiscard]] Tone best_tone(const lightfield::LightField& truth, const lightfield::LightField& reconstruction);
+
 }  // namespace e2lf::eval

@@ -127,6 +127,15 @@ TEST(BestGain, OfBlackIsZero) {
   EXPECT_EQ(best_gain(truth, LightField({1, 1, 1, 2})), 0.0F);
 }
 
+TEST(BestTone, UndoesGainAndBlackLevel) {
+  const LightField truth({1, 1, 1, 3}, std::vector{0.25F, 0.5F, 1.0F});
+  const LightField toned({1, 1, 1, 3}, std::vector{0.1F, 0.6F, 1.6F});  // (truth - 0.2) * 2
+  const Tone tone = best_tone(truth, toned);
+  EXPECT_FLOAT_EQ(tone.gain, 0.5F);
+  EXPECT_FLOAT_EQ(tone.black, -0.4F);
+  EXPECT_EQ(best_tone(truth, LightField({1, 1, 1, 3})).gain, 0.0F);
+}
+
 /// Every value of view (r, c) is r * step_y + c * step_x.
 LightField ramp(float step_y, float step_x) {
   LightField light_field({3, 3, 4, 5, 1});

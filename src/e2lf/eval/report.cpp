@@ -28,6 +28,16 @@ report::Cell quality_cell(double value, int decimals) {
   return std::isinf(value) ? report::Cell{"inf", nullptr} : report::number_cell(value, decimals);
 }
 
+/// The columns of gains and black levels.
+struct ToneColumn {
+  const char *name, *key;
+  std::optional<double> EvalRow::*value;
+};
+constexpr ToneColumn kTones[] = {{"gain", "gain", &EvalRow::gain},
+                                 {"black", "black", &EvalRow::black},
+                                 {"fitted gain", "fitted_gain", &EvalRow::fitted_gain},
+                                 {"fitted black", "fitted_black", &EvalRow::fitted_black}};
+
 }  // namespace
 
 Json to_json(const LightFieldMetrics& quality) {
@@ -72,8 +82,9 @@ Json to_json(const EvalRow& row) {
   Json json{{"method", row.method}, {"scene", row.scene}};
   json.update(to_json(row.quality));
   if (row.events) json["events"] = to_json(*row.events);
-  if (row.gain) json["gain"] = *row.gain;
-  if (row.fitted_gain) json["fitted_gain"] = *row.fitted_gain;
+  for (const auto& [name, key, member] : kTones) {
+    if (row.*member) json[key] = *(row.*member);
+  }
   if (row.disparity) json["disparity"] = to_json(*row.disparity);
   return json;
 }
@@ -93,15 +104,15 @@ report::Table quality_table(std::span<const EvalRow> rows) {
   add_column("SSIM 7x7", "ssim_uniform7");
   add_column("SSIM Gauss", "ssim_gaussian");
   add_column("EPI error", "epi_relative_error");
-  constexpr std::optional<double> EvalRow::*kGains[] = {&EvalRow::gain, &EvalRow::fitted_gain};
   if (with_disparity) {
     add_column("> 0.07 px, %", "bad_07_percent");
     add_column("> 0.2 px, %", "bad_20_percent");
     add_column("off px", "mean_absolute_px");
     add_column("slope", "slope");
   }
-  if (has(kGains[0])) add_column("gain", "gain");
-  if (has(kGains[1])) add_column("fitted gain", "fitted_gain");
+  for (const auto& [name, key, member] : kTones) {
+    if (has(member)) add_column(name, key);
+  }
   if (with_events) {
     add_column("events/px", "events_per_pixel");
     add_column("min ms", "min_measurement_ms");
@@ -122,7 +133,7 @@ report::Table quality_table(std::span<const EvalRow> rows) {
       add_error(&depth::DisparityError::mean_absolute_px, 3);
       add_error(&depth::DisparityError::slope, 2);
     }
-    for (const auto member : kGains) {
+    for (const auto& [name, key, member] : kTones) {
       if (!has(member)) continue;
       table.rows.back().push_back(row.*member ? report::number_cell(*(row.*member), 3) : report::Cell());
     }

@@ -17,9 +17,9 @@ namespace e2lf::eval {
 struct EvalRow {
   std::string method, scene;
   LightFieldMetrics quality;
-  std::optional<EventStatistics> events = {};  ///< absent if only pictures were compared
-  std::optional<double> gain = {};             ///< factor by which the reconstruction was multiplied when it was made
-  std::optional<double> fitted_gain = {};      ///< factor by which it was multiplied for the comparison: best_gain()
+  std::optional<EventStatistics> events = {};   ///< absent if only pictures were compared
+  std::optional<double> gain = {}, black = {};  ///< tone that was applied when the reconstruction was made
+  std::optional<double> fitted_gain = {}, fitted_black = {};  ///< tone that was applied for the comparison: best_tone()
   std::optional<depth::DisparityError> disparity = {};  ///< absent if there is no disparity to compare
 };
 
@@ -35,7 +35,7 @@ struct EvalRow {
 /// [{"pixels_percent", "bad_20_percent", "mean_absolute_px"}]}.
 [[nodiscard]] Json to_json(const depth::DisparityError& error);
 
-/// Returns {"method", "scene", the keys of the quality, and "events", "gain", "fitted_gain" and "disparity" if
+/// Returns {"method", "scene", the keys of the quality, and "events", "disparity" and those of gains and black levels if
 /// present}.
 [[nodiscard]] Json to_json(const EvalRow& row);
 

@@ -12,6 +12,7 @@
 #include <thread>
 #include <unistd.h>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 
@@ -20,15 +21,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::chrono::milliseconds kReaderPoll(20);  // the longest delay of a stop while a pipe has no reader
-
-Error system_error(const fs::path& path, const char* action, int error_number) {
-  const ErrorCode code = error_number == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
-  const char* remedy = error_number == ENOENT   ? "check the path"
-                       : error_number == EACCES ? "check its permissions"
-                       : error_number == ENOSPC ? "free some disk space"
-                                                : "check the disk and the path";
-  return {code, cat("cannot ", action, " (", std::strerror(error_number), "); ", remedy), path.string()};
-}
 
 /// Returns a name in the same folder that no other writer uses at the same time.
 fs::path staging_name(const fs::path& target) {
@@ -43,7 +35,7 @@ Result<void> make_parent(const fs::path& path) {
   if (!path.has_parent_path()) return {};
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
-  if (error) return system_error(path.parent_path(), "make the folder", error.value());
+  if (error) return fail_to("make the folder", path.parent_path(), error.value());
   return {};
 }
 
@@ -52,7 +44,7 @@ Result<void> write_all(int descriptor, const fs::path& path, std::span<const uin
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
     if (written < 0) {
       if (errno == EINTR) continue;
-      return system_error(path, "write", errno);
+      return fail_to("write", path, errno);
     }
     bytes = bytes.subspan(static_cast<size_t>(written));
   }
@@ -62,7 +54,7 @@ Result<void> write_all(int descriptor, const fs::path& path, std::span<const uin
 Result<void> write_stream(const fs::path& path, std::span<const uint8_t> bytes) {
   E2LF_ASSIGN_OR_RETURN(const int descriptor, open_stream(path));
   const Result<void> status = write_all(descriptor, path, bytes);
-  if (::close(descriptor) != 0 && status.ok()) return system_error(path, "write", errno);
+  if (::close(descriptor) != 0 && status.ok()) return fail_to("write", path, errno);
   return status;
 }
 
@@ -70,7 +62,7 @@ Result<void> write_stream(const fs::path& path, std::span<const uint8_t> bytes) 
 
 Result<std::vector<uint8_t>> read_head(const fs::path& path, size_t most) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return system_error(path, "open", errno);
+  if (descriptor < 0) return fail_to("open", path, errno);
   struct stat info {};
   std::vector<uint8_t> bytes;
   if (::fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode)) {
@@ -86,7 +78,7 @@ Result<std::vector<uint8_t>> read_head(const fs::path& path, size_t most) {
     if (count == 0) break;
     if (count < 0 && error_number != EINTR) {
       ::close(descriptor);
-      return system_error(path, "read", error_number);
+      return fail_to("read", path, error_number);
     }
   }
   ::close(descriptor);
@@ -113,10 +105,10 @@ Result<int> open_stream(const fs::path& path) {
       return descriptor;
     }
     const bool has_no_reader = errno == ENXIO && waiting != 0;
-    if (errno != EINTR && !has_no_reader) return system_error(path, "write", errno);
+    if (errno != EINTR && !has_no_reader) return fail_to("write", path, errno);
     if (stop_requested()) {
-      return Error{ErrorCode::kCancelled,
-                   "no program read from here before the run was stopped; start the reader first", path.string()};
+      return fail(ErrorCode::kCancelled, path,
+                  "no program read from here before the run was stopped; start the reader first");
     }
     if (has_no_reader) std::this_thread::sleep_for(kReaderPoll);
   }
@@ -127,12 +119,12 @@ Result<void> write_file(const fs::path& path, std::span<const uint8_t> bytes) {
   E2LF_RETURN_IF_ERROR(make_parent(path));
   const fs::path staging = staging_name(path);
   const int descriptor = ::open(staging.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) return system_error(path, "write", errno);
+  if (descriptor < 0) return fail_to("write", path, errno);
   // The lock shows that the writer is alive; see remove_dead_parts().
   static_cast<void>(::flock(descriptor, LOCK_EX | LOCK_NB));
   Result<void> status = write_all(descriptor, path, bytes);
-  if (::close(descriptor) != 0 && status.ok()) status = system_error(path, "write", errno);
-  if (status.ok() && ::rename(staging.c_str(), path.c_str()) != 0) status = system_error(path, "write", errno);
+  if (::close(descriptor) != 0 && status.ok()) status = fail_to("write", path, errno);
+  if (status.ok() && ::rename(staging.c_str(), path.c_str()) != 0) status = fail_to("write", path, errno);
   if (!status.ok()) ::unlink(staging.c_str());
   return status;
 }
@@ -144,7 +136,7 @@ Result<void> write_file(const fs::path& path, const std::string& text) {
 Result<void> check_output(const fs::path& path, bool overwrite) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
-    return Error{ErrorCode::kExists, "the output is a file, and a folder has this name; choose another", path.string()};
+    return fail(ErrorCode::kExists, path, "the output is a file, and a folder has this name; choose another");
   }
   if (!overwrite && !is_stream(path) && fs::exists(fs::symlink_status(path, error))) {
     return Error{ErrorCode::kExists, "the output exists already; replace it or choose another", path.string(),
@@ -155,8 +147,8 @@ Result<void> check_output(const fs::path& path, bool overwrite) {
 
 Result<AtomicFile> AtomicFile::create(const fs::path& target) {
   if (is_stream(target)) {
-    return Error{ErrorCode::kUnsupported, "this is a device or a pipe, but the format requires seeking; give a file",
-                 target.string()};
+    return fail(ErrorCode::kUnsupported, target,
+                "this is a device or a pipe, but the format requires seeking; give a file");
   }
   E2LF_RETURN_IF_ERROR(make_parent(target));
   return AtomicFile(target, staging_name(target));
@@ -170,7 +162,7 @@ AtomicFile::~AtomicFile() {
 }
 
 Result<void> AtomicFile::commit() {
-  if (::rename(staging_.c_str(), target_.c_str()) != 0) return system_error(target_, "write", errno);
+  if (::rename(staging_.c_str(), target_.c_str()) != 0) return fail_to("write", target_, errno);
   staging_.clear();
   return {};
 }

@@ -10,6 +10,7 @@
 #include <unistd.h>
 #include <vector>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
@@ -19,16 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char kRecord[] = "run.json";
-
-Error io_error(const fs::path& path, const char* action, int error_number) {
-  return {ErrorCode::kIo,
-          cat("cannot ", action, " (", std::strerror(error_number), "); check the disk and the folder's permissions"),
-          path.string()};
-}
-
-Error exists(const fs::path& path, const std::string& what) {
-  return {ErrorCode::kExists, what, path.string()};
-}
 
 /// Returns the record of a folder, or null if it has none written by e2lf. A link does not count as a record.
 Json record_of(const fs::path& path) {
@@ -95,7 +86,7 @@ Result<std::vector<fs::path>> foreign_entries(const fs::path& folder) {
                                                   : fs::is_regular_file(status) && listed.count(inner) > 0;
     if (!is_ours) foreign.push_back(inner);
   }
-  if (error) return io_error(folder, "look through the folder", error.value());
+  if (error) return fail_to("look through the folder", folder, error.value());
   return foreign;
 }
 
@@ -120,12 +111,13 @@ Result<void> carry_over(const fs::path& from, const fs::path& to, const fs::path
     } else if (::linkat(AT_FDCWD, old_name.c_str(), AT_FDCWD, new_name.c_str(), 0) == 0) {
       continue;
     } else if (errno != EEXIST) {
-      return io_error(target / inner, "keep this file, which e2lf did not write", errno);
+      return fail_to("keep this file, which e2lf did not write", target / inner, errno);
     }
     if (is_same(old_name, new_name)) continue;
-    return exists(target, cat("the folder holds ", inner.string(),
-                              ", which e2lf did not write and would have to replace; move it away or choose another "
-                              "folder"));
+    return fail(ErrorCode::kExists, target,
+                cat("the folder holds ", inner.string(),
+                    ", which e2lf did not write and would have to replace; move it away or choose another "
+                    "folder"));
   }
   return {};
 }
@@ -135,18 +127,18 @@ Result<void> check_replaceable(const fs::path& target, bool overwrite) {
   const fs::file_status status = fs::symlink_status(target, error);
   if (!fs::exists(status)) return {};
   if (!fs::is_directory(status)) {
-    return exists(target, "the output is a folder, and a file or link has this name; choose another");
+    return fail(ErrorCode::kExists, target, "the output is a folder, and a file or link has this name; choose another");
   }
   if (!overwrite) {
     return Error{ErrorCode::kExists, "the output exists already; replace it or choose another", target.string(),
                  Setting::kOverwrite};
   }
   if (fs::is_empty(target, error)) return {};
-  if (error) return io_error(target, "look into the folder", error.value());
+  if (error) return fail_to("look into the folder", target, error.value());
   if (record_of(target / kRecord).is_null()) {
-    return exists(target,
-                  "e2lf did not write this folder (it contains no run.json of e2lf), so it is never replaced; choose "
-                  "another folder");
+    return fail(ErrorCode::kExists, target,
+                "e2lf did not write this folder (it contains no run.json of e2lf), so it is never replaced; choose "
+                "another folder");
   }
   E2LF_ASSIGN_OR_RETURN(const auto foreign, foreign_entries(target));
   static_cast<void>(foreign);
@@ -167,21 +159,21 @@ Result<void> rename_to_free(const fs::path& from, const fs::path& to) {
     error_number = errno;
   }
   if (error_number == EEXIST || error_number == EINVAL) {
-    return exists(to, "the output was created by another program in the meantime; choose another");
+    return fail(ErrorCode::kExists, to, "the output was created by another program in the meantime; choose another");
   }
-  return io_error(to, "put the folder in place", error_number);
+  return fail_to("put the folder in place", to, error_number);
 }
 
 /// Swaps `place` and `target`, atomically if the file system supports it.
 Result<void> exchange(const fs::path& place, const fs::path& target) {
   if (rename_with(place, target, RENAME_EXCHANGE) == 0) return {};
-  if (errno != EINVAL && errno != ENOSYS) return io_error(target, "replace the folder", errno);
+  if (errno != EINVAL && errno != ENOSYS) return fail_to("replace the folder", target, errno);
   const fs::path aside = place.parent_path() / "replaced";
-  if (::rename(target.c_str(), aside.c_str()) != 0) return io_error(target, "replace the folder", errno);
+  if (::rename(target.c_str(), aside.c_str()) != 0) return fail_to("replace the folder", target, errno);
   if (::rename(place.c_str(), target.c_str()) != 0) {
     const int error_number = errno;
     static_cast<void>(::rename(aside.c_str(), target.c_str()));
-    return io_error(target, "replace the folder", error_number);
+    return fail_to("replace the folder", target, error_number);
   }
   static_cast<void>(::rename(aside.c_str(), place.c_str()));
   return {};
@@ -239,7 +231,7 @@ Result<ResultFolder> ResultFolder::create(const fs::path& named, bool overwrite)
   ResultFolder folder(target, overwrite, std::move(workspace));
   std::error_code error;
   fs::create_directory(folder.place_, error);
-  if (error) return io_error(target, "make the folder", error.value());
+  if (error) return fail_to("make the folder", target, error.value());
   return folder;
 }
 
@@ -264,7 +256,7 @@ Result<fs::path> ResultFolder::begin_part(const std::string& name) {
   const fs::path folder = (is_committed_ ? workspace_.path() / "parts" : place_) / name;
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return io_error(target_ / name, "make the folder", error.value());
+  if (error) return fail_to("make the folder", target_ / name, error.value());
   return folder;
 }
 

@@ -179,6 +179,9 @@ Result<Safetensors> decode_safetensors(std::span<const uint8_t> bytes, const std
   }
   uint64_t length = 0;
   std::memcpy(&length, bytes.data(), kLengthSize);
+  if (length > bytes.size() - kLengthSize && (bytes.front() == '{' || bytes.front() == '[')) {
+    return Error{ErrorCode::kFormat, "this is a JSON file, not a model; give a .safetensors file", name};
+  }
   if (length > bytes.size() - kLengthSize) {
     return Error{ErrorCode::kTruncated,
                  cat("a header of ", length, " bytes is larger than the file (", bytes.size(),

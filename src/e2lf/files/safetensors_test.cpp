@@ -174,5 +174,13 @@ TEST(Safetensors, FilesRoundTrip) {
   EXPECT_EQ(read_safetensors(folder / "none.safetensors").error().code, ErrorCode::kNotFound);
 }
 
+TEST(Safetensors, SaysThatAJsonFileIsNoModel) {
+  const std::string text = "{\n  \"patterns\": []\n}\n";
+  const auto read = decode_safetensors({reinterpret_cast<const uint8_t*>(text.data()), text.size()}, "codes.json");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kFormat);
+  EXPECT_NE(read.error().message.find("JSON"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace e2lf

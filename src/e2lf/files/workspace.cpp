@@ -10,6 +10,7 @@
 #include <unistd.h>
 #include <vector>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
@@ -63,11 +64,6 @@ class Descriptor {
 
 Descriptor open_lock(const fs::path& workspace, int flags) {
   return Descriptor(::open((workspace / kLock).c_str(), flags | O_RDWR | O_CLOEXEC | O_NOFOLLOW, 0666));
-}
-
-Error cannot_write(const fs::path& target, const std::string& reason) {
-  return {ErrorCode::kIo, cat("cannot write here (", reason, "); check the folder's permissions and its disk"),
-          target.string()};
 }
 
 /// Removes the abandoned workspaces of a target. Fails if one is in use.
@@ -142,10 +138,7 @@ Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dea
   std::error_code error;
   const fs::path folder = folder_of(target);
   fs::create_directories(folder, error);
-  if (error) {
-    return Error{ErrorCode::kIo, cat("cannot make the folder (", error.message(), "); check the path"),
-                 folder.string()};
-  }
+  if (error) return fail_to("make the folder", folder, error.value());
   // Only one process at a time looks for other workspaces and makes its own. Where folders cannot be locked, two
   // processes that start at the same moment may both continue; the one that ends later then finds that the output
   // exists.
@@ -155,12 +148,12 @@ Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dea
   const int number = __atomic_add_fetch(&counter, 1, __ATOMIC_RELAXED);
   const fs::path path = folder / cat(stem_of(target), ::getpid(), ".", number, ".part");
   fs::create_directory(path, error);
-  if (error) return cannot_write(target, error.message());
+  if (error) return fail_to("write here", target, error.value());
   Descriptor lock = open_lock(path, O_CREAT);
   if (!lock.is_open()) {
-    const std::string reason = std::strerror(errno);
+    const int error_number = errno;
     fs::remove(path, error);
-    return cannot_write(target, reason);
+    return fail_to("write here", target, error_number);
   }
   static_cast<void>(lock.locks(LOCK_EX | LOCK_NB));
   return Workspace(path, lock.release());

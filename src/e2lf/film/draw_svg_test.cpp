@@ -13,7 +13,7 @@ constexpr const char* kDrawing =
     "<rect width=\"100%\" height=\"100%\" fill=\"white\"/><rect width=\"10\" height=\"5\" fill=\"#ff8000\"/></svg>";
 
 TEST(DrawSvg, HasTheColoursOfTheDrawingAtTheSizeAskedFor) {
-  if (!can_write_films()) GTEST_SKIP() << "a build without FFmpeg's libraries";
+  if (!check_film_support()) GTEST_SKIP() << "a build without FFmpeg's libraries";
   const auto image = draw_svg(kDrawing, 80);
   ASSERT_TRUE(image) << image.error().text();
   ASSERT_EQ(image->width, 80U);
@@ -30,7 +30,7 @@ TEST(DrawSvg, HasTheColoursOfTheDrawingAtTheSizeAskedFor) {
 }
 
 TEST(DrawSvg, SaysWhatIsNoDrawing) {
-  if (!can_write_films()) GTEST_SKIP() << "a build without FFmpeg's libraries";
+  if (!check_film_support()) GTEST_SKIP() << "a build without FFmpeg's libraries";
   const auto image = draw_svg("no drawing", 80);
   ASSERT_FALSE(image);
   EXPECT_EQ(image.error().code, ErrorCode::kFormat);

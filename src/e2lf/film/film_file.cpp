@@ -153,8 +153,8 @@ struct FilmFile::Impl {
   }
 };
 
-bool can_write_films() {
-  return true;
+Result<void> check_film_support() {
+  return {};
 }
 
 FilmFile::FilmFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

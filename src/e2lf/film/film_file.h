@@ -19,8 +19,8 @@ enum class FilmFormat {
 /// Returns the format of an extension: .gif, .webm or .mp4. Fails with kUnsupported.
 [[nodiscard]] Result<FilmFormat> film_format_of(const std::filesystem::path& path);
 
-/// Returns true if this build can write films.
-[[nodiscard]] bool can_write_films();
+/// Fails with kMissingDependency if this build has no libraries for films and for PNG images of charts.
+[[nodiscard]] Result<void> check_film_support();
 
 struct FilmOptions {
   FilmFormat format = FilmFormat::kGif;

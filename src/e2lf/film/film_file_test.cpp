@@ -31,7 +31,7 @@ Result<void> write(const std::filesystem::path& path, size_t frames, size_t chan
 class Film : public testing::Test {
  protected:
   void SetUp() override {
-    if (!can_write_films()) GTEST_SKIP() << "this build writes no films";
+    if (!check_film_support()) GTEST_SKIP() << "this build writes no films";
     std::filesystem::create_directories(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }

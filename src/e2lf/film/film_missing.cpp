@@ -7,23 +7,21 @@ namespace e2lf::film {
 
 struct FilmFile::Impl {};
 
-bool can_write_films() {
-  return false;
+Result<void> check_film_support() {
+  return Error{
+      ErrorCode::kMissingDependency,
+      "this build writes no films and no PNG of charts; install libavcodec-dev, libavformat-dev, libavutil-dev "
+      "and libswscale-dev and build again, or write a chart as .svg",
+      ""};
 }
 
-Result<FilmFile> FilmFile::create(const std::filesystem::path& path, const FilmOptions& /*options*/,
+Result<FilmFile> FilmFile::create(const std::filesystem::path& /*path*/, const FilmOptions& /*options*/,
                                   const lightfield::Image& /*first*/) {
-  return Error{ErrorCode::kMissingDependency,
-               "this build writes no films; install libavcodec-dev, libavformat-dev, libavutil-dev and libswscale-dev "
-               "and build again",
-               path.string()};
+  return check_film_support().error();
 }
 
 Result<lightfield::Image> draw_svg(const std::string& /*svg*/, size_t /*width*/) {
-  return Error{ErrorCode::kMissingDependency,
-               "this build draws no PNG of charts; write the picture as .svg, or install libavcodec-dev, "
-               "libavformat-dev, libavutil-dev and libswscale-dev and build again",
-               ""};
+  return check_film_support().error();
 }
 
 FilmFile::FilmFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -138,6 +138,10 @@ void Session::choose_views(LiveField& field) {
 /// Makes field.views of a cycle.
 Result<void> Session::make_views(const LiveCycle& cycle, bool exactly, LiveField& field) {
   const std::lock_guard lock(maker_mutex_);
+  return make_views_locked(cycle, exactly, field);
+}
+
+Result<void> Session::make_views_locked(const LiveCycle& cycle, bool exactly, LiveField& field) {
   FieldMaker& maker = makers_[field.level.network];
   const size_t side = block_side(field.level.size), samples = cycle.cycles * side * side;
   if (side > 1) sum_blocks(cycle.counts.events, side, sums_.events);
@@ -243,14 +247,14 @@ std::optional<float> Session::disparity_at(float x, float y) {
 /// Computes the missing views of the displayed light field, unless the next one is being reconstructed. field_mutex_
 /// must be locked.
 bool Session::complete() {
-  {
-    const std::unique_lock idle(maker_mutex_, std::try_to_lock);
-    if (!idle.owns_lock()) return false;
-  }
-  shown_.views.clear();
-  const Result<void> made = make_views(shown_.cycle, false, shown_);
-  if (!made) fail(made.error());
-  return made.ok();
+  const std::unique_lock idle(maker_mutex_, std::try_to_lock);
+  if (!idle.owns_lock()) return false;
+  const std::vector<size_t> views = std::exchange(shown_.views, {});
+  const Result<void> made = make_views_locked(shown_.cycle, false, shown_);
+  if (made) return true;
+  shown_.views = views;
+  fail(made.error());
+  return false;
 }
 
 std::optional<LiveField> Session::freeze() {

@@ -99,6 +99,8 @@ class Session {
   void show();
   [[nodiscard]] Result<void> make(LiveCycle& cycle, LiveField& field);
   [[nodiscard]] Result<void> make_views(const LiveCycle& cycle, bool exactly, LiveField& field);
+  /// The same if maker_mutex_ is locked already.
+  [[nodiscard]] Result<void> make_views_locked(const LiveCycle& cycle, bool exactly, LiveField& field);
   [[nodiscard]] Pace pace_of(std::optional<PictureSize> size) const;
   void choose_views(LiveField& field);
   [[nodiscard]] bool complete();

@@ -52,7 +52,7 @@ Result<Json> header_of(const Safetensors& tensors, const std::string& file) {
     return Error{
         ErrorCode::kFormat,
         "not an e2lf model (its metadata has no \"e2lf\"); `e2lf model import` creates one from the weights of "
-        "the paper (--release FOLDER) or of a published network (--checkpoint FILE)",
+        "the paper or of a published network",
         file};
   }
   return parse_json(metadata->second, cat(file, ": ", kMetadataKey));

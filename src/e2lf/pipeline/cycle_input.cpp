@@ -127,4 +127,22 @@ bool CycleInput::is_without_events() const {
          std::all_of(file_.cycles.begin(), file_.cycles.end(), is_empty);
 }
 
+Result<void> choose_source(cycles::CycleOptions& options, const std::optional<int64_t>& origin_us) {
+  using cycles::CycleSource;
+  if (options.source == CycleSource::kAuto) {
+    const bool has_triggers = options.one_trigger_per_cycle || options.channel;
+    options.source = has_triggers ? CycleSource::kTriggers : origin_us ? CycleSource::kSchedule : CycleSource::kAuto;
+  }
+  // Triggers are often set up to begin with the sequence, which does not hold for bursts.
+  const bool may_be_triggers = options.source == CycleSource::kTriggers || options.source == CycleSource::kAuto;
+  if (may_be_triggers) options.tracker.likely_first_pattern = 0;
+  if (options.source == CycleSource::kSchedule && !origin_us) {
+    return Error{ErrorCode::kInvalidValue,
+                 "the schedule does not state when a cycle began; give that time, or use the events as the source",
+                 "origin_us"};
+  }
+  options.origin_us = origin_us.value_or(0);
+  return {};
+}
+
 }  // namespace e2lf::pipeline

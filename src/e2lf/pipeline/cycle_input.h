@@ -92,4 +92,9 @@ uint64_t add_counts(const capture::EventImages& more, capture::EventImages& sum)
 /// input is not live.
 [[nodiscard]] double behind_s(const cycles::Cycle& cycle);
 
+/// Completes the options of a reader of cycles. An automatic source becomes the one that other options imply: triggers
+/// if their channel or kind is given, and the schedule if `origin_us`, the time at which the first pattern of any cycle
+/// began, is given. Fails with kInvalidValue if the schedule is the source and this time is missing.
+[[nodiscard]] Result<void> choose_source(cycles::CycleOptions& options, const std::optional<int64_t>& origin_us);
+
 }  // namespace e2lf::pipeline

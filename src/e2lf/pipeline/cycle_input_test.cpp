@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "e2lf/files/file.h"
+#include "e2lf/files/result_folder.h"
+#include "e2lf/pipeline/recorded_setup.h"
+#include "testing/test_files.h"
+
 namespace e2lf::pipeline {
 namespace {
 
@@ -49,6 +54,20 @@ TEST(CycleInput, ErrorsNameTheOption) {
   for (auto& cycle : images.cycles) cycle.kind = capture::MeasurementKind::kCodedImages;
   EXPECT_EQ(location(images, {.cycles_per_field = 2}), "cycles");
   EXPECT_EQ(location(images, {.invert_polarity = true}), "invert_polarity");
+}
+
+TEST(RecordedSetup, IsThatOfTheRecordingThatIsReplayed) {
+  const TestFolder folder;
+  const std::filesystem::path recording = folder / "a.npy";
+  ASSERT_TRUE(write_file(recording, std::string("events")));
+  const capture::RecordedSetup written{.views = capture::kTurned};
+  const Json record = {{"written_by", "e2lf"}, {"notes", setup_notes(written, recording)}};
+  ASSERT_TRUE(write_file(record_path_beside(recording), json_text(record)));
+  for (const char* name : {"", "replay:", "camera://replay/"}) {
+    const auto setup = recorded_setup(name + recording.string(), {}).value();
+    ASSERT_TRUE(setup.views.has_value()) << name;
+    EXPECT_EQ(*setup.views, capture::kTurned);
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "e2lf/capture/profile/profile_record.h"
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/files/result_folder.h"
+#include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::pipeline {
 namespace fs = std::filesystem;
@@ -28,7 +29,9 @@ Json with_size(Json note, const fs::path& recording) {
 
 /// Returns a note of the run record beside a recording, or nothing if the file with this name is not a record of e2lf
 /// or describes another recording.
-std::optional<Json> note_beside(const fs::path& recording, const char* key) {
+std::optional<Json> note_beside(const fs::path& named, const char* key) {
+  const fs::path recording = recordings::file_of_recording(named.string());
+  if (recording.empty()) return std::nullopt;
   const fs::path path = record_path_beside(recording);
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return std::nullopt;

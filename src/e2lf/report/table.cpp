@@ -8,6 +8,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/csv.h"
 #include "e2lf/files/options.h"
 #include "e2lf/report/markup.h"
 
@@ -31,16 +32,6 @@ bool has_best(const Table& table, size_t column) {
 std::string padded(const std::string& text, size_t width, bool is_right) {
   const std::string space(width - std::min(width, num_characters(text)), ' ');
   return is_right ? space + text : text + space;
-}
-
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
 }
 
 std::string csv_value(const Json& value) {
@@ -99,8 +90,12 @@ void add_facts(const Json& facts, const std::string& prefix, Table& table) {
   for (const auto& [key, value] : facts.items()) {
     std::string name = prefix + key;
     std::replace(name.begin(), name.end(), '_', ' ');
+    const bool is_list = value.is_array() && !value.empty() && value.size() <= kMostListed &&
+                         std::ranges::all_of(value, [](const Json& each) { return each.is_object(); });
     if (value.is_object()) {
       add_facts(value, name + " ", table);
+    } else if (is_list) {
+      for (size_t i = 0; i < value.size(); ++i) add_facts(value[i], cat(name, " ", i + 1, " "), table);
     } else {
       table.rows.push_back({text_cell(name), {fact_text(value), value}});
     }

@@ -39,8 +39,8 @@ struct Table {
 void mark_best(Table& table, size_t column, bool is_least = false);
 
 /// Lists the values of an object as rows of "name" and "value". Members of nested objects are prefixed with the name of
-/// their object, and "_" in a name becomes a space. A list of up to 16 plain values is shown in one cell; of other
-/// lists, only the length is shown.
+/// their object, and "_" in a name becomes a space. A list of up to 16 plain values is shown in one cell, and each
+/// of up to 16 objects in rows of its own; of other lists, only the length is shown.
 [[nodiscard]] Table facts_table(const Json& facts);
 
 /// Formats a table for a terminal: a heading, one line per row, and aligned columns. "-" stands for a missing value,

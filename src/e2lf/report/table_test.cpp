@@ -80,7 +80,7 @@ TEST(FactsTable, HasALineForEachValue) {
   std::vector<std::string> lines;
   for (const auto& row : facts_table(facts).rows) lines.push_back(row[0].text + ": " + row[1].text);
   EXPECT_THAT(lines, testing::UnorderedElementsAre("least confidence: 0.5", "found complete: 3", "found is live: yes",
-                                                   "found channels: 1, 2", "nothing: -", "rows: 2 entries"));
+                                                   "found channels: 1, 2", "nothing: -", "rows 1 a: 1", "rows 2 a: 2"));
 }
 
 }  // namespace

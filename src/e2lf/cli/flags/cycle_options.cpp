@@ -5,9 +5,10 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cli/flags/file_kind.h"
-#include "e2lf/cli/flags/option_values.h"
+#include "e2lf/info/file_kind.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/recorded_setup.h"
+#include "e2lf/program/option_values.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {
@@ -38,14 +39,6 @@ Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& in
   }
   if (!uses_all_transitions(flags, schedule, of_whole.has_value())) return schedule;
   return with_all_transitions(std::move(schedule));
-}
-
-/// Returns the source that was given, or the one that other flags imply.
-cycles::CycleSource source_of(const CycleFlags& flags) {
-  const cycles::CycleSource named = choice_of(flags.source, kCycleSources);
-  if (named != cycles::CycleSource::kAuto) return named;
-  if (flags.one_trigger_per_cycle || flags.channel) return cycles::CycleSource::kTriggers;
-  return flags.origin_us ? cycles::CycleSource::kSchedule : cycles::CycleSource::kAuto;
 }
 
 }  // namespace
@@ -92,23 +85,15 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
 Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Schedule schedule) {
   cycles::CycleOptions options;
   options.schedule = std::move(schedule);
-  options.source = source_of(flags);
+  options.source = choice_of(flags.source, kCycleSources);
   options.invert_polarity = flags.invert_polarity;
   options.edge = choice_of(flags.edge, kTriggerEdges);
   options.channel = flags.channel;
   options.one_trigger_per_cycle = flags.one_trigger_per_cycle;
   options.trigger_delay_us = flags.trigger_delay_us;
   options.tracker.first_pattern = flags.first_pattern;
-  // Triggers are often set up to begin with the sequence, which does not hold for bursts.
-  const bool may_be_triggers =
-      options.source == cycles::CycleSource::kTriggers || options.source == cycles::CycleSource::kAuto;
-  if (may_be_triggers) options.tracker.likely_first_pattern = 0;
-  if (options.source == cycles::CycleSource::kSchedule && !flags.origin_us) {
-    return Error{ErrorCode::kInvalidValue,
-                 "the schedule does not state when a cycle began; give that time, or use the events (--source bursts)",
-                 "--origin-us"};
-  }
-  options.origin_us = flags.origin_us.value_or(0);
+  if (const auto chosen = pipeline::choose_source(options, flags.origin_us); !chosen)
+    return by_flag(chosen.error(), {});
   if (flags.filter_pixels) options.filter = cycles::PixelFilterOptions{};
   return options;
 }
@@ -130,6 +115,7 @@ Error by_flag(Error error, const fs::path& input) {
                                                             {"cycles", "--cycles-per-field"},
                                                             {"invert_polarity", "--invert-polarity"},
                                                             {"max_cycles", "--max-cycles"},
+                                                            {"origin_us", "--origin-us"},
                                                             {"passes", "--passes"},
                                                             {"transitions", "--transitions all"}};
   for (const auto& [option, flag] : kFlags) {

@@ -8,17 +8,21 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/flags/recording_flags.h"
-#include "e2lf/cli/output/cycle_report.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/diagnose/rig.h"
+#include "e2lf/info/cycle_report.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/method.h"
+#include "e2lf/program/option_values.h"
 
 namespace e2lf::cli {
 
+inline constexpr Choice<cycles::CycleSource> kCycleSources[] = {{"auto", cycles::CycleSource::kAuto},
+                                                                {"triggers", cycles::CycleSource::kTriggers},
+                                                                {"bursts", cycles::CycleSource::kBursts},
+                                                                {"schedule", cycles::CycleSource::kSchedule}};
 inline constexpr Choice<cycles::TriggerEdge> kTriggerEdges[] = {{"rising", cycles::TriggerEdge::kRising},
                                                                 {"falling", cycles::TriggerEdge::kFalling},
                                                                 {"both", cycles::TriggerEdge::kBoth}};

@@ -2,7 +2,8 @@
 #include "e2lf/cli/flags/display_flags.h"
 
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cli/flags/option_values.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 

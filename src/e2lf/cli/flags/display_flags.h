@@ -8,9 +8,10 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/patterns/display.h"
-#include "e2lf/cli/flags/inputs.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/lightfield/image.h"
+#include "e2lf/program/inputs.h"
 
 namespace e2lf::cli {
 

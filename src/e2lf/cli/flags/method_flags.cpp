@@ -6,7 +6,8 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_values.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -87,8 +88,8 @@ void say_taken(const std::string& name, bool is_for_pixels) {
 }
 
 void warn_of_assumed_patterns(const fs::path& events, const std::string& whose) {
-  log_warning(cat(events.string(), " does not state which patterns the camera showed; those of ", whose,
-                  " are assumed"));
+  log_warning(
+      cat(events.string(), " does not state which patterns the camera showed; those of ", whose, " are assumed"));
 }
 
 /// Records the source of the patterns, and warns unless the network was trained for them.

@@ -5,10 +5,11 @@
 #include <filesystem>
 #include <string>
 
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/output/run_record.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/pipeline/field_sequence.h"
 #include "e2lf/pipeline/method.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/files/options.h"
+#include "e2lf/cli/verbs.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/recordings/camera_setup.h"
 #include "e2lf/recordings/recording.h"
 
@@ -56,40 +57,5 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
 /// --restart split if the caller does not call next_part().
 [[nodiscard]] Result<recordings::OpenOptions> open_options(const std::filesystem::path& input,
                                                            const RecordingFlags& flags, bool reads_parts = false);
-
-/// Logs what the recording does not state and was therefore assumed.
-void say_assumptions(const recordings::RecordingReader& reader);
-
-/// Returns the text of an assumption with the flag that overrides it.
-[[nodiscard]] std::string assumption_text(const recordings::Assumption& assumption);
-
-/// Returns how a table of events was read: {"columns", "time_unit", "polarity"}; null for other recordings.
-[[nodiscard]] Json reading_json(const recordings::RecordingInfo& info);
-
-/// Returns the header of a recording: the identity of the sensor, and the settings of a live camera.
-[[nodiscard]] Json header_json(const recordings::RecordingInfo& info);
-
-/// Returns the notes for the record on how a recording was read: "read_as", and "header" of a live input.
-[[nodiscard]] Json reading_notes(const std::filesystem::path& input, const recordings::RecordingInfo& info);
-
-/// Returns the counts of the sensor itself: {"events_in", "events_sent"}; null if it reported none.
-[[nodiscard]] Json sensor_json(const recordings::DecodeSummary& summary);
-
-/// Returns the data that were dropped from a recording, by reason: [{"reason", "count", "first_byte"}, ...].
-[[nodiscard]] Json losses_json(const recordings::DecodeSummary& summary);
-
-/// Returns by how much processing was behind live input, and what ended that: {"most_behind_s", "pauses",
-/// "may_have_lost_events", "dropped_bytes", "failure"}; null if the input is not live.
-[[nodiscard]] Json live_json(const recordings::DecodeSummary& summary);
-
-/// Returns the positions at which the clock starts again: [{"byte", "before_us", "after_us", "shift_us"}, ...].
-[[nodiscard]] Json restarts_json(const recordings::DecodeSummary& summary);
-
-/// Logs, even with --quiet, which data were dropped, where the clock started again, and whether processing was behind
-/// live input; nothing if none of this happened. Should also be called before a verb fails for lack of events.
-void warn_of_losses(const std::filesystem::path& input, const recordings::DecodeSummary& summary);
-
-/// Returns ", 20 of them sorted to their place", or an empty string if all events were in order.
-[[nodiscard]] std::string sorted_text(const recordings::DecodeSummary& summary);
 
 }  // namespace e2lf::cli

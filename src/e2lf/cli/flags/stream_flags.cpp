@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/turntable_scene.h"
+#include "e2lf/program/option_values.h"
 #include "e2lf/streams/stream_options.h"
 
 namespace e2lf::cli {

@@ -7,7 +7,8 @@
 #include <string>
 
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/cli/flags/light_field_flags.h"
+#include "e2lf/cli/verbs.h"
+#include "e2lf/program/light_field_flags.h"
 #include "e2lf/streams/virtual_rig.h"
 
 namespace e2lf::cli {

@@ -5,9 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/cli/output/cycle_report.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/field_check.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/cycle_report.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/field_sequence.h"

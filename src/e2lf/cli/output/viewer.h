@@ -7,6 +7,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/lightfield/light_field.h"
 
 /// What other verbs show in the viewer. In a build without it, these functions fail with kMissingDependency.

@@ -2,23 +2,24 @@
 // e2lf accumulate: divides a recording into pattern cycles and accumulates their event images
 
 #include "e2lf/base/clock.h"
+#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/file_kind.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/report_output.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/rate_plot.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/cycle_report.h"
+#include "e2lf/info/file_kind.h"
+#include "e2lf/info/page_parts.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/patterns.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/report_output.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/recordings/event_rate.h"
 #include "e2lf/terminal/progress_bar.h"
 
@@ -125,6 +126,12 @@ Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const
   return page;
 }
 
+/// Saves the complete cycles of an interrupted run.
+std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
+  const auto cycles = capture::recover_event_images(partial, kept);
+  return cycles && *cycles > 0 ? counted(*cycles, "cycle") : std::string();
+}
+
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   if (arguments.output.extension() != ".npz") {
@@ -133,8 +140,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   }
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");
-  OutputRules rules{.inputs = {arguments.input, arguments.cycles.schedule, arguments.codes},
-                    .overwrite = common.overwrite};
+  OutputRules rules = output_rules(verb, {arguments.input, arguments.cycles.schedule, arguments.codes});
   E2LF_ASSIGN_OR_RETURN(ChartOutput chart, ChartOutput::open(arguments.plot, rules));
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   rules.recover = recover_cycles;

@@ -4,16 +4,15 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/film/film_file.h"
 #include "e2lf/film/parallax.h"
 #include "e2lf/lightfield/refocus.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -78,7 +77,8 @@ Result<void> write_film(const fs::path& file, film::FilmFormat format, const Ani
 Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}));
+  E2LF_RETURN_IF_ERROR(located(film::check_film_support(), arguments.output));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
   RunRecord record("animate", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
                                                                    {arguments.still, arguments.from, arguments.to}));
@@ -109,7 +109,7 @@ Result<void> make_quilt(const AnimateArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
                                                                    {arguments.still, arguments.from, arguments.to}));
   const fs::path named = quilt_name(arguments.output, light_field.shape(), arguments.quilt);
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, verb, {arguments.input}));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(named, verb, {arguments.input}));
   E2LF_ASSIGN_OR_RETURN(const auto picture,
                         located(film::quilt_picture(light_field, arguments.quilt, arguments.still), arguments.input));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));

@@ -6,19 +6,20 @@
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/calibrate/report.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/inputs.h"
 #include "e2lf/cli/flags/method_flags.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/info/cycle_report.h"
 #include "e2lf/model/model.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/recon/event_check.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
@@ -204,14 +205,15 @@ std::string next_step(const CalibrateArguments& arguments) {
 
 Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  OutputRules rules{.inputs = arguments.inputs, .overwrite = common.overwrite};
-  rules.inputs.insert(rules.inputs.end(), {arguments.codes.codes, arguments.codes.model, arguments.camera});
+  std::vector<fs::path> inputs = arguments.inputs;
+  inputs.insert(inputs.end(), {arguments.codes.codes, arguments.codes.model, arguments.camera});
+  OutputRules rules = output_rules(verb, inputs);
   E2LF_RETURN_IF_ERROR(check_distinct(arguments));
   rules.ending = ".json";
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   rules.ending = ".npy";
-  E2LF_ASSIGN_OR_RETURN(auto thresholds, open_optional(arguments.threshold_map, rules));
-  E2LF_ASSIGN_OR_RETURN(auto bad, open_optional(arguments.bad_pixels, rules));
+  E2LF_ASSIGN_OR_RETURN(auto thresholds, OutputFile::create_optional(arguments.threshold_map, rules));
+  E2LF_ASSIGN_OR_RETURN(auto bad, OutputFile::create_optional(arguments.bad_pixels, rules));
   RunRecord record("calibrate");
   E2LF_ASSIGN_OR_RETURN(capture::SensorProfile start, load_camera(arguments.camera, record));
   std::vector<Source> sources;

@@ -2,16 +2,17 @@
 // e2lf camera: lists and checks live cameras
 #include <cstdio>
 
+#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/flags/recording_flags.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/describe.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/rig.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/describe.h"
+#include "e2lf/info/recording_report.h"
+#include "e2lf/program/option_values.h"
 #include "e2lf/recordings/live/usb_cameras.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 

@@ -6,13 +6,14 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/cli/flags/display_flags.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/schedule.h"
+#include "e2lf/files/csv.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/formats/bitmap.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -50,7 +51,7 @@ int run_codes_show(const std::vector<std::string>& arguments) {
     RunRecord record("codes show");
     E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(source, record));
     if (!output.empty()) {
-      E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, verb, {source.model, source.codes}));
+      E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, {source.model, source.codes}));
       E2LF_RETURN_IF_ERROR(capture::write_codes(file.path(), known.codes));
       E2LF_RETURN_IF_ERROR(file.commit());
     }
@@ -113,7 +114,7 @@ std::string csv_of(const cycles::Schedule& schedule, const std::vector<NamedFram
   int64_t begin_us = 0;
   for (size_t i = 0; i < frames.size(); ++i) {
     const cycles::ScheduledPattern& pattern = schedule.patterns[i];
-    text += cat(i, ',', frames[i].file, ',', pattern.name, ',', begin_us, ',', pattern.duration_us, ',',
+    text += cat(i, ',', frames[i].file, ',', csv_cell(pattern.name), ',', begin_us, ',', pattern.duration_us, ',',
                 pattern.image ? std::to_string(*pattern.image) : "", '\n');
     begin_us += pattern.interval_us();
   }

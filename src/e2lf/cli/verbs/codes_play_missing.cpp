@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf codes play in a build without SDL
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 
 namespace e2lf::cli {
 

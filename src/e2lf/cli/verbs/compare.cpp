@@ -8,15 +8,15 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
-#include "e2lf/cli/version.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/compare/jobs.h"
 #include "e2lf/compare/result_page.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/sha256.h"
+#include "e2lf/info/version.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -135,12 +135,11 @@ Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const compare::Config config, configuration(arguments, verb));
   RunRecord record("compare");
   E2LF_ASSIGN_OR_RETURN(const compare::Plan plan, compare::make_plan(config, surroundings_of(arguments)));
-  OutputRules rules;
-  rules.inputs = plan.files;
-  rules.inputs.push_back(arguments.config);
-  rules.inputs.insert(rules.inputs.end(), arguments.merged.begin(), arguments.merged.end());
+  std::vector<fs::path> inputs = plan.files;
+  inputs.push_back(arguments.config);
+  inputs.insert(inputs.end(), arguments.merged.begin(), arguments.merged.end());
   GrowingFolder folder{"compare", {std::begin(compare::kTableFiles), std::end(compare::kTableFiles)}};
-  E2LF_RETURN_IF_ERROR(folder.open(arguments.output, rules, record.json_so_far(verb)));
+  E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far(verb)));
   record.end_step("plan");
   const compare::ResultStore store(folder.path());
   E2LF_RETURN_IF_ERROR(take_over(arguments, plan, store));

@@ -7,17 +7,17 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/cli/flags/file_kind.h"
-#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/flags/recording_flags.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/file_kind.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/pipeline/recorded_setup.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 
@@ -58,7 +58,7 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   if (lightfield::is_folder_format(write.format)) {
     E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, verb, {arguments.input}));
   } else {
-    E2LF_ASSIGN_OR_RETURN(file, OutputFile::create(arguments.output, verb, {arguments.input}));
+    E2LF_ASSIGN_OR_RETURN(file, open_output(arguments.output, verb, {arguments.input}));
   }
   RunRecord record("convert", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field,
@@ -114,11 +114,9 @@ fs::path part_path(const fs::path& output, size_t number) {
 Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recordings::Codec& codec, size_t number,
                                   const CommonOptions& common) {
   const fs::path named = part_path(arguments.output, number);
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, {.inputs = {arguments.input},
-                                                                      .overwrite = common.overwrite,
-                                                                      .streams = codec.create != nullptr,
-                                                                      .side_file = codec.side_file,
-                                                                      .recover = recover_recording(codec)}));
+  OutputRules rules = recordings::recording_output_rules({arguments.input}, common.overwrite, codec);
+  rules.recover = recordings::recover_recording(codec);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, rules));
   if (number > 1 && output.is_stream()) {
     return Error{ErrorCode::kUnsupported, "a stream can take only one part of the recording; give a file",
                  arguments.output.string()};
@@ -175,7 +173,8 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   E2LF_ASSIGN_OR_RETURN(ConvertedPart first, create_part(arguments, *codec, 1, common));
   parts.push_back(std::move(first));
   // A replay can be repeated.
-  if (codec->is_written_at_end && is_live(arguments.input) && !arguments.input.string().starts_with("replay:")) {
+  if (codec->is_written_at_end && is_live(arguments.input) &&
+      recordings::file_of_recording(arguments.input.string()).empty()) {
     log_warning(cat(arguments.output.string(),
                     ": this format is written at the end of a recording, so that nothing is left after a ",
                     "crash; record to .raw to be safe"));
@@ -218,7 +217,7 @@ Result<std::string> event_image_extension(const ConvertArguments& arguments) {
 Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const std::string extension, event_image_extension(arguments));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
   RunRecord record("convert", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
   if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {

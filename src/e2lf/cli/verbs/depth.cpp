@@ -2,24 +2,23 @@
 // e2lf depth: light field -> disparity map
 #include <cmath>
 
+#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/file_kind.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/view_order.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/file_kind.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -156,7 +155,7 @@ void print_maps(const DepthArguments& arguments, const CommonOptions& common, co
 }
 
 Result<void> to_file(const DepthArguments& arguments, const std::string& extension, const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
   RunRecord record("depth", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const Estimate result, estimate(arguments, arguments.input, verb.common().quiet));
   record.end_step("estimate");

@@ -5,12 +5,11 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -64,7 +63,7 @@ Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
   if (has_view && has_row == has_column) {
     return Error{ErrorCode::kInvalidValue, "--view selects the views of a single cut; give --row or --column", ""};
   }
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}, ".png"));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
   RunRecord record("epi", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet));

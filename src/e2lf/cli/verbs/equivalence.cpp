@@ -5,13 +5,11 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"
 #include "e2lf/terminal/progress_bar.h"

@@ -7,11 +7,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/report_output.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/compare/pictures.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/true_disparity.h"
@@ -19,6 +15,10 @@
 #include "e2lf/eval/report.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/result_folder.h"
+#include "e2lf/info/page_parts.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/report_output.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/terminal/progress_bar.h"
 
@@ -57,17 +57,18 @@ Result<std::vector<Candidate>> candidates_of(const EvalArguments& arguments) {
                ""};
 }
 
-/// Returns the gain in the record of `e2lf reconstruct` beside a reconstruction: that of the cycle, or of all.
-std::optional<double> recorded_gain(const fs::path& path) {
+/// Reads the tone in the record of `e2lf reconstruct` beside a reconstruction: that of the cycle, or of all.
+void read_recorded_tone(const fs::path& path, eval::EvalRow& row) {
   std::error_code error;
   const fs::path folder = fs::is_directory(path, error) ? path : path.parent_path();
   const auto record = read_json(folder / "run.json");
-  if (!record || !is_our_record(folder / "run.json")) return std::nullopt;
-  for (const char* place : {"/cycle/gain", "/options/gain"}) {
-    const Json::json_pointer at(place);
-    if (record->contains(at) && record->at(at).is_number()) return record->at(at).get<double>();
+  if (!record || !is_our_record(folder / "run.json")) return;
+  for (const char* place : {"/options", "/cycle"}) {
+    const Json tone = record->value(Json::json_pointer(place), Json::object());
+    if (!tone.is_object()) continue;
+    if (tone.contains("gain") && tone["gain"].is_number()) row.gain = tone["gain"].get<double>();
+    if (tone.contains("black") && tone["black"].is_number()) row.black = tone["black"].get<double>();
   }
-  return std::nullopt;
 }
 
 /// Returns a grid with one number for each view, in the order of the aperture.
@@ -108,20 +109,22 @@ std::vector<eval::EvalRow> rows_of(const std::vector<Compared>& all) {
   return rows;
 }
 
-/// Returns a line for each gain other than 1, since such a reconstruction does not have the brightness that the method
-/// produced.
-std::string gain_text(const std::vector<eval::EvalRow>& rows) {
+/// Returns a line for each reconstruction that does not have the brightness that the method produced.
+std::string tone_text(const std::vector<eval::EvalRow>& rows) {
   std::string text;
   for (const eval::EvalRow& row : rows) {
-    if (row.gain && *row.gain != 1.0) {
-      text += cat(
-          row.method, ": a gain of ", *row.gain, " was applied when it was reconstructed (run.json)",
-          row.fitted_gain
-              ? ""
-              : "; --fit-gain compares with the best gain, and `e2lf reconstruct --gain 1` reconstructs without one",
-          "\n");
+    const double gain = row.gain.value_or(1), black = row.black.value_or(0);
+    if (gain != 1 || black != 0) {
+      text += cat(row.method, ": toned when it was reconstructed: a gain of ", gain, " and a black level of ", black,
+                  row.fitted_gain ? ""
+                                  : "; --fit-gain compares with the best gain and black level, and `e2lf reconstruct "
+                                    "--gain 1 --black 0` reconstructs without them",
+                  "\n");
     }
-    if (row.fitted_gain) text += cat(row.method, ": compared times ", *row.fitted_gain, ", the least-squares gain\n");
+    if (row.fitted_gain) {
+      text += cat(row.method, ": compared with the least-squares gain of ", *row.fitted_gain, " and black level of ",
+                  *row.fitted_black, "\n");
+    }
   }
   return text;
 }
@@ -162,7 +165,7 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const Truth& tr
   page.paragraph(cat(shape.views_y, "x", shape.views_x, " views of ", shape.width, "x", shape.height, " px, ",
                      shape.channels == 1 ? "grey" : "colour"));
   page.table(eval::quality_table(rows));
-  if (const std::string gains = gain_text(rows); !gains.empty()) page.paragraph(gains);
+  if (const std::string tones = tone_text(rows); !tones.empty()) page.paragraph(tones);
   page.heading("Views").paragraph("The views in the order of the aperture.");
   for (const eval::EvalRow& row : rows) {
     page.begin_row();
@@ -204,7 +207,7 @@ void print_rows(const std::vector<eval::EvalRow>& rows, const Truth& truth, cons
   } else if (arguments.csv) {
     std::printf("%s", report::table_csv(eval::quality_table(rows)).c_str());
   } else if (!common.quiet) {
-    std::printf("%s%s", report::table_text(eval::quality_table(rows)).c_str(), gain_text(rows).c_str());
+    std::printf("%s%s", report::table_text(eval::quality_table(rows)).c_str(), tone_text(rows).c_str());
     if (truth.disparity) std::printf("%s\n", disparity_text(truth).c_str());
     for (const eval::EvalRow& row : rows) {
       const std::string of = rows.size() > 1 ? cat(" of ", row.method) : "";
@@ -258,11 +261,12 @@ Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField 
                      "; compare light fields of one size"),
                  candidate.path.string()};
   }
-  compared.row.gain = recorded_gain(candidate.path);
+  read_recorded_tone(candidate.path, compared.row);
   if (arguments.fit_gain) {
-    const float gain = eval::best_gain(truth, compared.field);
-    for (float& value : compared.field.data()) value *= gain;
-    compared.row.fitted_gain = double{gain};
+    const eval::Tone tone = eval::best_tone(truth, compared.field);
+    for (float& value : compared.field.data()) value = (value - tone.black) * tone.gain;
+    compared.row.fitted_gain = double{tone.gain};
+    compared.row.fitted_black = double{tone.black};
   }
   {
     ProgressBar bar("compare", quiet);
@@ -276,13 +280,13 @@ Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField 
 Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   const bool quiet = verb.common().quiet;
   E2LF_ASSIGN_OR_RETURN(const std::vector<Candidate> candidates, candidates_of(arguments));
-  OutputRules rules{.inputs = {arguments.truth, arguments.events, arguments.true_disparity},
-                    .overwrite = verb.common().overwrite};
-  for (const Candidate& candidate : candidates) rules.inputs.push_back(candidate.path);
+  std::vector<fs::path> inputs = {arguments.truth, arguments.events, arguments.true_disparity};
+  for (const Candidate& candidate : candidates) inputs.push_back(candidate.path);
+  OutputRules rules = output_rules(verb, inputs);
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   rules.streams = true;
   rules.ending = ".json";
-  E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> output, open_optional(arguments.output, rules));
+  E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> output, OutputFile::create_optional(arguments.output, rules));
   Truth truth;
   std::vector<Compared> all;
   for (const Candidate& candidate : candidates) {
@@ -326,7 +330,7 @@ int run_eval(const std::vector<std::string>& arguments) {
                  "NAME=PATH: a reconstruction and its name in tables and images; may be given several times")
       ->allow_extra_args(false);
   app.add_flag("--fit-gain", evaluation.fit_gain,
-               "multiply each reconstruction by its least-squares gain, which is reported");
+               "apply to each reconstruction its least-squares gain and black level, which are reported");
   app.add_option("--events", evaluation.events,
                  "event images, which add event counts, measurement time and data rate to the result");
   app.add_option(

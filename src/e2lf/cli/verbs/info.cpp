@@ -2,12 +2,16 @@
 // e2lf info: description of a file or folder
 #include <cstdio>
 
-#include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/output/report_output.h"
-#include "e2lf/cli/verb.h"
-#include "e2lf/cli/verbs/describe.h"
-#include "e2lf/cli/verbs/rate_plot.h"
+#include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/describe.h"
+#include "e2lf/info/file_kind.h"
+#include "e2lf/info/page_parts.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/report_output.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/recordings/event_rate.h"
 #include "e2lf/terminal/progress_bar.h"
 
@@ -19,36 +23,38 @@ struct InfoArguments {
   fs::path path;
   fs::path plot;  ///< chart of the event rate; empty = none
   std::vector<fs::path> reports;
-  DescribeOptions options;
+  RecordingFlags recording;
+  LightFieldFlags light_field{.views = 0};
 };
 
 void print(const Description& found, const CommonOptions& common) {
-  std::printf("%s", common.json ? json_text(found.json).c_str() : found.text.c_str());
+  std::printf("%s", (common.json ? json_text(found.json) : found.text()).c_str());
 }
 
 Result<void> write_report(const Description& found, const InfoArguments& arguments, const std::string& rate_svg,
                           ReportOutput& reports) {
   if (!reports.is_wanted()) return {};
   report::Page page = verb_page(arguments.path.string());
-  page.code(found.text);
+  if (!found.note.empty()) page.code(found.note);
   if (!rate_svg.empty()) page.heading("Events over time").drawing(rate_svg);
   if (found.show) E2LF_RETURN_IF_ERROR(found.show(page));
   page.heading("All that is known").table(report::facts_table(found.json));
   return reports.write(page);
 }
 
-Result<void> print_recording(InfoArguments& arguments, ReportOutput& reports, const Verb& verb) {
+Result<void> print_recording(const InfoArguments& arguments, ReportOutput& reports, const Verb& verb) {
   const CommonOptions& common = verb.common();
   constexpr size_t kPlotBins = 2000;
   recordings::EventRateCounter rate(kPlotBins);
-  E2LF_ASSIGN_OR_RETURN(ChartOutput chart,
-                        ChartOutput::open(arguments.plot, {.inputs = {arguments.path}, .overwrite = common.overwrite}));
+  E2LF_ASSIGN_OR_RETURN(ChartOutput chart, ChartOutput::open(arguments.plot, output_rules(verb, {arguments.path})));
+  DescribeOptions options;
+  E2LF_ASSIGN_OR_RETURN(options.recording, open_options(arguments.path, arguments.recording, true));
   if (chart.is_wanted() || reports.is_wanted()) {
-    arguments.options.on_batch = [&rate](const recordings::EventBatch& batch) { rate.add(batch); };
+    options.on_batch = [&rate](const recordings::EventBatch& batch) { rate.add(batch); };
   }
   ProgressBar bar("read", common.quiet, "events");
-  arguments.options.progress = bar.callback();
-  E2LF_ASSIGN_OR_RETURN(const Description found, describe_recording(arguments.path, arguments.options));
+  options.progress = bar.callback();
+  E2LF_ASSIGN_OR_RETURN(const Description found, describe_recording(arguments.path, options));
   hide_progress();
   verb.note_failed_input(found.failure);
   print(found, common);
@@ -64,12 +70,11 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
   if (kind != FileKind::kLightField && kind != FileKind::kCycles) {
     E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
   }
-  E2LF_ASSIGN_OR_RETURN(
-      ReportOutput reports,
-      ReportOutput::open(arguments.reports, {.inputs = {path}, .overwrite = verb.common().overwrite}));
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, output_rules(verb, {path})));
   if (kind == FileKind::kRecording) return print_recording(arguments, reports, verb);
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
-  E2LF_ASSIGN_OR_RETURN(const Description found, describe(kind, path, arguments.options));
+  E2LF_ASSIGN_OR_RETURN(const Description found,
+                        describe(kind, path, {.light_field = unchanged_options(arguments.light_field)}));
   if (!arguments.plot.empty()) {
     return Error{ErrorCode::kInvalidValue,
                  "this is not a recording, so there is no event rate to plot; leave --plot out", path.string()};
@@ -90,8 +95,8 @@ int run_info(const std::vector<std::string>& arguments) {
       ->type_name(kThingType);
   add_chart_option(verb.app(), info.plot, "recordings: write a chart of the event rate over time (.svg, .png)");
   add_report_option(verb.app(), info.reports);
-  add_recording_options(verb.app(), info.options.recording, kRecordingOptions);
-  add_light_field_options(verb.app(), info.options.light_field, /*has_views=*/true);
+  add_recording_options(verb.app(), info.recording, kRecordingOptions);
+  add_light_field_options(verb.app(), info.light_field, /*has_views=*/true);
   verb.stop_gently();
   return verb.run(arguments, [&] { return print_info(info, verb); });
 }

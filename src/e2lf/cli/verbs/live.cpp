@@ -10,16 +10,17 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/flags/method_flags.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/cli/verbs/live_page.h"
 #include "e2lf/diagnose/field_check.h"
+#include "e2lf/info/cycle_report.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/live/session.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -276,11 +277,11 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
       arguments.method.camera, arguments.fine_model};
   GrowingFolder folder("live", {});
   if (!arguments.output.empty()) {
-    E2LF_RETURN_IF_ERROR(folder.open(arguments.output, {.inputs = inputs}, record.json_so_far(verb)));
+    E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far(verb)));
   }
   std::optional<OutputFile> last;
   if (!arguments.last.empty()) {
-    E2LF_ASSIGN_OR_RETURN(last, OutputFile::create(arguments.last, verb, inputs, ".npy"));
+    E2LF_ASSIGN_OR_RETURN(last, open_output(arguments.last, verb, inputs, ".npy"));
   }
   Result<void> ran;
   auto instrument = make_instrument(arguments, folder.path(), record);

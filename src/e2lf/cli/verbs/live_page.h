@@ -7,6 +7,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/live/session.h"
 
 namespace e2lf::cli {

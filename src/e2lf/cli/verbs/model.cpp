@@ -5,17 +5,16 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/describe.h"
+#include "e2lf/info/file_kind.h"
 #include "e2lf/model/onnx/onnx_export.h"
-#include "e2lf/model/summary.h"
 #include "e2lf/model/video/import_event_video.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -26,13 +25,9 @@ int run_model_info(const std::vector<std::string>& arguments) {
   fs::path path;
   add_model_option(verb.app(), "model,-m,--model", path, "model file (.safetensors), or a bundled model")->required();
   return verb.run(arguments, [&]() -> Result<void> {
-    const auto print = [&](const auto& model) -> Result<void> {
-      const std::string text = verb.common().json ? json_text(model::summary_json(model)) : model::summary_text(model);
-      std::printf("%s", text.c_str());
-      return {};
-    };
-    E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
-    return is_video ? model::read_video_model(path).and_then(print) : model::read_model(path).and_then(print);
+    E2LF_ASSIGN_OR_RETURN(const Description found, describe(FileKind::kModel, path, {}));
+    std::printf("%s", (verb.common().json ? json_text(found.json) : found.text()).c_str());
+    return {};
   });
 }
 
@@ -40,14 +35,14 @@ int run_model_info(const std::vector<std::string>& arguments) {
 template <typename Read, typename Write>
 Result<void> import_weights(const std::vector<fs::path>& inputs, const fs::path& output, const Verb& verb,
                             const Read& read, const Write& write) {
-  E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, verb, inputs, ".safetensors"));
+  E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, inputs, ".safetensors"));
   RunRecord record("model import", inputs);
   E2LF_ASSIGN_OR_RETURN(const auto model, read());
   E2LF_RETURN_IF_ERROR(write(file.path(), model));
   record.end_step("import");
   if (inputs.size() == 1) record.resolve("as", model.name);
   E2LF_RETURN_IF_ERROR(commit(file, record, verb));
-  if (!verb.common().quiet) std::printf("%s: %s", output.c_str(), model::summary_text(model).c_str());
+  if (!verb.common().quiet) std::printf("%s: %s\n", output.c_str(), model.name.c_str());
   return {};
 }
 
@@ -106,7 +101,7 @@ template <typename Write>
 Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step, const char* ending, const Verb& verb,
                              const Write& write) {
   E2LF_ASSIGN_OR_RETURN(OutputFile file,
-                        OutputFile::create(arguments.output, verb, {arguments.input, arguments.camera}, ending));
+                        open_output(arguments.output, verb, {arguments.input, arguments.camera}, ending));
   RunRecord record(cat("model ", step), {arguments.input});
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.input));
   if (!arguments.camera.empty()) {

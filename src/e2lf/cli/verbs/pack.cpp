@@ -2,10 +2,9 @@
 // e2lf pack: light fields and photographs -> one file for training
 #include "e2lf/learn/data/pack.h"
 
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/base/format.h"
+#include "e2lf/cli/verbs.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -25,7 +24,7 @@ int run_pack(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     std::vector<fs::path> inputs = options.light_fields;
     inputs.insert(inputs.end(), options.textures.begin(), options.textures.end());
-    E2LF_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(output, verb, inputs, ".safetensors"));
+    E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, inputs, ".safetensors"));
     RunRecord record("pack", inputs);
     ProgressBar bar("pack", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(file.path(), options, bar.callback()));

@@ -4,20 +4,21 @@
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/light_field_flags.h"
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/light_field_writer.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
 #include "e2lf/cli/output/viewer.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/cycle_report.h"
+#include "e2lf/info/recording_report.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -4,14 +4,14 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/recording_flags.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/recording_report.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/recordings/io/byte_sink.h"
 #include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -131,10 +131,10 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
 
 Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const recordings::CameraSetup setup, camera_setup(arguments.camera));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, {.inputs = {arguments.input},
-                                                                                 .overwrite = verb.common().overwrite,
-                                                                                 .streams = true,
-                                                                                 .recover = recover_recording({})}));
+  OutputRules rules = output_rules(verb, {arguments.input});
+  rules.streams = true;
+  rules.recover = recordings::recover_recording({});
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   // This is checked before the camera starts, because its data must not wait for it.
   if (!output.is_stream() && recordings::is_camera_name(arguments.input.string())) {
     E2LF_RETURN_IF_ERROR(bias_place(arguments, verb.common().overwrite));

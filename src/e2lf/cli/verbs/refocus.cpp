@@ -4,11 +4,10 @@
 
 #include <cstdio>
 
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/base/format.h"
+#include "e2lf/cli/verbs.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -57,7 +56,7 @@ Result<void> refocus(RefocusArguments& arguments, const Verb& verb) {
   if (!arguments.is_round && (verb.is_given("--centre-row") || verb.is_given("--centre-column"))) {
     return Error{ErrorCode::kInvalidValue, "the centre of the whole aperture is fixed; also give --aperture", ""};
   }
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, verb, {arguments.input}, ".png"));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
   RunRecord record("refocus", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet, arguments.disparities));

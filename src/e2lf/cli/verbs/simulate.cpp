@@ -4,18 +4,14 @@
 #include <memory>
 #include <optional>
 
+#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/capture/measurement/measurement_io.h"
-#include "e2lf/cli/flags/inputs.h"
-#include "e2lf/cli/flags/option_values.h"
 #include "e2lf/cli/flags/stream_flags.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/print.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/shown_pattern.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/eval/event_statistics.h"
@@ -24,6 +20,10 @@
 #include "e2lf/files/options.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/pipeline/simulated_cycles.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
+#include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -76,16 +76,13 @@ Result<void> check_model_flags(const SimulateArguments& arguments, const capture
       "--camera " + arguments.camera};
 }
 
-Result<OutputFile> open_output(const SimulateArguments& arguments, bool overwrite) {
-  OutputRules rules{.inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera,
-                               arguments.stream.schedule},
-                    .overwrite = overwrite};
-  if (arguments.output.extension() != ".npz") {
-    E2LF_ASSIGN_OR_RETURN(const recordings::Codec* codec, recordings::codec_to_write(arguments.output, ""));
-    rules.streams = codec->create != nullptr;
-    rules.side_file = codec->side_file;
-  }
-  return OutputFile::create(arguments.output, rules);
+Result<OutputFile> open_events(const SimulateArguments& arguments, const Verb& verb) {
+  const std::vector<fs::path> inputs = {arguments.input, arguments.codes.model, arguments.codes.codes, arguments.camera,
+                                        arguments.stream.schedule};
+  if (arguments.output.extension() == ".npz") return open_output(arguments.output, verb, inputs);
+  E2LF_ASSIGN_OR_RETURN(const recordings::Codec* codec, recordings::codec_to_write(arguments.output, ""));
+  return OutputFile::create(arguments.output,
+                            recordings::recording_output_rules(inputs, verb.common().overwrite, *codec));
 }
 
 /// Patterns, camera, event model and constants, and how the scene is read.
@@ -327,7 +324,7 @@ std::string next_step(const SimulateArguments& arguments, const Setup& setup) {
 
 Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments, common.overwrite));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_events(arguments, verb));
   RunRecord record("simulate");
   if (!arguments.input.empty()) record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(const Setup setup, read_setup(arguments, record));

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/output/report_output.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
+#include "e2lf/program/report_output.h"
 
 namespace e2lf::cli {
 namespace {

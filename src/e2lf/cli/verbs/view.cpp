@@ -6,20 +6,19 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/file_kind.h"
-#include "e2lf/cli/flags/light_field_flags.h"
-#include "e2lf/cli/flags/option_values.h"
-#include "e2lf/cli/output/output.h"
-#include "e2lf/cli/output/run_record.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/matching_cost.h"
 #include "e2lf/depth/true_disparity.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/info/file_kind.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/page.h"
@@ -229,7 +228,7 @@ Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   std::vector<fs::path> inputs = arguments.things;
   if (!arguments.disparity.empty()) inputs.push_back(arguments.disparity);
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.page, verb, inputs, ".html"));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.page, verb, inputs, ".html"));
   RunRecord record("view", inputs);
   E2LF_ASSIGN_OR_RETURN(const view::Document document, make_document(arguments));
   record.end_step("read");

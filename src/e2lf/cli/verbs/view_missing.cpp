@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // e2lf view, reconstruct --view and the pages of the demo and of e2lf live in a build without the viewer
 #include "e2lf/cli/output/viewer.h"
-#include "e2lf/cli/verb.h"
+#include "e2lf/cli/verbs.h"
 #include "e2lf/cli/verbs/live_page.h"
 
 namespace e2lf::cli {

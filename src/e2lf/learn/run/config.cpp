@@ -2,8 +2,8 @@
 #include "e2lf/learn/run/config.h"
 
 #include <algorithm>
-#include <optional>
 
+#include "e2lf/files/fields.h"
 #include "e2lf/learn/run/config_fields.h"
 #include "e2lf/model/unet.h"
 
@@ -13,146 +13,6 @@ namespace {
 Error invalid(const std::string& message, const std::string& location) {
   return Error{ErrorCode::kInvalidValue, message, location};
 }
-
-Result<void> read_input(const Json& json, const std::string& location, std::vector<model::InputGroup>& input) {
-  if (json.is_null()) return {};
-  if (!json.is_array() || json.empty()) {
-    return invalid("input is a list of objects; see docs/training.md", location);
-  }
-  input.clear();
-  for (const Json& item : json) {
-    std::string kind;
-    model::InputGroup group;
-    OptionReader reader(item, location);
-    reader.read("kind", kind).read("scale", group.scale);
-    E2LF_RETURN_IF_ERROR(reader.finish());
-    const auto* const found = std::find(std::begin(kInputKindNames), std::end(kInputKindNames), kind);
-    if (found == std::end(kInputKindNames)) {
-      return invalid(cat("unknown kind \"", kind, "\"; use one of ",
-                         join({std::begin(kInputKindNames), std::end(kInputKindNames)})),
-                     location);
-    }
-    group.kind = static_cast<model::InputKind>(found - std::begin(kInputKindNames));
-    input.push_back(group);
-  }
-  return {};
-}
-
-/// Reads the fields that an object contains; absent ones keep their values. The first error is kept.
-class FieldReader {
- public:
-  FieldReader(const Json& object, const std::string& location) : reader_(object, location) {}
-
-  template <typename Field>
-  void operator()(const char* key, Field& field, const char*) {
-    reader_.read(key, field);
-  }
-  template <typename Enum, size_t kCount>
-  void choice(const char* key, Enum& field, const char* const (&names)[kCount], const char*) {
-    std::string name = names[static_cast<size_t>(field)];
-    reader_.read(key, name);
-    const auto found = std::find(std::begin(names), std::end(names), name);
-    if (found == std::end(names)) {
-      note(invalid(cat(key, " is not \"", name, "\"; write ", join({std::begin(names), std::end(names)}, " or ")),
-                   reader_.child_location(key)));
-    } else {
-      field = static_cast<Enum>(found - std::begin(names));
-    }
-  }
-  template <typename List>
-  void section(const char* key, const List& list) {
-    FieldReader inner(reader_.child(key), reader_.child_location(key));
-    list(inner);
-    note(inner.finish());
-  }
-  void inputs(const char* key, std::vector<model::InputGroup>& groups, const char*) {
-    note(read_input(reader_.child(key), reader_.child_location(key), groups));
-  }
-
-  [[nodiscard]] Result<void> finish() const {
-    if (error_) return *error_;
-    return reader_.finish();
-  }
-
- private:
-  void note(const Result<void>& result) {
-    if (!result && !error_) error_ = result.error();
-  }
-
-  OptionReader reader_;
-  std::optional<Error> error_;
-};
-
-/// Writes every field.
-class FieldWriter {
- public:
-  template <typename Field>
-  void operator()(const char* key, const Field& field, const char*) {
-    json_[key] = field;
-  }
-  template <typename Enum, size_t kCount>
-  void choice(const char* key, const Enum& field, const char* const (&names)[kCount], const char*) {
-    json_[key] = names[static_cast<size_t>(field)];
-  }
-  template <typename List>
-  void section(const char* key, const List& list) {
-    FieldWriter inner;
-    list(inner);
-    json_[key] = std::move(inner.json_);
-  }
-  void inputs(const char* key, const std::vector<model::InputGroup>& groups, const char*) {
-    json_[key] = Json::array();
-    for (const model::InputGroup& group : groups) {
-      json_[key].push_back({{"kind", kInputKindNames[static_cast<size_t>(group.kind)]}, {"scale", group.scale}});
-    }
-  }
-
-  [[nodiscard]] Json json() && { return std::move(json_); }
-
- private:
-  Json json_ = Json::object();
-};
-
-/// Writes a row of a Markdown table for every field: its path, default and meaning.
-class TableWriter {
- public:
-  explicit TableWriter(std::string path = "") : path_(std::move(path)) {}
-
-  template <typename Field>
-  void operator()(const char* key, const Field& field, const char* meaning) {
-    add_row(key, Json(field).dump(), meaning);
-  }
-  void operator()(const char* key, const float& field, const char* meaning) {
-    add_row(key, json_number(field).dump(), meaning);
-  }
-  template <typename Enum, size_t kCount>
-  void choice(const char* key, const Enum& field, const char* const (&names)[kCount], const char* meaning) {
-    add_row(key, Json(names[static_cast<size_t>(field)]).dump(), meaning);
-  }
-  template <typename List>
-  void section(const char* key, const List& list) {
-    TableWriter inner(path_ + key + ".");
-    list(inner);
-    rows_ += inner.rows_;
-  }
-  void inputs(const char* key, const std::vector<model::InputGroup>& groups, const char* meaning) {
-    std::string all;
-    for (const model::InputGroup& group : groups) {
-      all += cat(all.empty() ? "" : ", ", json_number(group.scale).dump(), " x ",
-                 kInputKindNames[static_cast<size_t>(group.kind)]);
-    }
-    add_row(key, all, meaning);
-  }
-
-  [[nodiscard]] const std::string& rows() const { return rows_; }
-
- private:
-  void add_row(const char* key, const std::string& value, const std::string& meaning) {
-    rows_ += cat("| `", path_, key, "` | ", value, " |", meaning.empty() ? "" : " ", meaning, " |\n");
-  }
-
-  std::string path_, rows_;
-};
 
 bool is_intensity(const model::InputGroup& group) {
   return group.kind == model::InputKind::kIntensity;
@@ -259,7 +119,7 @@ Json to_json(const Config& config) {
 }
 
 std::string config_table() {
-  TableWriter table;
+  FieldTable table;
   const Config defaults;
   visit_fields(defaults, table);
   return table.rows();

@@ -5,10 +5,8 @@
 
 #include "e2lf/learn/run/config.h"
 
-/// The list of all fields of a configuration, which reading, writing and the table in docs/training.md share.
-///
-/// visit(key, field, meaning) is called for each field, visit.section(key, list) for each nested object, and
-/// visit.choice(key, field, names, meaning) for an enum, whose values are indices of `names`.
+/// The list of all fields of a configuration, which reading, writing and the table in docs/training.md share; see
+/// files/fields.h.
 namespace e2lf::learn {
 
 inline constexpr const char* kInputKindNames[] = {"counts", "cumulative", "intensity", "camera",
@@ -166,9 +164,12 @@ void visit_fields(AnyConfig& config, Visitor& visit) {
   visit.section("data", data_fields(config.data));
   visit.section("patterns", pattern_fields(config.patterns));
   visit.section("sensor", sensor_fields(config.sensor));
-  visit.inputs("input", config.input,
-               "the [inputs](#inputs), which also determine the measurement; the default includes the intensity only "
-               "with `black_first`");
+  visit.list("input", config.input, [](auto& group, auto& inner) {
+    inner.choice("kind", group.kind, kInputKindNames,
+                 "kind of an [input](#inputs); the inputs also determine the measurement, and the default is 0.125 x "
+                 "counts, 0.125 x cumulative and, with `black_first`, 4 x intensity");
+    inner("scale", group.scale, "factor on this input");
+  });
   visit.section("network", network_fields(config.network));
   visit.section("train", train_fields(config.train));
 }

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/csv.h"
 #include "e2lf/files/file.h"
 #include "e2lf/report/axis.h"
 #include "e2lf/report/chart.h"
@@ -36,13 +36,6 @@ std::vector<std::string> table_lines(const std::filesystem::path& path) {
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   if (!lines.empty()) lines.erase(lines.begin());
   return lines;
-}
-
-std::vector<std::string> fields(const std::string& line) {
-  std::vector<std::string> result;
-  std::istringstream in(line);
-  for (std::string field; std::getline(in, field, ',');) result.push_back(field);
-  return result;
 }
 
 double number(const std::string& field) {
@@ -178,8 +171,9 @@ Result<void> RunLog::add(const StepRow& row) const {
 }
 
 Result<void> RunLog::add(const ScoreRow& row) const {
-  return append_line(folder_ / kScores, "step,samples,scene,psnr_db,events_per_pixel",
-                     cat(row.step, ',', row.samples, ',', row.scene, ',', row.psnr_db, ',', row.events_per_pixel));
+  return append_line(
+      folder_ / kScores, "step,samples,scene,psnr_db,events_per_pixel",
+      cat(row.step, ',', row.samples, ',', csv_cell(row.scene), ',', row.psnr_db, ',', row.events_per_pixel));
 }
 
 Result<void> RunLog::add(const PatternRow& row) const {
@@ -192,7 +186,7 @@ report::Page RunLog::page(const std::string& title, const Json& config) const {
   RunCurves curves;
   curves.loss.name = "mean squared error";
   for (const std::string& line : table_lines(folder_ / kSteps)) {
-    const auto field = fields(line);
+    const auto field = csv_cells(line);
     if (field.size() < 7) continue;
     const double samples = number(field[1]);
     curves.loss.points.push_back({samples, number(field[3])});
@@ -200,7 +194,7 @@ report::Page RunLog::page(const std::string& title, const Json& config) const {
     curves.samples_per_s.points.push_back({samples, number(field[6])});
   }
   for (const std::string& line : table_lines(folder_ / kScores)) {
-    const auto field = fields(line);
+    const auto field = csv_cells(line);
     if (field.size() < 5) continue;
     const auto same = [&](const report::Line& curve) { return curve.name == field[2]; };
     const auto found = std::find_if(curves.psnr_db.begin(), curves.psnr_db.end(), same) - curves.psnr_db.begin();
@@ -213,7 +207,7 @@ report::Page RunLog::page(const std::string& title, const Json& config) const {
     curves.events_per_pixel[scene].points.push_back({number(field[1]), number(field[4])});
   }
   for (const std::string& line : table_lines(folder_ / kPatterns)) {
-    const auto field = fields(line);
+    const auto field = csv_cells(line);
     PatternState state{field.size() > 1 ? number(field[1]) : 0, {}};
     for (size_t i = 2; i < field.size(); ++i) state.cells.push_back(number(field[i]));
     curves.patterns.push_back(std::move(state));

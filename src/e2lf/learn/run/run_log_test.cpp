@@ -60,6 +60,16 @@ TEST(RunLog, DrawsAPageThatStandsAlone) {
   EXPECT_EQ(count("nan"), 0U);
 }
 
+TEST(RunLog, NamesOfScenesMayContainCommas) {
+  const TestData data;
+  const RunLog log(data.folder());
+  ASSERT_TRUE(log.add(ScoreRow{50, 200, "a, \"b\"", 21.25, 7}));
+  ASSERT_TRUE(log.draw_curves("a run", Json::object()));
+  const std::string page = content(data.folder() / "curves.html");
+  EXPECT_NE(page.find("a, &quot;b&quot;"), std::string::npos);
+  EXPECT_NE(page.find("21.25"), std::string::npos);
+}
+
 TEST(RunLog, BeforeAnEvaluationThePageSaysWhenItComes) {
   const TestData data;
   const RunLog log(data.folder());

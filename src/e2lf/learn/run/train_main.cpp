@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // e2lf-train contains only the training verbs, for machines that have torch and little else.
+#include <csignal>
 #include <cstdio>
+#include <getopt.h>
 #include <string>
 #include <vector>
 
@@ -63,29 +65,35 @@ int main(int argc, char** argv) {
   std::string output;
   e2lf::learn::ReportFiles reports;
   bool overwrite = false, quiet = false;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const bool takes_value = argument == "-o" || argument == "--set" || argument == "--report";
-    if (takes_value && i + 1 == argc) return usage_error();
-    if (argument == "-h" || argument == "--help") return print_help();
-    if (argument == "-o") {
-      output = argv[++i];
-    } else if (argument == "--report") {
-      reports.names.emplace_back(argv[++i]);
-    } else if (argument == "--set") {
-      overrides.emplace_back(argv[++i]);
-    } else if (argument == "--overwrite") {
-      overwrite = true;
-    } else if (argument == "--quiet") {
-      quiet = true;
-    } else if (argument.starts_with("-")) {
-      std::fprintf(stderr, "e2lf-train: unknown option %s\n", argument.c_str());
-      return usage_error();
-    } else {
-      names.push_back(argument);
+  const option options[] = {{"set", required_argument, nullptr, 's'}, {"report", required_argument, nullptr, 'r'},
+                            {"overwrite", no_argument, nullptr, 'w'}, {"quiet", no_argument, nullptr, 'q'},
+                            {"help", no_argument, nullptr, 'h'},      {nullptr, 0, nullptr, 0}};
+  for (int key; (key = ::getopt_long(argc, argv, "ho:", options, nullptr)) != -1;) {
+    switch (key) {
+      case 's':
+        overrides.emplace_back(optarg);
+        break;
+      case 'r':
+        reports.names.emplace_back(optarg);
+        break;
+      case 'o':
+        output = optarg;
+        break;
+      case 'w':
+        overwrite = true;
+        break;
+      case 'q':
+        quiet = true;
+        break;
+      case 'h':
+        return print_help();
+      default:
+        return usage_error();
     }
   }
+  names.assign(argv + optind, argv + argc);
   reports.overwrite = overwrite;
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of the size of files then fails, and its part is removed
   if (names.size() < 2) return usage_error();
   // The first signal ends training after the current step with a checkpoint; the other verbs have nothing to save.
   if (names[0] == "train" || names[0] == "resume") e2lf::stop_on_signals();

@@ -226,7 +226,7 @@ TEST(HciFolder, A12PartsOfAGridKeepTheirNumbers) {
 TEST(HciFolder, A12OtherGridsAskForTheirColumnsOrTheirConfiguration) {
   const TestFolder folder;
   write_flat(folder, 3, 5, 0, 5);
-  EXPECT_THAT(read_all(folder).error().text(), testing::AllOf(HasSubstr("15 views"), HasSubstr("--view-columns")));
+  EXPECT_THAT(read_all(folder).error().text(), testing::AllOf(HasSubstr("15 views"), HasSubstr("view columns")));
   EXPECT_EQ(read_all(folder, 5)->shape(), (Shape{3, 5, 2, 3, 1}));
   ASSERT_TRUE(write_file(folder / "parameters.cfg", std::string("[extrinsics]\n num_cams_x = 5\nnum_cams_y=3\n")).ok());
   EXPECT_EQ(read_all(folder)->shape(), (Shape{3, 5, 2, 3, 1}));

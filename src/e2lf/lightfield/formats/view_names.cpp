@@ -150,16 +150,14 @@ Result<FlatGrid> find_flat_grid(const std::vector<size_t>& numbers, size_t colum
     if (last - grid.first < views) return grid;
     return Error{ErrorCode::kShape,
                  cat("the file states ", said_columns, "x", said_rows, " views, but the views are numbered from ",
-                     first, " to ", last,
-                     "; correct num_cams_x and num_cams_y, or give the number of columns with "
-                     "--view-columns"),
+                     first, " to ", last, "; correct num_cams_x and num_cams_y, or give the number of view columns"),
                  config.string()};
   }
   if (const size_t distance = row_distance(numbers)) return FlatGrid{first, distance, 0};
   if (const size_t side = views_per_axis(span)) return FlatGrid{first, side, 0};
   return Error{ErrorCode::kInvalidValue,
                cat(numbers.size(), " views are numbered consecutively from ", first, " to ", last,
-                   ", which is not a square grid; give the number of its columns with --view-columns, or copy the "
+                   ", which is not a square grid; give the number of view columns, or copy the "
                    "missing views"),
                folder.string()};
 }

@@ -72,6 +72,10 @@ Result<CameraPlugin> find_plugin(const std::string& name, const std::string& loc
   const std::vector<CameraPlugin>& plugins = registry().plugins;
   if (find_known(plugins, name) == nullptr) load_plugins(registry());
   if (const CameraPlugin* const found = find_known(plugins, name)) return *found;
+  if (name == "metavision") {
+    return Error{ErrorCode::kMissingDependency,
+                 "this build does not contain the vendor's HAL; install it and build again", location};
+  }
   std::vector<std::string> names;
   for (const CameraPlugin& plugin : plugins) names.push_back(plugin.name);
   return Error{ErrorCode::kNotFound,
@@ -96,6 +100,12 @@ void add_camera_plugin(const CameraPlugin& plugin) {
 
 bool is_camera_name(const std::string& name) {
   return name.starts_with(kCameraScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
+}
+
+std::filesystem::path path_of_camera(const std::string& name) {
+  const CameraName parsed = parse_name(name);
+  if (parsed.plugin == "replay") return parsed.address.substr(0, replay_path_size(parsed.address));
+  return parsed.plugin == "pipe" ? parsed.address : "";
 }
 
 Result<void> Camera::set_up(const CameraSetup& setup) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -30,6 +31,10 @@ inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 
 /// Returns the length of the path at the beginning of such an address.
 [[nodiscard]] size_t replay_path_size(const std::string& address);
+
+/// Returns the path that the name of a camera contains: that of a replayed recording or of a named pipe. Returns an
+/// empty path for all other cameras.
+[[nodiscard]] std::filesystem::path path_of_camera(const std::string& name);
 
 /// Opens the named pipe at `address`, or standard input if it is empty, and waits for the first byte. Fails with
 /// kCancelled if a stop is requested before, and with kNotFound or kIo if it cannot be opened.

@@ -73,10 +73,11 @@ std::string hal_text(const std::exception& error) {
   std::string text;
   for (const char c : std::string(error.what())) {
     const bool is_space = std::isspace(static_cast<unsigned char>(c)) != 0;
-    if (!is_space) text += c;
+    const bool is_rule = c == '-' && (text.empty() || text.ends_with('-'));  // the HAL frames its messages
+    if (!is_space && !is_rule) text += c;
     if (is_space && !text.empty() && text.back() != ' ') text += ' ';
   }
-  while (text.ends_with(' ')) text.pop_back();
+  while (text.ends_with(' ') || text.ends_with('-')) text.pop_back();
   return one_line(text);
 }
 
@@ -116,7 +117,7 @@ Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& addre
   const std::vector<std::string> offered = identity->get_available_data_encoding_formats();
   return Error{ErrorCode::kUnsupported,
                cat("the camera sends ", one_line(format), is_read ? "" : ", which e2lf cannot read", "; it offers ",
-                   one_line(join(offered)), ", of which e2lf reads evt2, evt2.1 and evt3 (--encoding)"),
+                   one_line(join(offered)), ", of which e2lf reads the encodings evt2, evt2.1 and evt3"),
                "camera://metavision"};
 }
 

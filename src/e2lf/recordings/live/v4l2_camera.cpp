@@ -256,8 +256,7 @@ class V4l2Device {
         std::vector<std::string> names;
         for (const V4l2Encoding* const one : offered) names.emplace_back(one->raw.codec);
         return Error{ErrorCode::kUnsupported,
-                     cat("the device cannot send ", name.empty() ? "events" : name, "; it offers ", join(names),
-                         " (--encoding)"),
+                     cat("the device cannot send ", name.empty() ? "events" : name, "; it offers ", join(names)),
                      path_};
       }
       encoding_ = *wanted;

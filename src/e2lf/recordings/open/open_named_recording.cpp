@@ -14,6 +14,15 @@ bool is_live_recording(const std::string& name) {
   return name == "-" || is_camera_name(name) || is_stream(name);
 }
 
+std::filesystem::path file_of_recording(const std::string& name) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path path = name == "-"            ? fs::canonical("/proc/self/fd/0", error)
+                        : is_camera_name(name) ? path_of_camera(name)
+                                               : fs::path(name);
+  return fs::is_regular_file(path, error) || fs::is_directory(path, error) ? path : fs::path();
+}
+
 Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, const CameraSetup& setup) {
   if (is_camera_name(name)) return open_camera_bytes(name, setup);
   if (name == "-") return open_camera_bytes("camera://pipe", setup);

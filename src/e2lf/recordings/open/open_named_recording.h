@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -12,6 +13,10 @@ namespace e2lf::recordings {
 
 /// Returns whether a name denotes a live source: "-", a camera, a named pipe or a device.
 [[nodiscard]] bool is_live_recording(const std::string& name);
+
+/// Returns the path of the file or folder that is read if a name is opened: the recording of "replay:FILE?speed=2", or
+/// the file behind standard input. Returns an empty path if there is none (a camera, a pipe or a socket).
+[[nodiscard]] std::filesystem::path file_of_recording(const std::string& name);
 
 /// Opens a recording by name: a file or standard input ("-") with open_recording(), and the name of a camera
 /// (camera://NAME, replay:FILE, tcp://ADDRESS:PORT), a named pipe, or standard input that is a pipe or socket with

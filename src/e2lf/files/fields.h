@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "e2lf/files/options.h"
+
+/// A configuration declares its fields once, in a function that passes each of them to a visitor. FieldReader reads
+/// them from JSON, FieldWriter writes them, and FieldTable documents them. A visitor is called as visit(key, field,
+/// meaning), visit.choice(key, field, names, meaning) for an enum whose values are indices of `names`,
+/// visit.section(key, fields) for a nested object, and visit.list(key, items, fields) for a list of objects.
+namespace e2lf {
+
+/// Reads the fields that an object contains; absent ones keep their values. The first error is kept.
+class FieldReader {
+ public:
+  FieldReader(const Json& object, const std::string& location) : reader_(object, location) {}
+
+  template <typename Field>
+  void operator()(const char* key, Field& field, const char*) {
+    reader_.read(key, field);
+  }
+  template <typename Enum, size_t kCount>
+  void choice(const char* key, Enum& field, const char* const (&names)[kCount], const char*) {
+    std::string name = names[static_cast<size_t>(field)];
+    reader_.read(key, name);
+    const auto found = std::find(std::begin(names), std::end(names), name);
+    if (found != std::end(names)) {
+      field = static_cast<Enum>(found - std::begin(names));
+      return;
+    }
+    note(Error{ErrorCode::kInvalidValue,
+               cat(key, " is not \"", name, "\"; write ", join({std::begin(names), std::end(names)}, " or ")),
+               reader_.child_location(key)});
+  }
+  template <typename Fields>
+  void section(const char* key, const Fields& fields) {
+    FieldReader inner(reader_.child(key), reader_.child_location(key));
+    fields(inner);
+    note(inner.finish());
+  }
+  template <typename Item, typename Fields>
+  void list(const char* key, std::vector<Item>& items, const Fields& fields) {
+    const Json& array = reader_.child(key);
+    const std::string place = reader_.child_location(key);
+    if (array.is_null()) return;
+    if (!array.is_array()) {
+      return note(Error{ErrorCode::kInvalidValue, "expected a list; write [{ ... }, ...]", place});
+    }
+    items.clear();
+    for (size_t i = 0; i < array.size(); ++i) {
+      FieldReader inner(array[i], cat(place, "[", i, "]"));
+      fields(items.emplace_back(), inner);
+      note(inner.finish());
+    }
+  }
+
+  [[nodiscard]] Result<void> finish() const {
+    if (error_) return *error_;
+    return reader_.finish();
+  }
+
+ private:
+  void note(const Result<void>& result) {
+    if (!result && !error_) error_ = result.error();
+  }
+
+  OptionReader reader_;
+  std::optional<Error> error_;
+};
+
+/// Writes every field.
+class FieldWriter {
+ public:
+  template <typename Field>
+  void operator()(const char* key, const Field& field, const char*) {
+    json_[key] = field;
+  }
+  template <typename Enum, size_t kCount>
+  void choice(const char* key, const Enum& field, const char* const (&names)[kCount], const char*) {
+    json_[key] = names[static_cast<size_t>(field)];
+  }
+  template <typename Fields>
+  void section(const char* key, const Fields& fields) {
+    FieldWriter inner;
+    fields(inner);
+    json_[key] = std::move(inner.json_);
+  }
+  template <typename Item, typename Fields>
+  void list(const char* key, const std::vector<Item>& items, const Fields& fields) {
+    json_[key] = Json::array();
+    for (const Item& item : items) {
+      FieldWriter inner;
+      fields(item, inner);
+      json_[key].push_back(std::move(inner.json_));
+    }
+  }
+
+  [[nodiscard]] Json json() && { return std::move(json_); }
+
+ private:
+  Json json_ = Json::object();
+};
+
+/// Writes a row of a Markdown table for every field: its path, default and meaning.
+class FieldTable {
+ public:
+  explicit FieldTable(std::string path = "") : path_(std::move(path)) {}
+
+  template <typename Field>
+  void operator()(const char* key, const Field& field, const char* meaning) {
+    add_row(key, text_of(field), meaning);
+  }
+  template <typename Enum, size_t kCount>
+  void choice(const char* key, const Enum& field, const char* const (&names)[kCount], const char* meaning) {
+    add_row(key, json_line(Json(names[static_cast<size_t>(field)])), meaning);
+  }
+  template <typename Fields>
+  void section(const char* key, const Fields& fields) {
+    FieldTable inner(cat(path_, key, "."));
+    fields(inner);
+    rows_ += inner.rows_;
+  }
+  template <typename Item, typename Fields>
+  void list(const char* key, const std::vector<Item>&, const Fields& fields) {
+    FieldTable inner(cat(path_, key, "[]."));
+    const Item item{};
+    fields(item, inner);
+    rows_ += inner.rows_;
+  }
+
+  [[nodiscard]] const std::string& rows() const { return rows_; }
+
+ private:
+  template <typename Field>
+  static std::string text_of(const Field& field) {
+    return json_line(Json(field));
+  }
+  static std::string text_of(float field) { return json_line(json_number(field)); }
+  template <typename Field>
+  static std::string text_of(const std::optional<Field>& field) {
+    return field ? text_of(*field) : std::string();
+  }
+  void add_row(const char* key, const std::string& value, const std::string& meaning) {
+    rows_ += cat("| `", path_, key, "` | ", value, " |", meaning.empty() ? "" : " ", meaning, " |\n");
+  }
+
+  std::string path_, rows_;
+};
+
+}  // namespace e2lf

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
+#include "e2lf/files/options.h"
+#include "e2lf/info/file_kind.h"
+#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/recordings/event.h"
+#include "e2lf/recordings/recording.h"
+#include "e2lf/report/page.h"
+
+namespace e2lf::info {
+
+/// The description of a file or folder.
+struct Description {
+  Json json;                                             ///< all that is known
+  std::string note = {};                                 ///< what can be done with it, or a drawing
+  std::function<Result<void>(report::Page&)> show = {};  ///< adds pictures to a page, if there are any
+  std::string failure = {};                              ///< what ended live input before its end
+
+  /// Returns the table of all that is known with the note, in characters that are safe on a terminal.
+  [[nodiscard]] std::string text() const;
+};
+
+/// Returns the options for all views of a light field as they are stored.
+[[nodiscard]] inline lightfield::ReadOptions whole_light_field() {
+  lightfield::ReadOptions options;
+  options.views_y.count = options.views_x.count = 0;
+  options.colour = true;
+  options.range = lightfield::RangePolicy::kKeep;
+  return options;
+}
+
+struct DescribeOptions {
+  recordings::OpenOptions recording = {};
+  lightfield::ReadOptions light_field = whole_light_field();
+  /// Receives the number of events of a recording that have been read; the total is unknown and given as 0.
+  ProgressFn progress = {};
+  std::function<void(const recordings::EventBatch&)> on_batch = {};  ///< called with all events of a recording
+};
+
+/// Describes an input of any kind that file_kind() distinguishes. Fails as reading it does.
+[[nodiscard]] Result<Description> describe(const std::filesystem::path& path, const DescribeOptions& options);
+[[nodiscard]] Result<Description> describe(FileKind kind, const std::filesystem::path& path,
+                                           const DescribeOptions& options);
+
+/// Describes a file of settings: a camera, a schedule, patterns, the record of a run, settings of a training, or
+/// biases.
+[[nodiscard]] Result<Description> describe_settings(const std::filesystem::path& path);
+
+/// Reads a whole recording and describes it: format, sensor, events, triggers, duration, event rate and damage. Needs
+/// constant memory.
+[[nodiscard]] Result<Description> describe_recording(const std::filesystem::path& path, const DescribeOptions& options);
+
+/// Collects statistics of the triggers of a recording and the extent of its events, in constant memory.
+class RecordingStatistics {
+ public:
+  void add(const recordings::EventBatch& batch);
+
+  /// Returns the size in px of the smallest sensor that contains all events, or 0 if there are none.
+  [[nodiscard]] size_t width() const { return width_; }
+  [[nodiscard]] size_t height() const { return height_; }
+
+  /// Returns the number of rising and falling edges of each trigger input and the mean time between them.
+  [[nodiscard]] Json triggers_json() const;
+
+ private:
+  struct Edges {
+    uint64_t count = 0;
+    int64_t first_us = 0, last_us = 0;
+    void add(int64_t t_us);
+    [[nodiscard]] double period_us() const;
+  };
+  struct Channel {
+    Edges rising, falling;
+  };
+  std::map<uint16_t, Channel> channels_;
+  size_t width_ = 0, height_ = 0;
+};
+
+}  // namespace e2lf::info

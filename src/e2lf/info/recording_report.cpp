@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/info/recording_report.h"
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/open/open_named_recording.h"
+
+namespace e2lf::info {
+namespace fs = std::filesystem;
+
+void say_assumptions(const recordings::RecordingReader& reader) {
+  for (const recordings::Assumption& assumption : reader.info().assumptions) {
+    log_info(cat(reader.name(), ": ", assumption_text(assumption)));
+  }
+}
+
+std::string assumption_text(const recordings::Assumption& assumption) {
+  if (assumption.setting == Setting::kColumns)
+    return assumption.text + "; state the columns and the unit of time to change this";
+  if (assumption.setting == Setting::kStream) return assumption.text + "; state the stream to select another";
+  if (assumption.setting == Setting::kTimeUnit) return assumption.text + "; state the unit of time to change this";
+  return assumption.text;
+}
+
+Json reading_json(const recordings::RecordingInfo& info) {
+  if (!info.table) return nullptr;
+  return {{"columns", info.table->columns}, {"time_unit", info.table->time_unit}, {"polarity", info.table->polarity}};
+}
+
+Json header_json(const recordings::RecordingInfo& info) {
+  Json header = Json::object();
+  for (const auto& [key, value] : info.header) header[key] = value;
+  return header;
+}
+
+Json reading_notes(const fs::path& input, const recordings::RecordingInfo& info) {
+  Json notes = {{"read_as", reading_json(info)}};
+  if (recordings::is_live_recording(input.string())) notes["header"] = header_json(info);
+  return notes;
+}
+
+Json sensor_json(const recordings::DecodeSummary& summary) {
+  if (recordings::sensor_text(summary).empty()) return nullptr;
+  return {{"events_in", summary.sensor_events_in}, {"events_sent", summary.sensor_events_sent}};
+}
+
+Json losses_json(const recordings::DecodeSummary& summary) {
+  Json json = Json::array();
+  for (const recordings::Loss& loss : recordings::losses(summary)) {
+    json.push_back({{"reason", loss.reason}, {"count", loss.count}, {"first_byte", loss.first_byte}});
+  }
+  return json;
+}
+
+Json live_json(const recordings::DecodeSummary& summary) {
+  const recordings::LiveBacklog& live = summary.live;
+  if (live == recordings::LiveBacklog()) return nullptr;
+  Json gaps = Json::array();
+  for (const recordings::LiveGap& gap : live.gaps) {
+    gaps.push_back({{"byte", gap.byte}, {"dropped_bytes", gap.dropped_bytes}, {"lost_buffers", gap.lost_buffers}});
+  }
+  return {{"most_behind_s", static_cast<double>(live.most_behind_us) * 1e-6},
+          {"pauses", live.pauses},
+          {"may_have_lost_events", live.loses_events},
+          {"dropped_bytes", live.dropped_bytes},
+          {"lost_buffers", live.lost_buffers},
+          {"num_gaps", live.num_gaps},
+          {"gaps", gaps},
+          {"failure", live.failure}};
+}
+
+void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summary) {
+  if (const std::string live = recordings::live_text(summary); !live.empty()) {
+    (summary.live.num_gaps > 0 ? log_warning : log_info)(cat(input.string(), ": ", live));
+  }
+  if (const std::string restarts = recordings::restart_text(summary); !restarts.empty()) {
+    const bool is_moved = summary.restarts.front().shift_us != 0;
+    log_warning(
+        cat(input.string(), ": ", restarts, is_moved ? " (split keeps the parts separate, refuse fails there)" : ""));
+  }
+  const std::vector<recordings::Loss> losses = recordings::losses(summary);
+  if (losses.empty()) return;
+  const bool is_outside = summary.of(recordings::Violation::kOutOfRange).count > 0;
+  const char* const advice = is_outside ? "; give the size of the sensor" : "";
+  log_warning(cat(input.string(), ": left out ", recordings::loss_text(losses), advice));
+}
+
+Json restarts_json(const recordings::DecodeSummary& summary) {
+  Json json = Json::array();
+  for (const recordings::Restart& restart : summary.restarts) {
+    json.push_back({{"byte", restart.byte},
+                    {"before_us", restart.before_us},
+                    {"after_us", restart.after_us},
+                    {"shift_us", restart.shift_us}});
+  }
+  return json;
+}
+
+std::string sorted_text(const recordings::DecodeSummary& summary) {
+  return summary.out_of_order == 0 ? "" : cat(", ", summary.out_of_order, " of them sorted to their place");
+}
+
+Json summary_json(const recordings::DecodeSummary& summary) {
+  return {{"events", summary.events()},
+          {"events_on", summary.events_on},
+          {"events_off", summary.events_off},
+          {"triggers", summary.triggers},
+          {"first_t_us", summary.first_t_us},
+          {"last_t_us", summary.last_t_us},
+          {"dropped_words", summary.dropped_words},
+          {"time_loops", summary.time_loops},
+          {"gaps", summary.num_gaps},
+          {"sorted", summary.out_of_order},
+          {"restarts", restarts_json(summary)},
+          {"sensor_events_in", summary.sensor_events_in},
+          {"sensor_events_sent", summary.sensor_events_sent},
+          {"left_out", losses_json(summary)}};
+}
+
+}  // namespace e2lf::info

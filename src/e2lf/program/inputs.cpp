@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/program/inputs.h"
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/files/bundled_files.h"
+#include "e2lf/files/file.h"
+#include "e2lf/program/option_values.h"
+
+namespace e2lf::program {
+namespace fs = std::filesystem;
+using pipeline::KnownCodes;
+namespace {
+
+/// Throws the parser's exception for missing files.
+fs::path find_named(const BundledKind& kind, const std::string& name) {
+  auto path = find_file_or_bundled(kind, name);
+  if (!path) throw CLI::FileError(path.error().text());
+  return *std::move(path);
+}
+
+}  // namespace
+
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, fs::path& model, const std::string& help) {
+  const auto take = [&model](const CLI::results_t& names) {
+    model = find_named(kBundledModels, names.back());
+    return true;
+  };
+  return app.add_option(flags, take, help)->type_name(kModelType);
+}
+
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::vector<fs::path>& models,
+                              const std::string& help) {
+  const auto take = [&models](const CLI::results_t& names) {
+    models.clear();
+    for (const std::string& name : names) models.push_back(find_named(kBundledModels, name));
+    return true;
+  };
+  return app.add_option(flags, take, help)->type_name(kModelType)->expected(1, CLI::detail::expected_max_vector_size);
+}
+
+void add_camera_option(CLI::App& app, std::string& camera, const std::string& help) {
+  app.add_option("--camera", camera,
+                 cat("camera file (JSON) or one of ", join(bundled_names(kBundledCameras)), ": ", help))
+      ->type_name(kCameraType);
+}
+
+Result<fs::path> find_camera(const std::string& name) {
+  return find_file_or_bundled(kBundledCameras, name);
+}
+
+Result<capture::SensorProfile> load_camera(const std::string& name, RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(const fs::path path, find_camera(name));
+  record.add_input(path);
+  E2LF_ASSIGN_OR_RETURN(capture::SensorProfile camera, capture::read_camera(path));
+  record.note("camera", capture::to_json(camera));
+  return camera;
+}
+
+CLI::Option* add_codes_option(CLI::App& app, fs::path& codes, const std::string& help) {
+  const auto take = [&codes](const CLI::results_t& names) {
+    codes = find_named(kBundledCodes, names.back());
+    return true;
+  };
+  return app.add_option("--codes", take, help)->type_name(kCodesType);
+}
+
+void add_codes_options(CLI::App& app, CodesSource& source) {
+  add_model_option(app, "-m,--model", source.model,
+                   "model file, or the name of a bundled model: its patterns and sensor constants");
+  add_codes_option(app, source.codes,
+                   "aperture patterns (.json, .npy, .npz, or a model); default: those in the file of the events, or "
+                   "else those of the model, or else those of e2lf-n4");
+}
+
+Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record) {
+  if (source.model.empty()) return std::optional<model::Model>();
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(source.model));
+  record.add_input(source.model, bytes);
+  E2LF_ASSIGN_OR_RETURN(model::Model model, model::decode_model(bytes, source.model.string()));
+  return std::optional(std::move(model));
+}
+
+void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
+                      const std::optional<capture::Codes>& of_events, RunRecord& record) {
+  if (!codes) return;
+  record.add_input(source.codes);
+  if (!of_events || *codes == *of_events) return;
+  log_warning(cat("the patterns of ", source.codes.string(), " differ from those in the file of the events; ",
+                  "using those of --codes"));
+}
+
+Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<model::Model>& model,
+                                             const std::optional<capture::Codes>& of_events, RunRecord& record) {
+  std::optional<capture::Codes> named;
+  if (!source.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(named, pipeline::read_patterns(source.codes));
+  }
+  note_named_codes(source, named, of_events, record);
+  return pipeline::known_codes(named, of_events, model ? &*model : nullptr);
+}
+
+Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(source, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(source, model, std::nullopt, record));
+  if (known) return std::move(*known);
+  if (!source.model.empty()) {
+    return Error{ErrorCode::kNotFound, "the model contains no aperture patterns; give them with --codes",
+                 source.model.string()};
+  }
+  known.emplace();
+  E2LF_ASSIGN_OR_RETURN(known->codes, pipeline::usual_patterns());
+  if (const auto path = bundled_model()) {
+    record.add_input(*path);
+    record.resolve("codes", path->stem().string());
+    log_info(cat("no patterns were given; using those of ", path->stem().string()));
+  }
+  return std::move(*known);
+}
+
+}  // namespace e2lf::program

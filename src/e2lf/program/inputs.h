@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/model/model.h"
+#include "e2lf/pipeline/patterns.h"
+#include "e2lf/program/run_record.h"
+
+namespace e2lf::program {
+
+/// Options that name models, patterns and cameras: by a path, or by the name of a bundled file with or without its
+/// extension. A file with exactly this name takes precedence.
+
+/// Declares an option or argument that takes a model. `model` is set to the path. If there is no such model,
+/// Verb::run() lists the bundled ones.
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::filesystem::path& model,
+                              const std::string& help);
+/// Declares the same for several models.
+CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::vector<std::filesystem::path>& models,
+                              const std::string& help);
+
+/// Declares --codes: a file of patterns, a model, or the name of a bundled model.
+CLI::Option* add_codes_option(CLI::App& app, std::filesystem::path& codes, const std::string& help);
+
+/// Declares --camera.
+void add_camera_option(CLI::App& app, std::string& camera, const std::string& help);
+
+/// Returns the path of a camera file. Fails with kNotFound, listing the bundled cameras.
+[[nodiscard]] Result<std::filesystem::path> find_camera(const std::string& name);
+
+/// Reads the camera that --camera names and adds it to the record. Fails as find_camera() and capture::read_camera()
+/// do.
+[[nodiscard]] Result<capture::SensorProfile> load_camera(const std::string& name, RunRecord& record);
+
+/// The sources of the aperture patterns of a verb: a model file, or a file of codes or another model.
+struct CodesSource {
+  std::filesystem::path model, codes;
+};
+
+/// Declares -m/--model and --codes.
+void add_codes_options(CLI::App& app, CodesSource& source);
+
+/// Reads the model if one was given, and adds its content to the record. Fails as read_model() does.
+[[nodiscard]] Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record);
+
+/// Adds the file of these patterns to the record, and warns if they differ from those in the file of the events.
+void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
+                      const std::optional<capture::Codes>& of_events, RunRecord& record);
+
+/// Returns the patterns of --codes, or else `of_events` (those in the file of the events), or else those of `model`, or
+/// nothing if none of them exist. Warns if --codes and the file of the events differ.
+[[nodiscard]] Result<std::optional<pipeline::KnownCodes>> find_codes(const CodesSource& source,
+                                                                     const std::optional<model::Model>& model,
+                                                                     const std::optional<capture::Codes>& of_events,
+                                                                     RunRecord& record);
+
+/// Reads the patterns of --codes, or else those of the model. If neither is given, uses those of the bundled model and
+/// logs this, or the built-in ones if there is no bundled model. Fails with kNotFound if the model contains no
+/// patterns.
+[[nodiscard]] Result<pipeline::KnownCodes> load_codes(const CodesSource& source, RunRecord& record);
+
+}  // namespace e2lf::program

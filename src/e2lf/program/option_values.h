@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/contract.h"
+
+/// The kinds of values of options.
+namespace e2lf::program {
+
+/// The placeholders of values in --help. They also identify the options that name files: --config resolves their values
+/// (recorded_paths.cpp), and completion offers bundled files for them.
+inline constexpr char kPathType[] = "PATH", kModelType[] = "MODEL", kCodesType[] = "PATTERNS", kCameraType[] = "CAMERA";
+/// For verbs that accept any file or folder.
+inline constexpr char kThingType[] = "PATH|MODEL";
+
+/// Makes every option with a numeric value reject malformed numbers: a sign if the type has none, values beyond its
+/// range, NaN and infinity, and numbers that are not decimal. CLI11 would wrap or clip them silently.
+void check_numbers(CLI::App& app);
+
+/// Returns a validator that rejects integers outside [least, most], with a message in words.
+[[nodiscard]] CLI::Validator whole_number(int64_t least, int64_t most = INT64_MAX);
+
+/// Returns a validator that rejects numbers that are not greater than 0.
+[[nodiscard]] CLI::Validator positive_number();
+
+/// Declares an option for an integer in [least, most], whose default is shown.
+template <typename T>
+CLI::Option* add_count(CLI::App& app, const std::string& name, T& value, int64_t least, int64_t most,
+                       const std::string& help) {
+  return app.add_option(name, value, help)->check(whole_number(least, most))->capture_default_str();
+}
+
+/// Declares an option for one of several words, whose default is shown.
+CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
+                        const std::vector<std::string>& choices, const std::string& help);
+
+/// A word on the command line and what it stands for.
+template <typename T>
+struct Choice {
+  const char* word;
+  T value;
+};
+
+/// Returns the words of a table.
+template <typename T, size_t N>
+[[nodiscard]] std::vector<std::string> words_of(const Choice<T> (&table)[N]) {
+  std::vector<std::string> words;
+  for (const Choice<T>& choice : table) words.emplace_back(choice.word);
+  return words;
+}
+
+/// Returns what a word stands for; the table must contain it.
+template <typename T, size_t N>
+[[nodiscard]] T choice_of(const std::string& word, const Choice<T> (&table)[N]) {
+  const auto found = std::find_if(table, table + N, [&](const Choice<T>& choice) { return word == choice.word; });
+  E2LF_REQUIRE(found != table + N, "the table does not contain " + word);
+  return found->value;
+}
+
+/// Returns the word for a value; the table must contain it.
+template <typename T, size_t N>
+[[nodiscard]] const char* word_of(T value, const Choice<T> (&table)[N]) {
+  return std::find_if(table, table + N - 1, [&](const Choice<T>& choice) { return value == choice.value; })->word;
+}
+
+}  // namespace e2lf::program
+
+/// Names the type of all path options; CLI11 would call it TEXT.
+template <>
+constexpr const char* CLI::detail::type_name<std::filesystem::path>() {
+  return e2lf::program::kPathType;
+}

@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/program/verb.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <unistd.h>
+
+#include "e2lf/base/isa.h"
+#include "e2lf/base/log.h"
+#include "e2lf/base/printable.h"
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/files/options.h"
+#include "e2lf/files/result_folder.h"
+#include "e2lf/files/workspace.h"
+#include "e2lf/info/version.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/terminal/progress_bar.h"
+
+namespace e2lf::program {
+namespace fs = std::filesystem;
+namespace {
+
+const char* the_name = "e2lf";
+
+/// If the output could not be written, the run has failed.
+int check_standard_output(int code) {
+  const bool is_written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (is_written) return code;
+  std::fprintf(stderr, "%s: cannot write to standard output (%s); free some disk space or check where it goes\n",
+               the_name, std::strerror(errno));
+  return code == 0 ? 1 : code;
+}
+
+}  // namespace
+
+const char* program_name() {
+  return the_name;
+}
+
+int run_program(const char* name, int argc, char** argv,
+                const std::function<int(const std::vector<std::string>& arguments)>& run) {
+  the_name = name;
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of the size of files then fails, and its part is removed
+  try {
+    return check_standard_output(run({argv + 1, argv + argc}));
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s: there is not enough memory; end other programs, or give a part of the input\n", name);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: internal error: %s; please report it with the command you ran\n", name, error.what());
+  }
+  return 1;
+}
+
+namespace {
+
+void print_log(LogLevel level, const std::string& message) {
+  hide_progress();
+  const bool is_warning = level == LogLevel::kWarning, is_coloured = isatty(STDERR_FILENO) != 0;
+  std::fprintf(stderr, "%s: %s%s\n", program_name(),
+               !is_warning   ? ""
+               : is_coloured ? "\x1b[1;33mwarning:\x1b[0m "
+                             : "warning: ",
+               printable(without_workspaces(message)).c_str());
+}
+
+/// With --quiet, only warnings are printed.
+void print_warnings(LogLevel level, const std::string& message) {
+  if (level == LogLevel::kWarning) print_log(level, message);
+}
+
+/// Returns the names of all long flags, without "--".
+std::vector<std::string> long_flags(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<std::string> with_dashes(std::vector<std::string> names) {
+  for (std::string& name : names) name.insert(0, "--");
+  return names;
+}
+
+/// Returns a message with the missing argument, its meaning, and an example of a complete command.
+std::optional<std::string> missing_argument(const CLI::App& app, const std::string& example) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_required() || option->count() > 0) continue;
+    const std::string name = option->get_positional() ? "an argument" : option->get_name();
+    return cat(name, " is missing: ", option->get_description(), "; for example `", example, "`");
+  }
+  return std::nullopt;
+}
+
+/// Returns a message about the first argument that looks like a long flag but is none.
+std::optional<std::string> unknown_argument(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const std::vector<std::string> known = long_flags(app);
+  for (const std::string& argument : arguments) {
+    if (!argument.starts_with("--")) continue;
+    const std::string name = argument.substr(2, argument.find('=') - 2);
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    return cat("there is no option --", name, "; ", suggestion(cat("--", name), with_dashes(known), ""));
+  }
+  return std::nullopt;
+}
+
+/// Finds only --config and --set, whose content may supply what the rest of the command line lacks.
+void find_config(std::vector<std::string> arguments, std::string& config, std::vector<std::string>& overrides) {
+  CLI::App app;
+  app.set_help_flag("");
+  app.allow_extras();
+  app.add_option("--config", config)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  app.add_option("--set", overrides)->allow_extra_args(false);
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes its vector from the back
+  app.parse(arguments);
+}
+
+/// The flags that set the settings of the library.
+constexpr std::pair<Setting, const char*> kSettingFlags[] = {{Setting::kOverwrite, "--overwrite"},
+                                                             {Setting::kInputFormat, "--event-format"},
+                                                             {Setting::kOutputFormat, "--format"},
+                                                             {Setting::kSensorSize, "--sensor-width"},
+                                                             {Setting::kSensorSize, "--sensor-height"},
+                                                             {Setting::kTimeUnit, "--time-unit"},
+                                                             {Setting::kColumns, "--columns"},
+                                                             {Setting::kStream, "--stream"},
+                                                             {Setting::kShiftTime, "--shift-time"},
+                                                             {Setting::kFilterPixels, "--filter-pixels"},
+                                                             {Setting::kCodes, "--codes"},
+                                                             {Setting::kWhite, "--white"},
+                                                             {Setting::kLensletViews, "--lenslet-views"},
+                                                             {Setting::kViews, "--views"},
+                                                             {Setting::kViews, "--step"},
+                                                             {Setting::kPort, "--port"}};
+
+/// Options that affect what a run prints and not its result; they are not taken over from an earlier run.
+constexpr std::array kNotRepeated = {"json", "quiet", "overwrite"};
+
+}  // namespace
+
+Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI::App& app,
+                                                   const std::string& location) {
+  if (!config.is_object())
+    return Error{ErrorCode::kFormat, "the configuration is not an object; write { ... }", location};
+  const std::vector<std::string> known = long_flags(app);
+  std::vector<std::string> flags;
+  for (const auto& [key, value] : config.items()) {
+    std::string name = key;
+    std::replace(name.begin(), name.end(), '_', '-');
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      return Error{ErrorCode::kInvalidValue, cat("unknown key \"", key, "\"; ", suggestion(name, known)), location};
+    }
+    for (const Json& one : value.is_array() ? value : Json::array({value})) {
+      if (one.is_boolean()) {
+        if (one.get<bool>()) flags.push_back("--" + name);
+      } else {
+        flags.push_back("--" + name + "=" + (one.is_string() ? one.get<std::string>() : json_line(one)));
+      }
+    }
+  }
+  return flags;
+}
+
+namespace {
+
+std::string list_of(const std::string& command, const std::vector<VerbEntry>& entries) {
+  std::string text =
+      cat(program_name(), " ", info::kVersion,
+          ": light fields from the events of a coded-aperture camera\n\nusage: ", command, " <verb> [flags]\n\n");
+  for (const VerbEntry& entry : entries) {
+    std::string name = entry.name;
+    name.resize(std::max<size_t>(name.size(), 12), ' ');
+    text += cat("  ", name, " ", entry.summary, "\n");
+  }
+  return text + cat("\n", command, " <verb> --help explains a verb and gives an example.\n");
+}
+
+}  // namespace
+
+int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
+                const std::vector<std::string>& arguments) {
+  std::vector<std::string> names;
+  for (const VerbEntry& entry : entries) names.emplace_back(entry.name);
+  if (is_completing() && arguments.size() < 2) {
+    names.emplace_back("--help");
+    print_candidates(names, arguments.empty() ? "" : arguments.front());
+    return 0;
+  }
+  const std::string command = cat(program_name(), prefix.empty() ? "" : " ", prefix);
+  if (arguments.empty()) {
+    std::cerr << list_of(command, entries);
+    return 2;
+  }
+  const std::string& name = arguments.front();
+  if (name == "--help" || name == "-h" || name == "help") {
+    std::cout << list_of(command, entries);
+    return 0;
+  }
+  for (const VerbEntry& entry : entries) {
+    if (name == entry.name) return entry.run({arguments.begin() + 1, arguments.end()});
+  }
+  std::cerr << program_name() << (prefix.empty() ? "" : ": " + prefix) << ": there is no verb \"" << name << "\"; "
+            << suggestion(name, names) << " See " << command << " --help\n";
+  return 2;
+}
+
+Verb::Verb(std::string name, const std::string& summary, const std::string& example)
+    : name_(std::move(name)), example_(example), app_(summary, cat(program_name(), " ", name_)) {
+  app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  app_.footer("Example:\n  " + example);
+  app_.set_help_flag("-h,--help", "print this text");
+  app_.add_option(
+      "--config", config_,
+      "JSON file whose keys are the names of long flags, or an earlier result or its run.json, to repeat its run");
+  app_.add_option("--set", overrides_, "set one key of the configuration: key=value (repeatable)")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
+  app_.add_option("--threads", common_.threads, "number of threads; 0 = all cores")->check(whole_number(0, 1024));
+  app_.add_option("--seed", common_.seed, "seed of all random numbers")->capture_default_str();
+  app_.add_flag("--json", common_.json, "print the result as JSON");
+  app_.add_flag("--quiet", common_.quiet, "print nothing but warnings and errors");
+  app_.add_flag("--overwrite", common_.overwrite, "replace existing output");
+}
+
+void Verb::keep_overrides() {
+  keeps_overrides_ = true;
+  for (const char* flag : {"--config", "--seed", "--json", "--overwrite"}) {
+    app_.remove_option(app_.get_option(flag));
+  }
+}
+
+int Verb::usage_error(const std::string& message) const {
+  std::fprintf(stderr, "%s: %s: %s; see %s %s --help\n", program_name(), name_.c_str(), message.c_str(), program_name(),
+               name_.c_str());
+  return 2;
+}
+
+/// Reads the keys and values of --config: those of the file, or the options of the run that it records.
+Result<Json> Verb::read_config() {
+  // The name of a result denotes its record.
+  std::error_code error;
+  if (fs::is_directory(config_, error)) config_ = (fs::path(config_) / "run.json").string();
+  if (const fs::path record = record_path_beside(config_); fs::exists(record, error)) config_ = record.string();
+  E2LF_ASSIGN_OR_RETURN(Json config, read_json(config_));
+  if (!config.is_object() || !config.contains("verb") || !config.contains("options")) return config;
+  if (config["verb"] != name_) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("this is the record of a run of another verb (", json_line(config["verb"]), "); give one of ", name_),
+        config_};
+  }
+  for (const char* name : kNotRepeated) config["options"].erase(name);
+  missing_inputs_ = find_recorded_paths(config, app_);
+  earlier_run_ = std::move(config);
+  return earlier_run_["options"];
+}
+
+/// Returns the flags of --config and of every --set, which are parsed before those of the command line, so that the
+/// latter take precedence.
+Result<std::vector<std::string>> Verb::configured_flags() {
+  Json config = Json::object();
+  if (!config_.empty()) {
+    E2LF_ASSIGN_OR_RETURN(config, read_config());
+  }
+  for (const std::string& assignment : overrides_) E2LF_RETURN_IF_ERROR(apply_override(config, assignment));
+  return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
+}
+
+/// Fails if inputs of an earlier run no longer exist and the command line names no others.
+Result<void> Verb::check_inputs() const {
+  for (const MissingInput& input : missing_inputs_) {
+    const CLI::results_t& values = app_.get_option(input.flag)->results();
+    if (std::find(values.begin(), values.end(), input.placed) != values.end()) return input.error;
+  }
+  return {};
+}
+
+Result<void> Verb::refuse_options(const std::string& group, const std::string& what) const {
+  for (const CLI::Option* option : app_.get_options()) {
+    if (option->get_group() != group || option->count() == 0) continue;
+    // A run that is repeated from its record also repeats the defaults.
+    if (join(option->results()) == option->get_default_str()) continue;
+    return Error{ErrorCode::kInvalidValue, cat("does nothing for ", what, "; leave it out"), option->get_name()};
+  }
+  return {};
+}
+
+int Verb::run(std::vector<std::string> arguments, const std::function<Result<void>()>& work) {
+  if (is_completing()) {
+    print_candidates(app_, std::move(arguments));
+    return 0;
+  }
+  const auto parse = [this](std::vector<std::string> list) {
+    std::reverse(list.begin(), list.end());  // CLI11 takes its vector from the back
+    app_.parse(list);
+  };
+  check_numbers(app_);
+  try {
+    if (!keeps_overrides_) {
+      find_config(arguments, config_, overrides_);
+      const auto flags = configured_flags();
+      if (!flags) return usage_error(flags.error().text());
+      arguments.insert(arguments.begin(), flags->begin(), flags->end());
+    }
+    parse(arguments);
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app_.help();
+    return 0;
+  } catch (const CLI::FileError& error) {
+    std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), error.what());
+    return 1;
+  } catch (const CLI::ExtrasError& error) {
+    return usage_error(unknown_argument(app_, arguments).value_or(error.what()));
+  } catch (const CLI::RequiredError& error) {
+    return usage_error(missing_argument(app_, example_).value_or(error.what()));
+  } catch (const CLI::ParseError& error) {
+    std::string message = error.what();
+    while (!message.empty() && (message.back() == '\n' || message.back() == '.')) message.pop_back();
+    return usage_error(message);
+  }
+  if (const auto capped = apply_isa_cap(); !capped) return usage_error(capped.error().text());
+  if (const auto found = check_inputs(); !found) return exit_code(found);
+  set_num_threads(common_.threads);
+  set_log_sink(common_.quiet ? print_warnings : print_log);
+  if (stops_gently_) stop_on_signals();
+  return exit_code(work());
+}
+
+std::string Verb::flag_hint(Setting setting) const {
+  std::string hint;
+  for (const auto& [of_flag, flag] : kSettingFlags) {
+    // Not every verb has every flag.
+    if (of_flag == setting && app_.get_option_no_throw(flag) != nullptr) hint += cat(hint.empty() ? " (" : ", ", flag);
+  }
+  return hint.empty() ? hint : hint + ")";
+}
+
+int Verb::exit_code(const Result<void>& result) const {
+  if (!result) {
+    const std::string text = without_workspaces(result.error().text()) + flag_hint(result.error().setting);
+    std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), printable(text).c_str());
+  }
+  if (!stop_requested() && result && !failed_input_.empty()) {
+    std::fprintf(stderr, "%s: %s: the input failed: %s; the data before that were written\n", program_name(),
+                 name_.c_str(), printable(failed_input_).c_str());
+    return 3;
+  }
+  if (!stop_requested()) return result ? 0 : 1;
+  std::fprintf(stderr, "%s: %s: ended by %s; %s\n", program_name(), name_.c_str(),
+               stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",
+               result ? "everything that was complete was written" : "nothing was complete");
+  return 128 + stop_signal();
+}
+
+Json Verb::resolved_options() const {
+  Json options = Json::object();
+  for (const CLI::Option* option : app_.get_options()) {
+    if (option->get_lnames().empty() || option == app_.get_help_ptr()) continue;
+    const std::string name = option->get_lnames().front();
+    // Their keys are already among the others.
+    if (name == "config" || (name == "set" && !keeps_overrides_)) continue;
+    if (option->count() > 0) {
+      const int most = option->get_items_expected_max();
+      options[name] = most == 0 ? Json(true) : most == 1 ? Json(option->results().back()) : Json(option->results());
+    } else if (!option->get_default_str().empty()) {
+      options[name] = option->get_default_str();
+    }
+  }
+  return options;
+}
+
+void print_result(const CommonOptions& common, const Json& json, const std::string& text, std::FILE* to) {
+  if (!common.json && common.quiet) return;
+  std::fputs(common.json ? json_text(json).c_str() : text.c_str(), to);
+}
+
+std::string shell_word(const std::string& word) {
+  const bool is_plain = word.find_first_not_of(
+                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                            "_@%+=:,./-") == std::string::npos;
+  if (is_plain && !word.empty()) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+void print_next_step(const std::string& command, const CommonOptions& common) {
+  if (common.json || common.quiet) return;
+  std::printf("next: %s\n", command.c_str());
+}
+
+}  // namespace e2lf::program

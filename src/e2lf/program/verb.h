@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "e2lf/base/format.h"
+#include "e2lf/base/result.h"
+#include "e2lf/files/options.h"
+#include "e2lf/program/option_values.h"
+
+namespace e2lf::program {
+
+/// Returns the name of the running program, which its messages start with: "e2lf", unless run_program() received
+/// another.
+[[nodiscard]] const char* program_name();
+
+/// Implements main(): calls `run` with the arguments after the program's name, checks that everything printed was
+/// written successfully, and converts exceptions to a message. Returns the exit code of the process.
+int run_program(const char* name, int argc, char** argv,
+                const std::function<int(const std::vector<std::string>& arguments)>& run);
+
+/// An input of an earlier run that no longer exists, and the flag that can name another one.
+struct MissingInput {
+  std::string flag, placed;  ///< the flag, and its value unless the user sets another
+  Error error;
+};
+
+/// Resolves the paths of a run's record, so that the run can be repeated from any folder. A relative path is resolved
+/// against the folder in which the run was started ("folder" of the record), or against the current folder if it does
+/// not exist there. Changes the options in `record` that `app` declares as paths or that the record lists as inputs,
+/// and the list of inputs. Returns the inputs that exist in neither folder.
+[[nodiscard]] std::vector<MissingInput> find_recorded_paths(Json& record, const CLI::App& app);
+
+/// The flags that every verb has.
+struct CommonOptions {
+  int threads = 0;  ///< 0 = all cores
+  uint64_t seed = 1;
+  bool json = false;
+  bool quiet = false;
+  bool overwrite = false;
+};
+
+/// A verb of the command line. It declares its flags on a CLI11 app and then does its work in a function that returns a
+/// Result. run() adds the common flags, --config FILE.json and --set key=value (the keys are the names of the long
+/// flags), limits the number of threads, and reports usage errors. --config also accepts the run.json of an earlier run
+/// of the verb, which is then repeated.
+///
+///   Verb verb("eval", "compare light fields", "e2lf eval TRUTH RECON --json");
+///   verb.app().add_option("truth", truth, "the true light field")->required();
+///   return verb.run(arguments, [&]() -> Result<void> { ... });
+class Verb {
+ public:
+  Verb(std::string name, const std::string& summary, const std::string& example);
+
+  [[nodiscard]] CLI::App& app() { return app_; }
+  [[nodiscard]] const CommonOptions& common() const { return common_; }
+
+  /// For a verb with a configuration of its own: leaves the assignments of --set to the verb instead of reading them as
+  /// flags, and removes the common flags that the configuration replaces (--config, --seed) or that do not apply
+  /// (--json, --overwrite).
+  void keep_overrides();
+  [[nodiscard]] const std::vector<std::string>& overrides() const { return overrides_; }
+
+  /// For a verb whose work checks stop_requested(): the first SIGINT or SIGTERM ends the work early and keeps what is
+  /// complete. A second signal, or the first one of any other verb, ends the process at once.
+  void stop_gently() { stops_gently_ = true; }
+
+  /// Notes the failure that ended live input early (LiveBacklog::failure, empty if there was none). If the work
+  /// succeeds, run() then reports the failure and returns 3, because the result contains only what came before it.
+  void note_failed_input(const std::string& failure) const { failed_input_ = failure; }
+
+  /// Fails with kInvalidValue if an option of this help group differs from its default although it has no effect,
+  /// because the input is `what` ("a light field").
+  [[nodiscard]] Result<void> refuse_options(const std::string& group, const std::string& what) const;
+
+  /// Parses the arguments, runs `work`, and prints its error as "e2lf: <verb>: <what went wrong>; <what to do>".
+  /// Returns the exit code of the process: 0 success, 1 failure, 2 usage error, 3 success with live input that
+  /// failed early, 130 and 143 ended by SIGINT and SIGTERM.
+  int run(std::vector<std::string> arguments, const std::function<Result<void>()>& work);
+
+  /// Returns the record of the run that --config repeats, or null.
+  [[nodiscard]] const Json& earlier_run() const { return earlier_run_; }
+
+  /// Returns the verb's flags for a setting, as " (--sensor-width, --sensor-height)", or an empty string if it has
+  /// none.
+  [[nodiscard]] std::string flag_hint(Setting setting) const;
+
+  /// Returns true if the command line, or the run that is repeated, has this flag.
+  [[nodiscard]] bool is_given(const char* flag) const { return app_.get_option(flag)->count() > 0; }
+
+  /// Returns every flag with its value after parsing, for run.json.
+  [[nodiscard]] Json resolved_options() const;
+
+ private:
+  int usage_error(const std::string& message) const;
+  [[nodiscard]] int exit_code(const Result<void>& result) const;
+  [[nodiscard]] Result<Json> read_config();
+  [[nodiscard]] Result<std::vector<std::string>> configured_flags();
+  [[nodiscard]] Result<void> check_inputs() const;
+  std::string name_, example_;
+  CLI::App app_;
+  CommonOptions common_;
+  std::string config_;
+  Json earlier_run_;
+  std::vector<MissingInput> missing_inputs_;
+  std::vector<std::string> overrides_;
+  mutable std::string failed_input_;
+  bool keeps_overrides_ = false, stops_gently_ = false;
+};
+
+/// Converts a configuration object to flags: {"tau": 0.3, "overwrite": true} -> {"--tau=0.3", "--overwrite"}. Keys may
+/// use '_' for '-'. Fails with kInvalidValue if a key is not a flag of `app`, suggesting the nearest one.
+[[nodiscard]] Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI::App& app,
+                                                                 const std::string& location);
+
+/// A verb or subverb: its name, a summary in a few words, and its function.
+struct VerbEntry {
+  const char* name;
+  const char* summary;
+  int (*run)(const std::vector<std::string>& arguments);
+};
+
+/// Runs the entry that the first argument names. Prints the list of entries for --help, and also, with exit code 2, if
+/// the name is missing or unknown. `prefix` are the words before the name on the command line ("model", or "" for the
+/// verbs themselves).
+int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
+                const std::vector<std::string>& arguments);
+
+/// After set_completing(), run_subverb() and Verb::run() only print the words with which their arguments, of which the
+/// last may be incomplete, can continue; see cli/completion.bash.
+void set_completing();
+[[nodiscard]] bool is_completing();
+/// Prints the words that begin with `begin`, and those that may follow the words behind the name of a verb.
+void print_candidates(const std::vector<std::string>& words, const std::string& begin);
+void print_candidates(const CLI::App& app, std::vector<std::string> words);
+
+/// Returns a result whose error, if there is one, has this location.
+template <typename T>
+[[nodiscard]] Result<T> located(Result<T> result, const std::filesystem::path& location) {
+  if (result) return result;
+  Error error = result.error();
+  error.location = location.string();
+  return error;
+}
+
+/// Prints the result of a run: `json` with --json, or else `text`, unless with --quiet.
+void print_result(const CommonOptions& common, const Json& json, const std::string& text, std::FILE* to = stdout);
+
+/// Returns a word as a shell requires it: quoted if it contains more than letters, digits and the common characters of
+/// paths.
+[[nodiscard]] std::string shell_word(const std::string& word);
+
+/// Prints a command that uses the result, "next: e2lf view out", as the last line of a run. Prints nothing with --quiet
+/// or --json.
+void print_next_step(const std::string& command, const CommonOptions& common);
+
+}  // namespace e2lf::program
