@@ -20,7 +20,7 @@ struct EvalRow {
   std::optional<EventStatistics> events = {};   ///< absent if only pictures were compared
   std::optional<double> gain = {}, black = {};  ///< tone that was applied when the reconstruction was made
   std::optional<double> fitted_gain = {}, fitted_black = {};  ///< tone that was applied for the comparison: best_tone()
-  std::optional<depth::DisparityError> disparity = {};  ///< absent if there is no disparity to compare
+  std::optional<depth::DisparityError> disparity = {};        ///< absent if there is no disparity to compare
 };
 
 /// Returns {"psnr_db", "ssim_uniform7", "ssim_gaussian", "epi_rms_error", "epi_relative_error", "views": [{"view_y",
@@ -35,8 +35,8 @@ struct EvalRow {
 /// [{"pixels_percent", "bad_20_percent", "mean_absolute_px"}]}.
 [[nodiscard]] Json to_json(const depth::DisparityError& error);
 
-/// Returns {"method", "scene", the keys of the quality, and "events", "disparity" and those of gains and black levels if
-/// present}.
+/// Returns {"method", "scene", the keys of the quality, and "events", "disparity" and those of gains and black levels
+/// if present}.
 [[nodiscard]] Json to_json(const EvalRow& row);
 
 /// Makes a table with one line per row. The columns for events, gains and disparities exist if any row has them. The
