@@ -5,8 +5,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/frame_memory.h"
 #include "e2lf/engine/stream.h"
-#include "e2lf/engine/video/frame_memory.h"
 
 namespace e2lf::engine {
 namespace {

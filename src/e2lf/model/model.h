@@ -93,7 +93,8 @@ enum class WeightStorage { kFloat32, kBfloat16 };
 [[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model,
                                        WeightStorage storage = WeightStorage::kFloat32);
 
-/// Returns true if a file states that it is a model of video_model.h. Fails as read_model() does if it is not a model.
+/// Returns true if a file states that it is a model of frames (e2lf/video). Fails as read_model() does if it is not a
+/// model.
 [[nodiscard]] Result<bool> is_video_model(const std::filesystem::path& path);
 
 /// Imports the released weights of the paper as a model. `folder` must contain RecNet.safetensors and

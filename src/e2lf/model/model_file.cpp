@@ -34,16 +34,6 @@ Result<capture::Codes> codes_from_tensor(const Model& model, const Safetensors& 
   return codes;
 }
 
-/// Rejects tensors that no layer reads, because they indicate another network than the one described.
-Result<void> check_all_used(const Model& model, const Safetensors& tensors, const std::string& file) {
-  for (const auto& entry : tensors.tensors) {
-    if (entry.first == kCodesTensor || model.weights.contains(entry.first)) continue;
-    return Error{ErrorCode::kFormat, "the tensor belongs to no layer of the network; remove it or describe its layer",
-                 cat(file, ": ", entry.first)};
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<Json> header_of(const Safetensors& tensors, const std::string& file) {
@@ -71,6 +61,11 @@ Result<Weights> weights_from_tensors(const Network& network, const Safetensors& 
     }
     E2LF_ASSIGN_OR_RETURN(weights[wanted.name], tensor->to_float(location));
   }
+  for (const auto& entry : tensors.tensors) {
+    if (entry.first == kCodesTensor || weights.contains(entry.first)) continue;
+    return Error{ErrorCode::kFormat, "the tensor belongs to no layer of the network; remove it or describe its layer",
+                 cat(file, ": ", entry.first)};
+  }
   return weights;
 }
 
@@ -82,7 +77,6 @@ Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& fi
   if (tensors.tensors.contains(kCodesTensor)) {
     E2LF_ASSIGN_OR_RETURN(model.codes, codes_from_tensor(model, tensors, file));
   }
-  E2LF_RETURN_IF_ERROR(check_all_used(model, tensors, file));
   E2LF_RETURN_IF_ERROR(validate(model, file));
   return model;
 }
@@ -90,6 +84,12 @@ Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& fi
 Result<Model> read_model(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
   return decode_model(bytes, path.string());
+}
+
+Result<bool> is_video_model(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
+  E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, path.string()));
+  return json.is_object() && json.value("measurement", Json()) == kVoxelGrid;
 }
 
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {

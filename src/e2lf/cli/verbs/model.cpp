@@ -15,7 +15,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/model/onnx/onnx_export.h"
 #include "e2lf/model/summary.h"
-#include "e2lf/model/video/import_event_video.h"
+#include "e2lf/video/import_event_video.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -27,12 +27,12 @@ int run_model_info(const std::vector<std::string>& arguments) {
   add_model_option(verb.app(), "model,-m,--model", path, "model file (.safetensors), or a bundled model")->required();
   return verb.run(arguments, [&]() -> Result<void> {
     const auto print = [&](const auto& model) -> Result<void> {
-      const std::string text = verb.common().json ? json_text(model::summary_json(model)) : model::summary_text(model);
+      const std::string text = verb.common().json ? json_text(summary_json(model)) : summary_text(model);
       std::printf("%s", text.c_str());
       return {};
     };
     E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
-    return is_video ? model::read_video_model(path).and_then(print) : model::read_model(path).and_then(print);
+    return is_video ? video::read_video_model(path).and_then(print) : model::read_model(path).and_then(print);
   });
 }
 
@@ -47,7 +47,7 @@ Result<void> import_weights(const std::vector<fs::path>& inputs, const fs::path&
   record.end_step("import");
   if (inputs.size() == 1) record.resolve("as", model.name);
   E2LF_RETURN_IF_ERROR(commit(file, record, verb));
-  if (!verb.common().quiet) std::printf("%s: %s", output.c_str(), model::summary_text(model).c_str());
+  if (!verb.common().quiet) std::printf("%s: %s", output.c_str(), summary_text(model).c_str());
   return {};
 }
 
@@ -62,17 +62,17 @@ int run_model_import(const std::vector<std::string>& arguments) {
       verb.app().add_option("--release", release, "folder with RecNet.safetensors and AcqNet.safetensors");
   verb.app()
       .add_option("--checkpoint", checkpoint,
-                  cat("state dictionary of ", join(model::event_video_names()), ", as a .safetensors file"))
+                  cat("state dictionary of ", join(video::event_video_names()), ", as a .safetensors file"))
       ->excludes(of_release);
   verb.app()
       .add_option("--as", as, "network of a checkpoint; default: determined by its tensors")
-      ->check(CLI::IsMember(model::event_video_names()))
+      ->check(CLI::IsMember(video::event_video_names()))
       ->excludes(of_release);
   verb.app().add_option("-o,--output", output, "model file to write")->required();
   return verb.run(arguments, [&]() -> Result<void> {
     if (!checkpoint.empty()) {
       return import_weights(
-          {checkpoint}, output, verb, [&] { return model::import_event_video(checkpoint, as); },
+          {checkpoint}, output, verb, [&] { return video::import_event_video(checkpoint, as); },
           [](const auto& path, const auto& model) { return write_video_model(path, model); });
     }
     if (release.empty()) {

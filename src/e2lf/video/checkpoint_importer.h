@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "e2lf/files/safetensors.h"
+#include "e2lf/video/operations.h"
+#include "e2lf/video/video_model.h"
+
+namespace e2lf::video {
+
+using model::Layer, model::Network, model::Weights;
+
+/// Converts the tensors of a published checkpoint to layers and records which tensors were read. Functions that add
+/// layers return the name of the last one. They fail with kNotFound and kShape, and the location names the tensor.
+class CheckpointImporter {
+ public:
+  /// `prefix` precedes the keys of all tensors.
+  CheckpointImporter(const Safetensors& tensors, std::string file, std::string prefix)
+      : tensors_(tensors), file_(std::move(file)), prefix_(std::move(prefix)) {
+    add_operations();
+  }
+
+  [[nodiscard]] bool has(const std::string& key) const { return tensors_.tensors.contains(prefix_ + key); }
+
+  /// Returns the shape of a tensor. Fails if it does not have `rank` axes or if an extent is 0.
+  [[nodiscard]] Result<std::vector<size_t>> shape(const std::string& key, size_t rank);
+
+  /// Returns the values of a tensor. Fails if their number is not `size`.
+  [[nodiscard]] Result<std::vector<float>> values(const std::string& key, size_t size);
+
+  /// Adds a convolution "<key>.weight", with a bias and the batch normalisation "<norm>" if the checkpoint has them.
+  Result<std::string> conv(Layer layer, const std::string& key, const std::string& norm = "");
+
+  /// Adds a linear layer "<key>.weight" [out, in] with its bias, applied to each pixel: a 1x1 convolution.
+  Result<std::string> linear(Layer layer, const std::string& key);
+
+  /// Adds a layer normalisation with "<key>.weight" and "<key>.bias" [channels].
+  Result<std::string> layer_norm(const std::string& name, const std::string& key, const std::string& input);
+
+  /// Adds a recurrent cell: a GRU if the checkpoint has tensors for its three gates, an LSTM if it has one for all
+  /// gates.
+  Result<std::string> cell(const std::string& name, const std::string& key, const std::string& input);
+
+  /// Adds a residual block, ReLU(conv2(ReLU(conv1(x))) + x).
+  Result<std::string> residual_block(const std::string& name, const std::string& key, const std::string& input);
+
+  /// Adds the last convolution, of which only the first output channel is kept.
+  Result<std::string> picture(const std::string& input);
+
+  std::string add(Layer layer);
+
+  /// Adds a layer whose weights were computed from those of the checkpoint.
+  std::string add(Layer layer, std::vector<float> weight, std::vector<float> bias);
+
+  /// Names the tensor whose number of input channels is the number of time bins.
+  void set_head(std::string key) { head_ = std::move(key); }
+  [[nodiscard]] Result<size_t> bins();
+
+  /// Completes the network and moves it to `model`. Fails if a tensor was not read.
+  Result<void> finish(VideoModel& model);
+
+  /// Returns the location of a tensor for errors.
+  [[nodiscard]] std::string location(const std::string& key) const;
+
+ private:
+  Result<const Tensor*> find(const std::string& key);
+  Result<std::vector<float>> values_or(const std::string& key, size_t size, float otherwise);
+  Result<void> append(const std::string& key, std::vector<float>& to);
+  Result<void> fold(const std::string& norm, std::vector<float>& weight, std::vector<float>& bias);
+
+  const Safetensors& tensors_;
+  std::string file_, prefix_, head_;
+  std::set<std::string> read_;
+  Network network_;
+  Weights weights_;
+};
+
+}  // namespace e2lf::video
