@@ -48,6 +48,13 @@ struct InputGroup {
 
 using Weights = std::map<std::string, std::vector<float>>;
 
+/// What a network loses in arithmetic other than float32: the PSNR with float32 minus that with the other, dB, on
+/// scenes that were simulated for this network. An absent value was not measured.
+struct PrecisionLoss {
+  std::optional<double> bfloat16_db = {}, int16_db = {};
+  bool operator==(const PrecisionLoss&) const = default;
+};
+
 /// The contents of a model file.
 struct Model {
   std::string name;         ///< e.g. "e2lf-n4"
@@ -61,6 +68,7 @@ struct Model {
   std::vector<InputGroup> input;                 ///< in channel order
   Network network;                               ///< 64 output channels = views; view number = 8 * view_y + view_x
   Weights weights;                               ///< "<layer>.weight", "<layer>.bias"
+  PrecisionLoss precision_loss = {};             ///< precisions that were checked for these weights
   Json provenance = Json::object();              ///< free-form: data, samples seen, seed, command, results
 
   /// Returns the kind of measurement that the input needs. The model must be valid.

@@ -92,6 +92,10 @@ std::string summary_text(const Model& model) {
                    constants.sigma_z));
   append_field(text, "input", join(inputs));
   append_network(text, model.network);
+  const auto& [bfloat16_db, int16_db] = model.precision_loss;
+  append_field(text, "loss of precision",
+               cat("bfloat16 ", bfloat16_db ? cat(*bfloat16_db, " dB") : "not checked", ", int16 ",
+                   int16_db ? cat(*int16_db, " dB") : "not checked"));
   append_origin(text, model.provenance);
   append_field(text, "codes", model.codes ? "as follows, each with its light efficiency" : "none");
   if (model.codes) text += '\n' + capture::codes_text(*model.codes);
