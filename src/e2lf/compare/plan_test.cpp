@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "e2lf/compare/store.h"
+#include "e2lf/compare/jobs.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/video/import_event_video.h"

@@ -5,9 +5,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/voxelise.h"
-#include "e2lf/video/event_video.h"
-#include "e2lf/video/frame_tone.h"
 #include "e2lf/streams/event_stream.h"
+#include "e2lf/video/event_video.h"
 
 namespace e2lf::compare {
 namespace {

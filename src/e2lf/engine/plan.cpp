@@ -11,7 +11,6 @@
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/operation.h"
 #include "e2lf/engine/reshape.h"
-#include "e2lf/engine/sigmoid.h"
 
 namespace e2lf::engine {
 namespace {

@@ -18,4 +18,7 @@ namespace e2lf::engine {
 [[nodiscard]] std::unique_ptr<Kernel> make_reshape(const model::Layer& layer, const std::vector<size_t>& in_channels,
                                                    ElementType type, bool phases_first = false);
 
+/// Makes the kernel of model::Op::kSigmoid, whose input and output have the same type.
+[[nodiscard]] std::unique_ptr<Kernel> make_sigmoid(size_t channels, ElementType type);
+
 }  // namespace e2lf::engine

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/engine/sigmoid.h"
+#include "e2lf/engine/reshape.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/engine/sigmoid.cpp"

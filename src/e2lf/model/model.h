@@ -46,8 +46,6 @@ struct InputGroup {
 /// provides all of them.
 [[nodiscard]] Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& groups);
 
-using Weights = std::map<std::string, std::vector<float>>;
-
 /// What a network loses in arithmetic other than float32: the PSNR with float32 minus that with the other, dB, on
 /// scenes that were simulated for this network. An absent value was not measured.
 struct PrecisionLoss {

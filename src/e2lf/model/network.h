@@ -90,6 +90,9 @@ struct WeightShape {
 /// Lists all tensors that the layers of the network need, in order.
 [[nodiscard]] std::vector<WeightShape> weight_shapes(const Network& network);
 
+/// The values of these tensors by name.
+using Weights = std::map<std::string, std::vector<float>>;
+
 /// Returns the number of multiply-adds per input pixel, without those of operations whose cost per pixel grows with the
 /// image; and the number of weights and biases.
 [[nodiscard]] double macs_per_pixel(const Network& network);

@@ -78,4 +78,26 @@ class CheckpointImporter {
   Weights weights_;
 };
 
+/// Returns true if the decoder under a key applies filters specific to each pixel, as the first one of HyperE2VID does.
+[[nodiscard]] bool is_dynamic_decoder(const CheckpointImporter& importer, const std::string& key);
+
+/// Imports such a decoder, which follows its upsampling. The voxel grid and the previous picture, at a quarter of the
+/// resolution, are mapped to coefficients (two 3x3 convolutions with batch normalisation and tanh) that weight fixed
+/// bases. The sums are the filters of each pixel. A 1x1 convolution mixes the filtered channels. `input` is at a
+/// quarter of the resolution, too. Fails as the importer does, and with kShape if the numbers of bases, coefficients
+/// and filters do not fit.
+[[nodiscard]] Result<std::string> import_dynamic_decoder(CheckpointImporter& importer, const std::string& name,
+                                                         const std::string& key, const std::string& input);
+
+/// Returns true if a checkpoint has the transformers of ET-Net between its encoders and decoders.
+[[nodiscard]] bool has_transformers(const CheckpointImporter& importer);
+
+/// Imports these transformers. `cells` are the layers of the encoders, from fine to coarse. The output of each is
+/// reduced to the coarsest resolution and gets a position code. Then self-attention (three layers in the published
+/// network) and cross-attention to the next coarser encoder (two layers) are applied. The result is the mean of the
+/// outputs of both stages. The number of heads, which no tensor determines, is 8. Fails as the importer does, and with
+/// kShape and kUnsupported if the tensors belong to another kind of transformer.
+[[nodiscard]] Result<std::string> import_transformers(CheckpointImporter& importer,
+                                                      const std::vector<std::string>& cells);
+
 }  // namespace e2lf::video

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "e2lf/base/result.h"
@@ -39,5 +40,13 @@ class EventVideo {
   size_t height_, width_;                ///< size of the sensor
   size_t padded_height_, padded_width_;  ///< size of the network's input
 };
+
+/// Returns the quantile `share` (0 to 1) of the values, with linear interpolation between the sorted values at share (n
+/// - 1), like numpy's percentile(). There must be at least one value and no NaN. The values are reordered.
+[[nodiscard]] float quantile(std::span<float> values, double share);
+
+/// Maps a frame to its range (see FrameTone) and clamps it to [0, 1]. A constant frame becomes 0 if the tone
+/// uses quantiles.
+void apply_frame_tone(FrameTone tone, std::span<float> frame);
 
 }  // namespace e2lf::video

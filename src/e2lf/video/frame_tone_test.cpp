@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/video/frame_tone.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
+
+#include "e2lf/video/event_video.h"
 
 namespace e2lf::video {
 namespace {

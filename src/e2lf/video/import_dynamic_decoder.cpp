@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/video/import_dynamic_decoder.h"
-
 #include <cmath>
 
 #include "e2lf/base/text.h"
 #include "e2lf/model/model_parts.h"
+#include "e2lf/video/checkpoint_importer.h"
 
 namespace e2lf::video {
 namespace {

@@ -7,8 +7,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/model/model_parts.h"
 #include "e2lf/video/checkpoint_importer.h"
-#include "e2lf/video/import_dynamic_decoder.h"
-#include "e2lf/video/import_transformer.h"
 
 namespace e2lf::video {
 namespace {

@@ -19,10 +19,9 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/image.h"
-#include "e2lf/video/event_video.h"
-#include "e2lf/video/frame_tone.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/terminal/progress_bar.h"
+#include "e2lf/video/event_video.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
