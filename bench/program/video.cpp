@@ -14,8 +14,8 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
-#include "e2lf/video/event_video_networks.h"
 #include "e2lf/video/operations.h"
+#include "testing/event_video_networks.h"
 
 namespace e2lf::bench {
 namespace {

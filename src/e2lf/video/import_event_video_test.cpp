@@ -7,8 +7,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/safetensors.h"
-#include "e2lf/video/event_video_networks.h"
 #include "testing/event_video_checkpoints.h"
+#include "testing/event_video_networks.h"
 #include "testing/test_files.h"
 
 namespace e2lf::video {

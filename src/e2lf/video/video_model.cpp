@@ -127,7 +127,7 @@ Result<void> write_video_model(const std::filesystem::path& path, const VideoMod
   E2LF_RETURN_IF_ERROR(validate(model, path.string()));
   Safetensors tensors;
   tensors.metadata[kMetadataKey] = json_line(video_header_to_json(model));
-  for (const WeightShape& tensor : weight_shapes(model.network)) {
+  for (const model::WeightShape& tensor : weight_shapes(model.network)) {
     tensors.tensors[tensor.name] = make_tensor(tensor.shape, model.weights.at(tensor.name));
   }
   return write_safetensors(path, tensors);

@@ -1,13 +1,33 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/video/event_video_networks.h"
+#pragma once
 
 #include <string>
+#include <vector>
 
 #include "e2lf/base/text.h"
 #include "e2lf/video/operations.h"
 
+/// Networks for frames without weights, for tests and benchmarks.
 namespace e2lf::video {
-namespace {
+
+/// The sizes of the recurrent U-Net of E2VID.
+struct EventUnetOptions {
+  size_t bins = 5;
+  size_t channels = 32;  ///< channels of the head; each encoder doubles them
+  size_t encoders = 3, blocks = 2;
+  bool ends_in_sigmoid = false;
+};
+
+/// The sizes of ET-Net.
+struct EventTransformerOptions {
+  size_t bins = 5;
+  size_t channels = 32;  ///< channels of the head; each encoder doubles them
+  size_t encoders = 3;
+  size_t self_layers = 3, cross_layers = 2, heads = 8;  ///< per scale of the transformers
+  size_t wide = 1024;                                   ///< hidden channels of the feed-forward layers
+};
+
+namespace network_parts {
 
 using model::Layer, model::Network;
 
@@ -65,7 +85,7 @@ class Chain {
 };
 
 /// Adds the head and the encoders. Returns the tensors for the skip connections.
-std::vector<std::string> encode(Chain& chain, size_t channels, size_t encoders) {
+inline std::vector<std::string> encode(Chain& chain, size_t channels, size_t encoders) {
   chain.conv("head", channels, 5);
   std::vector<std::string> skips = {chain.last()};
   for (size_t i = 0; i < encoders; ++i) {
@@ -78,7 +98,7 @@ std::vector<std::string> encode(Chain& chain, size_t channels, size_t encoders) 
 }
 
 /// Adds the decoders and the output convolution.
-void decode(Chain& chain, size_t channels, std::vector<std::string> skips) {
+inline void decode(Chain& chain, size_t channels, std::vector<std::string> skips) {
   for (size_t i = 0; skips.size() > 1; ++i) {
     channels /= 2;
     chain.plus(cat("join", i), skips.back());
@@ -179,9 +199,14 @@ class Transformers {
   size_t channels_;
 };
 
-}  // namespace
+}  // namespace network_parts
 
-model::Network firenet(size_t bins, size_t channels) {
+using namespace network_parts;
+
+/// Builds FireNet (Scheerlinck et al., WACV 2020), which is also the architecture of FireNet+: a 3x3 convolution, two
+/// pairs of a GRU and a residual block, and a 1x1 convolution to one channel, all at full resolution. It has 37,777
+/// parameters.
+inline model::Network firenet(size_t bins = 5, size_t channels = 16) {
   Chain chain(bins);
   chain.conv("head", channels, 3);
   for (const char* number : {"1", "2"}) {
@@ -192,7 +217,11 @@ model::Network firenet(size_t bins, size_t channels) {
   return chain.take();
 }
 
-model::Network event_unet(const EventUnetOptions& options) {
+/// Builds the recurrent U-Net of E2VID (Rebecq et al., TPAMI 2021), E2VID+ and SSL-E2VID, with batch normalisation
+/// folded in: a 5x5 convolution; encoders, each with a strided 5x5 convolution and an LSTM; residual blocks; decoders,
+/// each with bilinear upsampling and a 5x5 convolution, before which the output of the corresponding encoder is added;
+/// and a 1x1 convolution to one channel.
+inline model::Network event_unet(const EventUnetOptions& options = {}) {
   Chain chain(options.bins);
   std::vector<std::string> skips = encode(chain, options.channels, options.encoders);
   const size_t channels = options.channels << options.encoders;
@@ -202,7 +231,10 @@ model::Network event_unet(const EventUnetOptions& options) {
   return chain.take();
 }
 
-model::Network event_transformer(const EventTransformerOptions& options) {
+/// Builds ET-Net (Weng et al., ICCV 2021): the U-Net of E2VID with transformers at the coarsest resolution instead of
+/// the residual blocks. The output of each encoder passes through transformers of its own. The network ends in a
+/// sigmoid and has 22,175,361 parameters.
+inline model::Network event_transformer(const EventTransformerOptions& options = {}) {
   Chain chain(options.bins);
   std::vector<std::string> skips = encode(chain, options.channels, options.encoders);
   Transformers(chain, options).add(skips);
