@@ -2,7 +2,7 @@
 // The target of model files: the input is one.
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
-#include "e2lf/model/video/import_event_video.h"
+#include "e2lf/video/import_event_video.h"
 #include "require.h"
 #include "scratch.h"
 
@@ -10,7 +10,7 @@ namespace {
 
 /// The same file taken for a model of frames, and for the checkpoint of one.
 void read_as_video(const std::filesystem::path& path, const e2lf::fuzz::ScratchFolder& folder) {
-  using namespace e2lf::model;
+  using namespace e2lf::video;
   using e2lf::fuzz::require;
   const auto imported = import_event_video(path);
   require(imported.ok() || !imported.error().message.empty(), "an error says what is wrong");

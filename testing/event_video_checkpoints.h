@@ -9,7 +9,7 @@
 #include "testing/test_networks.h"
 
 /// Makes checkpoints of event-to-video networks with random weights, with the names and shapes of the published ones.
-namespace e2lf::model {
+namespace e2lf::video {
 
 class CheckpointMaker {
  public:
@@ -179,4 +179,4 @@ inline Safetensors transformer_checkpoint(const TransformerCheckpoint& sizes) {
   return TransformerMaker(sizes).make();
 }
 
-}  // namespace e2lf::model
+}  // namespace e2lf::video

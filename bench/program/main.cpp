@@ -29,6 +29,7 @@
 #include "e2lf/program/verb.h"
 #include "e2lf/streams/stream_options.h"
 #include "e2lf/terminal/progress_bar.h"
+#include "e2lf/video/operations.h"
 
 namespace e2lf::bench {
 using namespace program;
@@ -167,7 +168,7 @@ int run_video(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
     if (!model.empty()) {
-      E2LF_ASSIGN_OR_RETURN(options.model, model::read_video_model(model));
+      E2LF_ASSIGN_OR_RETURN(options.model, video::read_video_model(model));
     }
     ProgressBar bar("bench", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const Json json, bench_video(options, bar.callback()));
@@ -309,5 +310,6 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace e2lf::bench
 
 int main(int argc, char** argv) {
+  e2lf::video::add_operations();  // any model may have them
   return e2lf::program::run_program("e2lf-bench", argc, argv, e2lf::bench::run);
 }

@@ -15,14 +15,15 @@
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/info/describe.h"
-#include "e2lf/model/video/event_video_networks.h"
+#include "e2lf/video/operations.h"
+#include "testing/event_video_networks.h"
 
 namespace e2lf::bench {
 namespace {
 
 using engine::Engine;
 using engine::Precision;
-using model::Op;
+using video::Op;
 
 struct NamedNetwork {
   std::string name;
@@ -32,7 +33,7 @@ struct NamedNetwork {
 
 std::vector<NamedNetwork> networks_of(const VideoBench& options) {
   if (options.model) return {{options.model->name, options.model->network, options.model->weights}};
-  const model::Network small = model::firenet(), large = model::event_unet(), wide = model::event_transformer();
+  const model::Network small = video::firenet(), large = video::event_unet(), wide = video::event_transformer();
   return {{"FireNet, random weights", small, random_weights(small)},
           {"E2VID's U-Net, random weights", large, random_weights(large)},
           {"ET-Net, random weights", wide, random_weights(wide)}};
@@ -61,7 +62,7 @@ class PeerNetwork {
       peer.out_channels = layer.out_channels;
       peer.kernel = layer.kernel;
       peer.stride = layer.stride;
-      peer.heads = layer.heads;
+      peer.heads = layer.integer("heads", 1);
       peer.relu = layer.relu ? 1 : 0;
       tensors[layer.name] = i + 1;
       channels[layer.name] = shapes[i].channels;
@@ -74,43 +75,27 @@ class PeerNetwork {
 
  private:
   bool set_op(const model::Layer& layer, E2lfTorchVideoLayer& peer) const {
-    switch (layer.op) {
-      case Op::kConv:
-        peer.op = kE2lfConv;
-        set_weights(layer.name, peer.weight, peer.bias);
-        return true;
-      case Op::kConvGru:
-        peer.op = kE2lfGru;
-        set_weights(layer.name + ".gates", peer.weight, peer.bias);
-        set_weights(layer.name + ".candidate", peer.candidate_weight, peer.candidate_bias);
-        return true;
-      case Op::kConvLstm:
-        peer.op = kE2lfLstm;
-        set_weights(layer.name + ".gates", peer.weight, peer.bias);
-        return true;
-      case Op::kUpsampleBilinear:
-        peer.op = kE2lfBilinear;
-        return !layer.relu;
-      case Op::kAdd:
-      case Op::kMean:
-        peer.op = layer.op == Op::kAdd ? kE2lfAdd : kE2lfMean;
-        return !layer.relu;
-      case Op::kLayerNorm:
-        peer.op = kE2lfLayerNorm;
-        set_weights(layer.name, peer.weight, peer.bias);
-        return true;
-      case Op::kPositionCode:
-        peer.op = kE2lfPositionCode;
-        return true;
-      case Op::kAttention:
-        peer.op = kE2lfAttention;
-        return true;
-      case Op::kSigmoid:
-        peer.op = kE2lfSigmoid;
-        return true;
-      default:
-        return false;
+    static const std::map<std::string, E2lfTorchOp> known = {{Op::kConv, kE2lfConv},
+                                                             {Op::kConvGru, kE2lfGru},
+                                                             {Op::kConvLstm, kE2lfLstm},
+                                                             {Op::kUpsampleBilinear, kE2lfBilinear},
+                                                             {Op::kAdd, kE2lfAdd},
+                                                             {Op::kMean, kE2lfMean},
+                                                             {Op::kLayerNorm, kE2lfLayerNorm},
+                                                             {Op::kPositionCode, kE2lfPositionCode},
+                                                             {Op::kAttention, kE2lfAttention},
+                                                             {Op::kSigmoid, kE2lfSigmoid}};
+    const auto found = known.find(layer.op);
+    if (found == known.end() || (layer.relu && layer.op != Op::kConv)) return false;
+    peer.op = found->second;
+    if (layer.op == Op::kConv || layer.op == Op::kLayerNorm) set_weights(layer.name, peer.weight, peer.bias);
+    if (layer.op == Op::kConvGru || layer.op == Op::kConvLstm) {
+      set_weights(layer.name + ".gates", peer.weight, peer.bias);
     }
+    if (layer.op == Op::kConvGru) {
+      set_weights(layer.name + ".candidate", peer.candidate_weight, peer.candidate_bias);
+    }
+    return true;
   }
 
   void set_weights(const std::string& name, const float*& weight, const float*& bias) const {

@@ -8,14 +8,14 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/files/options.h"
-#include "e2lf/model/video/video_model.h"
+#include "e2lf/video/video_model.h"
 
 namespace e2lf::bench {
 
 struct VideoBench {
   size_t width = 640, height = 480;
   size_t frames = 5;                       ///< timed frames of each network, after one that warms up
-  std::optional<model::VideoModel> model;  ///< empty: FireNet, E2VID's U-Net and ET-Net with random weights
+  std::optional<video::VideoModel> model;  ///< empty: FireNet, E2VID's U-Net and ET-Net with random weights
   std::filesystem::path peer_module;       ///< empty: beside the program
 };
 

@@ -4,6 +4,7 @@
 
 #include "e2lf/files/options.h"
 #include "python/binding/errors.h"
+#include "e2lf/video/operations.h"
 
 namespace e2lf::python {
 
@@ -15,6 +16,7 @@ py::object to_python(const Json& json) {
 
 PYBIND11_MODULE(_e2lf, module) {
   namespace python = e2lf::python;
+  e2lf::video::add_operations();  // any model may have them
   python::bind_errors(module);
   python::bind_base(module);
   python::bind_capture(module);

@@ -8,6 +8,7 @@
 #include "e2lf/cli/features.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/info/version.h"
+#include "e2lf/video/operations.h"
 
 namespace {
 
@@ -61,5 +62,6 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  e2lf::video::add_operations();  // any model may have them
   return run_program("e2lf", argc, argv, run);
 }

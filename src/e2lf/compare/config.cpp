@@ -7,7 +7,7 @@
 #include <set>
 
 #include "e2lf/compare/config_fields.h"
-#include "e2lf/compare/metrics.h"
+#include "e2lf/compare/tables.h"
 #include "e2lf/files/fields.h"
 
 namespace e2lf::compare {

@@ -1,13 +1,46 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/compare/plan.h"
-#include "e2lf/compare/store.h"
 
 namespace e2lf::compare {
+
+/// The results in a folder: <folder>/results/<key>.json, with a picture beside it if there is one. Each file appears
+/// either whole or not at all.
+class ResultStore {
+ public:
+  explicit ResultStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  /// Returns the figures of a job. Returns nothing if there are none for the same inputs or if the file was changed.
+  [[nodiscard]] std::optional<Json> find(const Job& job) const;
+
+  /// Returns the PNG of a result, or of any other key, or nothing if there is none.
+  [[nodiscard]] std::vector<uint8_t> picture(const std::string& key) const;
+
+  /// Stores a picture, if there is one, and then the figures. Fails with kIo.
+  [[nodiscard]] Result<void> keep(const Plan& plan, const Job& job, const Json& figures,
+                                  const std::vector<uint8_t>& png) const;
+  [[nodiscard]] Result<void> keep_picture(const std::string& key, const std::vector<uint8_t>& png) const;
+
+  /// Copies the results of the plan that only the other folder has, with their pictures, and the pictures of
+  /// `picture_keys`. Returns the number of results. Fails with kIo.
+  [[nodiscard]] Result<size_t> take_over(const Plan& plan, const ResultStore& other,
+                                         const std::vector<std::string>& picture_keys) const;
+
+ private:
+  [[nodiscard]] std::filesystem::path file(const std::string& key, const char* extension) const;
+  std::filesystem::path folder_;
+};
+
+/// Returns the key of the picture of a true scene.
+[[nodiscard]] std::string truth_key(const Scene& scene);
 
 /// The part of the jobs that one run computes: part `number` of `count`, counted from 1.
 struct Shard {

@@ -252,7 +252,7 @@ Result<Outcome> JobRunner::run_scan(const Job& job, const LightField& truth, con
                  ""};
   }
   if (!scans_.contains(job.method)) {
-    E2LF_ASSIGN_OR_RETURN(scans_[job.method], model::read_video_model(plan_.methods[job.method].model));
+    E2LF_ASSIGN_OR_RETURN(scans_[job.method], video::read_video_model(plan_.methods[job.method].model));
   }
   const ScanOptions options{.tau = sensor.camera.constants.tau, .gain = sensor.config.gain, .seed = job.seed};
   E2LF_ASSIGN_OR_RETURN(ScanResult scan, scan_to_light_field(scans_[job.method], truth, options, progress));

@@ -10,7 +10,7 @@
 #include "e2lf/compare/plan.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"
-#include "e2lf/model/video/video_model.h"
+#include "e2lf/video/video_model.h"
 #include "e2lf/pipeline/method.h"
 
 namespace e2lf::compare {
@@ -65,7 +65,7 @@ class JobRunner {
 
   const Plan& plan_;
   std::map<std::pair<size_t, size_t>, pipeline::OpenedMethod> methods_;  ///< keys are the numbers of method and sensor
-  std::map<size_t, model::VideoModel> scans_;                            ///< keys are the numbers of the methods
+  std::map<size_t, video::VideoModel> scans_;                            ///< keys are the numbers of the methods
   std::list<Simulated> simulated_;   ///< measurements of the current scene and sensor
   std::pair<size_t, size_t> place_;  ///< their numbers
   size_t num_simulated_ = 0;

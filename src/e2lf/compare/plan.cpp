@@ -12,7 +12,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/files/sha256.h"
 #include "e2lf/model/model.h"
-#include "e2lf/model/video/video_model.h"
+#include "e2lf/video/video_model.h"
 #include "e2lf/pipeline/method.h"
 
 namespace e2lf::compare {
@@ -123,7 +123,7 @@ class Planner {
     bool is_told = false;
     if (is_scan(method)) {
       E2LF_ASSIGN_OR_RETURN(method.model, locate(config.model));
-      E2LF_RETURN_IF_ERROR(model::read_video_model(method.model));
+      E2LF_RETURN_IF_ERROR(video::read_video_model(method.model));
       E2LF_ASSIGN_OR_RETURN(model_hash, hashes_.of(method.model));
       codes = one_hot_codes();
     } else if (!config.model.empty()) {

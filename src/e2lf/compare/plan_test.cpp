@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "e2lf/compare/store.h"
+#include "e2lf/compare/jobs.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
-#include "e2lf/model/video/import_event_video.h"
+#include "e2lf/video/import_event_video.h"
 #include "testing/event_video_checkpoints.h"
 
 namespace e2lf::compare {
@@ -164,7 +164,7 @@ TEST_F(PlanTest, WhatIsNotOptionalMustBeThere) {
 TEST_F(PlanTest, AScanDependsOnTheThresholdAndNoOtherConstant) {
   const fs::path checkpoint = folder_ / "checkpoint.safetensors";
   ASSERT_TRUE(write_safetensors(checkpoint, model::firenet_checkpoint(true)));
-  ASSERT_TRUE(model::write_video_model(folder_ / "frames.safetensors", *model::import_event_video(checkpoint)));
+  ASSERT_TRUE(video::write_video_model(folder_ / "frames.safetensors", *video::import_event_video(checkpoint)));
   Config scan = config();
   scan.methods[0] = {.name = "scan", .algorithm = "event-video", .model = "frames.safetensors"};
   scan.sensors.resize(3);

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "e2lf/compare/store.h"
+#include "e2lf/compare/jobs.h"
 #include "e2lf/compare/tables.h"
 
 namespace e2lf::compare {

@@ -5,9 +5,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/voxelise.h"
-#include "e2lf/recon/video/event_video.h"
-#include "e2lf/recon/video/frame_tone.h"
 #include "e2lf/streams/event_stream.h"
+#include "e2lf/video/event_video.h"
 
 namespace e2lf::compare {
 namespace {
@@ -75,7 +74,7 @@ std::vector<size_t> scan_order() {
   return order;
 }
 
-Result<ScanResult> scan_to_light_field(const model::VideoModel& model, const lightfield::LightField& scene,
+Result<ScanResult> scan_to_light_field(const video::VideoModel& model, const lightfield::LightField& scene,
                                        const ScanOptions& options, const ProgressFn& progress) {
   using Clock = std::chrono::steady_clock;
   const lightfield::Shape& shape = scene.shape();
@@ -86,7 +85,7 @@ Result<ScanResult> scan_to_light_field(const model::VideoModel& model, const lig
                  ""};
   }
   E2LF_ASSIGN_OR_RETURN(streams::EventStream stream, make_stream(options, shape));
-  E2LF_ASSIGN_OR_RETURN(auto video, recon::EventVideo::create(model, shape.height, shape.width));
+  E2LF_ASSIGN_OR_RETURN(auto video, video::EventVideo::create(model, shape.height, shape.width));
   Scan scan(scene, options, std::move(stream));
   ScanResult result;
   result.light_field = lightfield::LightField(shape);
@@ -103,7 +102,7 @@ Result<ScanResult> scan_to_light_field(const model::VideoModel& model, const lig
                           video.next(cycles::voxelise(events, model.bins, shape.height, shape.width)));
     result.reconstruct_s += std::chrono::duration<double>(Clock::now() - begin).count();
     if (i < second_begin) continue;
-    recon::apply_frame_tone(model.tone, frame);
+    video::apply_frame_tone(model.tone, frame);
     std::copy(frame.begin(), frame.end(),
               result.light_field.data().begin() + static_cast<std::ptrdiff_t>(order[i] * frame.size()));
   }

@@ -7,7 +7,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/lightfield/light_field.h"
-#include "e2lf/model/video/video_model.h"
+#include "e2lf/video/video_model.h"
 
 namespace e2lf::compare {
 
@@ -36,7 +36,7 @@ struct ScanResult {
 /// in the light field, and the network makes a frame from the events of each change of view. The frame at the end of
 /// each view of the second scan is the reconstruction of that view. Fails with kShape for other than 8x8 grey views,
 /// and as the network does.
-[[nodiscard]] Result<ScanResult> scan_to_light_field(const model::VideoModel& model,
+[[nodiscard]] Result<ScanResult> scan_to_light_field(const video::VideoModel& model,
                                                      const lightfield::LightField& scene, const ScanOptions& options,
                                                      const ProgressFn& progress = {});
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "e2lf/model/video/import_event_video.h"
+#include "e2lf/video/import_event_video.h"
 #include "testing/event_video_checkpoints.h"
 #include "testing/test_files.h"
 
@@ -30,10 +30,10 @@ TEST(ScanOrder, GoesTwiceOverAllViewsInStepsOfOne) {
 }
 
 /// With random weights.
-model::VideoModel firenet() {
+video::VideoModel firenet() {
   const TestFolder folder;
   EXPECT_TRUE(write_safetensors(folder / "c.safetensors", model::firenet_checkpoint(true)));
-  return model::import_event_video(folder / "c.safetensors").value();
+  return video::import_event_video(folder / "c.safetensors").value();
 }
 
 TEST(ViewScan, AStillAndEvenSceneMakesNoEvents) {

@@ -5,14 +5,18 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/frame_memory.h"
 #include "e2lf/engine/stream.h"
-#include "e2lf/engine/video/frame_memory.h"
 
 namespace e2lf::engine {
 namespace {
 
 // Wider images are cut into panels of columns, so that memory does not grow with the width.
 constexpr size_t kPanelColumns = 2048;
+
+bool is_supported(Precision precision) {
+  return precision == Precision::kBfloat16 ? bfloat16_supported() : precision != Precision::kInt16 || int16_supported();
+}
 
 }  // namespace
 
@@ -66,9 +70,8 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
   auto impl = std::make_unique<Impl>();
   impl->precision = options.precision;
   if (options.precision == Precision::kAuto) {
-    impl->precision = bfloat16_supported()                     ? Precision::kBfloat16
-                      : options.may_round && int16_supported() ? Precision::kInt16
-                                                               : Precision::kFloat32;
+    const auto fastest = std::ranges::find_if(options.checked, is_supported);
+    impl->precision = fastest != options.checked.end() ? *fastest : Precision::kFloat32;
   }
   const bool narrow = impl->precision == Precision::kBfloat16;
   E2LF_ASSIGN_OR_RETURN(impl->plan, make_plan(network, weights, narrow ? ElementType::kBfloat16 : ElementType::kFloat32,

@@ -14,7 +14,7 @@
 namespace e2lf::engine {
 
 enum class Precision {
-  kAuto,  ///< the fastest that preserves the result; see Engine::precision()
+  kAuto,  ///< float32, or the fastest of EngineOptions::checked that the CPU supports; see Engine::precision()
   kFloat32,
   kBfloat16,  ///< bfloat16 products with float32 sums; kUnsupported if the CPU lacks them
   kInt16,     ///< convolutions with 16-bit integer products, all else in float32; kUnsupported if not faster
@@ -25,7 +25,8 @@ enum class Precision {
 
 struct EngineOptions {
   Precision precision = Precision::kAuto;
-  bool may_round = false;  ///< kAuto may choose a precision that changes the result a little, i.e. kInt16
+  /// The precisions that kAuto may choose for this network, because someone measured what it loses, in this order.
+  std::vector<Precision> checked = {};
 };
 
 /// The memory of a recurrent network of the previous frames. It is initially empty, which means at rest. It belongs to

@@ -146,12 +146,14 @@ TEST_F(EngineTest, RoundsToInt16OnlyIfThatIsAllowed) {
   const model::Weights weights = random_weights(test.network, 1);
   set_max_isa("sse4").value();
   EXPECT_EQ(Engine::create(test.network, weights, {Precision::kInt16}).error().code, ErrorCode::kUnsupported);
-  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kAuto, true}).value().precision(), Precision::kFloat32);
+  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kAuto, {Precision::kInt16}}).value().precision(),
+            Precision::kFloat32);
   set_max_isa("avx2").value();
   if (!int16_supported()) GTEST_SKIP() << "this CPU has no fast int16 products";
   EXPECT_EQ(Engine::create(test.network, weights, {Precision::kAuto}).value().precision(), Precision::kFloat32);
-  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kAuto, true}).value().precision(), Precision::kInt16);
-  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kFloat32, true}).value().precision(),
+  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kAuto, {Precision::kInt16}}).value().precision(),
+            Precision::kInt16);
+  EXPECT_EQ(Engine::create(test.network, weights, {Precision::kFloat32, {Precision::kInt16}}).value().precision(),
             Precision::kFloat32);
 }
 

@@ -9,10 +9,8 @@
 #include "e2lf/base/text.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/operation.h"
 #include "e2lf/engine/reshape.h"
-#include "e2lf/engine/unread_layers.h"
-#include "e2lf/engine/video/cells.h"
-#include "e2lf/engine/video/kernels.h"
 
 namespace e2lf::engine {
 namespace {
@@ -24,50 +22,49 @@ bool is_conv(const Layer& layer) {
   return layer.op == Op::kConv || layer.op == Op::kConvTransposed;
 }
 
-Result<std::vector<float>> find_weights(const model::Weights& weights, const std::string& name, size_t size) {
-  const auto found = weights.find(name);
-  if (found == weights.end())
-    return Error{ErrorCode::kNotFound, "the weights lack " + name + "; use a complete model", ""};
-  if (found->second.size() != size) {
-    return Error{ErrorCode::kShape,
-                 cat(name, " has ", found->second.size(), " values, the network needs ", size, "; use its own weights"),
-                 ""};
+/// Returns the network without the layers on which the output does not depend. Rows of a tensor without readers would
+/// never be released, nor would those from which they are computed.
+model::Network without_unread_layers(const model::Network& network) {
+  std::set<std::string> read = {network.layers.back().name};
+  model::Network result{network.input_channels, {}};
+  for (size_t i = network.layers.size(); i-- > 0;) {
+    const Layer& layer = network.layers[i];
+    if (!read.contains(layer.name)) continue;
+    read.insert(layer.inputs.begin(), layer.inputs.end());
+    read.insert(layer.residual);
+    result.layers.insert(result.layers.begin(), layer);
   }
-  return found->second;
+  return result;
 }
 
 class PlanMaker {
-  static constexpr size_t kOutput = ~size_t{0};  ///< the last tensor, whose number is not yet known
-
  public:
   PlanMaker(const model::Network& network, const model::Weights& weights, ElementType compute, bool int16_products)
-      : network_(network), weights_(weights), compute_(compute), int16_products_(int16_products) {}
+      : network_(network),
+        build_(weights, tensor_specs(compute), network.layers.back().name, compute, int16_products) {}
 
   Result<Plan> make() {
-    E2LF_ASSIGN_OR_RETURN(const auto shapes, model::infer_shapes(network_));
-    specs_["input"] = {network_.input_channels, 1, compute_};
-    for (size_t i = 0; i < shapes.size(); ++i) {
-      specs_[network_.layers[i].name] = {shapes[i].channels, shapes[i].scale, compute_};
-    }
-    const std::string& last = network_.layers.back().name;
-    if (can_widen(last)) widen(last);
-    add_tensor("input");
     for (const Layer& layer : network_.layers) E2LF_RETURN_IF_ERROR(add_layer(layer));
-    for (State& state : plan_.states) {
-      if (state.kept == kOutput) state.kept = plan_.tensors.size() - 1;
-    }
-    measure_halo();
-    return std::move(plan_);
+    return build_.finish(std::move(head_));
   }
 
  private:
-  void add_tensor(const std::string& name) {
-    tensor_[name] = plan_.tensors.size();
-    plan_.tensors.push_back(specs_.at(name));
+  std::map<std::string, TensorSpec> tensor_specs(ElementType compute) const {
+    const std::vector<model::LayerShape> shapes = model::infer_shapes(network_).value();
+    std::map<std::string, TensorSpec> specs = {{"input", {network_.input_channels, 1, compute}}};
+    for (size_t i = 0; i < shapes.size(); ++i) {
+      specs[network_.layers[i].name] = {shapes[i].channels, shapes[i].scale, compute};
+    }
+    const std::string& last = network_.layers.back().name;
+    if (can_widen(last)) widen(last, specs);
+    return specs;
   }
 
   /// Returns true if a layer can output float32 regardless of the type of its inputs.
-  static bool has_wide_sums(const Layer& layer) { return is_conv(layer) || model::is_cell(layer); }
+  static bool has_wide_sums(const Layer& layer) {
+    const Operation* const operation = find_operation(layer.op);
+    return is_conv(layer) || (operation != nullptr && operation->has_wide_sums);
+  }
 
   size_t count_readers(const std::string& name) const {
     size_t readers = 0;
@@ -94,11 +91,11 @@ class PlanMaker {
                        [&](const std::string& input) { return count_readers(input) == 1 && can_widen(input); });
   }
 
-  void widen(const std::string& name) {
-    specs_.at(name).type = ElementType::kFloat32;
+  void widen(const std::string& name, std::map<std::string, TensorSpec>& specs) const {
+    specs.at(name).type = ElementType::kFloat32;
     const Layer* layer = find_layer(name);
     if (has_wide_sums(*layer)) return;
-    for (const std::string& input : layer->inputs) widen(input);
+    for (const std::string& input : layer->inputs) widen(input, specs);
   }
 
   /// Returns the layer that continues a chain after `layer`, i.e. the only reader of its plain result, or null.
@@ -136,7 +133,7 @@ class PlanMaker {
       if (conv == nullptr || !is_conv(*conv) || conv->relu || only_reader(*conv) != &layer) continue;
       const Layer* before = find_layer(conv->inputs[0]);
       const bool ends_chain = before != nullptr && next_in_chain(*before) == conv;
-      const bool same_type = specs_.at(layer.inputs[1 - i]).type == compute_;
+      const bool same_type = build_.spec(layer.inputs[1 - i]).type == build_.compute();
       if (conv->residual.empty() && !ends_chain && same_type) return conv;
     }
     return nullptr;
@@ -149,8 +146,8 @@ class PlanMaker {
     E2LF_ASSIGN_OR_RETURN(ConvSpec spec, conv_spec(conv));
     spec.residual = true;
     spec.relu = layer.relu;
-    spec.output = specs_.at(layer.name).type;
-    add_stage(conv.name + "+" + layer.name, whole, make_conv(spec));
+    spec.output = build_.spec(layer.name).type;
+    build_.add(whole, make_conv(spec), conv.name + "+" + layer.name);
     return {};
   }
 
@@ -159,16 +156,8 @@ class PlanMaker {
     if (const Layer* conv = conv_that_adds(layer)) return add_sum(layer, *conv);
     // Such a convolution is deferred to the stage of the sum.
     if (const Layer* sum = only_reader(layer); sum != nullptr && conv_that_adds(*sum) == &layer) return {};
-    if (model::is_cell(layer)) return add_cell(layer);
-    if (layer.op == Op::kPrevious) {
-      add_previous(layer);
-      return {};
-    }
-    if (layer.op == Op::kLayerNorm) return add_layer_norm(layer);
-    if (!is_conv(layer)) {
-      add_stage(layer.name, layer, make_plain(layer));
-      return {};
-    }
+    if (const Operation* const operation = find_operation(layer.op)) return operation->plan(build_, layer);
+    if (!is_conv(layer)) return add_plain(layer);
     std::vector<const Layer*> layers = {&layer};
     while (const Layer* next = next_in_chain(*layers.back())) layers.push_back(next);
     std::vector<ConvSpec> chain;
@@ -177,9 +166,9 @@ class PlanMaker {
       chain.push_back(std::move(spec));
     }
     if (!worth_composing(chain)) {
-      add_stage(layer.name, layer, make_conv(chain.front()));
+      build_.add(layer, make_conv(chain.front()));
       const bool is_head = &layer == &network_.layers.back() && layer.residual.empty();
-      if (is_head) plan_.head = std::move(chain.front());
+      if (is_head) head_ = std::move(chain.front());
       return {};
     }
     std::string name = layer.name;
@@ -189,169 +178,33 @@ class PlanMaker {
     }
     Layer whole = *layers.back();
     whole.inputs = layer.inputs;
-    add_stage(name, whole, make_chain(chain));
+    build_.add(whole, make_chain(chain), name);
     return {};
   }
 
-  Result<void> add_layer_norm(const Layer& layer) {
-    const TensorSpec& spec = specs_.at(layer.name);
-    E2LF_ASSIGN_OR_RETURN(const auto weight, find_weights(weights_, layer.name + ".weight", spec.channels));
-    E2LF_ASSIGN_OR_RETURN(const auto bias, find_weights(weights_, layer.name + ".bias", spec.channels));
-    add_stage(layer.name, layer, make_layer_norm(weight, bias, spec.type));
-    return {};
-  }
-
-  /// Makes the kernel of a layer without weights.
-  std::unique_ptr<Kernel> make_plain(const Layer& layer) const {
-    const ElementType type = specs_.at(layer.name).type;
+  /// Adds a layer without weights.
+  Result<void> add_plain(const Layer& layer) {
+    const ElementType type = build_.spec(layer.name).type;
     std::vector<size_t> in_channels;
-    for (const std::string& input : layer.inputs) in_channels.push_back(specs_.at(input).channels);
-    switch (layer.op) {
-      case Op::kSigmoid:
-        return make_sigmoid(in_channels[0], type);
-      case Op::kTanh:
-        return make_tanh(in_channels[0], type);
-      case Op::kPositionCode:
-        return make_position_code(in_channels[0], type);
-      case Op::kAttention:
-        return make_attention(in_channels[0], layer.heads, type);
-      case Op::kDynamicFilter:
-        return make_dynamic_filter(in_channels[0], in_channels[1], layer.kernel, type);
-      case Op::kUpsampleBilinear:
-        return make_bilinear(in_channels[0], layer.stride, layer.relu, type);
-      case Op::kPixelUnshuffle:
-      case Op::kPixelShuffle:
-      case Op::kUpsample:
-      case Op::kAdd:
-      case Op::kMean:
-      case Op::kConcat: {
-        const Layer* source = find_layer(layer.inputs[0]);
-        return make_reshape(layer, in_channels, type, source != nullptr && is_shuffled(*source));
-      }
-      case Op::kConv:
-      case Op::kConvTransposed:
-      case Op::kLayerNorm:
-      case Op::kPrevious:
-      case Op::kConvGru:
-      case Op::kConvLstm:
-        break;
+    for (const std::string& input : layer.inputs) in_channels.push_back(build_.spec(input).channels);
+    if (layer.op == Op::kSigmoid) {
+      build_.add(layer, make_sigmoid(in_channels[0], type));
+      return {};
     }
-    E2LF_REQUIRE(false, "a layer with weights or memory has a function of its own");
-  }
-
-  /// Adds a stage whose result has no layer name. Returns the number of the result.
-  size_t add_part(const std::string& name, std::unique_ptr<Kernel> kernel, std::vector<size_t> inputs,
-                  const TensorSpec& spec) {
-    Stage stage;
-    stage.name = name;
-    stage.kernel = std::move(kernel);
-    stage.inputs = std::move(inputs);
-    plan_.stages.push_back(std::move(stage));
-    plan_.tensors.push_back(spec);
-    return plan_.tensors.size() - 1;
-  }
-
-  /// Makes a convolution of a cell, from [x, h] to float32.
-  Result<std::unique_ptr<Kernel>> make_cell_conv(const Layer& layer, const std::string& part, size_t out_channels) {
-    Layer conv = layer;
-    conv.op = Op::kConv;
-    conv.name = cat(layer.name, ".", part);
-    conv.out_channels = out_channels;
-    E2LF_ASSIGN_OR_RETURN(ConvSpec spec, conv_spec(conv, specs_.at(layer.inputs[0]).channels + layer.out_channels));
-    spec.output = ElementType::kFloat32;
-    return make_conv(spec);
-  }
-
-  /// Adds the stages of a cell; see cells.h.
-  Result<void> add_cell(const Layer& layer) {
-    const TensorSpec input = specs_.at(layer.inputs[0]);
-    const size_t x = tensor_.at(layer.inputs[0]), in = input.channels, out = layer.out_channels;
-    const bool is_gru = layer.op == Op::kConvGru;
-    const auto wide = [&](size_t channels) { return TensorSpec{channels, input.scale, ElementType::kFloat32}; };
-    const TensorSpec joined{in + out, input.scale, compute_};
-    const std::string part = layer.name + ".";
-
-    const size_t before = add_part(part + "before", make_recall(), {}, wide(out));
-    const size_t both = add_part(part + "joined", make_cell_join(in, out, compute_), {x, before}, joined);
-    const size_t num_gates = (is_gru ? 2 : 4) * out;
-    E2LF_ASSIGN_OR_RETURN(auto gates_conv, make_cell_conv(layer, "gates", num_gates));
-    const size_t gates = add_part(part + "gates", std::move(gates_conv), {both}, wide(num_gates));
-    size_t result = 0;
-    if (is_gru) {
-      const size_t reset = add_part(part + "reset", make_gru_reset(in, out, compute_), {x, before, gates}, joined);
-      E2LF_ASSIGN_OR_RETURN(auto conv, make_cell_conv(layer, "candidate", out));
-      const size_t candidate = add_part(part + "candidate", std::move(conv), {reset}, wide(out));
-      result = add_part(layer.name, make_gru_blend(out), {candidate, before, gates}, wide(out));
-    } else {
-      const size_t memory_before = add_part(part + "memory before", make_recall(), {}, wide(out));
-      const size_t memory = add_part(part + "memory", make_lstm_memory(out), {gates, memory_before}, wide(out));
-      plan_.states.push_back({memory_before, memory});
-      result = add_part(layer.name, make_lstm_output(out), {gates, memory}, wide(out));
+    if (!is_reshape(layer)) {
+      return Error{ErrorCode::kUnsupported,
+                   cat("the engine does not compute the operation ", layer.op, "; add it with engine::add_operation()"),
+                   cat("layer \"", layer.name, "\"")};
     }
-    plan_.states.push_back({before, result});
-    const TensorSpec& output = specs_.at(layer.name);
-    if (output.type != ElementType::kFloat32) {
-      result = add_part(part + "output", make_cell_output(out, output.type), {result}, output);
-    }
-    tensor_[layer.name] = result;
+    const Layer* source = find_layer(layer.inputs[0]);
+    build_.add(layer, make_reshape(layer, in_channels, type, source != nullptr && is_shuffled(*source)));
     return {};
-  }
-
-  /// Adds the output of the previous frame.
-  void add_previous(const Layer& layer) {
-    const TensorSpec& wanted = specs_.at(layer.name);
-    TensorSpec kept = wanted;
-    kept.type = specs_.at(network_.layers.back().name).type;
-    size_t result = add_part(layer.name, make_recall(), {}, kept);
-    plan_.states.push_back({result, kOutput});
-    if (wanted.type != kept.type) {
-      result = add_part(layer.name + ".output", make_cell_output(wanted.channels, wanted.type), {result}, wanted);
-    }
-    tensor_[layer.name] = result;
-  }
-
-  /// Adds a stage. `layer` gives the name of the result and of its inputs.
-  void add_stage(const std::string& name, const Layer& layer, std::unique_ptr<Kernel> kernel) {
-    Stage stage;
-    stage.name = name;
-    stage.kernel = std::move(kernel);
-    for (const std::string& input : layer.inputs) stage.inputs.push_back(tensor_.at(input));
-    if (!layer.residual.empty()) stage.residual = tensor_.at(layer.residual);
-    plan_.stages.push_back(std::move(stage));
-    add_tensor(layer.name);
   }
 
   Result<ConvSpec> conv_spec(const Layer& layer) const {
-    E2LF_ASSIGN_OR_RETURN(ConvSpec spec, conv_spec(layer, specs_.at(layer.inputs[0]).channels));
-    spec.output = specs_.at(layer.name).type;
+    E2LF_ASSIGN_OR_RETURN(ConvSpec spec, build_.conv(layer, build_.spec(layer.inputs[0]).channels));
+    spec.output = build_.spec(layer.name).type;
     if (is_shuffled(layer)) put_phases_first(only_reader(layer)->stride, spec);
-    return spec;
-  }
-
-  Result<ConvSpec> conv_spec(const Layer& layer, size_t in_channels) const {
-    ConvSpec spec;
-    spec.in_channels = in_channels;
-    spec.out_channels = layer.out_channels;
-    spec.kernel = layer.kernel;
-    spec.stride = layer.stride;
-    spec.transposed = layer.op == Op::kConvTransposed;
-    spec.relu = layer.relu;
-    spec.residual = !layer.residual.empty();
-    spec.compute = compute_;
-    spec.int16_products = int16_products_;
-    const size_t taps = layer.kernel * layer.kernel;
-    E2LF_ASSIGN_OR_RETURN(spec.weight,
-                          find_weights(weights_, layer.name + ".weight", taps * spec.in_channels * spec.out_channels));
-    E2LF_ASSIGN_OR_RETURN(spec.bias, find_weights(weights_, layer.name + ".bias", spec.out_channels));
-    if (spec.transposed) {
-      const std::vector<float> in_first = spec.weight;
-      for (size_t out = 0; out < spec.out_channels; ++out) {
-        for (size_t in = 0; in < spec.in_channels; ++in) {
-          std::copy_n(&in_first[(in * spec.out_channels + out) * taps], taps,
-                      &spec.weight[(out * spec.in_channels + in) * taps]);
-        }
-      }
-    }
     return spec;
   }
 
@@ -367,31 +220,10 @@ class PlanMaker {
     }
   }
 
-  void measure_halo() {
-    std::vector<size_t> halo(plan_.tensors.size(), 0);
-    for (size_t i = 0; i < plan_.stages.size(); ++i) {
-      const Stage& stage = plan_.stages[i];
-      const Reach reach = stage.kernel->reach();
-      plan_.needs_whole_rows |= stage.kernel->needs_whole_rows();
-      for (const size_t input : stage.inputs) {
-        const size_t own = std::max(reach.before, reach.after) * plan_.tensors[input].scale;
-        // A coarse pixel that depends on pixels affected by a cut is affected as a whole.
-        halo[i + 1] = std::max(halo[i + 1], round_up(halo[input] + own, plan_.tensors[i + 1].scale));
-      }
-      if (stage.residual) halo[i + 1] = std::max(halo[i + 1], halo[*stage.residual]);
-    }
-    plan_.alignment = model::size_multiple(network_) * kTileSize;
-    plan_.halo = round_up(halo.back(), plan_.alignment);
-  }
-
   const model::Network& network_;
-  const model::Weights& weights_;
-  ElementType compute_;
-  bool int16_products_;
-  Plan plan_;
-  std::map<std::string, TensorSpec> specs_;  ///< of the result of every layer
-  std::map<std::string, size_t> tensor_;     ///< number in the plan
-  std::set<std::string> composed_;           ///< layers that are part of an earlier stage
+  PlanBuilder build_;
+  std::optional<ConvSpec> head_;
+  std::set<std::string> composed_;  ///< layers that are part of an earlier stage
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/engine/conv.h"
-#include "e2lf/model/model.h"
+#include "e2lf/model/network.h"
 
 namespace e2lf::engine {
 

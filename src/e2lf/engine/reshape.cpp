@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/engine/pack.h"
@@ -25,23 +27,18 @@ void assign(float value, Bfloat16& to) {
   to = to_bfloat16(value);
 }
 
-const char* op_name(Op op) {
-  switch (op) {
-    case Op::kPixelUnshuffle:
-      return "pixel unshuffle";
-    case Op::kPixelShuffle:
-      return "pixel shuffle";
-    case Op::kUpsample:
-      return "upsample";
-    case Op::kAdd:
-      return "add";
-    case Op::kMean:
-      return "mean";
-    case Op::kConcat:
-      return "concat";
-    default:
-      return "";
-  }
+enum class Kind { kUnshuffle, kShuffle, kUpsample, kSum, kMean, kConcat };
+
+constexpr std::pair<const char*, Kind> kKinds[] = {{Op::kPixelUnshuffle, Kind::kUnshuffle},
+                                                   {Op::kPixelShuffle, Kind::kShuffle},
+                                                   {Op::kUpsample, Kind::kUpsample},
+                                                   {Op::kAdd, Kind::kSum},
+                                                   {Op::kMean, Kind::kMean},
+                                                   {Op::kConcat, Kind::kConcat}};
+
+std::optional<Kind> kind_of(const model::Layer& layer) {
+  const auto found = std::ranges::find(kKinds, layer.op, [](const auto& entry) { return entry.first; });
+  return found == std::end(kKinds) ? std::nullopt : std::optional(found->second);
 }
 
 /// One block is one output row.
@@ -49,23 +46,24 @@ template <typename T>
 class ReshapeKernel final : public Kernel {
  public:
   ReshapeKernel(const model::Layer& layer, std::vector<size_t> in_channels, bool phases_first)
-      : op_(layer.op),
+      : name_(layer.op),
+        kind_(*kind_of(layer)),
         stride_(layer.stride),
         relu_(layer.relu),
         phases_first_(phases_first),
         in_channels_(std::move(in_channels)) {
     const size_t sum = std::accumulate(in_channels_.begin(), in_channels_.end(), size_t{0});
-    switch (op_) {
-      case Op::kPixelUnshuffle:
+    switch (kind_) {
+      case Kind::kUnshuffle:
         out_channels_ = sum * stride_ * stride_;
         break;
-      case Op::kPixelShuffle:
+      case Kind::kShuffle:
         out_channels_ = sum / (stride_ * stride_);
         break;
-      case Op::kConcat:
+      case Kind::kConcat:
         out_channels_ = sum;
         break;
-      case Op::kMean:
+      case Kind::kMean:
         factor_ = 1.0F / static_cast<float>(in_channels_.size());
         out_channels_ = in_channels_[0];
         break;
@@ -74,14 +72,14 @@ class ReshapeKernel final : public Kernel {
     }
   }
 
-  std::string describe() const override { return op_name(op_); }
+  std::string describe() const override { return name_; }
 
   Reach reach() const override {
-    switch (op_) {
-      case Op::kPixelUnshuffle:
+    switch (kind_) {
+      case Kind::kUnshuffle:
         return {0, 0, stride_, 1};
-      case Op::kPixelShuffle:
-      case Op::kUpsample:
+      case Kind::kShuffle:
+      case Kind::kUpsample:
         return {0, 0, 1, stride_};
       default:
         return {};
@@ -111,14 +109,14 @@ class ReshapeKernel final : public Kernel {
 
   void fill(const Strip& strip, size_t y, size_t x, T* pixel) const {
     const size_t s = stride_;
-    switch (op_) {
-      case Op::kPixelUnshuffle:
+    switch (kind_) {
+      case Kind::kUnshuffle:
         for (size_t phase = 0; phase < s * s; ++phase) {
           const T* from = input(strip, 0, y * s + phase / s, x * s + phase % s);
           for (size_t c = 0; c < in_channels_[0]; ++c) pixel[c * s * s + phase] = from[c];
         }
         return;
-      case Op::kPixelShuffle: {
+      case Kind::kShuffle: {
         const T* from = input(strip, 0, y / s, x / s);
         const size_t phase = y % s * s + x % s;
         if (phases_first_) {
@@ -128,10 +126,10 @@ class ReshapeKernel final : public Kernel {
         }
         return;
       }
-      case Op::kUpsample:
+      case Kind::kUpsample:
         std::copy_n(input(strip, 0, y / s, x / s), out_channels_, pixel);
         return;
-      case Op::kConcat:
+      case Kind::kConcat:
         for (size_t i = 0; i < in_channels_.size(); ++i) {
           pixel = std::copy_n(input(strip, i, y, x), in_channels_[i], pixel);
         }
@@ -149,7 +147,8 @@ class ReshapeKernel final : public Kernel {
     }
   }
 
-  Op op_;
+  std::string name_;
+  Kind kind_;
   size_t stride_;
   bool relu_;
   bool phases_first_;
@@ -160,9 +159,13 @@ class ReshapeKernel final : public Kernel {
 
 }  // namespace
 
+bool is_reshape(const model::Layer& layer) {
+  return kind_of(layer).has_value();
+}
+
 std::unique_ptr<Kernel> make_reshape(const model::Layer& layer, const std::vector<size_t>& in_channels,
                                      ElementType type, bool phases_first) {
-  E2LF_REQUIRE(layer.op != Op::kConv && layer.op != Op::kConvTransposed && !in_channels.empty(), layer.name);
+  E2LF_REQUIRE(is_reshape(layer) && !in_channels.empty(), layer.name);
   if (type == ElementType::kFloat32) return std::make_unique<ReshapeKernel<float>>(layer, in_channels, phases_first);
   return std::make_unique<ReshapeKernel<Bfloat16>>(layer, in_channels, phases_first);
 }

@@ -26,7 +26,7 @@
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
-#include "e2lf/model/video/video_model.h"
+#include "e2lf/video/video_model.h"
 #include "e2lf/report/chart.h"
 
 namespace e2lf::info {
@@ -86,8 +86,8 @@ Result<void> show(const lightfield::LightField& field, float low, float high, re
 Result<Description> describe_model(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
   if (is_video) {
-    E2LF_ASSIGN_OR_RETURN(const model::VideoModel model, model::read_video_model(path));
-    Json json = model::summary_json(model);
+    E2LF_ASSIGN_OR_RETURN(const video::VideoModel model, video::read_video_model(path));
+    Json json = video::summary_json(model);
     json["kind"] = "model of frames";
     return Description{std::move(json)};
   }

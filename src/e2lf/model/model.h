@@ -46,7 +46,12 @@ struct InputGroup {
 /// provides all of them.
 [[nodiscard]] Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& groups);
 
-using Weights = std::map<std::string, std::vector<float>>;
+/// What a network loses in arithmetic other than float32: the PSNR with float32 minus that with the other, dB, on
+/// scenes that were simulated for this network. An absent value was not measured.
+struct PrecisionLoss {
+  std::optional<double> bfloat16_db = {}, int16_db = {};
+  bool operator==(const PrecisionLoss&) const = default;
+};
 
 /// The contents of a model file.
 struct Model {
@@ -61,6 +66,7 @@ struct Model {
   std::vector<InputGroup> input;                 ///< in channel order
   Network network;                               ///< 64 output channels = views; view number = 8 * view_y + view_x
   Weights weights;                               ///< "<layer>.weight", "<layer>.bias"
+  PrecisionLoss precision_loss = {};             ///< precisions that were checked for these weights
   Json provenance = Json::object();              ///< free-form: data, samples seen, seed, command, results
 
   /// Returns the kind of measurement that the input needs. The model must be valid.
@@ -93,7 +99,8 @@ enum class WeightStorage { kFloat32, kBfloat16 };
 [[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model,
                                        WeightStorage storage = WeightStorage::kFloat32);
 
-/// Returns true if a file states that it is a model of video_model.h. Fails as read_model() does if it is not a model.
+/// Returns true if a file states that it is a model of frames (e2lf/video). Fails as read_model() does if it is not a
+/// model.
 [[nodiscard]] Result<bool> is_video_model(const std::filesystem::path& path);
 
 /// Imports the released weights of the paper as a model. `folder` must contain RecNet.safetensors and

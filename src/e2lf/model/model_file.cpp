@@ -34,16 +34,6 @@ Result<capture::Codes> codes_from_tensor(const Model& model, const Safetensors& 
   return codes;
 }
 
-/// Rejects tensors that no layer reads, because they indicate another network than the one described.
-Result<void> check_all_used(const Model& model, const Safetensors& tensors, const std::string& file) {
-  for (const auto& entry : tensors.tensors) {
-    if (entry.first == kCodesTensor || model.weights.contains(entry.first)) continue;
-    return Error{ErrorCode::kFormat, "the tensor belongs to no layer of the network; remove it or describe its layer",
-                 cat(file, ": ", entry.first)};
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<Json> header_of(const Safetensors& tensors, const std::string& file) {
@@ -71,6 +61,11 @@ Result<Weights> weights_from_tensors(const Network& network, const Safetensors& 
     }
     E2LF_ASSIGN_OR_RETURN(weights[wanted.name], tensor->to_float(location));
   }
+  for (const auto& entry : tensors.tensors) {
+    if (entry.first == kCodesTensor || weights.contains(entry.first)) continue;
+    return Error{ErrorCode::kFormat, "the tensor belongs to no layer of the network; remove it or describe its layer",
+                 cat(file, ": ", entry.first)};
+  }
   return weights;
 }
 
@@ -82,7 +77,6 @@ Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& fi
   if (tensors.tensors.contains(kCodesTensor)) {
     E2LF_ASSIGN_OR_RETURN(model.codes, codes_from_tensor(model, tensors, file));
   }
-  E2LF_RETURN_IF_ERROR(check_all_used(model, tensors, file));
   E2LF_RETURN_IF_ERROR(validate(model, file));
   return model;
 }
@@ -90,6 +84,12 @@ Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& fi
 Result<Model> read_model(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
   return decode_model(bytes, path.string());
+}
+
+Result<bool> is_video_model(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
+  E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, path.string()));
+  return json.is_object() && json.value("measurement", Json()) == kVoxelGrid;
 }
 
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {
@@ -106,6 +106,49 @@ Result<void> write_model(const std::filesystem::path& path, const Model& model, 
         make_tensor({model.codes->num_patterns, model.codes->views_y, model.codes->views_x}, model.codes->values);
   }
   return write_safetensors(path, tensors);
+}
+
+namespace {
+
+constexpr size_t kPatterns = 4;
+constexpr size_t kViews = 64;  // 8 rows of 8, numbered row by row
+constexpr const char* kReleaseCodes = "mask_4x64";
+
+Result<capture::Codes> import_codes(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
+  E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(kReleaseCodes, file));
+  const std::string location = cat(file, ": ", kReleaseCodes);
+  if (tensor->shape != std::vector<size_t>{kPatterns, kViews}) {
+    return Error{ErrorCode::kShape,
+                 cat("patterns of shape ", shape_text(tensor->shape), ", the release has ",
+                     shape_text({kPatterns, kViews}), "; give the released file"),
+                 location};
+  }
+  capture::Codes codes(kPatterns, 8, 8);
+  E2LF_ASSIGN_OR_RETURN(codes.values, tensor->to_float(location));
+  return codes;
+}
+
+}  // namespace
+
+Result<Model> import_release(const std::filesystem::path& folder) {
+  const auto network_path = folder / "RecNet.safetensors";
+  Model model;
+  model.name = "coded-e2lf-release";
+  model.num_patterns = kPatterns;
+  model.input = {{InputKind::kCounts, 1.0F / 8.0F}};
+  model.network = recnet(kPatterns - 1, kViews);
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(network_path));
+  E2LF_ASSIGN_OR_RETURN(model.weights, weights_from_tensors(model.network, tensors, network_path.string()));
+  E2LF_ASSIGN_OR_RETURN(model.codes, import_codes(folder / "AcqNet.safetensors"));
+  model.provenance = {
+      {"source", "released weights of the Coded-E2LF paper (Baseline+BF+RA, N = 4)"},
+      {"licence", "MIT, see the release"},
+      {"imported_from", {"RecNet.safetensors", "AcqNet.safetensors"}},
+  };
+  E2LF_RETURN_IF_ERROR(validate(model, folder.string()));
+  return model;
 }
 
 }  // namespace e2lf::model

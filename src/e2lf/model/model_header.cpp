@@ -183,6 +183,9 @@ Json header_to_json(const Model& model) {
     header["constants"]["sigma_i"] = json_number(model.constants.sigma_i);
   }
   if (model.camera) header["camera"] = capture::to_json(*model.camera);
+  const auto& [bfloat16_db, int16_db] = model.precision_loss;
+  if (bfloat16_db) header["precision_loss"]["bfloat16_db"] = *bfloat16_db;
+  if (int16_db) header["precision_loss"]["int16_db"] = *int16_db;
   return header;
 }
 
@@ -204,6 +207,7 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   const Json& network = reader.child("network");
   const Json& provenance = reader.child("provenance");
   const Json& camera = reader.child("camera");
+  const Json& precision_loss = reader.child("precision_loss");
   E2LF_RETURN_IF_ERROR(reader.finish());
   E2LF_ASSIGN_OR_RETURN(model.constants, constants_from_json(constants, reader.child_location("constants")));
   E2LF_ASSIGN_OR_RETURN(model.input, input_from_json(input, reader.child_location("input")));
@@ -211,6 +215,11 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
   if (!camera.is_null()) {
     E2LF_ASSIGN_OR_RETURN(model.camera, capture::camera_from_json(camera, reader.child_location("camera")));
+  }
+  if (!precision_loss.is_null()) {
+    OptionReader losses(precision_loss, reader.child_location("precision_loss"));
+    losses.read("bfloat16_db", model.precision_loss.bfloat16_db).read("int16_db", model.precision_loss.int16_db);
+    E2LF_RETURN_IF_ERROR(losses.finish());
   }
   if (!provenance.is_null()) model.provenance = provenance;
   return model;

@@ -6,11 +6,10 @@
 #include "e2lf/files/safetensors.h"
 #include "e2lf/model/model.h"
 
-/// Internal parts of reading and writing model files; not for use by other modules.
+/// Internal parts of reading and writing model files, which models of frames (e2lf/video) share.
 namespace e2lf::model {
 
 inline constexpr size_t kFormatVersion = 1;
-inline constexpr size_t kMaxBins = 1024;  ///< largest number of bins of models that make frames
 
 /// The key of the JSON in the metadata of a file, and the JSON itself. Fails with kFormat if there is none.
 inline constexpr const char* kMetadataKey = "e2lf";
@@ -29,8 +28,9 @@ inline constexpr const char* kVoxelGrid = "voxel-grid";
 [[nodiscard]] Json header_to_json(const Model& model);
 [[nodiscard]] Result<Model> header_from_json(const Json& json, const std::string& location);
 
-/// Extracts the weights of the network from `tensors`. Fails with kNotFound, kShape and kUnsupported (neither F32 nor
-/// BF16). The location is `file` and the tensor.
+/// Extracts the weights of the network from `tensors`. Fails with kNotFound, kShape, kUnsupported (neither F32 nor
+/// BF16) and kFormat (a tensor that no layer reads, which indicates another network than the one described). The
+/// location is `file` and the tensor.
 [[nodiscard]] Result<Weights> weights_from_tensors(const Network& network, const Safetensors& tensors,
                                                    const std::string& file);
 

@@ -73,7 +73,8 @@ Error error_after_json(const Change& change) {
 
 TEST(ModelFile, RoundTripsEveryField) {
   const TestFolder folder;
-  const Model model = small_model();
+  Model model = small_model();
+  model.precision_loss = {.bfloat16_db = 0.25, .int16_db = std::nullopt};
   ASSERT_TRUE(write_model(folder / "m.safetensors", model).ok());
   const auto read = read_model(folder / "m.safetensors");
   ASSERT_TRUE(read.ok()) << read.error().text();
@@ -88,6 +89,7 @@ TEST(ModelFile, RoundTripsEveryField) {
   EXPECT_EQ(read->input, model.input);
   EXPECT_EQ(read->network, model.network);
   EXPECT_EQ(read->weights, model.weights);
+  EXPECT_EQ(read->precision_loss, model.precision_loss);
   EXPECT_EQ(read->provenance, model.provenance);
 }
 

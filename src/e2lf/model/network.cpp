@@ -2,34 +2,235 @@
 #include "e2lf/model/network.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numeric>
 
 #include "e2lf/base/text.h"
+#include "e2lf/model/operation.h"
 
 namespace e2lf::model {
 namespace {
 
+using Shapes = std::map<std::string, LayerShape>;
+
+/// Infers the shape of one layer and returns the first problem found, without a location.
+class LayerCheck {
+ public:
+  LayerCheck(const Layer& layer, const Shapes& known) : layer_(layer), known_(known) {}
+
+  Result<LayerShape> infer() {
+    if (layer_.name.empty()) return invalid("a layer without a name; give it one");
+    if (known_.contains(layer_.name)) return invalid("the name is taken by an earlier layer; choose another one");
+    const Operation* operation = find_operation(layer_.op);
+    if (operation == nullptr) {
+      return Error{ErrorCode::kUnsupported,
+                   cat("unknown operation \"", layer_.op, "\"; known are ", join(operation_names())), ""};
+    }
+    for (const auto& entry : layer_.attributes) {
+      if (std::ranges::find(operation->attributes, entry.first) != operation->attributes.end()) continue;
+      return invalid(cat("this operation has no attribute \"", entry.first, "\"; remove it"));
+    }
+    E2LF_RETURN_IF_ERROR(find_inputs(*operation));
+    E2LF_RETURN_IF_ERROR(check_stride(*operation));
+    E2LF_ASSIGN_OR_RETURN(const LayerShape shape, operation->shape(layer_, inputs_));
+    if (shape.channels == 0 || shape.channels > kMaxChannels) {
+      return invalid(cat(shape.channels, " channels; use 1 to ", kMaxChannels));
+    }
+    if (shape.scale > kMaxScale) return invalid(cat("a scale of ", shape.scale, "; use at most ", kMaxScale));
+    E2LF_RETURN_IF_ERROR(check_residual(shape));
+    return shape;
+  }
+
+ private:
+  [[nodiscard]] static Error invalid(const std::string& message) { return {ErrorCode::kInvalidValue, message, ""}; }
+
+  [[nodiscard]] Result<LayerShape> find(const std::string& name) const {
+    const auto found = known_.find(name);
+    if (found != known_.end()) return found->second;
+    std::vector<std::string> names;
+    for (const auto& entry : known_) names.push_back(entry.first);
+    return invalid(cat("no earlier layer is named \"", name, "\"; ", suggestion(name, names)));
+  }
+
+  Result<void> find_inputs(const Operation& operation) {
+    for (const std::string& name : layer_.inputs) {
+      E2LF_ASSIGN_OR_RETURN(const LayerShape shape, find(name));
+      inputs_.push_back(shape);
+    }
+    if (inputs_.size() >= operation.min_inputs && inputs_.size() <= operation.max_inputs) return {};
+    return invalid(cat(inputs_.size(), " inputs; this operation takes ", operation.min_inputs,
+                       operation.max_inputs > operation.min_inputs ? " or more" : ""));
+  }
+
+  [[nodiscard]] Result<void> check_stride(const Operation& operation) const {
+    if (layer_.stride == 0 || layer_.stride > kMaxScale) {
+      return invalid(cat("a stride of ", layer_.stride, "; use 1 to ", kMaxScale));
+    }
+    if (operation.takes_stride_and_relu) return {};
+    if (layer_.stride != 1) return invalid("this operation with a stride; use stride 1");
+    if (layer_.relu) return invalid("this operation with ReLU; leave it out");
+    return {};
+  }
+
+  [[nodiscard]] Result<void> check_residual(const LayerShape& shape) const {
+    if (layer_.residual.empty()) return {};
+    if (layer_.op != Op::kConv) return invalid("a residual at another operation than conv; use an add layer");
+    E2LF_ASSIGN_OR_RETURN(const LayerShape residual, find(layer_.residual));
+    if (residual.channels == shape.channels && residual.scale == shape.scale) return {};
+    return Error{ErrorCode::kShape,
+                 cat("the residual has ", residual.channels, " channels at scale ", residual.scale, ", the output ",
+                     shape.channels, " at ", shape.scale, "; make them equal"),
+                 ""};
+  }
+
+  const Layer& layer_;
+  const Shapes& known_;
+  std::vector<LayerShape> inputs_;
+};
+
+/// Checks that the output that is fed back to the next frame has the shape that its layer states.
+Result<void> check_feedback(const Network& network, const LayerShape& output) {
+  for (const Layer& layer : network.layers) {
+    if (!find_operation(layer.op)->is_last_output) continue;
+    const std::string location = cat("layer \"", layer.name, "\"");
+    if (&layer == &network.layers.back()) {
+      return Error{ErrorCode::kInvalidValue, "the last layer would be its own past; add a layer", location};
+    }
+    if (output.channels == layer.out_channels && output.scale == 1) continue;
+    return Error{ErrorCode::kShape,
+                 cat(layer.out_channels, " channels, the last layer has ", output.channels, " at scale ", output.scale,
+                     "; make them equal at scale 1"),
+                 location};
+  }
+  return {};
+}
+
+/// Calls `visit` with each layer of a valid network, its operation, and the shapes of its inputs and output.
+void for_each_layer(const Network& network,
+                    const std::function<void(const Layer&, const Operation&, std::span<const LayerShape> inputs,
+                                             const LayerShape& output)>& visit) {
+  const std::vector<LayerShape> shapes = infer_shapes(network).value();
+  Shapes known = {{"input", {network.input_channels, 1}}};
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    const Layer& layer = network.layers[i];
+    std::vector<LayerShape> inputs;
+    for (const std::string& name : layer.inputs) inputs.push_back(known.at(name));
+    visit(layer, *find_operation(layer.op), inputs, shapes[i]);
+    known.emplace(layer.name, shapes[i]);
+  }
+}
+
+std::vector<WeightShape> weights_of(const Operation& operation, const Layer& layer,
+                                    std::span<const LayerShape> inputs) {
+  return operation.weights != nullptr ? operation.weights(layer, inputs) : std::vector<WeightShape>();
+}
+
 Layer conv(const std::string& name, const std::string& input, size_t out_channels, size_t kernel) {
-  Layer layer;
-  layer.name = name;
-  layer.inputs = {input};
-  layer.out_channels = out_channels;
-  layer.kernel = kernel;
-  return layer;
+  return {.name = name, .inputs = {input}, .out_channels = out_channels, .kernel = kernel, .residual = {}};
 }
 
 }  // namespace
 
-bool is_cell(const Layer& layer) {
-  return layer.op == Op::kConvGru || layer.op == Op::kConvLstm;
+size_t Layer::integer(const std::string& attribute, size_t otherwise) const {
+  const auto found = attributes.find(attribute);
+  if (found == attributes.end()) return otherwise;
+  constexpr double kMost = 1e9;
+  const double value = found->second.size() == 1 ? found->second.front() : 0.0;
+  return value > 0.0 && value < kMost && value == std::floor(value) ? static_cast<size_t>(value) : 0;
 }
 
-bool needs_whole_image(const Layer& layer) {
-  return layer.op == Op::kAttention || layer.op == Op::kPositionCode;
+size_t WeightShape::size() const {
+  return std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>());
+}
+
+Result<std::vector<LayerShape>> infer_shapes(const Network& network) {
+  if (network.input_channels == 0 || network.input_channels > kMaxChannels) {
+    return Error{ErrorCode::kInvalidValue, cat(network.input_channels, " input channels; use 1 to ", kMaxChannels),
+                 "input_channels"};
+  }
+  if (network.layers.empty()) return Error{ErrorCode::kInvalidValue, "no layers; give at least one", "layers"};
+  Shapes known = {{"input", {network.input_channels, 1}}};
+  std::vector<LayerShape> shapes;
+  size_t multiple = 1;
+  for (const Layer& layer : network.layers) {
+    const std::string location = cat("layer \"", layer.name, "\"");
+    const auto shape = LayerCheck(layer, known).infer();
+    if (!shape) return Error{shape.error().code, shape.error().message, location};
+    multiple = std::lcm(multiple, shape->scale);
+    if (multiple > kMaxScale) {
+      return Error{ErrorCode::kInvalidValue,
+                   cat("images would have to be multiples of ", multiple, " pixels; use at most ", kMaxScale),
+                   location};
+    }
+    known.emplace(layer.name, *shape);
+    shapes.push_back(*shape);
+  }
+  E2LF_RETURN_IF_ERROR(check_feedback(network, shapes.back()));
+  return shapes;
+}
+
+size_t size_multiple(const Network& network) {
+  size_t multiple = 1;
+  for (const LayerShape& shape : infer_shapes(network).value()) multiple = std::lcm(multiple, shape.scale);
+  return multiple;
 }
 
 bool is_recurrent(const Network& network) {
   return std::any_of(network.layers.begin(), network.layers.end(),
-                     [](const Layer& layer) { return is_cell(layer) || layer.op == Op::kPrevious; });
+                     [](const Layer& layer) { return find_operation(layer.op)->remembers; });
+}
+
+std::vector<WeightShape> weight_shapes(const Network& network) {
+  std::vector<WeightShape> result;
+  for_each_layer(network, [&](const Layer& layer, const Operation& operation, auto inputs, const LayerShape&) {
+    for (WeightShape& tensor : weights_of(operation, layer, inputs)) {
+      tensor.layer = static_cast<size_t>(&layer - network.layers.data());
+      result.push_back(std::move(tensor));
+    }
+  });
+  return result;
+}
+
+double macs_per_pixel(const Network& network) {
+  double sum = 0.0;
+  for_each_layer(network, [&](const Layer& layer, const Operation& operation, auto inputs, const LayerShape& output) {
+    double macs = 0.0;
+    if (operation.macs != nullptr) {
+      macs = operation.macs(layer, inputs);
+    } else {
+      for (const WeightShape& tensor : weights_of(operation, layer, inputs)) {
+        if (tensor.shape.size() == 4) macs += static_cast<double>(tensor.size());
+      }
+    }
+    sum += macs / static_cast<double>(output.scale * output.scale);
+  });
+  return sum;
+}
+
+size_t num_parameters(const Network& network) {
+  size_t sum = 0;
+  for (const WeightShape& tensor : weight_shapes(network)) sum += tensor.size();
+  return sum;
+}
+
+size_t receptive_radius(const Network& network) {
+  // A pixel at scale s represents a block of s input pixels. The radius counts the context beyond that block.
+  std::map<std::string, size_t> radius = {{"input", 0}};
+  bool is_whole_image = false;
+  for_each_layer(network, [&](const Layer& layer, const Operation& operation, auto inputs, const LayerShape& output) {
+    size_t& of_layer = radius[layer.name];
+    const size_t reach = operation.reach != nullptr ? operation.reach(layer) : 0;
+    is_whole_image |= reach == kWholeImage;
+    if (inputs.empty() || is_whole_image) return;
+    for (const std::string& input : layer.inputs) of_layer = std::max(of_layer, radius.at(input));
+    of_layer += reach * inputs[0].scale;
+    // The rest of a coarse block, for the finest pixel at its edge.
+    if (output.scale < inputs[0].scale) of_layer += inputs[0].scale - output.scale;
+    if (!layer.residual.empty()) of_layer = std::max(of_layer, radius.at(layer.residual));
+  });
+  return is_whole_image ? kWholeImage : radius.at(network.layers.back().name);
 }
 
 Network recnet(size_t input_channels, size_t output_channels, size_t width) {

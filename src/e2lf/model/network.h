@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,54 +11,40 @@
 
 namespace e2lf::model {
 
-/// The operations of layers. All tensors are [channel, y, x], and "same" zero padding is used throughout.
-enum class Op {
-  kConv,  ///< kernel x kernel convolution (cross-correlation), with kernel = stride and no padding, or with an odd
-          ///< kernel that is centred on input pixel i * stride for output pixel i
-  kConvTransposed,    ///< transposed convolution with kernel = stride (no overlap), whose shapes invert those of the
-                      ///< strided one
-  kPixelUnshuffle,    ///< space to depth by `stride`: out channel = c * stride^2 + dy * stride + dx
-  kPixelShuffle,      ///< depth to space by `stride`, the inverse of kPixelUnshuffle
-  kUpsample,          ///< nearest neighbour by `stride`
-  kUpsampleBilinear,  ///< bilinear by `stride`: output pixel i lies at (i + 1/2) / stride - 1/2; edge pixels are
-                      ///< repeated
-  kAdd,               ///< sum of all inputs
-  kMean,              ///< mean of all inputs
-  kConcat,            ///< concatenation of the inputs along the channels
-  kSigmoid,           ///< 1 / (1 + exp(-x))
-  kTanh,
-  kDynamicFilter,  ///< each pixel has its own filters: inputs x [C] and f [M kernel^2] give [M C], where out[m C +
-                   ///< c](y, x) = sum over dy, dx of f[(m kernel + dy) kernel + dx](y, x) x[c](y + dy - r, x + dx - r),
-                   ///< r = kernel / 2 (odd kernel)
-  kLayerNorm,      ///< normalises each pixel over its channels: (x - mean) / sqrt(variance + 1e-5) * weight + bias
-  kPositionCode,   ///< adds a code of the position of the pixel: for pixel n = y width + x, channel 2 i gets sin(n /
-                   ///< 10000^(2 i / C)), and channel 2 i + 1 the cosine
-  kAttention,  ///< multi-head attention between all pixels: inputs q, k, v [C], whose channels are `heads` equal parts;
-               ///< each part of pixel i is the sum over pixels j of softmax_j(q_i . k_j / sqrt(C / heads)) v_j
-  kPrevious,   ///< output of the last layer for the previous frame, initially zero; no inputs, out_channels as in that
-               ///< layer
-
-  // Cells with a memory of the previous frame, which is initially zero. * is the "same" convolution with `kernel`
-  // (odd), and [a, b] is kConcat. The input is x and the result h.
-  kConvGru,   ///< (u, r) = sigmoid(gates * [x, h']), h = (1 - u) h' + u tanh(candidate * [x, r h']); h' is the previous
-              ///< h
-  kConvLstm,  ///< (i, f, o) = sigmoid and g = tanh of the parts of gates * [x, h']; c = f c' + i g, h = o tanh(c)
+/// The names of the operations that every build has. All tensors are [channel, y, x], and "same" zero padding is used
+/// throughout. add_operation() of operation.h adds others.
+struct Op {
+  /// kernel x kernel convolution (cross-correlation), with kernel = stride and no padding, or with an odd kernel that
+  /// is centred on input pixel i * stride for output pixel i.
+  static constexpr const char* kConv = "conv";
+  /// Transposed convolution with kernel = stride (no overlap), whose shapes invert those of the strided one.
+  static constexpr const char* kConvTransposed = "conv-transposed";
+  /// Space to depth by `stride`: out channel = c * stride^2 + dy * stride + dx.
+  static constexpr const char* kPixelUnshuffle = "pixel-unshuffle";
+  static constexpr const char* kPixelShuffle = "pixel-shuffle";  ///< the inverse of kPixelUnshuffle
+  static constexpr const char* kUpsample = "upsample";           ///< nearest neighbour by `stride`
+  static constexpr const char* kAdd = "add";                     ///< sum of all inputs
+  static constexpr const char* kMean = "mean";                   ///< mean of all inputs
+  static constexpr const char* kConcat = "concat";               ///< concatenation of the inputs along the channels
+  static constexpr const char* kSigmoid = "sigmoid";             ///< 1 / (1 + exp(-x))
 };
 
-/// One layer, whose output is identified by its name. Its weights are "<name>.weight" [out, in, kernel, kernel] (for
-/// kConvTransposed [in, out, kernel, kernel], as in torch) and "<name>.bias" [out]; for kLayerNorm, both are
-/// [channels]. Cells have such weights for two convolutions: "<name>.gates" (kConvGru: 2 out = u, r; kConvLstm: 4 out =
-/// i, f, o, g) and, for kConvGru only, "<name>.candidate" (out).
+/// One layer, whose output is identified by its name. The weights of convolutions are "<name>.weight" [out, in, kernel,
+/// kernel] (for kConvTransposed [in, out, kernel, kernel], as in torch) and "<name>.bias" [out]; operation.h describes
+/// those of other operations.
 struct Layer {
   std::string name;
-  Op op = Op::kConv;
+  std::string op = Op::kConv;
   std::vector<std::string> inputs;  ///< names of earlier layers, or "input"
-  size_t out_channels = 0;          ///< kConv, kConvTransposed, kPrevious, cells
-  size_t kernel = 1;                ///< kConv, kConvTransposed, kDynamicFilter, cells
+  size_t out_channels = 0;          ///< of operations whose number of channels does not follow from their inputs
+  size_t kernel = 1;
   size_t stride = 1;
-  size_t heads = 1;      ///< kAttention
+  std::map<std::string, std::vector<double>> attributes = {};  ///< further properties by name: one number or a list
   std::string residual;  ///< kConv: a tensor of the shape of the output, added before the activation; "" = none
-  bool relu = false;     ///< applies ReLU at the end, for the operations up to kSigmoid
+  bool relu = false;     ///< applies ReLU at the end
+
+  /// Returns an attribute that is a whole number: `otherwise` if it is absent, 0 if it is another value.
+  [[nodiscard]] size_t integer(const std::string& attribute, size_t otherwise) const;
 
   bool operator==(const Layer&) const = default;
 };
@@ -80,35 +67,34 @@ struct LayerShape {
 
 /// Computes the shapes of the outputs of all layers, in order. Fails with kInvalidValue (a duplicate or unknown name,
 /// an even kernel that differs from the stride, a stride larger than the kernel, or sizes beyond 65536 channels,
-/// kernels of 127 and scales of 1024) and kShape (channels or scales that do not fit together). The location is the
-/// layer. The functions below require a network that passes.
+/// kernels of 127 and scales of 1024), kShape (channels or scales that do not fit together) and kUnsupported (an
+/// unknown operation). The location is the layer. The functions below require a network that passes.
 [[nodiscard]] Result<std::vector<LayerShape>> infer_shapes(const Network& network);
 
 /// Returns the smallest number of which the height and width of an input must be multiples (1 for networks at full
 /// resolution). Reconstruction pads images accordingly.
 [[nodiscard]] size_t size_multiple(const Network& network);
 
-/// Returns true for kConvGru and kConvLstm.
-[[nodiscard]] bool is_cell(const Layer& layer);
-
-/// Returns true if the output of a layer depends on all pixels of an image (kAttention) or on their positions in it
-/// (kPositionCode).
-[[nodiscard]] bool needs_whole_image(const Layer& layer);
-
-/// Returns true if a network remembers the previous frame, i.e. has cells or kPrevious.
+/// Returns true if a network remembers the previous frame.
 [[nodiscard]] bool is_recurrent(const Network& network);
 
 /// The name ("<layer>.weight" or "<layer>.bias") and the shape of a tensor of weights, as documented at Layer.
 struct WeightShape {
   std::string name;
   std::vector<size_t> shape;
+  size_t layer = 0;  ///< number of the layer
+
+  [[nodiscard]] size_t size() const;  ///< number of elements
 };
 
 /// Lists all tensors that the layers of the network need, in order.
 [[nodiscard]] std::vector<WeightShape> weight_shapes(const Network& network);
 
-/// Returns the number of multiply-adds per input pixel, without those of kAttention, which grow with the image (2 C for
-/// each pair of pixels); and the number of weights and biases.
+/// The values of these tensors by name.
+using Weights = std::map<std::string, std::vector<float>>;
+
+/// Returns the number of multiply-adds per input pixel, without those of operations whose cost per pixel grows with the
+/// image; and the number of weights and biases.
 [[nodiscard]] double macs_per_pixel(const Network& network);
 [[nodiscard]] size_t num_parameters(const Network& network);
 

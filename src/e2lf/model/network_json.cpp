@@ -1,55 +1,46 @@
 // SPDX-License-Identifier: MIT
 // Converts networks from and to JSON; declared in network.h.
-#include <algorithm>
-#include <utility>
+#include <cmath>
 
 #include "e2lf/base/text.h"
 #include "e2lf/model/network.h"
+#include "e2lf/model/operation.h"
 
 namespace e2lf::model {
 namespace {
 
 constexpr const char* kType = "conv-graph";
 
-constexpr std::pair<Op, const char*> kOps[] = {{Op::kConv, "conv"},
-                                               {Op::kConvTransposed, "conv-transposed"},
-                                               {Op::kPixelUnshuffle, "pixel-unshuffle"},
-                                               {Op::kPixelShuffle, "pixel-shuffle"},
-                                               {Op::kUpsample, "upsample"},
-                                               {Op::kUpsampleBilinear, "upsample-bilinear"},
-                                               {Op::kAdd, "add"},
-                                               {Op::kMean, "mean"},
-                                               {Op::kConcat, "concat"},
-                                               {Op::kSigmoid, "sigmoid"},
-                                               {Op::kTanh, "tanh"},
-                                               {Op::kDynamicFilter, "dynamic-filter"},
-                                               {Op::kLayerNorm, "layer-norm"},
-                                               {Op::kPositionCode, "position-code"},
-                                               {Op::kAttention, "attention"},
-                                               {Op::kPrevious, "previous"},
-                                               {Op::kConvGru, "conv-gru"},
-                                               {Op::kConvLstm, "conv-lstm"}};
-
-const char* op_name(Op op) {
-  return std::find_if(std::begin(kOps), std::end(kOps), [&](const auto& entry) { return entry.first == op; })->second;
+/// Whole numbers are written as such.
+Json number_json(double value) {
+  constexpr double kMostExact = 9007199254740992.0;  // 2^53
+  if (value == std::floor(value) && std::abs(value) < kMostExact) return static_cast<int64_t>(value);
+  return value;
 }
 
-Result<Op> op_from_name(const std::string& name, const std::string& location) {
-  std::vector<std::string> names;
-  for (const auto& [op, known] : kOps) {
-    if (name == known) return op;
-    names.emplace_back(known);
+Json attribute_json(const std::vector<double>& values) {
+  if (values.size() == 1) return number_json(values.front());
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number_json(value));
+  return list;
+}
+
+Result<std::vector<double>> attribute_from_json(const Json& json, const std::string& location) {
+  std::vector<double> values;
+  for (const Json& value : json.is_array() ? json : Json::array({json})) {
+    if (!value.is_number()) return Error{ErrorCode::kFormat, "expected a number or a list of numbers", location};
+    values.push_back(value.get<double>());
   }
-  return Error{ErrorCode::kUnsupported, cat("unknown operation \"", name, "\"; known are ", join(names)), location};
+  return values;
 }
 
 Json layer_to_json(const Layer& layer) {
   const Layer defaults;
-  Json json = {{"name", layer.name}, {"op", op_name(layer.op)}, {"inputs", layer.inputs}};
+  Json json = {{"name", layer.name}, {"op", layer.op}, {"inputs", layer.inputs}};
   if (layer.out_channels != defaults.out_channels) json["out_channels"] = layer.out_channels;
   if (layer.kernel != defaults.kernel) json["kernel"] = layer.kernel;
   if (layer.stride != defaults.stride) json["stride"] = layer.stride;
-  if (layer.heads != defaults.heads) json["heads"] = layer.heads;
+  for (const auto& [name, values] : layer.attributes) json[name] = attribute_json(values);
   if (!layer.residual.empty()) json["residual"] = layer.residual;
   if (layer.relu) json["relu"] = true;
   return json;
@@ -57,19 +48,28 @@ Json layer_to_json(const Layer& layer) {
 
 Result<Layer> layer_from_json(const Json& json, const std::string& location) {
   Layer layer;
-  std::string op;
+  layer.op.clear();
   OptionReader reader(json, location);
   reader.read("name", layer.name)
-      .read("op", op)
+      .read("op", layer.op)
       .read("inputs", layer.inputs)
       .read("out_channels", layer.out_channels)
       .read("kernel", layer.kernel)
       .read("stride", layer.stride)
-      .read("heads", layer.heads)
       .read("residual", layer.residual)
       .read("relu", layer.relu);
+  const Operation* operation = find_operation(layer.op);
+  if (operation == nullptr) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("unknown operation \"", layer.op, "\"; known are ", join(operation_names())),
+                 reader.child_location("op")};
+  }
+  for (const std::string& name : operation->attributes) {
+    const Json& attribute = reader.child(name);
+    if (attribute.is_null()) continue;
+    E2LF_ASSIGN_OR_RETURN(layer.attributes[name], attribute_from_json(attribute, reader.child_location(name)));
+  }
   E2LF_RETURN_IF_ERROR(reader.finish());
-  E2LF_ASSIGN_OR_RETURN(layer.op, op_from_name(op, reader.child_location("op")));
   return layer;
 }
 

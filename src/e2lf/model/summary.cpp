@@ -18,16 +18,6 @@ std::optional<size_t> receptive_field_px(const Network& network) {
   return radius == kWholeImage ? std::nullopt : std::optional(2 * radius + 1);
 }
 
-Json network_summary(const Network& network) {
-  const auto field_px = receptive_field_px(network);
-  return {{"type", to_json(network)["type"]},
-          {"layers", network.layers.size()},
-          {"parameters", num_parameters(network)},
-          {"macs_per_pixel", macs_per_pixel(network)},
-          {"receptive_field_px", field_px ? Json(*field_px) : Json()},
-          {"size_multiple_px", size_multiple(network)}};
-}
-
 Json codes_summary(const capture::Codes& codes) {
   Json efficiency = Json::array();
   for (const float share : capture::light_efficiency(codes)) efficiency.push_back(json_number(share));
@@ -41,55 +31,38 @@ std::string grouped(size_t number) {
   return text;
 }
 
+}  // namespace
+
+Json network_summary(const Network& network) {
+  const auto field_px = receptive_field_px(network);
+  return {{"type", to_json(network)["type"]},
+          {"layers", network.layers.size()},
+          {"parameters", num_parameters(network)},
+          {"macs_per_pixel", macs_per_pixel(network)},
+          {"receptive_field_px", field_px ? Json(*field_px) : Json()},
+          {"size_multiple_px", size_multiple(network)}};
+}
+
 void append_field(std::string& text, std::string label, const std::string& value) {
   label.resize(18, ' ');
   text += label + value + '\n';
-}
-
-/// Appends JSON values as lines "key: value", with text unquoted.
-void append_provenance(std::string& text, const Json& provenance) {
-  for (const auto& [key, value] : provenance.items()) {
-    append_field(text, "  " + key, value.is_string() ? value.get<std::string>() : json_line(value));
-  }
 }
 
 void append_network(std::string& text, const Network& network) {
   const auto field_px = receptive_field_px(network);
   append_field(text, "network",
                cat(network.layers.size(), " layers, ", grouped(num_parameters(network)), " parameters"));
-  const bool has_attention = std::any_of(network.layers.begin(), network.layers.end(),
-                                         [](const Layer& layer) { return layer.op == Op::kAttention; });
   append_field(text, "multiply-adds",
                cat(grouped(static_cast<size_t>(macs_per_pixel(network))), " per pixel",
-                   has_attention ? ", without attention" : ""));
+                   field_px ? "" : ", without those of pairs of pixels"));
   append_field(text, "receptive field", field_px ? cat(*field_px, " x ", *field_px, " px") : "the whole image");
 }
 
 void append_origin(std::string& text, const Json& provenance) {
   append_field(text, "provenance", provenance.empty() ? "none" : "as follows");
-  append_provenance(text, provenance);
-}
-
-}  // namespace
-
-Json summary_json(const VideoModel& model) {
-  Json json = video_header_to_json(model);
-  json["network"] = network_summary(model.network);
-  json.erase("provenance");
-  json["provenance"] = model.provenance;
-  return json;
-}
-
-std::string summary_text(const VideoModel& model) {
-  std::string text;
-  append_field(text, "name", model.name);
-  append_field(text, "makes", "frames of a recording, each from a voxel grid and the previous frames");
-  append_field(text, "input", cat(model.bins, " time bins", model.normalises_voxels ? ", normalised" : ""));
-  append_field(text, "tone", tone_name(model.tone));
-  append_field(text, "padded to", cat("multiples of ", model.pad_multiple, " px"));
-  append_network(text, model.network);
-  append_origin(text, model.provenance);
-  return text;
+  for (const auto& [key, value] : provenance.items()) {
+    append_field(text, "  " + key, value.is_string() ? value.get<std::string>() : json_line(value));
+  }
 }
 
 Json summary_json(const Model& model) {
@@ -119,6 +92,10 @@ std::string summary_text(const Model& model) {
                    constants.sigma_z));
   append_field(text, "input", join(inputs));
   append_network(text, model.network);
+  const auto& [bfloat16_db, int16_db] = model.precision_loss;
+  append_field(text, "loss of precision",
+               cat("bfloat16 ", bfloat16_db ? cat(*bfloat16_db, " dB") : "not checked", ", int16 ",
+                   int16_db ? cat(*int16_db, " dB") : "not checked"));
   append_origin(text, model.provenance);
   append_field(text, "codes", model.codes ? "as follows, each with its light efficiency" : "none");
   if (model.codes) text += '\n' + capture::codes_text(*model.codes);

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "e2lf/model/model.h"
-#include "e2lf/model/video/video_model.h"
 
 namespace e2lf::model {
 
@@ -16,9 +15,11 @@ namespace e2lf::model {
 /// Summarises a model as text, with a picture of the patterns.
 [[nodiscard]] std::string summary_text(const Model& model);
 
-/// Summarises a model that makes frames: name, measurement, bins, treatment of voxels and frames, figures of the
-/// network and provenance.
-[[nodiscard]] Json summary_json(const VideoModel& model);
-[[nodiscard]] std::string summary_text(const VideoModel& model);
+/// Parts of a summary, which that of another kind of model shares: figures of a network as JSON, and lines "label
+/// value" of text.
+[[nodiscard]] Json network_summary(const Network& network);
+void append_field(std::string& text, std::string label, const std::string& value);
+void append_network(std::string& text, const Network& network);
+void append_origin(std::string& text, const Json& provenance);
 
 }  // namespace e2lf::model

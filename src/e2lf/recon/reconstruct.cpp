@@ -27,7 +27,9 @@ void add_crop(const lightfield::LightField& larger, const GridShift& shift, ligh
 
 }  // namespace
 
-Result<Reconstructor> Reconstructor::create(model::Model model, const engine::EngineOptions& options) {
+Result<Reconstructor> Reconstructor::create(model::Model model, const engine::EngineOptions& given) {
+  engine::EngineOptions options = given;
+  if (model.precision_loss.bfloat16_db) options.checked.push_back(engine::Precision::kBfloat16);
   E2LF_RETURN_IF_ERROR(model::validate(model, model.name));
   E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model.network, model.weights, options));
   if (!model.camera) model.camera.emplace().constants = model.constants;
@@ -40,7 +42,8 @@ Result<Reconstructor> Reconstructor::create(model::Model model, const engine::En
 
 Result<Reconstructor> Reconstructor::prepared_for(size_t cycles) const {
   E2LF_REQUIRE(!constant_cycles_, "it is prepared only once");
-  const engine::EngineOptions options{options_.precision, true};
+  engine::EngineOptions options = options_;
+  if (model_.precision_loss.int16_db) options.checked.push_back(engine::Precision::kInt16);
   const auto rounded = [&]() -> Result<Reconstructor> {
     E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model_.network, *weights_, options));
     Reconstructor other = *this;

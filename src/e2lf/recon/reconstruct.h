@@ -33,7 +33,8 @@ struct ReconstructionMemory {
 /// of threads at once. Copies share the engine and its weights.
 class Reconstructor {
  public:
-  /// Prepares the network of `model`. Fails as model::validate() and Engine::create() do.
+  /// Prepares the network of `model`, for which Precision::kAuto is float32, or bfloat16 if this was checked for the
+  /// model (model::PrecisionLoss). Fails as model::validate() and Engine::create() do.
   [[nodiscard]] static Result<Reconstructor> create(model::Model model, const engine::EngineOptions& options = {});
 
   /// Computes the network's unprocessed output [view_y, view_x, y, x], neither clamped nor multiplied by a gain. Images
@@ -57,8 +58,8 @@ class Reconstructor {
                                               lightfield::LightField& field) const;
 
   /// Returns the same network for measurements of exactly `cycles` cycles, with the sensor profile built into its
-  /// weights if the network is conditioned on it by convolutions, and in the precision of
-  /// engine::EngineOptions::may_round. It is faster, and its results differ by rounding.
+  /// weights if the network is conditioned on it by convolutions, and in int16 instead of float32 if this was checked
+  /// for the model. It is faster, and its results differ by rounding.
   [[nodiscard]] Result<Reconstructor> prepared_for(size_t cycles) const;
 
   /// Returns the number of passes that are made if `wanted` are requested: at least one and at most

@@ -10,11 +10,14 @@
 #include "e2lf/files/options.h"
 #include "e2lf/info/describe.h"
 #include "e2lf/info/file_kind.h"
+#include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/onnx/onnx_export.h"
-#include "e2lf/model/video/import_event_video.h"
+#include "e2lf/model/summary.h"
+#include "e2lf/pipeline/precision_check.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
+#include "e2lf/video/import_event_video.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -57,17 +60,17 @@ int run_model_import(const std::vector<std::string>& arguments) {
       verb.app().add_option("--release", release, "folder with RecNet.safetensors and AcqNet.safetensors");
   verb.app()
       .add_option("--checkpoint", checkpoint,
-                  cat("state dictionary of ", join(model::event_video_names()), ", as a .safetensors file"))
+                  cat("state dictionary of ", join(video::event_video_names()), ", as a .safetensors file"))
       ->excludes(of_release);
   verb.app()
       .add_option("--as", as, "network of a checkpoint; default: determined by its tensors")
-      ->check(CLI::IsMember(model::event_video_names()))
+      ->check(CLI::IsMember(video::event_video_names()))
       ->excludes(of_release);
   verb.app().add_option("-o,--output", output, "model file to write")->required();
   return verb.run(arguments, [&]() -> Result<void> {
     if (!checkpoint.empty()) {
       return import_weights(
-          {checkpoint}, output, verb, [&] { return model::import_event_video(checkpoint, as); },
+          {checkpoint}, output, verb, [&] { return video::import_event_video(checkpoint, as); },
           [](const auto& path, const auto& model) { return write_video_model(path, model); });
     }
     if (release.empty()) {
@@ -117,20 +120,39 @@ Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step
   return model;
 }
 
+Result<model::PrecisionLoss> check_precision(const model::Model& model, const std::vector<fs::path>& paths) {
+  std::vector<lightfield::LightField> scenes;
+  for (const fs::path& path : paths) {
+    E2LF_ASSIGN_OR_RETURN(lightfield::LightField scene, lightfield::read_light_field(path, {}));
+    scenes.push_back(std::move(scene));
+  }
+  return pipeline::measure_precision_loss(model, scenes);
+}
+
 int run_model_store(const std::vector<std::string>& arguments) {
-  Verb verb("model store", "Store a model with weights of 16 or 32 bits, or with another default camera.",
+  Verb verb("model store",
+            "Store a model with weights of 16 or 32 bits, with another default camera, or with what it loses in faster "
+            "arithmetic.",
             "e2lf model store MODEL.safetensors -o SMALL.safetensors --weights bfloat16");
   RewriteArguments rewriting;
   std::string weights = "bfloat16";
+  std::vector<fs::path> scenes;
   add_rewrite_options(verb, rewriting, "model file to write", "the camera to use if `reconstruct` names none");
   add_choice(verb.app(), "--weights", weights, {"bfloat16", "float32"},
              "bfloat16 (half the size, relative errors of 2^-8 at most) or float32");
+  verb.app().add_option("--check", scenes,
+                        "light fields on which to measure what bfloat16 and int16 lose, so that --precision auto may "
+                        "use them");
   return verb.run(arguments, [&]() -> Result<void> {
     using model::WeightStorage;
     const WeightStorage storage = weights == "bfloat16" ? WeightStorage::kBfloat16 : WeightStorage::kFloat32;
-    E2LF_RETURN_IF_ERROR(rewrite(rewriting, "store", ".safetensors", verb, [&](const auto& path, const auto& model) {
+    const auto write = [&](const fs::path& path, model::Model model) -> Result<void> {
+      if (!scenes.empty()) {
+        E2LF_ASSIGN_OR_RETURN(model.precision_loss, check_precision(model, scenes));
+      }
       return model::write_model(path, model, storage);
-    }));
+    };
+    E2LF_RETURN_IF_ERROR(rewrite(rewriting, "store", ".safetensors", verb, write));
     return {};
   });
 }

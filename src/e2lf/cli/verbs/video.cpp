@@ -20,10 +20,9 @@
 #include "e2lf/lightfield/image.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
-#include "e2lf/recon/video/event_video.h"
-#include "e2lf/recon/video/frame_tone.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/terminal/progress_bar.h"
+#include "e2lf/video/event_video.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -75,7 +74,7 @@ class FrameMaker {
   /// Makes frames from signed events: a surplus of `full_scale` ON or OFF events is white or black.
   FrameMaker(size_t height, size_t width, int full_scale)
       : height_(height), width_(width), full_scale_(static_cast<float>(full_scale)) {}
-  FrameMaker(size_t height, size_t width, recon::EventVideo video, model::FrameTone tone)
+  FrameMaker(size_t height, size_t width, video::EventVideo video, video::FrameTone tone)
       : height_(height), width_(width), video_(std::move(video)), tone_(tone) {}
 
   Result<lightfield::ByteImage> make(const cycles::EventWindow& window) {
@@ -85,7 +84,7 @@ class FrameMaker {
       E2LF_ASSIGN_OR_RETURN(frame.pixels,
                             video_->next(cycles::voxelise(window.events, video_->model().bins, height_, width_)));
       network_s_ += seconds_since(begin);
-      recon::apply_frame_tone(tone_, frame.pixels);
+      video::apply_frame_tone(tone_, frame.pixels);
     } else {
       frame.pixels = cycles::signed_counts(window.events, height_, width_);
       for (float& value : frame.pixels) value = 0.5F + 0.5F * value / full_scale_;
@@ -100,8 +99,8 @@ class FrameMaker {
  private:
   size_t height_, width_;
   float full_scale_ = 1.0F;
-  std::optional<recon::EventVideo> video_;
-  model::FrameTone tone_ = model::FrameTone::kNone;
+  std::optional<video::EventVideo> video_;
+  video::FrameTone tone_ = video::FrameTone::kNone;
   double network_s_ = 0.0;
 };
 
@@ -119,15 +118,15 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
   }
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(arguments.model));
   record.add_input(arguments.model, bytes);
-  E2LF_ASSIGN_OR_RETURN(model::VideoModel model, model::decode_video_model(bytes, arguments.model.string()));
-  model::FrameTone tone = model.tone;
+  E2LF_ASSIGN_OR_RETURN(video::VideoModel model, video::decode_video_model(bytes, arguments.model.string()));
+  video::FrameTone tone = model.tone;
   if (arguments.tone != "auto") {
-    E2LF_ASSIGN_OR_RETURN(tone, model::tone_from_name(arguments.tone));
+    E2LF_ASSIGN_OR_RETURN(tone, video::tone_from_name(arguments.tone));
   }
-  record.resolve("tone", model::tone_name(tone));
+  record.resolve("tone", video::tone_name(tone));
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
-  E2LF_ASSIGN_OR_RETURN(recon::EventVideo video,
-                        recon::EventVideo::create(std::move(model), info.height, info.width, {.precision = precision}));
+  E2LF_ASSIGN_OR_RETURN(video::EventVideo video,
+                        video::EventVideo::create(std::move(model), info.height, info.width, {.precision = precision}));
   return FrameMaker(info.height, info.width, std::move(video), tone);
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/network/centring.h"
-
 #include <gtest/gtest.h>
 
+#include "e2lf/learn/optimisers/optimisers.h"
 #include "e2lf/model/unet.h"
 
 namespace e2lf::learn {

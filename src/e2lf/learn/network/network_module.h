@@ -21,7 +21,7 @@ class NetworkModule {
  public:
   /// Initialises the weights from torch's generator with He's normal distribution, and the biases with zero.
   /// Convolutions with a residual input start at zero, so that every residual block starts as the identity. The
-  /// description must be valid.
+  /// description must be valid, and its operations known to find_operation() of operations.h.
   NetworkModule(model::Network network, torch::Device device);
 
   /// Applies the network to `input`, float32 [batch, input_channels, y, x], where y and x are multiples of
@@ -38,22 +38,11 @@ class NetworkModule {
   [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute,
                                       const NamedTensors& weights, NamedTensors* input_means = nullptr) const;
 
-  /// Applies a recurrent network to one frame and updates its state: the memory of each recurrent layer by the layer's
-  /// name, "<layer>.memory" for kConvLstm, and the last output by the name of the kPrevious layer. An empty state is
-  /// the initial one, from which forward() always starts.
-  [[nodiscard]] torch::Tensor forward_frame(const torch::Tensor& input, torch::ScalarType compute,
-                                            NamedTensors& state) const {
-    return forward(input, compute, parameters_, nullptr, state);
-  }
-
   /// Returns the parameters "<layer>.weight" and "<layer>.bias": leaves that require gradients.
   [[nodiscard]] const NamedTensors& parameters() const { return parameters_; }
   [[nodiscard]] const model::Network& network() const { return network_; }
 
  private:
-  [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute,
-                                      const NamedTensors& weights, NamedTensors* input_means,
-                                      NamedTensors& state) const;
   model::Network network_;
   NamedTensors parameters_;
 };

@@ -13,7 +13,7 @@ using model::Layer;
 using model::Network;
 using model::Op;
 
-Layer layer(const std::string& name, Op op, std::vector<std::string> inputs) {
+Layer layer(const std::string& name, const char* op, std::vector<std::string> inputs) {
   Layer result;
   result.name = name;
   result.op = op;

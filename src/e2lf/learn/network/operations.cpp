@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/network/operations.h"
 
-#include <cmath>
+#include <map>
+#include <mutex>
 
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
 #if E2LF_LEARN_KERNELS
 #include "e2lf/learn/kernels/conv3x3.h"
 #endif
@@ -56,6 +59,36 @@ torch::Tensor convolve_plainly(const Layer& layer, const torch::Tensor& input, c
   return at::conv2d(x, weight, bias, static_cast<int64_t>(layer.stride), padding);
 }
 
+torch::Tensor sum(const TorchCall& call) {
+  torch::Tensor total = call.inputs.front();
+  for (size_t i = 1; i < call.inputs.size(); ++i) total = total + call.inputs[i];
+  return total;
+}
+
+/// The operations of this process.
+struct Registry {
+  std::mutex mutex;
+  std::map<std::string, TorchOperation> operations = {
+      {Op::kPixelUnshuffle, [](const TorchCall& call) { return unshuffle(call.inputs[0], stride_of(call)); }},
+      {Op::kPixelShuffle, [](const TorchCall& call) { return shuffle(call.inputs[0], stride_of(call)); }},
+      {Op::kUpsample,
+       [](const TorchCall& call) {
+         return call.inputs[0].repeat_interleave(stride_of(call), 2).repeat_interleave(stride_of(call), 3);
+       }},
+      {Op::kAdd, sum},
+      {Op::kMean, [](const TorchCall& call) { return sum(call) / static_cast<double>(call.inputs.size()); }},
+      {Op::kConcat, [](const TorchCall& call) { return torch::cat(call.inputs, 1); }},
+      {Op::kSigmoid, [](const TorchCall& call) { return torch::sigmoid(call.inputs[0]); }}};
+
+ private:
+  static int64_t stride_of(const TorchCall& call) { return static_cast<int64_t>(call.layer.stride); }
+};
+
+Registry& registry() {
+  static Registry instance;
+  return instance;
+}
+
 }  // namespace
 
 torch::Tensor convolve(const Layer& layer, const torch::Tensor& input, const torch::Tensor& weight,
@@ -89,30 +122,20 @@ torch::Tensor unshuffle(const torch::Tensor& x, int64_t s) {
   return pixels.reshape({b, h, w, c * s * s}).permute({0, 3, 1, 2});
 }
 
-torch::Tensor attend(const torch::Tensor& queries, const torch::Tensor& keys, const torch::Tensor& values,
-                     int64_t heads) {
-  // [batch, head, pixel, channel]
-  const auto parts = [heads](const torch::Tensor& x) {
-    return x.reshape({x.size(0), heads, x.size(1) / heads, x.size(2) * x.size(3)}).transpose(2, 3);
-  };
-  const auto scale = 1.0 / std::sqrt(static_cast<double>(queries.size(1) / heads));
-  const auto scores = torch::matmul(parts(queries) * scale, parts(keys).transpose(2, 3));
-  const auto sums = torch::matmul(torch::softmax(scores, 3), parts(values));
-  return sums.transpose(2, 3).reshape(values.sizes());
+bool is_convolution(const Layer& layer) {
+  return layer.op == Op::kConv || layer.op == Op::kConvTransposed;
 }
 
-torch::Tensor normalise_pixels(const torch::Tensor& x, const torch::Tensor& weight, const torch::Tensor& bias) {
-  return at::layer_norm(x.permute({0, 2, 3, 1}), {x.size(1)}, weight, bias, 1e-5).permute({0, 3, 1, 2});
+void add_operation(const std::string& name, TorchOperation operation) {
+  const std::scoped_lock lock(registry().mutex);
+  E2LF_REQUIRE(registry().operations.emplace(name, operation).second, cat("there is an operation \"", name, "\""));
 }
 
-torch::Tensor add_position_code(const torch::Tensor& x) {
-  const int64_t channels = x.size(1), pixels = x.size(2) * x.size(3);
-  const auto options = torch::device(x.device()).dtype(torch::kDouble);
-  const auto pairs = torch::arange((channels + 1) / 2, options);
-  const auto angles =
-      torch::outer(torch::pow(10000.0, pairs * (-2.0 / static_cast<double>(channels))), torch::arange(pixels, options));
-  const auto code = torch::stack({torch::sin(angles), torch::cos(angles)}, 1).reshape({-1, x.size(2), x.size(3)});
-  return x + code.slice(0, 0, channels).to(x.scalar_type());
+TorchOperation find_operation(const std::string& name) {
+  const std::scoped_lock lock(registry().mutex);
+  const auto found = registry().operations.find(name);
+  E2LF_REQUIRE(found != registry().operations.end(), cat("the operation ", name, " cannot be trained"));
+  return found->second;
 }
 
 }  // namespace e2lf::learn

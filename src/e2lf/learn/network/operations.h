@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
+#include <string>
 #include <torch/torch.h>
+#include <vector>
 
 #include "e2lf/model/network.h"
 
@@ -17,15 +20,25 @@ namespace e2lf::learn {
 [[nodiscard]] torch::Tensor shuffle(const torch::Tensor& x, int64_t s);
 [[nodiscard]] torch::Tensor unshuffle(const torch::Tensor& x, int64_t s);
 
-/// Computes model::Op::kAttention on tensors [batch, channel, y, x].
-[[nodiscard]] torch::Tensor attend(const torch::Tensor& queries, const torch::Tensor& keys, const torch::Tensor& values,
-                                   int64_t heads);
+/// A layer to be applied to tensors [batch, channel, y, x] in the type of the computation.
+struct TorchCall {
+  const model::Layer& layer;
+  std::vector<torch::Tensor> inputs;
 
-/// Computes model::Op::kLayerNorm; `weight` and `bias` are [channel].
-[[nodiscard]] torch::Tensor normalise_pixels(const torch::Tensor& x, const torch::Tensor& weight,
-                                             const torch::Tensor& bias);
+  /// Returns the weights "<layer><part>", e.g. of ".weight", in the same type.
+  std::function<torch::Tensor(const std::string& part)> weight;
+};
 
-/// Computes model::Op::kPositionCode.
-[[nodiscard]] torch::Tensor add_position_code(const torch::Tensor& x);
+/// Computes the output of a layer, without ReLU.
+using TorchOperation = torch::Tensor (*)(const TorchCall& call);
+
+/// Makes an operation that was added to model::Operation known to training. A name that is taken breaks the contract.
+void add_operation(const std::string& name, TorchOperation operation);
+
+/// Returns true for convolutions and transposed ones, which convolve() computes.
+[[nodiscard]] bool is_convolution(const model::Layer& layer);
+
+/// Returns the function of an operation other than these. A name that is unknown breaks the contract.
+[[nodiscard]] TorchOperation find_operation(const std::string& name);
 
 }  // namespace e2lf::learn

@@ -45,9 +45,10 @@ Result<c10::Device> open_device(const std::string& name) {
   }
   if (!is_cuda) return c10::Device("cpu");
   const size_t number = name == "cuda" ? 0 : std::stoul(name.substr(5));
-  if (number >= torch::cuda::device_count()) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("torch sees ", torch::cuda::device_count(), " CUDA devices; use another device, or cpu"),
+  const auto devices =
+      static_cast<size_t>(torch::cuda::device_count());  // in torch 2, of a type that prints as a letter
+  if (number >= devices) {
+    return Error{ErrorCode::kUnsupported, cat("torch sees ", devices, " CUDA devices; use another device, or cpu"),
                  "device"};
   }
   return c10::Device(c10::kCUDA, static_cast<c10::DeviceIndex>(number));

@@ -97,7 +97,7 @@ Layer conv(const std::string& name, const std::string& input, size_t channels) {
   return layer;
 }
 
-Layer shuffle(const std::string& name, const std::string& input, Op op) {
+Layer shuffle(const std::string& name, const std::string& input, const char* op) {
   Layer layer;
   layer.name = name;
   layer.inputs = {input};
@@ -212,24 +212,6 @@ TEST(OnnxExport, GivesEveryTensorANameOfItsOwn) {
   }
   for (const std::string& constant : all(graph, 5)) names.insert(one(fields_of(constant), 8));
   for (const std::string& name : names) EXPECT_EQ(names.count(name), 1U) << name;
-}
-
-TEST(OnnxExport, RefusesLayersThatOnnxHasNoOperationFor) {
-  Layer filter = conv("filtered", "a", 0);
-  filter.op = Op::kDynamicFilter;
-  filter.inputs = {"input", "a"};
-  const Model model =
-      model_with({conv("a", "input", 9), filter, conv("b", "filtered", 2)}, {{InputKind::kCounts, 1.0F}});
-  const auto file = onnx_file(model);
-  ASSERT_FALSE(file.ok());
-  EXPECT_EQ(file.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(file.error().message.find("\"filtered\""), std::string::npos);
-  for (const Op op : {Op::kLayerNorm, Op::kPositionCode}) {
-    Network network = model.network;
-    network.layers[1].op = op;
-    network.layers[1].inputs = {"a"};
-    EXPECT_NE(onnx_refusal(network).find("\"filtered\""), std::string::npos);
-  }
 }
 
 TEST(OnnxExport, RefusesAModelThatDoesNotFit) {

@@ -22,6 +22,24 @@ struct OnnxSize {
                                          const capture::SensorConstants& constants, const std::string& events,
                                          const std::string& conditioning, const OnnxSize& size);
 
+/// A layer to be added to a graph. Tensors that it needs beside its output are named "<prefix>/<layer>" with a prefix
+/// of their own.
+struct OnnxCall {
+  OnnxGraph& graph;
+  const Layer& layer;
+  std::vector<std::string> inputs;  ///< tensors
+  std::vector<LayerShape> input_shapes;
+  std::string output;  ///< the name that the result must have
+
+  /// Adds a node with these inputs and the output of the layer.
+  std::string node(const std::string& operation, const OnnxGraph::Attributes& attributes = {}) {
+    return graph.add_node(operation, inputs, output, attributes);
+  }
+
+  /// Adds a resampling to `stride` times the size.
+  std::string resize(const OnnxGraph::Attributes& attributes);
+};
+
 /// Returns why a network cannot be exported, naming the layer, or "" if it can.
 [[nodiscard]] std::string onnx_refusal(const Network& network);
 

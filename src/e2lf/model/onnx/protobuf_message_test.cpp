@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/model/onnx/protobuf_message.h"
-
 #include <gtest/gtest.h>
 #include <limits>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/model/onnx/onnx_graph.h"
 
 namespace e2lf::model {
 namespace {

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/model/operation.h"
+
+#include <algorithm>
+#include <list>
+#include <mutex>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::model {
+namespace {
+
+using Inputs = std::span<const LayerShape>;
+
+Error invalid(const std::string& message) {
+  return {ErrorCode::kInvalidValue, message, ""};
+}
+
+Error misfit(const std::string& message) {
+  return {ErrorCode::kShape, message, ""};
+}
+
+Operation conv() {
+  return {
+      .name = Op::kConv,
+      .takes_stride_and_relu = true,
+      .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
+        E2LF_RETURN_IF_ERROR(check_kernel(layer));
+        return LayerShape{layer.out_channels, inputs[0].scale * layer.stride};
+      },
+      .weights =
+          [](const Layer& layer, Inputs inputs) {
+            return conv_weights(layer.name, layer.out_channels, inputs[0].channels, layer.kernel);
+          },
+      // Kernels that are larger than the stride are centred on the first pixel of the output's block.
+      .reach =
+          [](const Layer& layer) { return layer.kernel == layer.stride ? 0 : layer.kernel / 2 + layer.stride - 1; }};
+}
+
+Operation conv_transposed() {
+  return {.name = Op::kConvTransposed,
+          .takes_stride_and_relu = true,
+          .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
+            if (layer.kernel != layer.stride) return invalid("the stride is not the kernel; make them equal");
+            return finer_shape(layer, inputs, layer.out_channels);
+          },
+          .weights =
+              [](const Layer& layer, Inputs inputs) {
+                auto tensors = conv_weights(layer.name, inputs[0].channels, layer.out_channels, layer.kernel);
+                tensors[1].shape = {layer.out_channels};
+                return tensors;
+              },
+          // Each output pixel is the product of one input pixel.
+          .macs = [](const Layer& layer,
+                     Inputs inputs) { return static_cast<double>(layer.out_channels * inputs[0].channels); }};
+}
+
+Operation pixel_unshuffle() {
+  return {.name = Op::kPixelUnshuffle,
+          .takes_stride_and_relu = true,
+          .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
+            return LayerShape{inputs[0].channels * layer.stride * layer.stride, inputs[0].scale * layer.stride};
+          }};
+}
+
+Operation pixel_shuffle() {
+  return {.name = Op::kPixelShuffle,
+          .takes_stride_and_relu = true,
+          .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
+            const size_t area = layer.stride * layer.stride;
+            if (inputs[0].channels % area == 0) return finer_shape(layer, inputs, inputs[0].channels / area);
+            return misfit(cat(inputs[0].channels, " channels do not divide by ", area, "; change the stride"));
+          }};
+}
+
+Operation upsample() {
+  return {.name = Op::kUpsample, .takes_stride_and_relu = true, .shape = [](const Layer& layer, Inputs inputs) {
+            return finer_shape(layer, inputs, inputs[0].channels);
+          }};
+}
+
+Operation sum(const char* name) {
+  return {
+      .name = name, .min_inputs = 2, .max_inputs = kAnyInputs, .takes_stride_and_relu = true, .shape = equal_shapes};
+}
+
+Operation concat() {
+  return {.name = Op::kConcat,
+          .min_inputs = 2,
+          .max_inputs = kAnyInputs,
+          .takes_stride_and_relu = true,
+          .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
+            LayerShape shape{0, inputs[0].scale};
+            for (size_t i = 0; i < inputs.size(); ++i) {
+              shape.channels += inputs[i].channels;
+              if (inputs[i].scale != shape.scale) {
+                return misfit(cat("input \"", layer.inputs[i], "\" is at scale ", inputs[i].scale,
+                                  ", the first one at ", shape.scale, "; make them equal"));
+              }
+            }
+            return shape;
+          }};
+}
+
+/// The operations of this process. Pointers to the elements of a list stay valid.
+struct Registry {
+  std::mutex mutex;
+  std::list<Operation> operations = {conv(),          conv_transposed(), pixel_unshuffle(),
+                                     pixel_shuffle(), upsample(),        sum(Op::kAdd),
+                                     sum(Op::kMean),  concat(),          {.name = Op::kSigmoid, .shape = equal_shapes}};
+};
+
+Registry& registry() {
+  static Registry instance;
+  return instance;
+}
+
+}  // namespace
+
+void add_operation(Operation operation) {
+  E2LF_REQUIRE(operation.shape != nullptr, "an operation has a shape");
+  E2LF_REQUIRE(find_operation(operation.name) == nullptr, cat("there is an operation \"", operation.name, "\""));
+  const std::scoped_lock lock(registry().mutex);
+  registry().operations.push_back(std::move(operation));
+}
+
+const Operation* find_operation(const std::string& name) {
+  const std::scoped_lock lock(registry().mutex);
+  const auto& all = registry().operations;
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Operation& each) { return each.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> operation_names() {
+  const std::scoped_lock lock(registry().mutex);
+  std::vector<std::string> names;
+  for (const Operation& each : registry().operations) names.push_back(each.name);
+  return names;
+}
+
+Result<void> check_kernel(const Layer& layer) {
+  if (layer.kernel == 0 || layer.kernel > kMaxKernel) {
+    return invalid(cat("a kernel of ", layer.kernel, "; use 1 to ", kMaxKernel));
+  }
+  if (layer.kernel == layer.stride && layer.stride > 1) return {};
+  if (layer.kernel % 2 == 0) return invalid("an even kernel that is not the stride; use an odd one");
+  if (layer.kernel < layer.stride) return invalid("a stride beyond the kernel; use a smaller one");
+  return {};
+}
+
+Result<LayerShape> equal_shapes(const Layer& layer, Inputs inputs) {
+  const LayerShape first = inputs[0];
+  for (size_t i = 1; i < inputs.size(); ++i) {
+    if (inputs[i].scale == first.scale && inputs[i].channels == first.channels) continue;
+    return misfit(cat("input \"", layer.inputs[i], "\" has ", inputs[i].channels, " channels at scale ",
+                      inputs[i].scale, ", the first one ", first.channels, " at ", first.scale, "; make them equal"));
+  }
+  return first;
+}
+
+Result<LayerShape> finer_shape(const Layer& layer, Inputs inputs, size_t channels) {
+  const size_t scale = inputs[0].scale;
+  if (scale % layer.stride == 0) return LayerShape{channels, scale / layer.stride};
+  return misfit(cat("a scale of ", scale, " does not divide by ", layer.stride, "; reduce the resolution before"));
+}
+
+std::vector<WeightShape> conv_weights(const std::string& name, size_t out, size_t in, size_t kernel) {
+  return {{name + ".weight", {out, in, kernel, kernel}}, {name + ".bias", {out}}};
+}
+
+}  // namespace e2lf::model

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+// Filters that each pixel has of its own; see Op::kDynamicFilter.
+#include <algorithm>
+#include <string>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+#include "e2lf/engine/pack.h"
+#include "e2lf/video/operations.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "e2lf/video/dynamic_filter.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "e2lf/kernels/vector-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::video {
+namespace HWY_NAMESPACE {
+namespace {
+
+using namespace kernels::HWY_NAMESPACE;
+using namespace engine;
+
+HWY_INLINE float as_float(float value) {
+  return value;
+}
+
+HWY_INLINE float as_float(Bfloat16 value) {
+  return to_float(value);
+}
+
+/// Applies the filters of each pixel. One block is one row.
+template <class Element>
+class DynamicFilterKernel final : public Kernel {
+ public:
+  DynamicFilterKernel(size_t channels, size_t filter_values, size_t kernel)
+      : channels_(channels), filters_(filter_values / (kernel * kernel)), kernel_(kernel) {}
+
+  std::string describe() const override { return std::string("dynamic filter ") + hwy::TargetName(HWY_TARGET); }
+  Reach reach() const override { return {kernel_ / 2, kernel_ / 2, 1, 1}; }
+  size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
+
+  void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
+    const size_t y = strip.begin + block;
+    const size_t out_step = padded_channels(filters_ * channels_);
+    const size_t filter_step = padded_channels(filters_ * kernel_ * kernel_);
+    const auto* filters = strip.inputs[1].row<const Element>(static_cast<ptrdiff_t>(y));
+    auto* output = strip.output.row<Element>(static_cast<ptrdiff_t>(y));
+    for (size_t x = 0; x < strip.width; ++x) {
+      Element* pixel = output + x * out_step;
+      for (size_t m = 0; m < filters_; ++m) {
+        filter_pixel(strip, y, x, filters + x * filter_step + m * kernel_ * kernel_, pixel + m * channels_);
+      }
+      std::fill(pixel + filters_ * channels_, pixel + out_step, Element{});
+    }
+  }
+
+ private:
+  /// Applies one filter to all channels.
+  HWY_INLINE void filter_pixel(const Strip& strip, size_t y, size_t x, const Element* filter, Element* to) const {
+    constexpr size_t kVectors = 4;
+    size_t c = 0;
+    for (; c + kVectors * kLanes <= channels_; c += kVectors * kLanes) add_taps<kVectors>(strip, y, x, filter, c, to);
+    for (; c < channels_; c += kLanes) add_taps<1>(strip, y, x, filter, c, to);
+  }
+
+  template <size_t kVectors>
+  HWY_INLINE void add_taps(const Strip& strip, size_t y, size_t x, const Element* filter, size_t c, Element* to) const {
+    const FloatTag d;
+    const size_t in_step = padded_channels(channels_);
+    const auto radius = static_cast<ptrdiff_t>(kernel_ / 2);
+    FloatVec sums[kVectors];
+    E2LF_UNROLL
+    for (size_t i = 0; i < kVectors; ++i) sums[i] = hn::Zero(d);
+    for (size_t dy = 0; dy < kernel_; ++dy) {
+      const auto* row = strip.inputs[0].template row<const Element>(static_cast<ptrdiff_t>(y + dy) - radius);
+      const auto* from = row + (static_cast<ptrdiff_t>(x) - radius) * static_cast<ptrdiff_t>(in_step) + c;
+      for (size_t dx = 0; dx < kernel_; ++dx, from += in_step) {
+        const auto weight = hn::Set(d, as_float(filter[dy * kernel_ + dx]));
+        E2LF_UNROLL
+        for (size_t i = 0; i < kVectors; ++i) sums[i] = hn::MulAdd(weight, load_floats(from + i * kLanes), sums[i]);
+      }
+    }
+    if (c + kVectors * kLanes > channels_) {
+      // The lanes of the padding are not stored, because the result of the next filter or another pixel is at their
+      // place.
+      Element lanes[kLanes];
+      store_floats(sums[0], lanes);
+      std::copy_n(lanes, channels_ - c, to + c);
+      return;
+    }
+    E2LF_UNROLL
+    for (size_t i = 0; i < kVectors; ++i) store_floats(sums[i], to + c + i * kLanes);
+  }
+
+  size_t channels_, filters_, kernel_;
+};
+
+}  // namespace
+
+std::unique_ptr<Kernel> MakeDynamicFilter(size_t channels, size_t filter_values, size_t kernel, ElementType type) {
+#if E2LF_TARGET_HAS_BF16
+  if (type == ElementType::kBfloat16) {
+    return std::make_unique<DynamicFilterKernel<Bfloat16>>(channels, filter_values, kernel);
+  }
+#endif
+  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
+  return std::make_unique<DynamicFilterKernel<float>>(channels, filter_values, kernel);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::video
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace e2lf::video {
+
+using engine::PlanBuilder, engine::ReferenceCall, engine::ReferencePlanes;
+using model::Layer, model::LayerShape;
+
+HWY_EXPORT(MakeDynamicFilter);
+
+namespace {
+
+Result<LayerShape> filter_shape(const Layer& layer, std::span<const LayerShape> inputs) {
+  E2LF_RETURN_IF_ERROR(model::check_kernel(layer));
+  const LayerShape input = inputs[0], filters = inputs[1];
+  const size_t taps = layer.kernel * layer.kernel;
+  if (filters.scale == input.scale && filters.channels % taps == 0) {
+    return LayerShape{filters.channels / taps * input.channels, input.scale};
+  }
+  return Error{ErrorCode::kShape,
+               cat("filters of ", filters.channels, " channels at scale ", filters.scale, ", not of a multiple of ",
+                   taps, " at ", input.scale, "; make as many as the kernel has taps, of the same resolution"),
+               ""};
+}
+
+Result<void> plan_filter(PlanBuilder& build, const Layer& layer) {
+  const size_t channels = build.spec(layer.inputs[0]).channels, filter_values = build.spec(layer.inputs[1]).channels;
+  build.add(layer, HWY_DYNAMIC_DISPATCH(MakeDynamicFilter)(channels, filter_values, layer.kernel,
+                                                           build.spec(layer.name).type));
+  return {};
+}
+
+Result<ReferencePlanes> filter_reference(ReferenceCall& call) {
+  const ReferencePlanes &input = *call.inputs[0], &filters = *call.inputs[1];
+  const size_t kernel = call.layer.kernel;
+  const auto radius = static_cast<ptrdiff_t>(kernel / 2);
+  call.output.fill([&](size_t c, size_t y, size_t x) {
+    const size_t filter = c / input.channels;
+    double sum = 0.0;
+    for (size_t tap = 0; tap < kernel * kernel; ++tap) {
+      const auto from_y = static_cast<ptrdiff_t>(y + tap / kernel) - radius;
+      const auto from_x = static_cast<ptrdiff_t>(x + tap % kernel) - radius;
+      const double weight = filters.at(filter * kernel * kernel + tap, y, x);
+      sum += weight * input.at_or_zero(c % input.channels, from_y, from_x);
+    }
+    return static_cast<float>(sum);
+  });
+  return std::move(call.output);
+}
+
+}  // namespace
+
+engine::Operation dynamic_filter() {
+  return {.model = {.name = Op::kDynamicFilter,
+                    .min_inputs = 2,
+                    .max_inputs = 2,
+                    .shape = filter_shape,
+                    .macs =
+                        [](const Layer&, std::span<const LayerShape> inputs) {
+                          return static_cast<double>(inputs[0].channels * inputs[1].channels);
+                        },
+                    .reach = [](const Layer& layer) { return layer.kernel / 2; }},
+          .plan = plan_filter,
+          .reference = filter_reference};
+}
+
+}  // namespace e2lf::video
+#endif

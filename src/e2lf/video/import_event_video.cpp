@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/video/import_event_video.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "e2lf/base/text.h"
+#include "e2lf/model/model_parts.h"
+#include "e2lf/video/checkpoint_importer.h"
+
+namespace e2lf::video {
+namespace {
+
+enum class Family { kFireNet, kFireNetPlus, kUnet, kDynamicUnet, kTransformer };
+
+/// The properties of a network that its tensors do not determine.
+struct Conventions {
+  const char* name;
+  Family family;
+  bool normalises_voxels;
+  bool ends_in_sigmoid;
+  size_t pad_multiple;  ///< 0: as the layers require
+  FrameTone tone;
+};
+
+// The configurations of EVREAL. That of FireNet lacks the number of encoders, for which EVREAL then uses four.
+constexpr Conventions kConventions[] = {{"firenet", Family::kFireNet, true, false, 16, FrameTone::kNone},
+                                        {"firenet+", Family::kFireNetPlus, false, false, 1, FrameTone::kNone},
+                                        {"e2vid", Family::kUnet, true, true, 0, FrameTone::kRobust},
+                                        {"e2vid+", Family::kUnet, false, false, 0, FrameTone::kNone},
+                                        {"ssl-e2vid", Family::kUnet, false, false, 0, FrameTone::kExpRobust},
+                                        {"hypere2vid", Family::kDynamicUnet, false, false, 0, FrameTone::kNone},
+                                        {"et-net", Family::kTransformer, false, true, 0, FrameTone::kNone}};
+
+constexpr const char* kLastConv = "pred.conv2d.weight";
+
+/// Imports head, cell, block, cell, block and output convolution. `keys` name the first five.
+Result<void> import_firenet(CheckpointImporter& importer, const std::vector<std::string>& keys) {
+  importer.set_head(keys[0] + ".weight");
+  Layer head{.name = "head", .inputs = {"input"}, .residual = {}, .relu = true};
+  E2LF_ASSIGN_OR_RETURN(std::string x, importer.conv(std::move(head), keys[0]));
+  E2LF_ASSIGN_OR_RETURN(x, importer.cell("cell1", keys[1], x));
+  E2LF_ASSIGN_OR_RETURN(x, importer.residual_block("block1", keys[2], x));
+  E2LF_ASSIGN_OR_RETURN(x, importer.cell("cell2", keys[3], x));
+  E2LF_ASSIGN_OR_RETURN(x, importer.residual_block("block2", keys[4], x));
+  E2LF_ASSIGN_OR_RETURN(x, importer.picture(x));
+  return {};
+}
+
+/// Imports the recurrent U-Net: encoders that halve the resolution, each with a cell; residual blocks or transformers;
+/// and decoders that double it, to which the outputs of the encoders are added. `encoder` and `decoder` are the
+/// prefixes of their keys.
+Result<void> import_unet(CheckpointImporter& importer, const std::string& encoder, const std::string& decoder) {
+  importer.set_head("head.conv2d.weight");
+  const auto conv_layer = [](const std::string& name, const std::string& input, size_t stride = 1) {
+    return Layer{.name = name, .inputs = {input}, .stride = stride, .residual = {}, .relu = true};
+  };
+  E2LF_ASSIGN_OR_RETURN(std::string x, importer.conv(conv_layer("head", "input"), "head.conv2d", "head.norm_layer"));
+  std::vector<std::string> skips = {x};
+  for (size_t i = 0; importer.has(cat(encoder, i, ".conv.conv2d.weight")); ++i) {
+    const std::string key = cat(encoder, i), conv = key + ".conv";
+    E2LF_ASSIGN_OR_RETURN(x,
+                          importer.conv(conv_layer(cat("encoder", i), x, 2), conv + ".conv2d", conv + ".norm_layer"));
+    E2LF_ASSIGN_OR_RETURN(x, importer.cell(cat("cell", i), key + ".recurrent_block", x));
+    skips.push_back(x);
+  }
+  if (has_transformers(importer)) {
+    E2LF_ASSIGN_OR_RETURN(x, import_transformers(importer, {skips.begin() + 1, skips.end()}));
+  }
+  for (size_t i = 0; importer.has(cat("resblocks.", i, ".conv1.weight")); ++i) {
+    E2LF_ASSIGN_OR_RETURN(x, importer.residual_block(cat("block", i), cat("resblocks.", i), x));
+  }
+  const auto sum = [&](const std::string& name) {
+    const std::string skip = skips.back();
+    skips.pop_back();
+    return importer.add({.name = name, .op = Op::kAdd, .inputs = {x, skip}, .residual = {}});
+  };
+  for (size_t i = 0; skips.size() > 1; ++i) {
+    const std::string key = cat(decoder, i);
+    if (importer.has(key + ".transposed_conv2d.weight")) {
+      return Error{
+          ErrorCode::kUnsupported,
+          "its decoders are transposed convolutions, which are not supported; give a network that resizes first", key};
+    }
+    x = sum(cat("join", i));
+    x = importer.add(
+        {.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {x}, .stride = 2, .residual = {}});
+    if (is_dynamic_decoder(importer, key)) {
+      E2LF_ASSIGN_OR_RETURN(x, import_dynamic_decoder(importer, cat("decoder", i), key, x));
+      continue;
+    }
+    E2LF_ASSIGN_OR_RETURN(x, importer.conv(conv_layer(cat("decoder", i), x), key + ".conv2d", key + ".norm_layer"));
+  }
+  x = sum("join");
+  E2LF_ASSIGN_OR_RETURN(x, importer.picture(x));
+  return {};
+}
+
+/// Finds the prefix of all names ("net.", "unetrecurrent.") by means of the last layer, which every network has.
+std::optional<std::string> find_prefix(const Safetensors& tensors) {
+  for (const auto& entry : tensors.tensors) {
+    if (entry.first.ends_with(kLastConv))
+      return entry.first.substr(0, entry.first.size() - std::string(kLastConv).size());
+  }
+  return std::nullopt;
+}
+
+std::optional<Family> find_family(const CheckpointImporter& importer) {
+  if (importer.has("G1.update_gate.weight")) return Family::kFireNetPlus;
+  if (importer.has("head.recurrent_block.update_gate.weight")) return Family::kFireNet;
+  if (has_transformers(importer)) return Family::kTransformer;
+  if (is_dynamic_decoder(importer, "decoders.0")) return Family::kDynamicUnet;
+  if (importer.has("encoders.0.conv.conv2d.weight")) return Family::kUnet;
+  return std::nullopt;
+}
+
+Result<Conventions> find_conventions(const std::string& as, Family family, bool is_normalised) {
+  const std::string name = !as.empty()                      ? as
+                           : family == Family::kFireNet     ? "firenet"
+                           : family == Family::kFireNetPlus ? "firenet+"
+                           : family == Family::kDynamicUnet ? "hypere2vid"
+                           : family == Family::kTransformer ? "et-net"
+                           : is_normalised                  ? "e2vid"
+                                                            : "e2vid+";
+  const auto found = std::find_if(std::begin(kConventions), std::end(kConventions),
+                                  [&](const Conventions& each) { return each.name == name; });
+  if (found == std::end(kConventions)) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("no network \"", name, "\" is known; known are ", join(event_video_names())), "as"};
+  }
+  if (found->family != family) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the file has other layers than ", name, "; leave the name out to determine it from the layers"),
+                 "as"};
+  }
+  return *found;
+}
+
+}  // namespace
+
+std::vector<std::string> event_video_names() {
+  std::vector<std::string> names;
+  for (const Conventions& each : kConventions) names.emplace_back(each.name);
+  return names;
+}
+
+Result<VideoModel> import_event_video(const std::filesystem::path& path, const std::string& as) {
+  const std::string file = path.string();
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
+  const Error unknown{ErrorCode::kUnsupported,
+                      cat("its tensors are not those of ", join(event_video_names()),
+                          "; convert the state dictionary of such a checkpoint to .safetensors, names as they are"),
+                      file};
+  const std::optional<std::string> prefix = find_prefix(tensors);
+  if (!prefix) return unknown;
+  CheckpointImporter importer(tensors, file, *prefix);
+  const std::optional<Family> family = find_family(importer);
+  if (!family) return unknown;
+  const bool is_normalised = importer.has("encoders.0.conv.norm_layer.running_mean");
+  E2LF_ASSIGN_OR_RETURN(const Conventions conventions, find_conventions(as, *family, is_normalised));
+  if (*family == Family::kUnet || *family == Family::kDynamicUnet) {
+    E2LF_RETURN_IF_ERROR(import_unet(importer, "encoders.", "decoders."));
+  } else if (*family == Family::kTransformer) {
+    E2LF_RETURN_IF_ERROR(import_unet(importer, "DownsampleConv.", "UpsampleConv."));
+  } else if (*family == Family::kFireNet) {
+    E2LF_RETURN_IF_ERROR(import_firenet(importer, {"head.conv.conv2d", "head.recurrent_block", "resblocks.0.conv",
+                                                   "resblocks.0.recurrent_block", "resblocks.1"}));
+  } else {
+    E2LF_RETURN_IF_ERROR(import_firenet(importer, {"head.conv2d", "G1", "R1", "G2", "R2"}));
+  }
+  if (conventions.ends_in_sigmoid) {
+    importer.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {"picture"}, .residual = {}});
+  }
+  VideoModel model;
+  E2LF_RETURN_IF_ERROR(importer.finish(model));
+  model.name = conventions.name;
+  model.normalises_voxels = conventions.normalises_voxels;
+  model.tone = conventions.tone;
+  if (const auto shapes = infer_shapes(model.network); !shapes) {
+    return Error{shapes.error().code, shapes.error().message, cat(file, ": ", shapes.error().location)};
+  }
+  model.pad_multiple = conventions.pad_multiple != 0 ? conventions.pad_multiple : size_multiple(model.network);
+  model.provenance = {{"source", cat("published weights of ", conventions.name)},
+                      {"conventions", "EVREAL protocol"},
+                      {"imported_from", path.filename().string()}};
+  E2LF_RETURN_IF_ERROR(validate(model, file));
+  return model;
+}
+
+}  // namespace e2lf::video

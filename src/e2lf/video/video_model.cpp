@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/video/video_model.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/options.h"
+#include "e2lf/model/model_parts.h"
+#include "e2lf/model/summary.h"
+#include "e2lf/video/operations.h"
+
+namespace e2lf::video {
+
+using model::infer_shapes, model::kFormatVersion, model::kMetadataKey, model::kVoxelGrid, model::network_from_json,
+    model::size_multiple, model::validate_weights, model::weight_shapes;
+
+namespace {
+
+constexpr std::pair<FrameTone, const char*> kTones[] = {{FrameTone::kNone, "none"},
+                                                        {FrameTone::kRobust, "robust"},
+                                                        {FrameTone::kStandard, "standard"},
+                                                        {FrameTone::kExpRobust, "exp-robust"}};
+
+constexpr size_t kMaxPadMultiple = 1024;
+
+Result<VideoModel> header_from(const Json& json, const std::string& location) {
+  add_operations();
+  E2LF_RETURN_IF_ERROR(model::check_kind(json, kVoxelGrid, location));
+  VideoModel model;
+  std::string tone;
+  OptionReader reader(json, location);
+  reader.read("name", model.name)
+      .read("bins", model.bins)
+      .read("normalises_voxels", model.normalises_voxels)
+      .read("pad_multiple", model.pad_multiple)
+      .read("tone", tone);
+  (void)reader.child("format_version");
+  (void)reader.child("measurement");
+  const Json& network = reader.child("network");
+  const Json& provenance = reader.child("provenance");
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  const auto known_tone = tone_from_name(tone);
+  if (!known_tone) return Error{ErrorCode::kUnsupported, known_tone.error().message, reader.child_location("tone")};
+  model.tone = *known_tone;
+  E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
+  if (!provenance.is_null()) model.provenance = provenance;
+  return model;
+}
+
+}  // namespace
+
+const char* tone_name(FrameTone tone) {
+  return std::find_if(std::begin(kTones), std::end(kTones), [&](const auto& entry) { return entry.first == tone; })
+      ->second;
+}
+
+Result<FrameTone> tone_from_name(const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& [tone, known] : kTones) {
+    if (name == known) return tone;
+    names.emplace_back(known);
+  }
+  return Error{ErrorCode::kInvalidValue, cat("unknown tone \"", name, "\"; known are ", join(names)), ""};
+}
+
+Result<void> validate(const VideoModel& model, const std::string& location) {
+  add_operations();
+  const auto refuse = [&](const std::string& field, const std::string& message,
+                          ErrorCode code = ErrorCode::kInvalidValue) {
+    return Error{code, message, cat(location, ": ", field)};
+  };
+  if (model.bins == 0 || model.bins > kMaxBins) {
+    return refuse("bins", cat(model.bins, " time bins; use 1 to ", kMaxBins));
+  }
+  const auto shapes = infer_shapes(model.network);
+  if (!shapes) return refuse(cat("network: ", shapes.error().location), shapes.error().message, shapes.error().code);
+  if (model.network.input_channels != model.bins) {
+    return refuse("network.input_channels",
+                  cat(model.network.input_channels, " channels for ", model.bins, " time bins; make them equal"),
+                  ErrorCode::kShape);
+  }
+  if (shapes->back().channels != 1 || shapes->back().scale != 1) {
+    return refuse("network",
+                  cat("the last layer has ", shapes->back().channels, " channels at scale ", shapes->back().scale,
+                      ", not one at scale 1; correct the last layer"),
+                  ErrorCode::kShape);
+  }
+  const size_t multiple = size_multiple(model.network);
+  if (model.pad_multiple == 0 || model.pad_multiple > kMaxPadMultiple || model.pad_multiple % multiple != 0) {
+    return refuse("pad_multiple", cat(model.pad_multiple, " pixels; use a multiple of the network's ", multiple,
+                                      ", up to ", kMaxPadMultiple));
+  }
+  if (!model.provenance.is_object()) return refuse("provenance", "it is not a JSON object; write { ... }");
+  return validate_weights(model.network, model.weights, location);
+}
+
+Json video_header_to_json(const VideoModel& model) {
+  return {{"format_version", kFormatVersion},
+          {"measurement", kVoxelGrid},
+          {"name", model.name},
+          {"bins", model.bins},
+          {"normalises_voxels", model.normalises_voxels},
+          {"pad_multiple", model.pad_multiple},
+          {"tone", tone_name(model.tone)},
+          {"network", model::to_json(model.network)},
+          {"provenance", model.provenance}};
+}
+
+Result<VideoModel> decode_video_model(std::span<const uint8_t> bytes, const std::string& file) {
+  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, decode_safetensors(bytes, file));
+  E2LF_ASSIGN_OR_RETURN(const Json json, model::header_of(tensors, file));
+  E2LF_ASSIGN_OR_RETURN(VideoModel model, header_from(json, cat(file, ": ", kMetadataKey, ": $")));
+  E2LF_ASSIGN_OR_RETURN(model.weights, model::weights_from_tensors(model.network, tensors, file));
+  E2LF_RETURN_IF_ERROR(validate(model, file));
+  return model;
+}
+
+Result<VideoModel> read_video_model(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
+  return decode_video_model(bytes, path.string());
+}
+
+Result<void> write_video_model(const std::filesystem::path& path, const VideoModel& model) {
+  E2LF_RETURN_IF_ERROR(validate(model, path.string()));
+  Safetensors tensors;
+  tensors.metadata[kMetadataKey] = json_line(video_header_to_json(model));
+  for (const model::WeightShape& tensor : weight_shapes(model.network)) {
+    tensors.tensors[tensor.name] = make_tensor(tensor.shape, model.weights.at(tensor.name));
+  }
+  return write_safetensors(path, tensors);
+}
+
+Json summary_json(const VideoModel& model) {
+  Json json = video_header_to_json(model);
+  json["network"] = model::network_summary(model.network);
+  json.erase("provenance");
+  json["provenance"] = model.provenance;
+  return json;
+}
+
+std::string summary_text(const VideoModel& model) {
+  std::string text;
+  model::append_field(text, "name", model.name);
+  model::append_field(text, "makes", "frames of a recording, each from a voxel grid and the previous frames");
+  model::append_field(text, "input", cat(model.bins, " time bins", model.normalises_voxels ? ", normalised" : ""));
+  model::append_field(text, "tone", tone_name(model.tone));
+  model::append_field(text, "padded to", cat("multiples of ", model.pad_multiple, " px"));
+  model::append_network(text, model.network);
+  model::append_origin(text, model.provenance);
+  return text;
+}
+
+}  // namespace e2lf::video
