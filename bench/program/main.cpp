@@ -26,6 +26,7 @@
 #include "e2lf/cli/output/print.h"
 #include "e2lf/cli/verb.h"
 #include "e2lf/files/options.h"
+#include "e2lf/formats/formats.h"
 #include "e2lf/model/model.h"
 #include "e2lf/streams/stream_options.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -309,5 +310,6 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace e2lf::bench
 
 int main(int argc, char** argv) {
+  e2lf::formats::add_formats();
   return e2lf::cli::run_program("e2lf-bench", argc, argv, e2lf::bench::run);
 }

@@ -3,6 +3,7 @@
 #include "python/binding/module.h"
 
 #include "e2lf/files/options.h"
+#include "e2lf/formats/formats.h"
 #include "python/binding/errors.h"
 
 namespace e2lf::python {
@@ -15,6 +16,7 @@ py::object to_python(const Json& json) {
 
 PYBIND11_MODULE(_e2lf, module) {
   namespace python = e2lf::python;
+  e2lf::formats::add_formats();
   python::bind_errors(module);
   python::bind_base(module);
   python::bind_capture(module);

@@ -13,6 +13,7 @@
 #include "e2lf/cli/verb.h"
 #include "e2lf/cli/version.h"
 #include "e2lf/files/file.h"
+#include "e2lf/formats/formats.h"
 
 namespace {
 
@@ -119,5 +120,6 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  e2lf::formats::add_formats();
   return run_program("e2lf", argc, argv, run);
 }

@@ -15,7 +15,6 @@
 #include "e2lf/cli/output/run_record.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::cli {
@@ -95,7 +94,8 @@ fs::path other_owner(const fs::path& triggers, const fs::path& target) {
 bool is_our_trigger_file(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
-  if (path.extension() != ".csv") return recordings::dat::is_trigger_file(path);
+  const auto codec = recordings::codec_to_write(path, "");
+  if (codec && (*codec)->is_side_file != nullptr) return (*codec)->is_side_file(path);
   std::ifstream file(path, std::ios::binary);
   std::string line;
   std::getline(file, line);
