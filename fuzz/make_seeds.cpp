@@ -8,6 +8,7 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/safetensors.h"
+#include "e2lf/formats/formats.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
 #include "e2lf/recordings/open/registry.h"
@@ -194,6 +195,7 @@ Result<void> write_all(const fs::path& folder) {
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
+  e2lf::formats::add_formats();
   const auto done = write_all(argv[1]);
   if (!done) std::fprintf(stderr, "e2lf_fuzz_seeds: %s\n", done.error().text().c_str());
   return done ? 0 : 1;

@@ -7,6 +7,7 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
+#include "e2lf/formats/formats.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/recordings/recording.h"
@@ -106,6 +107,9 @@ void check_kernels(const Decoded& decoded, const OpenOptions& options, Bytes byt
 
 void check_live(const Decoded& decoded, const OpenOptions& options, Bytes bytes, uint32_t choice) {
   if (!can_be_streamed(options.format)) return;
+  // A size that is found from the whole file must be given for a stream.
+  const auto is_size = [](const Assumption& assumption) { return assumption.setting == Setting::kSensorSize; };
+  if (std::any_of(decoded.info.assumptions.begin(), decoded.info.assumptions.end(), is_size)) return;
   const size_t step = 1 + choice % 300;
   const std::vector<size_t> cuts = {1 + choice / 300 % (bytes.size() + 1)};
   const auto live = decode(
@@ -218,6 +222,7 @@ void check_round_trips(const Decoded& decoded, const std::string& format, uint32
 }  // namespace
 
 void check_recording(const std::string& format, Bytes bytes) {
+  formats::add_formats();
   const OpenOptions options{.format = format, .policy = DecodePolicy::kSkip};
   const uint32_t hash = hash_of(bytes);
   const auto decoded = decode(make_memory_source(bytes), options, 64 + hash % 5000);

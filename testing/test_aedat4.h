@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/codecs/aedat4/aedat4_format.h"
+#include "e2lf/formats/aedat4/aedat4_format.h"
 #include "e2lf/recordings/event.h"
 #ifdef E2LF_HAVE_ZSTD
 #include <zstd.h>

@@ -3,6 +3,7 @@
 #include "python/binding/module.h"
 
 #include "e2lf/files/options.h"
+#include "e2lf/formats/formats.h"
 #include "python/binding/errors.h"
 #include "e2lf/video/operations.h"
 
@@ -16,6 +17,7 @@ py::object to_python(const Json& json) {
 
 PYBIND11_MODULE(_e2lf, module) {
   namespace python = e2lf::python;
+  e2lf::formats::add_formats();
   e2lf::video::add_operations();  // any model may have them
   python::bind_errors(module);
   python::bind_base(module);

@@ -7,6 +7,7 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/cli/features.h"
 #include "e2lf/cli/verbs.h"
+#include "e2lf/formats/formats.h"
 #include "e2lf/info/version.h"
 #include "e2lf/video/operations.h"
 
@@ -62,6 +63,7 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  e2lf::formats::add_formats();
   e2lf::video::add_operations();  // any model may have them
   return run_program("e2lf", argc, argv, run);
 }

@@ -87,9 +87,9 @@ Result<void> RecordingReader::join_part(int64_t first_us) {
   }
   summary_.add_restart(restart);
   if (options_.policy == DecodePolicy::kReport) {
-    DecodeSummary told;
-    told.add_restart(restart);
-    log_warning(cat(name_, ": ", restart_text(told)));
+    DecodeSummary reported;
+    reported.add_restart(restart);
+    log_warning(cat(name_, ": ", restart_text(reported)));
   }
   return {};
 }

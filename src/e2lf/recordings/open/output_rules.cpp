@@ -6,7 +6,6 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::recordings {
@@ -30,7 +29,8 @@ fs::path other_owner(const fs::path& triggers, const fs::path& recording) {
 bool is_our_trigger_file(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
-  if (path.extension() != ".csv") return dat::is_trigger_file(path);
+  const auto codec = codec_to_write(path, "");
+  if (codec && (*codec)->is_side_file != nullptr) return (*codec)->is_side_file(path);
   std::ifstream file(path, std::ios::binary);
   std::string line;
   std::getline(file, line);

@@ -10,7 +10,8 @@
 
 namespace e2lf::recordings {
 
-/// A format: how it is detected, opened and created. registry.cpp contains the table of the built-in formats.
+/// A format: how it is detected, opened and created. registry.cpp contains the table of RAW, HDF5 and tables;
+/// formats::add_formats() adds the others as a program adds its own.
 struct Codec {
   std::string name = {};  ///< OpenOptions::format and RecordingInfo::format
   std::vector<std::string> extensions =
@@ -36,6 +37,10 @@ struct Codec {
 
   /// Returns the path of the file with triggers that the format cannot hold, if the reader looks for it.
   std::filesystem::path (*side_file)(const std::filesystem::path& path) = nullptr;
+
+  /// Returns whether a file with such a path was written by this codec, judging by its first bytes; null = it is text,
+  /// as that of side_trigger_path().
+  bool (*is_side_file)(const std::filesystem::path& path) = nullptr;
 
   /// Whether the writer keeps everything in memory until finish().
   bool is_written_at_end = false;

@@ -28,7 +28,7 @@ class EventChunks final : public EventBlocks {
     auto chunks = std::make_unique<EventChunks>();
     E2LF_ASSIGN_OR_RETURN(chunks->shape_, open_dataset(file, "CD/events", location));
     const DatasetShape& shape = chunks->shape_;
-    chunks->is_cut_untold_ = shape.is_cut;
+    chunks->is_cut_uncounted_ = shape.is_cut;
     chunks->location_ = location + ": CD/events";
     chunks->threads_ = threads;
     const bool is_ecf = shape.storage.filters.size() == 1 && shape.storage.filters[0] == kEcfFilter;
@@ -43,7 +43,7 @@ class EventChunks final : public EventBlocks {
     const LibraryLock lock;
     block.clear();
     EventColumns& events = block.events;
-    if (next_event_ >= shape_.length && std::exchange(is_cut_untold_, false)) summary.add(Violation::kTruncated, 0);
+    if (next_event_ >= shape_.length && std::exchange(is_cut_uncounted_, false)) summary.add(Violation::kTruncated, 0);
     if (!is_direct_) return next_records(events);
     E2LF_ASSIGN_OR_RETURN(std::vector<Chunk> chunks, fetch_block());
     std::vector<size_t> begins = {0};
@@ -53,7 +53,7 @@ class EventChunks final : public EventBlocks {
     // From the last chunk to the first, so that the positions of earlier ones do not change.
     for (size_t i = chunks.size(); i-- > 0;) {
       const Chunk* const after = i + 1 < chunks.size() ? &chunks[i + 1] : ahead_ ? &*ahead_ : nullptr;
-      keep_believable(chunks[i], after, begins[i], begins[i + 1], events, summary);
+      keep_plausible(chunks[i], after, begins[i], begins[i + 1], events, summary);
     }
     return !chunks.empty();
   }
@@ -63,7 +63,7 @@ class EventChunks final : public EventBlocks {
     const LibraryLock lock;
     ahead_.reset();
     next_event_ = 0;
-    is_cut_untold_ = shape_.is_cut;
+    is_cut_uncounted_ = shape_.is_cut;
     if (!is_direct_ || shape_.length == 0) return {};
     uint64_t low = 0, high = (shape_.length - 1) / shape_.chunk_length;
     while (low < high) {
@@ -191,8 +191,8 @@ class EventChunks final : public EventBlocks {
   }
 
   /// Reduces [begin, end), the room of a chunk, to the events that were decoded and are plausible.
-  void keep_believable(const Chunk& chunk, const Chunk* after, size_t begin, size_t end, EventColumns& events,
-                       DecodeSummary& summary) const {
+  void keep_plausible(const Chunk& chunk, const Chunk* after, size_t begin, size_t end, EventColumns& events,
+                      DecodeSummary& summary) const {
     const uint64_t first_event = chunk.index * shape_.chunk_length;
     size_t kept = chunk.count;
     if (begin + kept < end) summary.add(Violation::kBadRecord, first_event);
@@ -211,7 +211,7 @@ class EventChunks final : public EventBlocks {
   std::string location_;
   int threads_ = 1;
   bool is_direct_ = false;  ///< whether chunks are ECF or uncompressed records
-  bool is_cut_untold_ = false;
+  bool is_cut_uncounted_ = false;
   uint64_t next_event_ = 0;
   std::optional<Chunk> ahead_;  ///< fetched in advance for its first time
   std::vector<EventRecord> records_;

@@ -105,13 +105,13 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
   if (const auto endianness = info.find("endianness")) header.endianness = *endianness;
   if (const auto format = info.find("format")) {
     E2LF_ASSIGN_OR_RETURN(const FormatKey key, parse_format(*format, bad_size));
-    const Size told{key.width.value_or(size.width), key.height.value_or(size.height)};
-    if ((size != Size() && told != size) || (!info.format.empty() && key.codec != info.format)) {
+    const Size stated{key.width.value_or(size.width), key.height.value_or(size.height)};
+    if ((size != Size() && stated != size) || (!info.format.empty() && key.codec != info.format)) {
       return Error{ErrorCode::kFormat,
                    "the keys of the header contradict each other (format, evt, geometry); repair it",
                    bad_size.location};
     }
-    size = told;
+    size = stated;
     info.format = key.codec;
     if (!key.endianness.empty()) header.endianness = key.endianness;
   }

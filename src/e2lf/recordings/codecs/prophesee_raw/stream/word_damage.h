@@ -136,14 +136,14 @@ class WordDamage {
   /// Takes the heartbeat from an earlier state, because too few words were seen here to know it.
   void take_heartbeat(const WordDamage& before) {
     check_.heartbeat = before.check_.heartbeat;
-    asked_ = {};
+    decisions_ = {};
   }
 
   /// Returns whether `end`, reached from the state `guess`, equals the result of starting from `truth`; corrects the
   /// heartbeat in `end`.
   [[nodiscard]] static bool is_confirmed(const WordDamage& guess, const WordDamage& truth, WordDamage& end) {
     const int64_t late = truth.check_.heartbeat - guess.check_.heartbeat;
-    if (end.asked_.lowest_yes + late < 0 || end.asked_.highest_no + late >= 0) return false;
+    if (end.decisions_.lowest_yes + late < 0 || end.decisions_.highest_no + late >= 0) return false;
     if (!guess.is_same_but_heartbeat(truth)) return false;
     end.check_.heartbeat += late;
     return true;
@@ -156,7 +156,7 @@ class WordDamage {
   static constexpr size_t kNone = SIZE_MAX;
 
   /// The values of the heartbeat at which it decided something: the nearest to the opposite answer on both sides.
-  struct Asked {
+  struct Decisions {
     int64_t lowest_yes = INT64_MAX / 2;
     int64_t highest_no = INT64_MIN / 2;
   };
@@ -265,9 +265,9 @@ class WordDamage {
   bool has_heartbeat() {
     const int64_t heartbeat = check_.heartbeat;
     if (heartbeat < 0) {
-      asked_.highest_no = std::max(asked_.highest_no, heartbeat);
+      decisions_.highest_no = std::max(decisions_.highest_no, heartbeat);
     } else {
-      asked_.lowest_yes = std::min(asked_.lowest_yes, heartbeat);
+      decisions_.lowest_yes = std::min(decisions_.lowest_yes, heartbeat);
     }
     return heartbeat >= 0;
   }
@@ -387,7 +387,7 @@ class WordDamage {
   size_t dropped_bytes_ = 0;  ///< number of bytes that were not counted as a word yet
   bool gap_open_ = false;
   TimeGap gap_;
-  Asked asked_;
+  Decisions decisions_;
 };
 
 }  // namespace e2lf::recordings

@@ -33,7 +33,7 @@ ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hin
   size_t little = good_words<ByteOrder::kLittle>(words);
   size_t legacy = good_words<ByteOrder::kLegacy>(words);
   if (little == legacy) {
-    // A damaged word ends both counts and says nothing about the others.
+    // A damaged word ends both counts, whatever the words after it are.
     little = kLookedAt - bad_words<ByteOrder::kLittle>(words);
     legacy = kLookedAt - bad_words<ByteOrder::kLegacy>(words);
   }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/codecs/dat/dat_format.h"
+#include "e2lf/formats/dat/dat_format.h"
 #include "e2lf/recordings/recording.h"
 #include "testing/test_streams.h"
 

@@ -8,8 +8,8 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/rosbag/bag.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/io/decompress.h"
 #include "e2lf/recordings/io/header_text.h"
 

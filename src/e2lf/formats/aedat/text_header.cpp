@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/aedat/text_header.h"
+#include "e2lf/formats/aedat/text_header.h"
 
 #include <algorithm>
 

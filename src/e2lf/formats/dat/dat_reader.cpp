@@ -4,9 +4,9 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/formats/dat/dat_format.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 

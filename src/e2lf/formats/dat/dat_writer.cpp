@@ -5,9 +5,9 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/formats/dat/dat_format.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/dat/dat_format.h"
 #include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::dat {

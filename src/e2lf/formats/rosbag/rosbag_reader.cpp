@@ -5,9 +5,10 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/rosbag/bag.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"

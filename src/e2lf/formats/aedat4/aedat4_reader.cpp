@@ -7,9 +7,9 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/formats/aedat4/aedat4_format.h"
+#include "e2lf/formats/codecs.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/aedat4/aedat4_format.h"
-#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/stream_choice.h"
 #include "e2lf/recordings/time_search.h"

@@ -4,8 +4,8 @@
 #include <fstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/rosbag/bag.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 
 namespace e2lf::recordings::rosbag {

@@ -4,7 +4,7 @@
 
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/codecs/rosbag/bag.h"
+#include "e2lf/formats/rosbag/bag.h"
 #ifdef E2LF_HAVE_SQLITE
 #include <sqlite3.h>
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/dat/dat_format.h"
+#include "e2lf/formats/dat/dat_format.h"
 
 #include <charconv>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/aedat4/aedat4_format.h"
+#include "e2lf/formats/aedat4/aedat4_format.h"
 
 #include <charconv>
 

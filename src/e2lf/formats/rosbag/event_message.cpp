@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/codecs/rosbag/bag.h"
+#include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/time_unwrapper.h"
 
 namespace e2lf::recordings::rosbag {

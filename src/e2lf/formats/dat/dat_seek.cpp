@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/codecs/dat/dat_format.h"
+#include "e2lf/formats/dat/dat_format.h"
 #include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::dat {
