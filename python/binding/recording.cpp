@@ -38,6 +38,7 @@ std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name
   flags.stream = arguments.stream;
   flags.columns = arguments.columns;
   flags.time_unit = arguments.time_unit;
+  flags.polarities = arguments.polarities;
   flags.restart = arguments.restart;
   flags.from_us = arguments.from_us.value_or(flags.from_us);
   flags.to_us = arguments.to_us.value_or(flags.to_us);
