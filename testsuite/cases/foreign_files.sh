@@ -20,4 +20,17 @@ fails 1 "this is JSON" "$E2LF" convert list.json out.npz
 fails 1 "Feather" "$E2LF" convert table.feather out.npz
 fails 1 "images.txt" "$E2LF" convert other out.npz
 fails 1 "--event-format" "$E2LF" convert wrong.raw out.npz
+cp long_header.csv ./-x.csv
+fails 2 "./-x.csv" "$E2LF" info -x.csv
+py - <<'PY'
+import pickle
+for name, begin in (("a.lfp", b"\x89LFP\r\n\x1a\n"), ("a.lfr", b"\x89LFP\r\n\x1a\n"), ("a.exr", bytes.fromhex("762f3101"))):
+    open(name, "wb").write(begin + bytes(600))
+pickle.dump(list(range(300)), open("a.pkl", "wb"))
+header = b"MATLAB 5.0 MAT-file".ljust(124) + bytes.fromhex("00014d49")
+open("events.mat", "wb").write(header)
+PY
+for word in "Lytro a.lfp" "Lytro a.lfr" "OpenEXR a.exr" "pickle a.pkl" ".csv events.mat"; do
+  fails 1 "${word% *}" "$E2LF" info "${word#* }"
+done
 absent out.npz
