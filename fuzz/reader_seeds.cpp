@@ -9,6 +9,7 @@
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
@@ -174,11 +175,9 @@ Result<void> write_event_images(const fs::path& folder) {
       write_choice(out / "hybrid", 0, encode_npz({{"events", cycles}, {"images", sums}, {"codes", codes}})));
   const NpyArray lenses = make_npy<float>({1, 8, 16}, std::vector<float>(128, 0.5F));
   E2LF_RETURN_IF_ERROR(write_choice(out / "lenses", 0, encode_npz({{"lens_array", lenses}})));
-  const capture::EventImageFile matlab{{capture::EventImages(3, 4, 5)}, {capture::default_codes(), {}, {}}};
-  const fs::path mat = folder / "event_images.mat";
-  E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(mat, matlab));
-  E2LF_ASSIGN_OR_RETURN(Bytes bytes, read_file(mat));
-  fs::remove(mat);
+  const std::span<const uint8_t> data(reinterpret_cast<const uint8_t*>(counts.data()), 2 * counts.size());
+  const MatVariable matlab{"events", MatClass::kInt16, {4, 5, 3, 2}, data};
+  E2LF_ASSIGN_OR_RETURN(Bytes bytes, encode_mat(std::span(&matlab, 1), "events.mat"));
   E2LF_RETURN_IF_ERROR(write_choice(out / "mat", 3, std::move(bytes)));
   return write_choice(out / "folder", 2, encode_npy(image));
 }

@@ -14,7 +14,6 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
-#include "e2lf/info/describe.h"
 #include "e2lf/video/operations.h"
 #include "testing/event_video_networks.h"
 

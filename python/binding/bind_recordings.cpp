@@ -250,7 +250,8 @@ void bind_recordings(py::module_& module) {
   module.def(
       "info",
       [](const fs::path& path, const std::string& format, size_t width, size_t height, const std::string& stream,
-         const std::string& columns, const std::string& time_unit, const ProgressArgument& progress) {
+         const std::string& columns, const std::string& time_unit, const std::string& polarities,
+         const ProgressArgument& progress) {
         OpenArguments arguments;
         arguments.format = format;
         arguments.width = width;
@@ -258,14 +259,16 @@ void bind_recordings(py::module_& module) {
         arguments.stream = stream;
         arguments.columns = columns;
         arguments.time_unit = time_unit;
+        arguments.polarities = polarities;
         return describe(path, arguments, progress);
       },
       py::arg("path"), py::kw_only(), py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0,
-      py::arg("stream") = "", py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("progress") = py::none(),
+      py::arg("stream") = "", py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("polarities") = "",
+      py::arg("progress") = py::none(),
       "Describes a file or folder. Returns a dict with `kind` and the content of `e2lf info --json`. Recordings are "
       "read "
       "to their end.\n\n"
-      "format, width, height, stream, columns, time_unit: as for open_recording().\n"
+      "format, width, height, stream, columns, time_unit, polarities: as for open_recording().\n"
       "progress: called with (done, total); an exception cancels the operation.");
 }
 

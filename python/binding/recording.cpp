@@ -40,6 +40,7 @@ recordings::OpenOptions open_options(const std::string& name, const OpenArgument
   options.height = arguments.height;
   options.stream = arguments.stream;
   options.columns = arguments.columns;
+  options.polarities = arguments.polarities;
   options.time_unit = kUnits[unit];
   options.restart = kRestarts[restart];
   options.from_us = arguments.from_us.value_or(INT64_MIN);

@@ -14,7 +14,7 @@ namespace e2lf::python {
 
 /// The options of open_recording() with their Python names and defaults.
 struct OpenArguments {
-  std::string format, stream, columns, time_unit = "auto", restart = "continue";
+  std::string format, stream, columns, time_unit = "auto", polarities, restart = "continue";
   size_t width = 0, height = 0;
   std::optional<int64_t> from_us, to_us;
   bool relative = false, shift_time = false, strict = false;

@@ -4,7 +4,7 @@ grep -q -- "--stream" <("$E2LF" info --help) || fail "no --stream"
 # A compressed recording is read as it is, from a file and through a pipe; a cut one is read as far as it goes, and said.
 py - <<'PY'
 import gzip
-text = "".join("%d,%d,%d,%d\n" % (i % 64, i % 48, i % 2, 1000 + 3 * i) for i in range(100000))
+text = "%x,y,p,t\n" + "".join("%d,%d,%d,%d\n" % (i % 64, i % 48, i % 2, 1000 + 3 * i) for i in range(100000))
 open("a.csv", "w").write(text)
 packed = gzip.compress(text.encode())
 open("a.csv.gz", "wb").write(packed)

@@ -52,16 +52,5 @@ for input in scene.mat stanford hci scene_eslf.png; do
   cmp demo/scene/03_04.png again/03_04.png
 done
 
-# Event images for MATLAB, and back.
-"$E2LF" convert demo/events.npz events.mat
-[ "$("$E2LF" info events.mat)" = "$("$E2LF" info demo/events.npz)" ] || fail "event images as .mat"
-"$E2LF" convert events.mat events_back.npz --quiet
-py - <<'PY'
-import numpy as np
-first, again = np.load("demo/events.npz"), np.load("events_back.npz")
-assert sorted(first.files) == sorted(again.files), again.files
-for name in first.files:
-    assert first[name].dtype == again[name].dtype and np.array_equal(first[name], again[name]), name
-PY
-fails 1 "written as .npz or .mat" "$E2LF" convert demo/events.npz events.csv
-fails 1 "--shift-time" "$E2LF" convert demo/events.npz other.mat --shift-time
+fails 1 ".npz" "$E2LF" convert demo/events.npz events.csv
+fails 1 "--shift-time" "$E2LF" convert demo/events.npz other.npz --shift-time

@@ -1,21 +1,30 @@
 # Events as people have them in numpy and HDF5: columns under other names, arrays [events, 4], times in seconds.
 py - <<'PY'
+import os
 import h5py, numpy as np
 rng = np.random.default_rng(1)
 n = 5000
 t = np.cumsum(rng.integers(0, 20, n)) + 1000
 x, y, p = rng.integers(0, 64, n), rng.integers(0, 48, n), rng.integers(0, 2, n)
 np.savez("truth.npz", x=x.astype(np.uint16), y=y.astype(np.uint16), p=p.astype(np.uint8), t=t.astype(np.int64))
-np.save("txyp.npy", np.stack([t, x, y, p], 1))
-np.save("txyp_seconds.npy", np.stack([t * 1e-6, x, y, 2 * p - 1], 1))
-np.save("xytp.npy", np.stack([x, y, t, p], 1).astype(np.uint32))
-np.save("xypt.npy", np.stack([x, y, p, t], 1).astype(">i8"))
-np.save("whole_floats.npy", np.stack([t, x, y, p], 1).astype(np.float64))
+rows = np.stack([t * 1e-6, x, y, 2 * p - 1], 1)
+np.save("seconds.npy", rows)
+np.save("fortran.npy", np.asfortranarray(rows))
+np.save("flat.npy", rows.T.copy())
+np.savez("flat.npz", events=rows.T, images=np.zeros((2, 4, 5), np.uint8))
+np.save("whole.npy", np.stack([x, y, p, t], 1).astype(">i8"))
+titled = np.zeros(n, [(("column", "x"), "u2"), (("row", "y"), "u2"), ("p", "u1"), ("t", "i8")])
+for key, column in dict(x=x, y=y, p=p, t=t).items():
+    titled[key] = column
+np.save("titled.npy", titled)
 np.savez("whole_floats.npz", x=x, y=y, p=p, t=t.astype(np.float64))
 np.savez("seconds.npz", x=x, y=y, p=p, t=t * 1e-6)
 np.savez("names.npz", xs=x, ys=y, ps=2 * p - 1, ts=t)
-np.savez("rows.npz", events=np.stack([t, x, y, p], 1))
 np.savez("ns.npz", x=x, y=y, p=p, t=t * 1000)
+os.mkdir("evimo")
+np.save("evimo/dataset_events_t.npy", t * 1e-6)
+np.save("evimo/dataset_events_xy.npy", np.stack([x, y], 1).astype(np.uint16))
+np.save("evimo/dataset_events_p.npy", p.astype(np.uint8))
 with h5py.File("names.h5", "w") as f:
     for key, column in (("xs", x), ("ys", y), ("ts", t * 1e-6), ("ps", p)):
         f["events/" + key] = column
@@ -27,7 +36,12 @@ with h5py.File("plain.h5", "w") as f:
         f[key] = column
 with h5py.File("v2e.h5", "w") as f:
     f.create_dataset("events", data=np.stack([t, x, y, p], 1).astype(np.uint32), chunks=(1000, 4), compression="gzip")
-np.save("square.npy", np.zeros((100, 4), np.int64))
+# What cannot be read as it stands.
+np.savez("decimal.npz", x=x + 0.25, y=y, p=p, t=t)
+np.savez("half.npz", x=x, y=y, p=p, t=(t * 1e-3).astype(np.float16))
+np.savez("two.npz", x=x, y=y, p=p + 1, t=t)
+np.save("objects.npy", np.array(dict(x=x), object), allow_pickle=True)
+np.save("boxes.npy", np.zeros(9, [("ts", "u8"), ("x", "f4"), ("y", "f4"), ("w", "f4"), ("class_id", "u1")]))
 PY
 same() {
   py - "$1" <<'PY'
@@ -37,27 +51,31 @@ a, b = np.load("truth.npz"), np.load(sys.argv[1])
 assert all(np.array_equal(a[k], b[k]) for k in "xypt"), sys.argv
 PY
 }
-for input in txyp.npy txyp_seconds.npy xytp.npy xypt.npy seconds.npz names.npz rows.npz names.h5 plain.h5 v2e.h5 \
-  whole_floats.npy whole_floats.npz whole_floats.h5; do
-  "$E2LF" convert "$input" out.npz --overwrite --strict 2>stderr.txt || fail "$input: $(cat stderr.txt)"
+for input in seconds.npy fortran.npy flat.npy flat.npz "whole.npy --columns xypt" titled.npy seconds.npz names.npz \
+  names.h5 plain.h5 "v2e.h5 --columns txyp" whole_floats.npz whole_floats.h5 evimo "ns.npz --time-unit ns"; do
+  # shellcheck disable=SC2086
+  "$E2LF" convert $input out.npz --overwrite --strict 2>stderr.txt || fail "$input: $(cat stderr.txt)"
   same out.npz
-  "$E2LF" info "$input" --json >info.json 2>/dev/null
+  [ ! -s stderr.txt ] || ! grep -q warning stderr.txt || fail "$input: $(cat stderr.txt)"
+  # shellcheck disable=SC2086
+  "$E2LF" info $input --json >info.json 2>/dev/null
   check "$(json info.json "j['kind'] == 'recording' and j['events'] == 5000")"
 done
-# What the file does not say is said: the unit of times, and which column is what.
-"$E2LF" convert seconds.npz out.npz --overwrite 2>stderr.txt
-grep -q "times as s (not whole numbers)" stderr.txt || fail "the unit is not stated: $(cat stderr.txt)"
-"$E2LF" convert whole_floats.npz out.npz --overwrite 2>stderr.txt
-grep -q "times as us (whole numbers).*--time-unit" stderr.txt || fail "the unit is not stated: $(cat stderr.txt)"
-"$E2LF" convert xytp.npy out.npz --overwrite 2>stderr.txt
-grep -q "x, y, t, p" stderr.txt || fail "the columns are not stated: $(cat stderr.txt)"
-"$E2LF" convert ns.npz out.npz --overwrite --time-unit ns
-same out.npz
-"$E2LF" convert txyp.npy out.npz --overwrite --columns txyp
-same out.npz
-fails 1 "--columns" "$E2LF" convert square.npy out2.npz
+# What is not declared is refused with the option that declares it.
+for input in whole.npy v2e.h5; do
+  fails 1 "--columns" "$E2LF" convert "$input" out2.npz
+done
+fails 1 "polarities" "$E2LF" convert two.npz out2.npz
+"$E2LF" convert two.npz out2.npz --polarities 1,2 --quiet
+same out2.npz
+rm out2.npz out2.npz.run.json
+fails 1 "fractions of pixels" "$E2LF" convert decimal.npz out2.npz
+fails 1 "64 bits" "$E2LF" convert half.npz out2.npz --time-unit ms
+fails 1 "numpy.savez" "$E2LF" convert objects.npy out2.npz
+fails 1 "class_id" "$E2LF" convert boxes.npy out2.npz
 absent out2.npz
-check "$(json out.npz.run.json "j['notes']['read_as'] == {'columns': 't, x, y, p', 'time_unit': 'us', 'polarity': '0 = OFF, 1 = ON'}")"
+"$E2LF" convert whole.npy out.npz --columns xypt --overwrite --quiet
+check "$(json out.npz.run.json "j['notes']['read_as'] == {'columns': 'x, y, p, t', 'time_unit': 'us', 'polarity': '0 = OFF, 1 = ON'}")"
 # Formats that fix the unit of their times refuse another one.
 "$E2LF" convert out.npz fixed.raw --sensor-width 64 --sensor-height 48 --quiet
 fails 1 "--time-unit" "$E2LF" info fixed.raw --time-unit ns
@@ -75,11 +93,25 @@ with h5py.File("dsec.h5", "w") as f:
     for key, column in (("x", x), ("y", y), ("t", t.astype(np.uint32)), ("p", p)):
         f["events/" + key] = column
     f["t_offset"] = 57.92
-with h5py.File("units.h5", "w") as f:
-    for key, column in (("x", x), ("y", y), ("t_ns", t * 1000), ("p", p)):
-        f[key] = column
+for name, key, unit in (("units", "t_ns", ""), ("attributes", "t", "ns"), ("ticks", "t", "100 ns")):
+    with h5py.File(name + ".h5", "w") as f:
+        for other, column in ((key, t * 1000), ("x", x), ("y", y), ("p", p)):
+            f["events/" + other] = column
+        if unit:
+            f["events/t"].attrs["units"] = unit
+for place, owner in (("size_group.h5", "events/"), ("size_root.h5", "")):
+    with h5py.File(place, "w") as f:
+        for other, column in (("t", t), ("x", x), ("y", y), ("p", p)):
+            f["events/" + other] = column
+        f[owner + "width"], f[owner + "height"] = 128, 96
+with h5py.File("size_attribute.h5", "w") as f:
+    for other, column in (("ts", t), ("xs", x), ("ys", y), ("ps", p)):
+        f["events/" + other] = column
+    f.attrs["sensor_resolution"] = np.array([96, 128])
+np.savez("size.npz", width=np.array(128), height=np.array(96), **a)
+np.savez("resolution.npz", sensor_resolution=np.array([96, 128]), **a)
 PY
-"$E2LF" convert mvsec.h5 mvsec.npz 2>stderr.txt
+"$E2LF" convert mvsec.h5 mvsec.npz --columns xytp 2>stderr.txt
 grep -q 'davis/right' stderr.txt || fail "the other camera is not named: $(cat stderr.txt)"
 "$E2LF" convert dsec.h5 dsec.npz 2>stderr.txt
 py - <<'PY'
@@ -88,8 +120,15 @@ a, b, c = (np.load(name)["t"] for name in ("truth.npz", "mvsec.npz", "dsec.npz")
 assert np.abs(b - a - 1_500_000_000_000_000).max() <= 1
 assert np.array_equal(c, a + 57_920_000)
 PY
-"$E2LF" convert units.h5 out.npz --overwrite
-same out.npz
+for input in units.h5 attributes.h5; do
+  "$E2LF" convert "$input" out.npz --overwrite
+  same out.npz
+done
+fails 1 "--time-unit" "$E2LF" convert ticks.h5 ticks.npz
+for input in size_group.h5 size_root.h5 size_attribute.h5 size.npz resolution.npz; do
+  "$E2LF" info "$input" --json >info.json
+  [ "$(json info.json "j['width'], j['height'], j['events']")" = "(128, 96, 5000)" ] || fail "$input: $(cat info.json)"
+done
 # HDF5 events in any group, as records or as rows [4, events]; of two cameras one is named.
 py - <<'PY'
 import h5py, numpy as np
@@ -111,7 +150,7 @@ data = bytearray(open("records.h5", "rb").read())
 data[data.index(b"t" + bytes(7) + (5).to_bytes(4, "little")) + 10] = 1
 open("beyond.h5", "wb").write(data)
 PY
-for input in records.h5 rows.h5 "cameras.h5 --stream right"; do
+for input in records.h5 "rows.h5 --columns txyp" "cameras.h5 --stream right"; do
   # shellcheck disable=SC2086
   "$E2LF" convert $input out.npz --overwrite --quiet
   same out.npz

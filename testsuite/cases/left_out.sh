@@ -7,11 +7,11 @@ rows = []
 for i in range(50000):
     t += random.randint(0, 3)
     rows.append((random.randrange(64), random.randrange(48), random.randrange(2), t))
-open("sorted.csv", "w").write("".join("%d,%d,%d,%d\n" % r for r in rows))
+open("sorted.csv", "w").write("# x,y,p,t\n" + "".join("%d,%d,%d,%d\n" % r for r in rows))
 random.shuffle(rows)
-open("shuffled.csv", "w").write("".join("%d,%d,%d,%d\n" % r for r in rows))
+open("shuffled.csv", "w").write("# x,y,p,t\n" + "".join("%d,%d,%d,%d\n" % r for r in rows))
 near = sorted(rows, key=lambda r: r[3] + random.randint(-1, 1))
-open("jitter.csv", "w").write("".join("%d,%d,%d,%d\n" % r for r in near))
+open("jitter.csv", "w").write("# x,y,p,t\n" + "".join("%d,%d,%d,%d\n" % r for r in near))
 PY
 # Slight disorder: every event is there, in order of time. A recording without order is refused.
 py - <<'PY'
@@ -79,14 +79,14 @@ fails 1 "is empty" "$E2LF" convert sorted.csv range.npz --from-us 2 --to-us 1
 fails 1 "in this time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
 absent empty.npz range.npz
 "$E2LF" convert sorted.csv range.npz --from-us 11000 --to-us 21000 --json >absolute.json
-first=$(head -1 sorted.csv | cut -d, -f4)
+first=$(sed -n 2p sorted.csv | cut -d, -f4)
 "$E2LF" convert sorted.csv range.npz --from-us $((11000 - first)) --to-us $((21000 - first)) --relative --shift-time --overwrite --json >relative.json
 "$E2LF" convert sorted.csv range.npz --from-us 11000 --to-us 21000 --shift-time --overwrite --json >shifted.json
 check "$(json absolute.json "j['events']") == $(json relative.json "j['events']") == $(json shifted.json "j['events']") > 0"
 
 # A text whose columns are not known is no recording without events.
 printf 'frame,time,row,column,sign\n1,2,3,4,5\n' >unknown.csv
-fails 1 "check which column contains them (--columns)" "$E2LF" info unknown.csv
+fails 1 "--columns" "$E2LF" info unknown.csv
 fails 1 "--columns" "$E2LF" convert unknown.csv unknown.npz
 absent unknown.npz
 # Event images of another size are not those of a light field.

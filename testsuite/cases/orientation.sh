@@ -55,8 +55,6 @@ orientation() { "$E2LF" info "$1" --json >info.json && json info.json "j['orient
 [ "$(orientation told.npz)" = turned ] || fail "the schedule tells"
 "$E2LF" accumulate rec.raw -o both.npz --schedule rig.json --flip-x --quiet
 [ "$(orientation both.npz)" = flipped-y ] || fail "the schedule and an option"
-"$E2LF" convert told.npz told.mat --quiet
-[ "$(orientation told.mat)" = turned ] || fail "another format of event images"
 "$E2LF" convert plain.npz asked.npz --turn-views --quiet
 [ "$(orientation asked.npz)" = turned ] || fail "an option of convert"
 "$E2LF" convert rec.raw asked.hdf5 --flip-y --quiet

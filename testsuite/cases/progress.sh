@@ -36,7 +36,7 @@ in_terminal "$E2LF" convert rec.raw rec.csv
 grep -qE "convert  [1-9][0-9]* events  [0-9]+ s" terminal.txt || fail "nothing is counted: $(cat -v terminal.txt)"
 
 # A message takes the line away first.
-printf '0,0,1,10\nno event\n0,0,1,20\n' >bad.csv
+printf 'x,y,p,t\n0,0,1,10\nno event\n0,0,1,20\n' >bad.csv
 in_terminal "$E2LF" convert bad.csv bad.npz
 grep -qF "${erase}e2lf: warning" terminal.txt || fail "the warning is behind the line: $(cat -v terminal.txt)"
 

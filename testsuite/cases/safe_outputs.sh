@@ -67,7 +67,7 @@ mkdir elsewhere && ln -s elsewhere/e.npz far.npz && cp ev.npz elsewhere/e.npz
 [ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind"
 
 # Errors name the result and not the place where it is made, and what the system says.
-printf '0,0,1,-5\n1,1,0,20\n' >negative.csv
+printf 'x,y,p,t\n0,0,1,-5\n1,1,0,20\n' >negative.csv
 fails 1 "$PWD/negative.raw: time -5 us cannot be stored in this format; begin at zero (--shift-time)" "$E2LF" convert negative.csv negative.raw --sensor-width 64 --sensor-height 48
 "$E2LF" convert negative.csv negative.raw --sensor-width 64 --sensor-height 48 --shift-time --quiet
 mkdir -m 555 locked

@@ -70,10 +70,15 @@ Result<Image> decode_pfm(std::span<const uint8_t> bytes, const std::string& name
   if (magic != "Pf" || !(header >> width >> height >> scale) || width == 0 || height == 0 || scale == 0) {
     return Error{ErrorCode::kFormat, "no PFM file: it begins with Pf, its size and a scale; write it again", name};
   }
-  const auto data = static_cast<size_t>(header.tellg()) + 1;  // A single white-space character ends the header.
+  // A single white-space character or CRLF ends the header.
+  auto data = static_cast<size_t>(header.tellg()) + 1;
+  if (data < bytes.size() && bytes[data - 1] == '\r' && bytes[data] == '\n') ++data;
   const size_t samples = data > bytes.size() ? 0 : (bytes.size() - data) / sizeof(float);
   if (samples / width < height) {
     return Error{ErrorCode::kTruncated, cat("ends before its ", width, "x", height, " pixels do; copy it again"), name};
+  }
+  if (bytes.size() - data != width * height * sizeof(float)) {
+    return Error{ErrorCode::kFormat, cat("is longer than its ", width, "x", height, " pixels; write it again"), name};
   }
   Image image(width, height, 1);
   for (size_t y = 0; y < height; ++y) {

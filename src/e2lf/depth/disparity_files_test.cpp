@@ -35,6 +35,9 @@ TEST(Pfm, ReadsEitherByteOrderAndRefusesDamage) {
     return std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size());
   };
   EXPECT_EQ(decode_pfm(span(big), "a").value().pixels[0], -1.0F);
+  const std::string windows = "Pf\r\n1 1\r\n1.0\r\n" + big.substr(big.find('\n') + 1);
+  EXPECT_EQ(decode_pfm(span(windows), "a").value().pixels[0], -1.0F);
+  EXPECT_EQ(decode_pfm(span(big + "more"), "a").error().code, ErrorCode::kFormat);
   EXPECT_EQ(decode_pfm(span(big.substr(0, 13)), "a").error().code, ErrorCode::kTruncated);
   EXPECT_EQ(decode_pfm(span("Pf 99999999999 99999999999 1.0\n"), "a").error().code, ErrorCode::kTruncated);
   EXPECT_EQ(decode_pfm(span("PF 1 1 1.0\n"), "a").error().code, ErrorCode::kUnsupported);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <iterator>
 #include <zlib.h>
 
 #include "e2lf/base/contract.h"
@@ -157,6 +158,11 @@ Result<MatArray> open_compressed(const Element& element, std::span<const uint8_t
 }
 
 }  // namespace
+
+const char* numpy_code(uint32_t storage) {
+  constexpr const char* kCodes[] = {"", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "", "f8"};
+  return storage < std::size(kCodes) ? kCodes[storage] : "";
+}
 
 Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name, uint64_t max_bytes,
                                 const std::string& location) {

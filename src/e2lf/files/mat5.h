@@ -24,6 +24,9 @@ enum class MatStorage : uint32_t {
   kDouble = 9,
 };
 
+/// Returns the numpy type code of a storage type ("i2", "f8"), or an empty one for other types.
+[[nodiscard]] const char* numpy_code(uint32_t storage);
+
 /// The MATLAB class of an array ("Array Types"). Its numbers may be stored as a smaller type if all values fit.
 enum class MatClass : uint8_t {
   kDouble = 6,

@@ -125,8 +125,11 @@ void append_number(const ElementCode& code, NpyHeader& header) {
 Result<void> parse_record(LiteralReader& reader, NpyHeader& header, const std::string& location) {
   while (!reader.accept(']')) {
     if (!reader.accept('(')) return malformed_npy(location, "a field is not a tuple");
+    const bool has_title = reader.accept('(');  // (('title', 'x'), '<u2')
+    if (has_title && (!reader.string() || !reader.accept(','))) return malformed_npy(location, "a field has no title");
     const auto field_name = reader.string();
-    if (!field_name || !reader.accept(',')) return malformed_npy(location, "a field has no plain name");
+    const bool is_named = field_name && (!has_title || reader.accept(')')) && reader.accept(',');
+    if (!is_named) return malformed_npy(location, "a field has no plain name");
     const auto field_type = reader.string();
     if (!field_type) {
       return Error{ErrorCode::kUnsupported, cat("field \"", *field_name, "\" is nested; store plain fields"), location};

@@ -15,10 +15,7 @@ void say_assumptions(const recordings::RecordingReader& reader) {
 }
 
 std::string assumption_text(const recordings::Assumption& assumption) {
-  if (assumption.setting == Setting::kColumns)
-    return assumption.text + "; state the columns and the unit of time to change this";
   if (assumption.setting == Setting::kStream) return assumption.text + "; state the stream to select another";
-  if (assumption.setting == Setting::kTimeUnit) return assumption.text + "; state the unit of time to change this";
   return assumption.text;
 }
 

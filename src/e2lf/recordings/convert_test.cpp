@@ -97,7 +97,7 @@ TEST(Convert, TriggersBesideInOtherColumnsOrUnitsAreRefusedOrCounted) {
 
 TEST(Convert, WhatIsLeftOutIsReportedAndNothingIsNoResult) {
   TestFolder folder;
-  const std::string text = "1,1,1,50\n700,1,1,60\n1,1,0,40\nthis is no event\n2,2,1,70\n";
+  const std::string text = "x,y,p,t\n1,1,1,50\n700,1,1,60\n1,1,0,40\nthis is no event\n2,2,1,70\n";
   ASSERT_TRUE(write_file(folder / "in.csv", text).ok());
   const auto open = [&](OpenOptions options) {
     options.policy = DecodePolicy::kSkip;

@@ -3,10 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
-#include <utility>
-#include <vector>
+
+#include "e2lf/base/uninitialised.h"
 
 namespace e2lf::recordings {
 
@@ -36,27 +35,9 @@ struct Trigger {
   bool operator==(const Trigger&) const = default;
 };
 
-/// An allocator that leaves new elements uninitialised, while std::allocator sets them to zero. Columns are resized and
-/// then filled by kernels.
+/// Columns are resized and then filled by kernels.
 template <typename T>
-struct UninitialisedAllocator : std::allocator<T> {
-  template <typename U>
-  struct rebind {
-    using other = UninitialisedAllocator<U>;
-  };
-  template <typename U>
-  void construct(U* place) noexcept {
-    ::new (static_cast<void*>(place)) U;
-  }
-  template <typename U, typename... Args>
-  void construct(U* place, Args&&... args) {
-    ::new (static_cast<void*>(place)) U(std::forward<Args>(args)...);
-  }
-};
-
-/// A std::vector whose resize() does not initialise the new elements.
-template <typename T>
-using Column = std::vector<T, UninitialisedAllocator<T>>;
+using Column = UninitialisedVector<T>;
 
 /// Events as four columns of equal length.
 struct EventColumns {

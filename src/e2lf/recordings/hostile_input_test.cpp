@@ -134,7 +134,6 @@ TEST(HostileText, NamesThatBreakOffAreNoOrderOfColumns) {
   const auto reader = open_bytes(bytes, options);
   ASSERT_FALSE(reader.ok());
   EXPECT_EQ(reader.error().code, ErrorCode::kFormat);
-  EXPECT_NE(reader.error().message.find("are unknown"), std::string::npos);
 }
 
 TEST(RawWriter, RefusesTriggersThatTheEncodingWouldRename) {

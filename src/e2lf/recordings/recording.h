@@ -58,7 +58,7 @@ enum class TimeOrigin {
 
 /// The unit of the times in a table.
 enum class TimeUnit {
-  kAuto,  ///< as names and headers state, otherwise microseconds for integers and seconds for other numbers
+  kAuto,  ///< as the names state, otherwise microseconds for whole numbers and seconds for fractions
   kSeconds,
   kMilliseconds,
   kMicroseconds,
@@ -72,10 +72,11 @@ struct OpenOptions {
   size_t width = 0;  ///< sensor size for files that do not state it; a contradiction is kInvalidValue
   size_t height = 0;
   TimeUnit time_unit = TimeUnit::kAuto;  ///< unit of tables; kInvalidValue for formats with a fixed unit
-  std::string columns = {};  ///< order of the columns of tables, e.g. "txyp", where "-" skips a column; empty =
-                             ///< detected by names and values
-  std::string stream = {};   ///< number or name of a stream of events if there are several
-  int threads = 1;           ///< number of threads of one read() call; 0 = all cores
+  std::string columns = {};     ///< order of the columns of tables, e.g. "txyp", where "-" skips a column; empty = as
+                                ///< their names state
+  std::string polarities = {};  ///< the numbers of OFF and ON in tables, e.g. "1,2"; empty = 0/1 or -1/1
+  std::string stream = {};      ///< number or name of a stream of events if there are several
+  int threads = 1;              ///< number of threads of one read() call; 0 = all cores
   RestartPolicy restart = RestartPolicy::kContinue;
   bool counts_reports = false;  ///< whether to sum the sensor's own counts, which takes time
 

@@ -5,6 +5,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/mat5.h"
 
@@ -14,19 +15,7 @@ namespace {
 // Largest decompressed size of a variable.
 constexpr uint64_t kMostMatBytes = uint64_t{2} << 30;
 
-struct TypePair {
-  const char* numpy;
-  size_t bytes;
-  MatClass array_class;
-  MatStorage storage;
-};
-constexpr TypePair kTypes[] = {
-    {"i1", 1, MatClass::kInt8, MatStorage::kInt8},     {"u1", 1, MatClass::kUint8, MatStorage::kUint8},
-    {"i2", 2, MatClass::kInt16, MatStorage::kInt16},   {"u2", 2, MatClass::kUint16, MatStorage::kUint16},
-    {"i4", 4, MatClass::kInt32, MatStorage::kInt32},   {"u4", 4, MatClass::kUint32, MatStorage::kUint32},
-    {"f4", 4, MatClass::kSingle, MatStorage::kSingle}, {"f8", 8, MatClass::kDouble, MatStorage::kDouble}};
-
-/// Transposes images [..., x, y] to [..., y, x], or back; `rows` and `columns` are those of the result.
+/// Transposes images [..., x, y] to [..., y, x]; `rows` and `columns` are those of the result.
 std::vector<uint8_t> transposed(std::span<const uint8_t> bytes, size_t rows, size_t columns, size_t each) {
   std::vector<uint8_t> out(bytes.size());
   const size_t image = rows * columns * each;
@@ -50,27 +39,26 @@ bool fills(size_t count, const std::vector<size_t>& extents) {
 }
 
 Result<NpyArray> to_numpy(const MatArray& array, const std::string& location) {
-  const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypePair& pair) {
-    return static_cast<uint32_t>(pair.storage) == array.storage;
-  });
+  const std::string type = numpy_code(array.storage);
+  const size_t bytes = element_size(type);
   const bool is_numeric = array.array_class >= static_cast<uint8_t>(MatClass::kDouble) &&
                           array.array_class <= static_cast<uint8_t>(MatClass::kUint32);
-  if (!is_numeric || array.complex || type == std::end(kTypes)) {
+  if (!is_numeric || array.complex || bytes == 0) {
     return Error{ErrorCode::kUnsupported,
                  "the array does not contain real numbers of 8 to 32 bits, single or double; convert it", location};
   }
   const std::vector<size_t>& extents = array.extents;
-  if (extents.size() < 2 || array.data.size() % type->bytes != 0 || !fills(array.data.size() / type->bytes, extents)) {
+  if (extents.size() < 2 || array.data.size() % bytes != 0 || !fills(array.data.size() / bytes, extents)) {
     return Error{ErrorCode::kFormat, cat("the numbers do not fill ", shape_text(extents), "; save the file again"),
                  location};
   }
   NpyArray numbers;
-  numbers.type = type->numpy;
-  numbers.item_size = type->bytes;
+  numbers.type = type;
+  numbers.item_size = bytes;
   // The first axis is the fastest one in MATLAB and the slowest in numpy.
   numbers.shape.assign(extents.rbegin(), extents.rend());
   std::swap(numbers.shape[extents.size() - 1], numbers.shape[extents.size() - 2]);
-  numbers.bytes = transposed(array.data, extents[0], extents[1], type->bytes);
+  numbers.bytes = transposed(array.data, extents[0], extents[1], bytes);
   // MATLAB stores signed numbers without a sign if none is negative, so this does not indicate a lost sign.
   const auto array_class = static_cast<MatClass>(array.array_class);
   const bool is_unsigned =
@@ -99,7 +87,7 @@ Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
     if (std::min(shape[0], shape[1]) <= kFields && std::max(shape[0], shape[1]) > 16) {
       return Error{ErrorCode::kShape,
                    cat("an array of shape ", shape_text(shape),
-                       " is a list of events rather than an event image; save it with -v7.3 or as .csv"),
+                       " is a list of events rather than an event image; write it as .csv with the columns t, x, y, p"),
                    cat(path.string(), ": events")};
     }
     shape.insert(shape.begin(), 1);
@@ -108,29 +96,6 @@ Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path) {
     if (const auto text = arrays.find(name); text != arrays.end()) text->second.shape = {text->second.num_elements()};
   }
   return arrays;
-}
-
-Result<void> write_event_arrays_mat(const std::filesystem::path& path, const NpzArrays& arrays) {
-  std::vector<std::vector<uint8_t>> data;
-  std::vector<MatVariable> variables;
-  data.reserve(arrays.size());
-  for (const auto& [name, array] : arrays) {
-    const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes),
-                                    [&wanted = array.type](const TypePair& pair) { return pair.numpy == wanted; });
-    if (type == std::end(kTypes)) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("MATLAB has no numbers of the type ", array.type, "; store them as float32"),
-                   cat(path.string(), ": ", name)};
-    }
-    std::vector<size_t> shape = array.shape;
-    while (shape.size() < 2) shape.insert(shape.begin(), 1);
-    const size_t rank = shape.size();
-    data.push_back(transposed(array.bytes, shape[rank - 1], shape[rank - 2], type->bytes));
-    std::swap(shape[rank - 1], shape[rank - 2]);
-    variables.push_back({name, type->array_class, {shape.rbegin(), shape.rend()}, data.back()});
-  }
-  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> file, encode_mat(variables, path.string()));
-  return write_file(path, file);
 }
 
 }  // namespace e2lf::capture

@@ -6,7 +6,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/files/npy.h"
 
-/// Arrays of event images in MATLAB files. read_event_images() and write_event_images_mat() convert them.
+/// Arrays of event images in MATLAB files, which read_event_images() converts.
 namespace e2lf::capture {
 
 /// Reads the arrays `events`, `codes`, `camera` and `views` that a .mat file before version 7.3 contains, with their
@@ -14,9 +14,5 @@ namespace e2lf::capture {
 /// [length]. Fails as find_mat_array() does, and with kUnsupported (not real numbers) and kFormat (the number of
 /// elements does not match the extents).
 [[nodiscard]] Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path);
-
-/// Writes such arrays; their types must be integers of 8 to 32 bits or floating-point. Fails with kUnsupported (another
-/// type), kIo and as encode_mat() does.
-[[nodiscard]] Result<void> write_event_arrays_mat(const std::filesystem::path& path, const NpzArrays& arrays);
 
 }  // namespace e2lf::capture

@@ -10,6 +10,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_arrays_mat.h"
+#include "e2lf/capture/measurement/event_image_writer.h"
 
 namespace e2lf::capture {
 namespace {
@@ -194,23 +195,6 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
   return EventImageFile{{std::move(cycle)}};
 }
 
-NpzArrays to_arrays(const EventImageFile& file) {
-  E2LF_REQUIRE(!file.cycles.empty(), "writing event images needs at least one cycle");
-  const EventImages& first = file.cycles.front();
-  std::vector<int16_t> counts;
-  counts.reserve(file.cycles.size() * first.values.size());
-  for (const EventImages& cycle : file.cycles) {
-    E2LF_REQUIRE(cycle.count == first.count && cycle.height == first.height && cycle.width == first.width,
-                 "all cycles of a file must have one shape");
-    counts.insert(counts.end(), cycle.values.begin(), cycle.values.end());
-  }
-  NpzArrays arrays;
-  arrays["events"] = make_npy(std::vector<size_t>{file.cycles.size(), first.count, first.height, first.width},
-                              std::span<const int16_t>(counts));
-  setup_to_arrays(file.setup, arrays);
-  return arrays;
-}
-
 }  // namespace
 
 Result<EventImageFile> read_event_images(const fs::path& path) {
@@ -239,11 +223,11 @@ Result<EventImageFile> read_event_images(const fs::path& path) {
 }
 
 Result<void> write_event_images(const fs::path& path, const EventImageFile& file) {
-  return write_npz(path, to_arrays(file));
-}
-
-Result<void> write_event_images_mat(const fs::path& path, const EventImageFile& file) {
-  return write_event_arrays_mat(path, to_arrays(file));
+  E2LF_REQUIRE(!file.cycles.empty(), "writing event images needs at least one cycle");
+  E2LF_ASSIGN_OR_RETURN(EventImageWriter writer, EventImageWriter::create(path));
+  writer.keep(file.setup);
+  for (const EventImages& cycle : file.cycles) E2LF_RETURN_IF_ERROR(writer.add(cycle));
+  return writer.finish();
 }
 
 }  // namespace e2lf::capture

@@ -35,8 +35,4 @@ using EventImageFile = CyclesFile<EventImages>;
 /// must have the same shape. Fails with kIo.
 [[nodiscard]] Result<void> write_event_images(const std::filesystem::path& path, const EventImageFile& file);
 
-/// Writes a .mat file with the same arrays, in the axis order that read_event_images() describes. Fails with kIo, and
-/// with kUnsupported (2 GiB or more).
-[[nodiscard]] Result<void> write_event_images_mat(const std::filesystem::path& path, const EventImageFile& file);
-
 }  // namespace e2lf::capture

@@ -79,9 +79,10 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   add("--columns", flags.columns, "order of the columns of a table of events, e.g. txyp; - skips a column");
   app.add_option("--time-unit", flags.time_unit,
                  "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise "
-                 "us for integers and s for other numbers")
+                 "us for whole numbers and s for fractions")
       ->check(CLI::IsMember(words_of(kTimeUnits)))
       ->group(group);
+  add("--polarities", flags.polarities, "numbers of OFF and ON in a table of events, e.g. 1,2; default: 0,1 or -1,1");
   app.add_option("--restart", flags.restart,
                  "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind "
                  "the earlier one, split keeps the parts separate (info, convert), refuse fails")
@@ -120,6 +121,7 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   open.height = flags.height;
   open.columns = flags.columns;
   open.stream = flags.stream;
+  open.polarities = flags.polarities;
   open.time_unit = choice_of(flags.time_unit, kTimeUnits);
   open.from_us = flags.from_us;
   open.to_us = flags.to_us;

@@ -37,6 +37,7 @@ struct RecordingFlags {
   int64_t from_us = INT64_MIN, to_us = INT64_MAX;  ///< time range on the recording's clock
   std::string stream;                              ///< number or name; empty = the first
   std::string columns, time_unit = "auto";         ///< columns and unit of time of tables
+  std::string polarities;                          ///< numbers of OFF and ON in tables
   std::string restart = "continue";                ///< how to treat a restart of the clock
   bool is_relative = false;                        ///< the time range is relative to the first event or trigger
   bool is_strict = false;                          ///< data that would be dropped are an error
@@ -46,7 +47,8 @@ struct RecordingFlags {
 /// The help group of the options of recordings, for verbs that also accept other inputs.
 inline constexpr const char* kRecordingOptions = "Recordings";
 
-/// Declares --event-format, --sensor-width, --sensor-height, --stream, --columns, --time-unit, --restart, --from-us,
+/// Declares --event-format, --sensor-width, --sensor-height, --stream, --columns, --time-unit, --polarities, --restart,
+/// --from-us,
 /// --to-us, --relative and --strict.
 void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group);
 

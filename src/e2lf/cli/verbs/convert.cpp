@@ -203,31 +203,27 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   return {};
 }
 
-/// Returns the extension of --format, or else that of the output, under which the format is written.
-Result<std::string> event_image_extension(const ConvertArguments& arguments) {
+/// Fails unless --format, or else the extension of the output, is that of event images.
+Result<void> require_npz(const ConvertArguments& arguments) {
   const std::string extension =
       arguments.format.empty() ? arguments.output.extension().string() : cat(".", arguments.format);
-  if (extension == ".npz" || extension == ".mat") return extension;
+  if (extension == ".npz") return {};
   return Error{ErrorCode::kUnsupported,
-               "these are event images, which are written as .npz or .mat; signed integers of 8 or 16 bits are taken "
-               "for counts, so store a light field as uint16 or float32",
+               "these are event images, which are written as .npz; signed integers of 8 or 16 bits are taken for "
+               "counts, so store a light field as uint16 or float32",
                arguments.input.string()};
 }
 
 Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  E2LF_ASSIGN_OR_RETURN(const std::string extension, event_image_extension(arguments));
+  E2LF_RETURN_IF_ERROR(require_npz(arguments));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
   RunRecord record("convert", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
   if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
     file.setup.views = given.after(file.setup.views);
   }
-  if (extension == ".mat") {
-    E2LF_RETURN_IF_ERROR(capture::write_event_images_mat(output.path(), file));
-  } else {
-    E2LF_RETURN_IF_ERROR(capture::write_event_images(output.path(), file));
-  }
+  E2LF_RETURN_IF_ERROR(capture::write_event_images(output.path(), file));
   record.end_step("convert");
   record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(arguments.input), output.path()));
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
@@ -279,7 +275,7 @@ int run_convert(const std::vector<std::string>& arguments) {
                  "file or folder to write; its extension determines the format")
       ->required();
   app.add_option("--format", conversion.format,
-                 "format of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz for recordings; npz, mat "
+                 "format of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz for recordings; npz "
                  "for event images; png, png16, hci, stanford, npy, lenslet, mat, h5 for light fields");
   app.add_flag("--shift-time", conversion.shift_time, "let times begin at 0 instead of the time of the sensor")
       ->group(kRecordingOptions);

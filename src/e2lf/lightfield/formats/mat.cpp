@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Reads light fields in MATLAB files; declared in readers.h.
-#include <cstring>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/mat5.h"
 #include "e2lf/lightfield/axes.h"
@@ -29,46 +31,11 @@ float white_of_class(const MatArray& variable) {
 }
 
 /// Returns the stored type of the samples if from_stored() can read it.
-std::optional<SampleType> type_of_storage(uint32_t storage) {
-  switch (static_cast<MatStorage>(storage)) {
-    case MatStorage::kUint8:
-      return SampleType::kUint8;
-    case MatStorage::kUint16:
-      return SampleType::kUint16;
-    case MatStorage::kSingle:
-      return SampleType::kFloat32;
-    case MatStorage::kDouble:
-      return SampleType::kFloat64;
-    default:
-      return std::nullopt;
-  }
-}
-
-template <typename Stored>
-std::vector<float> widen(std::span<const uint8_t> data) {
-  std::vector<float> out(data.size() / sizeof(Stored));
-  for (size_t i = 0; i < out.size(); ++i) {
-    Stored value;
-    std::memcpy(&value, data.data() + i * sizeof(Stored), sizeof(Stored));
-    out[i] = static_cast<float>(value);
-  }
-  return out;
-}
-
-/// Converts samples of the other integer types to float. Returns none if the type is unknown.
-std::vector<float> widened_samples(const MatArray& variable) {
-  switch (static_cast<MatStorage>(variable.storage)) {
-    case MatStorage::kInt8:
-      return widen<int8_t>(variable.data);
-    case MatStorage::kInt16:
-      return widen<int16_t>(variable.data);
-    case MatStorage::kInt32:
-      return widen<int32_t>(variable.data);
-    case MatStorage::kUint32:
-      return widen<uint32_t>(variable.data);
-    default:
-      return {};
-  }
+std::optional<SampleType> type_of_code(std::string_view code) {
+  if (code == "u1") return SampleType::kUint8;
+  if (code == "u2") return SampleType::kUint16;
+  if (code == "f4") return SampleType::kFloat32;
+  return code == "f8" ? std::optional(SampleType::kFloat64) : std::nullopt;
 }
 
 }  // namespace
@@ -99,13 +66,15 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   array.strides = matlab_uvhwc_strides(array.shape);
   array.white = white;
   // MATLAB stores numbers as a smaller type than that of their class if all of them fit.
-  array.type = type_of_storage(variable.storage).value_or(SampleType::kFloat32);
+  const std::string code = numpy_code(variable.storage);
+  const auto type = type_of_code(code);
+  array.type = type.value_or(SampleType::kFloat32);
   E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(array.type), options, location));
 
   std::vector<float> widened;
   array.bytes = variable.data;
-  if (!type_of_storage(variable.storage)) {
-    widened = widened_samples(variable);
+  if (!type) {
+    E2LF_ASSIGN_OR_RETURN(widened, elements_to_float(code, variable.data, location));
     array.bytes = {reinterpret_cast<const uint8_t*>(widened.data()), widened.size() * sizeof(float)};
   }
   if (array.bytes.size() != array.shape.size() * sample_bytes(array.type)) {

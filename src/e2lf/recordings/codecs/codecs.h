@@ -97,9 +97,9 @@ namespace e2lf::recordings::text {
 /// Events as lines of text. Two orders are written:
 ///   csv: x,y,p,t   t in integral microseconds; first line "%geometry:W,H" if the size is known
 ///   txt: t x y p   t in seconds with six decimals; first line "W H" if the size is known
-/// Readers accept columns in any order and unit (table/layout.h), other separators, comments and names above the
-/// columns, any line endings, and polarities in words. Lines that are not events are dropped (kBadRecord); if most are
-/// not, opening or reading fails with kFormat.
+/// If the size of a .csv is not known, its first line is "%x,y,p,t". Readers accept columns with names in any order and
+/// unit (table/layout.h), other separators and comments. Lines that are not events are dropped (kBadRecord); if most
+/// are not, opening or reading fails with kFormat.
 
 /// Returns whether the first lines are rows of numbers.
 [[nodiscard]] bool detect(std::span<const uint8_t> head);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/io/header_text.h"
@@ -15,19 +14,11 @@ Error write_error(const std::string& name) {
   return {ErrorCode::kIo, "the HDF5 library could not write; check the disk's free space", name};
 }
 
-std::string text_of_attribute(hid_t attribute, bool is_number_wanted = false) {
+std::string text_of_attribute(hid_t attribute) {
   const Handle type(H5Aget_type(attribute), H5Tclose);
   const Handle space(H5Aget_space(attribute), H5Sclose);
   if (!type.valid() || H5Sget_simple_extent_npoints(space.get()) != 1) return "";
-  const H5T_class_t kind = H5Tget_class(type.get());
-  if (is_number_wanted && (kind == H5T_INTEGER || kind == H5T_FLOAT)) {
-    double number = 0;
-    std::array<char, 32> text{};
-    if (H5Aread(attribute, H5T_NATIVE_DOUBLE, &number) < 0) return "";
-    std::snprintf(text.data(), text.size(), "%.9g", number);
-    return text.data();
-  }
-  if (kind != H5T_STRING) return "";
+  if (H5Tget_class(type.get()) != H5T_STRING) return "";
   if (H5Tis_variable_str(type.get()) > 0) {
     char* text = nullptr;
     if (H5Aread(attribute, type.get(), &text) < 0 || text == nullptr) return "";
@@ -72,7 +63,7 @@ Result<Handle> open_file(ByteSource& source) {
   return file;
 }
 
-std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object, bool with_numbers) {
+std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object) {
   const LibraryLock lock;
   std::vector<std::pair<std::string, std::string>> texts;
   H5O_info_t info{};
@@ -83,7 +74,7 @@ std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t obje
     if (!attribute.valid()) continue;
     std::array<char, 256> name{};
     if (H5Aget_name(attribute.get(), name.size(), name.data()) <= 0) continue;
-    if (std::string text = text_of_attribute(attribute.get(), with_numbers); !text.empty())
+    if (std::string text = text_of_attribute(attribute.get()); !text.empty())
       texts.emplace_back(name.data(), header_text(text));
   }
   return texts;

@@ -21,9 +21,8 @@ using e2lf::hdf5::Storage;
 /// kIo.
 [[nodiscard]] Result<Handle> open_file(ByteSource& source);
 
-/// Returns all text attributes of `object`, by name, and if asked for also single numbers, as text.
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object,
-                                                                                    bool with_numbers = false);
+/// Returns all text attributes of `object`, by name.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object);
 
 /// Writes a variable-length ASCII attribute, as Metavision does. Fails with kIo.
 [[nodiscard]] Result<void> write_text_attribute(hid_t object, const std::string& name, const std::string& text);

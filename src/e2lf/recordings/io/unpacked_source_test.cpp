@@ -91,7 +91,7 @@ TEST(Unpacked, WhatStandsBeforeDamageIsTheSameFromAFileAndAPipe) {
 
 TEST(Unpacked, TheNameInsideTellsTheFormatAndWhatLiesBeside) {
   TestFolder folder;
-  const std::string text = "1,2,1,5\n1,2,0,9\n", triggers = "p,id,t\n1,0,7\n";
+  const std::string text = "x,y,p,t\n1,2,1,5\n1,2,0,9\n", triggers = "p,id,t\n1,0,7\n";
   ASSERT_TRUE(write_file(folder / "a.csv.gz", gzip({text.begin(), text.end()})).ok());
   ASSERT_TRUE(write_file(folder / "a_triggers.csv", triggers).ok());
   auto reader = open_recording(folder / "a.csv.gz");

@@ -2,117 +2,106 @@
 #include "e2lf/recordings/table/column_names.h"
 
 #include <algorithm>
+#include <cctype>
+#include <vector>
 
 namespace e2lf::recordings::table {
 namespace {
 
-struct KnownName {
-  Field field;
-  std::string_view name;
-  bool is_prefix;
+constexpr std::pair<std::string_view, Field> kNames[] = {
+    {"t", Field::kT},         {"ts", Field::kT},         {"time", Field::kT},      {"times", Field::kT},
+    {"timestamp", Field::kT}, {"timestamps", Field::kT}, {"x", Field::kX},         {"xs", Field::kX},
+    {"col", Field::kX},       {"column", Field::kX},     {"y", Field::kY},         {"ys", Field::kY},
+    {"row", Field::kY},       {"p", Field::kP},          {"ps", Field::kP},        {"pol", Field::kP},
+    {"pols", Field::kP},      {"polarity", Field::kP},   {"polarities", Field::kP}};
+
+/// Words that leave the meaning of a name unchanged: "event_x", "dataset_events_t", "x [px]", "time in us".
+constexpr std::string_view kFillers[] = {"event", "events", "dataset", "px", "pixel", "pixels", "in"};
+
+/// The name of a unit and its duration in microseconds, by TimeUnit.
+constexpr std::pair<const char*, double> kUnits[] = {{"us", 1}, {"s", 1e6}, {"ms", 1e3}, {"us", 1}, {"ns", 1e-3}};
+
+constexpr std::pair<std::string_view, TimeUnit> kUnitWords[] = {
+    {"s", TimeUnit::kSeconds},       {"sec", TimeUnit::kSeconds},       {"second", TimeUnit::kSeconds},
+    {"ms", TimeUnit::kMilliseconds}, {"msec", TimeUnit::kMilliseconds}, {"millisecond", TimeUnit::kMilliseconds},
+    {"us", TimeUnit::kMicroseconds}, {"usec", TimeUnit::kMicroseconds}, {"microsecond", TimeUnit::kMicroseconds},
+    {"ns", TimeUnit::kNanoseconds},  {"nsec", TimeUnit::kNanoseconds},  {"nanosecond", TimeUnit::kNanoseconds},
 };
 
-constexpr KnownName kNames[] = {
-    {Field::kT, "t", false},     {Field::kT, "ts", false},     {Field::kT, "timestamp", true},
-    {Field::kT, "time", false},  {Field::kT, "times", false},  {Field::kT, "zeit", true},
-    {Field::kT, "temps", true},  {Field::kT, "tiempo", true},  {Field::kT, "tempo", true},
-    {Field::kT, "时间", true},   {Field::kX, "x", false},      {Field::kX, "xs", false},
-    {Field::kX, "col", false},   {Field::kX, "column", false}, {Field::kY, "y", false},
-    {Field::kY, "ys", false},    {Field::kY, "row", false},    {Field::kP, "p", false},
-    {Field::kP, "ps", false},    {Field::kP, "pol", false},    {Field::kP, "pols", false},
-    {Field::kP, "polari", true}, {Field::kP, "on", false},     {Field::kP, "sign", false}};
-
-bool says_nothing(std::string_view word) {
-  return is_one_of(word, {"event",    "events",    "ev",       "px",     "pixel",      "pixels",      "pos",
-                          "position", "positions", "coord",    "coords", "coordinate", "coordinates", "addr",
-                          "address",  "loc",       "location", "in",     "data",       "dataset",     "dvs"});
-}
-
-/// Splits a name into what stands outside and inside its first brackets.
-std::pair<std::string, std::string> at_brackets(std::string_view name) {
-  constexpr std::string_view kOpening = "([{<", kClosing = ")]}>";
-  const size_t begin = name.find_first_of(kOpening);
-  if (begin == std::string_view::npos || begin == name.find_first_not_of(" \"'#")) return {std::string(name), ""};
-  const size_t end = std::min(name.find(kClosing[kOpening.find(name[begin])], begin), name.size());
-  return {std::string(name.substr(0, begin)) + " " + std::string(name.substr(std::min(end + 1, name.size()))),
-          std::string(name.substr(begin + 1, end - begin - 1))};
-}
-
-/// Returns the words and numbers of a name without those that say nothing, up to what says since when times count.
-std::vector<Token> tokens_of_name(std::string_view name) {
-  std::vector<Token> tokens = tokens_of(name);
-  const auto is_since = [](const Token& token) {
-    return is_one_of(token.word, {"since", "from", "after", "relative"});
-  };
-  tokens.erase(std::find_if(tokens.begin(), tokens.end(), is_since), tokens.end());
-  std::erase_if(tokens, [](const Token& token) {
-    return says_nothing(token.word) || is_one_of(token.word, {"=", ":"});
-  });
-  if (tokens.size() > 1 && tokens[0].word == "time" && tokens[1].word == "stamp") {
-    tokens.erase(tokens.begin());
-    tokens[0].word = "timestamp";
+/// Returns the words of a name in lower case. A capital after a small letter begins a word ("timestampNs"), and the
+/// Greek letter of "us" is replaced by a Latin one.
+std::vector<std::string> words_of(std::string_view text) {
+  std::vector<std::string> words(1);
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const std::string_view pair = text.substr(i, 2);
+    const bool is_hump = i > 0 && std::isupper(byte) != 0 && std::islower(static_cast<unsigned char>(text[i - 1])) != 0;
+    if (is_hump && !words.back().empty()) words.emplace_back();
+    if (pair == "\xC2\xB5" || pair == "\xCE\xBC") {
+      words.back() += 'u';
+      ++i;
+    } else if (byte >= 0x80 || std::isalnum(byte) != 0) {
+      words.back() += static_cast<char>(byte < 0x80 ? std::tolower(byte) : byte);
+    } else if (!words.back().empty()) {
+      words.emplace_back();
+    }
   }
-  return tokens;
-}
-
-/// Returns the first duration from token i on in seconds, or 0.
-double first_duration(const std::vector<Token>& tokens, size_t i) {
-  for (; i < tokens.size(); ++i) {
-    if (const double duration = duration_at(tokens, i); duration > 0) return duration;
-  }
-  return 0;
+  if (words.back().empty()) words.pop_back();
+  return words;
 }
 
 }  // namespace
 
 ColumnName parse_column_name(std::string_view name) {
-  const auto [outside, inside] = at_brackets(name);
-  const std::vector<Token> tokens = tokens_of_name(outside);
+  std::vector<std::string> words = words_of(name);
+  std::erase_if(words, [](const std::string& word) {
+    return std::find(std::begin(kFillers), std::end(kFillers), word) != std::end(kFillers);
+  });
   ColumnName result;
-  if (tokens.empty()) return result;
-  const std::string& main = tokens[0].word;
-  result.is_xy = tokens.size() == 1 && main == "xy";
-  // A name that is unknown may still state a unit.
-  result.tick_s = first_duration(tokens, 1);
-  if (result.tick_s == 0) result.tick_s = first_duration(tokens_of_name(inside), 0);
-  if (tokens.size() == 1 && is_one_of(main, {"tus", "tms", "tns", "tsec", "tusec", "tmsec", "tnsec"})) {
-    result.tick_s = us_per(parse_time_unit(main.substr(1))) * 1e-6;
-    result.field = Field::kT;
-  } else if (tokens.size() == 1 && result.tick_s == 0 && main != "s" && parse_time_unit(main) != TimeUnit::kAuto) {
-    result.tick_s = us_per(parse_time_unit(main)) * 1e-6;
-    result.field = Field::kT;
-    result.rank = 2 * std::size(kNames);
-  }
-  result.unit = unit_of_tick(result.tick_s);
-  for (const KnownName& known : kNames) {
-    if (known.is_prefix ? !main.starts_with(known.name) : main != known.name) continue;
-    // Any other second word changes the meaning: "t_offset".
-    const auto is_of_unit = [&](const Token& token) {
-      return known.field == Field::kT && result.tick_s > 0 &&
-             (token.number || token.word == "/" || duration_at({token}, 0) > 0);
-    };
-    if (!std::all_of(tokens.begin() + 1, tokens.end(), is_of_unit)) return result;
-    result.field = known.field;
-    // A time whose unit is stated is preferred.
-    const bool is_vague = known.field == Field::kT && result.tick_s == 0;
-    result.rank = static_cast<size_t>(&known - kNames) + (is_vague ? std::size(kNames) : 0);
-    return result;
-  }
+  if (words.size() > 1) result.unit = parse_time_unit(words.back());
+  if (result.unit != TimeUnit::kAuto) words.pop_back();
+  std::string joined;  // "time stamp"
+  for (const std::string& word : words) joined += word;
+  result.is_xy = joined == "xy";
+  const auto known =
+      std::find_if(std::begin(kNames), std::end(kNames), [&](const auto& k) { return k.first == joined; });
+  if (known == std::end(kNames)) return result;
+  if (known->second == Field::kT || result.unit == TimeUnit::kAuto) result.field = known->second;
   return result;
 }
 
 KnownColumns find_fields(std::span<const std::string> names) {
   KnownColumns columns;
-  std::array<size_t, kNumFields> ranks{};
+  std::array<size_t, kNumFields> counts{};
   for (size_t i = 0; i < names.size(); ++i) {
-    const ColumnName name = parse_column_name(names[i]);
-    if (!name.field) continue;
-    const size_t field = of(*name.field);
-    if (columns[field] && ranks[field] <= name.rank) continue;
-    columns[field] = i;
-    ranks[field] = name.rank;
+    const auto field = parse_column_name(names[i]).field;
+    if (!field) continue;
+    columns[of(*field)] = i;
+    ++counts[of(*field)];
+  }
+  for (size_t field = 0; field < kNumFields; ++field) {
+    if (counts[field] > 1) columns[field].reset();
   }
   return columns;
+}
+
+bool are_complete(const KnownColumns& columns) {
+  return std::all_of(columns.begin(), columns.end(), [](const auto& column) { return column.has_value(); });
+}
+
+TimeUnit parse_time_unit(std::string_view word) {
+  if (word.size() > 2 && word.ends_with('s')) word.remove_suffix(1);  // "secs"
+  const auto known =
+      std::find_if(std::begin(kUnitWords), std::end(kUnitWords), [&](const auto& k) { return k.first == word; });
+  return known == std::end(kUnitWords) ? TimeUnit::kAuto : known->second;
+}
+
+double us_per(TimeUnit unit) {
+  return kUnits[static_cast<size_t>(unit)].second;
+}
+
+const char* time_unit_name(TimeUnit unit) {
+  return kUnits[static_cast<size_t>(unit)].first;
 }
 
 }  // namespace e2lf::recordings::table

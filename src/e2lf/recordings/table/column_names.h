@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "e2lf/recordings/recording.h"
-#include "e2lf/recordings/table/time_units.h"
 
 namespace e2lf::recordings::table {
 
@@ -27,21 +26,31 @@ inline constexpr std::string_view kFieldLetters = "xypt";
 
 /// The meaning of a column's name.
 struct ColumnName {
-  std::optional<Field> field;       ///< empty if the name is unknown
-  TimeUnit unit = TimeUnit::kAuto;  ///< unit of times: "t_ns", "t (ns)", "timestampNs"; also known for unknown names
-  double tick_s = 0;                ///< the same in seconds, also for other units: "t (100 ns)"; 0 = not stated
+  std::optional<Field> field = {};  ///< empty if the name is unknown
+  TimeUnit unit = TimeUnit::kAuto;  ///< unit of times: "t_ns", "t (ns)", "timestampNs"
   bool is_xy = false;               ///< "xy": the column contains both coordinates
-  size_t rank = 0;                  ///< of two columns for one field, the one with the lower rank is used
 };
+
+/// Parses a name in any case: "x", "xs", "event_timestamps", "Timestamp [us]", "polarity". A name with further words is
+/// unknown: "t_offset", "t (100 ns)".
+[[nodiscard]] ColumnName parse_column_name(std::string_view name);
 
 /// The index of the column of each field, by Field, as far as it is known.
 using KnownColumns = std::array<std::optional<size_t>, kNumFields>;
 
-/// Returns for each field the column whose name denotes it best.
+/// Returns for each field the column that its name denotes, or nothing if no name or several do.
 [[nodiscard]] KnownColumns find_fields(std::span<const std::string> names);
 
-/// Parses a name in any case, with or without quotes and the prefix "event": "x", "xs", "Timestamp [us]", "polarity
-/// (0 = OFF)", "time_ms_since_start".
-[[nodiscard]] ColumnName parse_column_name(std::string_view name);
+/// Returns whether all fields have a column.
+[[nodiscard]] bool are_complete(const KnownColumns& columns);
+
+/// Parses "us", "usec", "microseconds" and the like in lower case; returns kAuto for other words.
+[[nodiscard]] TimeUnit parse_time_unit(std::string_view word);
+
+/// Returns the duration of a unit in microseconds; kAuto is microseconds.
+[[nodiscard]] double us_per(TimeUnit unit);
+
+/// Returns "s", "ms", "us" or "ns".
+[[nodiscard]] const char* time_unit_name(TimeUnit unit);
 
 }  // namespace e2lf::recordings::table

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <functional>
-#include <optional>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "e2lf/recordings/recording.h"
-#include "e2lf/recordings/table/column_order.h"
-#include "e2lf/recordings/table/polarity.h"
-#include "e2lf/recordings/table/statements.h"
+#include "e2lf/recordings/table/column_names.h"
 
 namespace e2lf::recordings::table {
 
@@ -17,22 +14,29 @@ namespace e2lf::recordings::table {
 struct TableSample {
   struct Column {
     std::string name = {};            ///< as in the file; empty = none
-    TimeUnit unit = TimeUnit::kAuto;  ///< if the file states it apart from the name
     std::vector<double> values = {};  ///< equally many in all columns
-    bool is_integer = false;          ///< stored as integers, so that later values are integers, too
-    bool is_single = false;           ///< stored as floating-point numbers of 32 bits
-    double step = 0;                  ///< smallest difference of large values as they are written; 0 = unknown
+    TimeUnit unit = TimeUnit::kAuto;  ///< if the file states it apart from the name
+    bool is_fraction = false;         ///< whether the values are known to be fractions, however they look
+    int mantissa_bits = 0;            ///< of numbers that are stored as floating-point numbers; 0 = others
   };
-  double tick_s = 0;                  ///< duration of one count of times that are integers, if the file states it, or 0
-  PolarityStatement polarities = {};  ///< if the file states it
-  std::vector<Column> columns;
-  bool is_ordered = true;                 ///< whether the columns have an order that an option can name
-  std::string usual_order = {};           ///< order to use if the values permit several, e.g. "xypt"; empty = none
-  TimeUnit usual_unit = TimeUnit::kAuto;  ///< unit of the format if it fixes the unit
+  std::vector<Column> columns = {};
+  bool is_ordered = true;           ///< whether the columns have an order that an option can name
+  std::string order = {};           ///< order that the format defines for columns without names, e.g. "xypt"
+  TimeUnit unit = TimeUnit::kAuto;  ///< unit that the format defines
+};
 
-  /// Returns the values of a column in the next rows after the sample, or none at the end. Begins with the first of
-  /// these rows if `is_first`, which is set in the first call for a column. Empty if rows cannot be looked up.
-  std::function<Result<std::vector<double>>(size_t column, bool is_first)> more_values = {};
+/// The index of the column of each field, by Field.
+using ColumnsOfFields = std::array<size_t, kNumFields>;
+
+/// The code of polarities in a table.
+struct PolarityCode {
+  double off = 0, off_too = -1, on = 1;
+
+  static constexpr uint8_t kNone = 2;
+  /// Returns 1 (ON), 0 (OFF), or kNone for a value that is neither.
+  [[nodiscard]] uint8_t of(double value) const {
+    return value == on ? 1 : value == off || value == off_too ? 0 : kNone;
+  }
 };
 
 /// How to read the rows of a table.
@@ -42,16 +46,16 @@ struct TableLayout {
   PolarityCode polarity;
 };
 
-/// Determines the columns, the unit of the times and the code of the polarities from the options, then from names and
-/// units in the file, then from the values. Adds the result to `info`, with an assumption for what neither an option
-/// nor a name states. Fails with kInvalidValue, naming the option, if they cannot be determined.
-[[nodiscard]] Result<TableLayout> decide_layout(TableSample sample, const OpenOptions& options,
+/// Determines the columns, the unit of the times and the code of the polarities, and adds them to `info`:
+/// - the columns from the options, from their names, or as the format defines them. Four columns without names are t,
+///   x, y, p if the first contains fractions.
+/// - the unit from the options, from the file, or as the format defines it. Whole numbers without a unit are
+///   microseconds, and fractions are seconds.
+/// - the polarities from the options, or 0/1 or -1/1.
+/// Fails with kInvalidValue or kUnsupported and names the setting if that does not suffice, if coordinates are
+/// fractions or larger than any sensor, or if the times are stored too coarsely.
+[[nodiscard]] Result<TableLayout> decide_layout(const TableSample& sample, const OpenOptions& options,
                                                 const std::string& location, RecordingInfo& info);
-
-/// Checks the size of the sensor that a header states against the coordinates of a sample. If many lie outside, it is
-/// transposed if that helps, or otherwise ignored, because it is the size of something else.
-void check_stated_size(const TableSample& sample, const TableLayout& layout, const std::string& location,
-                       RecordingInfo& info);
 
 /// Fails with kInvalidValue if options for tables are given although the format fixes what they specify.
 [[nodiscard]] Result<void> refuse_table_options(const OpenOptions& options, const std::string& format,

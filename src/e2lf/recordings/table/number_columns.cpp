@@ -4,31 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
 #include <type_traits>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/little_endian.h"
+#include "e2lf/files/elements.h"
 #include "e2lf/recordings/table/column_names.h"
 
 namespace e2lf::recordings::table {
 namespace {
-
-/// Calls visit(T{}) with the type of the code; returns false for an unknown code.
-template <typename Visit>
-bool with_number_type(std::string_view code, Visit&& visit) {
-  if (code == "u1" || code == "b1") return visit(uint8_t{}), true;
-  if (code == "u2") return visit(uint16_t{}), true;
-  if (code == "u4") return visit(uint32_t{}), true;
-  if (code == "u8") return visit(uint64_t{}), true;
-  if (code == "i1") return visit(int8_t{}), true;
-  if (code == "i2") return visit(int16_t{}), true;
-  if (code == "i4") return visit(int32_t{}), true;
-  if (code == "i8") return visit(int64_t{}), true;
-  if (code == "f4") return visit(float{}), true;
-  if (code == "f8") return visit(double{}), true;
-  return false;
-}
 
 /// Converts a number to To; returns true if it does not fit.
 template <typename From, typename To>
@@ -68,9 +51,9 @@ bool convert_time(From value, TimeUnit unit, int64_t& out) {
 /// Calls visit(i, number) for a field of `count` records.
 template <typename Visit>
 void for_each_number(const uint8_t* records, const NumberField& field, size_t count, const Visit& visit) {
-  const bool known = with_number_type(field.type, [&](auto type) {
+  const bool known = with_element_type(field.type, [&](auto type) {
     const uint8_t* next = records + field.offset;
-    for (size_t i = 0; i < count; ++i, next += field.stride) visit(i, load_le<decltype(type)>(next));
+    for (size_t i = 0; i < count; ++i, next += field.stride) visit(i, load_element<decltype(type)>(next));
   });
   E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
 }
@@ -90,7 +73,7 @@ size_t remove_bad(EventColumns& events, const Column<uint8_t>& bad) {
 }  // namespace
 
 bool is_number_type(const std::string& type) {
-  return with_number_type(type, [](auto) {});
+  return element_size(type) > 0;
 }
 
 template <typename T>
@@ -126,8 +109,9 @@ std::vector<double> to_doubles(const uint8_t* records, const NumberField& field,
 }
 
 TableSample::Column sample_of(std::string name, const uint8_t* records, const NumberField& field, size_t count) {
-  return {std::move(name), TimeUnit::kAuto, to_doubles(records, field, count), field.type[0] != 'f',
-          field.type == "f4"};
+  TableSample::Column column{.name = std::move(name), .values = to_doubles(records, field, count)};
+  column.mantissa_bits = field.type == "f2" ? 10 : field.type == "f4" ? 23 : 0;
+  return column;
 }
 
 }  // namespace e2lf::recordings::table

@@ -15,7 +15,7 @@ namespace e2lf::recordings::table {
 
 /// The position of one field of an event in records that are `stride` bytes apart; a separate column has offset 0.
 struct NumberField {
-  std::string type;  ///< numpy code: "u1".."u8", "i1".."i8", "b1", "f4", "f8"
+  std::string type;  ///< numpy code: "u1".."u8", "i1".."i8", "b1", "f2".."f8"
   size_t offset = 0;
   size_t stride = 0;
 };

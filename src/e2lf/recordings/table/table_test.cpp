@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <gtest/gtest.h>
@@ -11,7 +10,7 @@
 #include "e2lf/recordings/recording.h"
 #include "testing/test_streams.h"
 
-/// Tables of events as people write them: which column is what, in which unit, with which polarities.
+/// Tables of events: the columns, the unit of the times and the polarities that they declare.
 namespace e2lf::recordings {
 namespace {
 
@@ -45,67 +44,77 @@ void expect_events(const std::string& text, const char* what, const OpenOptions&
   EXPECT_TRUE(*found == events()) << what;
 }
 
-std::string xytp(const Event& e) {
-  return cat(e.x, ' ', e.y, ' ', e.t, ' ', int{e.p});
-}
 std::string txyp(const Event& e) {
-  return cat(e.t, ' ', e.x, ' ', e.y, ' ', int{e.p});
-}
-std::string txyp_commas(const Event& e) {
   return cat(e.t, ',', e.x, ',', e.y, ',', int{e.p});
 }
-
-TEST(TableText, ColumnsAreFoundByTheirValues) {
-  expect_events(text_of(events(), xytp), "x y t p");
-  expect_events(text_of(events(), txyp), "t x y p");
-  expect_events(text_of(events(), txyp_commas), "t,x,y,p");
-  expect_events("# x y t p\n" + text_of(events(), xytp), "named x y t p");
-  expect_events("64 48\n" + text_of(events(), xytp), "x y t p below a size");
+std::string txyp_ns(const Event& e) {
+  return cat(e.t * 1000, ',', e.x, ',', e.y, ',', int{e.p});
+}
+std::string txyp_seconds(const Event& e) {
+  char line[64];
+  std::snprintf(line, sizeof line, "%.6f %d %d %d", static_cast<double>(e.t) * 1e-6, e.x, e.y, e.p);
+  return line;
 }
 
-TEST(TableText, WholeTimesAreMicrosecondsHoweverTheyAreWritten) {
-  expect_events(text_of(events(), [](const Event& e) { return cat(e.t, ".0 ", e.x, ' ', e.y, ' ', int{e.p}); }), ".0");
-  expect_events(
-      "t x y p\n" + text_of(events(), [](const Event& e) { return cat(e.t, ".0 ", e.x, ' ', e.y, ' ', int{e.p}); }),
-      ".0 with names");
-  expect_events(text_of(events(),
-                        [](const Event& e) {
-                          char line[128];
-                          std::snprintf(line, sizeof line, "%.18e %.18e %.18e %.18e", static_cast<double>(e.t),
-                                        static_cast<double>(e.x), static_cast<double>(e.y), static_cast<double>(e.p));
-                          return std::string(line);
-                        }),
-                "numpy.savetxt");
+void expect_refused(Result<ReaderPtr> reader, Setting setting, const std::string& what) {
+  ASSERT_FALSE(reader.ok()) << what;
+  EXPECT_EQ(reader.error().setting, setting) << what << ": " << reader.error().text();
 }
 
-TEST(TableText, OptionsNameColumnsAndUnit) {
-  const OpenOptions ns = {.policy = DecodePolicy::kSkip, .time_unit = TimeUnit::kNanoseconds, .columns = "xytp"};
-  expect_events(
-      text_of(events(), [](const Event& e) { return cat(e.x, ' ', e.y, ' ', e.t * 1000 + 999, ' ', int{e.p}); }), "ns",
-      ns);
-  const OpenOptions more = {.policy = DecodePolicy::kSkip, .columns = "-txyp"};
-  expect_events(text_of(events(), [](const Event& e) { return "7," + txyp_commas(e); }), "a column more", more);
-  const auto wrong = open_text(text_of(events(), txyp), {.columns = "txy"});
-  ASSERT_FALSE(wrong.ok());
-  EXPECT_EQ(wrong.error().setting, Setting::kColumns);
-}
-
-TEST(TableText, EpochNanosecondsKeepEveryMicrosecond) {
-  constexpr int64_t kEpochUs = 1'600'000'000'000'000;
-  const auto found = read(open_text(text_of(
-      events(), [](const Event& e) { return cat((kEpochUs + e.t) * 1000, ',', e.x, ',', e.y, ',', int{e.p}); })));
-  ASSERT_TRUE(found.ok()) << found.error().text();
-  const EventColumns all = events();
-  for (size_t i = 0; i < found->size(); ++i) ASSERT_EQ(found->t[i], kEpochUs + all.t[i]);
-}
-
-TEST(TableText, UnitsInNamesAreHeeded) {
-  for (const char* name : {"t_ns", "t(ns)", "timestamp[ns]", "Timestamp (ns)", "t [ns]", "time_ns"}) {
-    expect_events(
-        cat("#", name, ",x,y,p\n") +
-            text_of(events(), [](const Event& e) { return cat(e.t * 1000, ',', e.x, ',', e.y, ',', int{e.p}); }),
-        name);
+TEST(TableText, ColumnsHaveKnownNames) {
+  for (const char* header :
+       {"t,x,y,p", "t, x, y, p", "ts;xs;ys;ps", "timestamp x y polarity", "time\tcol\trow\tpol",
+        "Event_Time,event_x,event_y,event_polarity", "t [us] x (px) y (px) p", "time_stamp,x,y,p"}) {
+    for (const char* mark : {"", "# ", "%", "//", "; "}) {
+      expect_events(cat(mark, header, "\n") + text_of(events(), txyp), cat(mark, header).c_str());
+    }
   }
+  expect_events(
+      "x,y,t,p\n" + text_of(events(), [](const Event& e) { return cat(e.x, ' ', e.y, ' ', e.t, ' ', int{e.p}); }),
+      "another order");
+  expect_events("t,x,y,p,label\n" + text_of(events(), [](const Event& e) { return txyp(e) + ",car"; }),
+                "a column of words");
+  expect_events("Unnamed: 0,t,x,y,p\n" + text_of(events(), [](const Event& e) { return "7," + txyp(e); }),
+                "a column of pandas");
+}
+
+TEST(TableText, UnknownNamesAreRefusedWithTheSettingThatStatesTheOrder) {
+  for (const char* header : {"Zeit,Spalte,Zeile,Vorzeichen", "t_offset,x,y,p", "t,t,x,y", "t,x,y,sign"}) {
+    expect_refused(open_text(cat(header, "\n") + text_of(events(), txyp)), Setting::kColumns, header);
+    expect_events(cat(header, "\n") + text_of(events(), txyp), header,
+                  {.policy = DecodePolicy::kSkip, .columns = "txyp"});
+  }
+  const std::string ticks = "t (100 ns),x,y,p\n" + text_of(events(), txyp);
+  expect_refused(open_text(ticks), Setting::kColumns, "ticks");
+  expect_refused(open_text(ticks, {.columns = "txyp"}), Setting::kTimeUnit, "ticks");
+  // Only a comment right above the events names them.
+  expect_refused(open_text("# t,x,y,p\n# recorded today\n" + text_of(events(), txyp)), Setting::kColumns, "far above");
+  expect_refused(open_text("# columns: t,x,y,p\n" + text_of(events(), txyp)), Setting::kColumns, "a sentence");
+  expect_refused(
+      open_text("ts.sec,ts.nsec,x,y,p\n" + text_of(events(), [](const Event& e) { return "17," + txyp(e); })),
+      Setting::kColumns, "two columns of times");
+}
+
+TEST(TableText, WithoutNamesOnlySecondsInFrontAreRead) {
+  expect_events(text_of(events(), txyp_seconds), "t x y p in seconds");
+  expect_events("64 48\n" + text_of(events(), txyp_seconds), "below a size");
+  expect_events("%geometry:64,48\n" +
+                    text_of(events(), [](const Event& e) { return cat(e.x, ',', e.y, ',', int{e.p}, ',', e.t); }),
+                "as OpenEB writes them");
+  expect_refused(open_text(text_of(events(), txyp)), Setting::kColumns, "whole numbers");
+  expect_events(text_of(events(), txyp), "an order", {.policy = DecodePolicy::kSkip, .columns = "txyp"});
+  expect_events(text_of(events(), [](const Event& e) { return "7," + txyp(e); }), "a column more",
+                {.policy = DecodePolicy::kSkip, .columns = "-txyp"});
+  expect_refused(open_text(text_of(events(), txyp), {.columns = "txy"}), Setting::kColumns, "three columns");
+}
+
+TEST(TableText, UnitsStandInNamesOrOptions) {
+  for (const char* name :
+       {"t_ns", "t(ns)", "timestamp[ns]", "Timestamp (ns)", "t [nsec]", "timestampNs", "time in nanoseconds"}) {
+    expect_events(cat(name, ",x,y,p\n") + text_of(events(), txyp_ns), name);
+  }
+  expect_events("t,x,y,p\n" + text_of(events(), txyp_ns), "an option",
+                {.policy = DecodePolicy::kSkip, .time_unit = TimeUnit::kNanoseconds});
   expect_events("t_ms x y p\n" + text_of(events(),
                                          [](const Event& e) {
                                            char line[64];
@@ -114,178 +123,77 @@ TEST(TableText, UnitsInNamesAreHeeded) {
                                            return std::string(line);
                                          }),
                 "t_ms");
+  EXPECT_EQ((*open_text("t,x,y,p\n" + text_of(events(), txyp)))->info().table->time_unit, std::string("us"));
 }
 
-TEST(TableText, AnyHeaderMarkAndSeparatorWillDo) {
-  for (const char* header : {"#timestamp, x, y, polarity\n", "% t,x,y,p\n", "// t,x,y,p\n", "; t,x,y,p\n",
-                             "Zeit,Spalte,Zeile,Vorzeichen\n", "time,x,y,polarit\xC3\xA9\n", ""}) {
-    for (const char* separator : {",", ";", "\t", " ", ", ", " ; "}) {
-      expect_events(header + text_of(events(),
-                                     [&](const Event& e) {
-                                       return cat(e.t, separator, e.x, separator, e.y, separator, int{e.p});
-                                     }),
-                    cat(header, separator).c_str());
-    }
-  }
-  expect_events(text_of(events(),
-                        [](const Event& e) {
-                          char line[64];
-                          std::snprintf(line, sizeof line, "0,%06d;%d;%d;%d", static_cast<int>(e.t), e.x, e.y, e.p);
-                          return std::string(line);
-                        }),
-                "decimal commas");
-}
-
-TEST(TableText, ColumnsOfWordsBarsAndSignsAreRead) {
-  expect_events(text_of(events(), [](const Event& e) { return cat(e.t, '|', e.x, '|', e.y, '|', int{e.p}); }), "bars");
+TEST(TableText, WithoutAUnitWholeTimesAreMicrosecondsAndFractionsSeconds) {
+  expect_events("t,x,y,p\n" + text_of(events(), txyp_seconds), "seconds");
   expect_events(
-      text_of(events(), [](const Event& e) { return cat(e.t, ',', e.x, ',', e.y, ',', e.p == 1 ? '+' : '-'); }),
-      "+ and -");
-  expect_events("t,x,y,p,label\n" + text_of(events(), [](const Event& e) { return txyp_commas(e) + ",car"; }),
-                "a column of words");
-  expect_events("Unnamed: 0,t,x,y,p\n" + text_of(events(), [](const Event& e) { return "7," + txyp_commas(e); }),
-                "a column of numbers whose name has a number");
-  const auto in_ns = [](const Event& e) { return cat(e.t * 1000, ',', e.x, ',', e.y, ',', int{e.p}); };
-  expect_events("timestampNs,x,y,p\n" + text_of(events(), in_ns), "a unit behind a capital");
-  expect_events("t,x,y,p\nns,px,px,-\n" + text_of(events(), in_ns), "a line of units");
+      "t,x,y,p\n" + text_of(events(), [](const Event& e) { return cat(e.t, ".0,", e.x, ',', e.y, ',', int{e.p}); }),
+      ".0");
+  expect_events("t x y p\n" + text_of(events(),
+                                      [](const Event& e) {
+                                        char line[128];
+                                        std::snprintf(line, sizeof line, "%.18e %.18e %.18e %.18e",
+                                                      static_cast<double>(e.t), static_cast<double>(e.x),
+                                                      static_cast<double>(e.y), static_cast<double>(e.p));
+                                        return std::string(line);
+                                      }),
+                "numpy.savetxt");
+  expect_refused(open_text("t,x,y,p\n" + text_of(events(),
+                                                 [](const Event& e) {
+                                                   return cat((1'600'000'000'000'000 + e.t) * 1000, ',', e.x, ',', e.y,
+                                                              ',', int{e.p});
+                                                 })),
+                 Setting::kTimeUnit, "ns since 1970");
+  expect_refused(
+      open_text("t,x,y,p\n" +
+                text_of(events(), [](const Event& e) { return cat(e.t, ".5,", e.x, ',', e.y, ',', int{e.p}); })),
+      Setting::kTimeUnit, "us with fractions");
 }
 
-TEST(TableText, CoordinatesInOrderAreNotTakenForTimes) {
-  std::vector<Event> by_row;
-  const EventColumns all = events();
-  for (size_t i = 0; i < all.size(); ++i) by_row.push_back(all[i]);
-  // Within as much time as is sorted.
-  const auto place = [](const Event& event) { return std::pair(event.t / 8000, event.y); };
-  std::stable_sort(by_row.begin(), by_row.end(), [&](const Event& a, const Event& b) { return place(a) < place(b); });
-  std::string text;
-  for (const Event& event : by_row) text += txyp(event) + '\n';
-  const auto found = read(open_text(text));
-  ASSERT_TRUE(found.ok()) << found.error().text();
-  EXPECT_TRUE(found->t == all.t);
+TEST(TableText, PolaritiesAre01OrMinus11OrWords) {
+  const auto with = [](const char* off, const char* on) {
+    return "t,x,y,p\n" +
+           text_of(events(), [=](const Event& e) { return cat(e.t, ' ', e.x, ' ', e.y, ' ', e.p == 1 ? on : off); });
+  };
+  using Pair = std::pair<const char*, const char*>;
+  for (const auto& [off, on] : {Pair{"0", "1"}, {"-1", "1"}, {"-1", "+1"}, {"0.0", "1.0"}, {"False", "true"}}) {
+    expect_events(with(off, on), off);
+  }
+  for (const auto& [off, on] : {Pair{"1", "2"}, {"0", "255"}, {"255", "1"}, {"0", "-1"}}) {
+    expect_refused(open_text(with(off, on)), Setting::kNone, off);
+    expect_events(with(off, on), off, {.policy = DecodePolicy::kSkip, .polarities = cat(off, ",", on)});
+  }
+  for (const char* text : {"1", "1,1", "a,b", "1,2,3"}) {
+    expect_refused(open_text(with("1", "2"), {.polarities = text}), Setting::kNone, text);
+  }
+}
+
+TEST(TableText, FractionsOfPixelsAreRefused) {
+  const auto reader = open_text(
+      "t,x,y,p\n" + text_of(events(), [](const Event& e) { return cat(e.t, ',', e.x, ".25,", e.y, ".5,", int{e.p}); }));
+  ASSERT_FALSE(reader.ok());
+  EXPECT_EQ(reader.error().code, ErrorCode::kUnsupported);
+  const auto large = [](const Event& e) { return cat(e.t, ',', e.x * 480, ',', e.y, ',', int{e.p}); };
+  expect_refused(open_text("t,x,y,p\n" + text_of(events(), large)), Setting::kSensorSize, "1/32 px");
 }
 
 TEST(TableText, MarksEndsOfLinesAndJoinedFilesLoseNothing) {
-  const std::string plain = "t,x,y,p\n" + text_of(events(), txyp_commas);
+  const std::string plain = "t,x,y,p\n" + text_of(events(), txyp);
   const auto replaced = [&](const std::string& end) {
     std::string text;
     for (const char c : plain) text += c == '\n' ? end : std::string(1, c);
     return text;
   };
   const OpenOptions strict = {.policy = DecodePolicy::kStrict};
-  expect_events("\xEF\xBB\xBF" + text_of(events(), txyp_commas), "mark of UTF-8", strict);
+  expect_events("\xEF\xBB\xBF" + plain, "mark of UTF-8", strict);
   expect_events(replaced("\r\n"), "CRLF", strict);
-  expect_events(replaced("\r"), "CR", strict);
   expect_events(replaced(",\n"), "separators at the end", strict);
   const size_t middle = plain.find('\n', plain.size() / 2) + 1;
   expect_events(plain.substr(0, middle) + "t,x,y,p\n" + plain.substr(middle), "joined", strict);
-  expect_events(
-      text_of(events(),
-              [](const Event& e) { return cat('"', e.t, "\",\"", e.x, "\",\"", e.y, "\",\"", int{e.p}, '"'); }),
-      "quoted", strict);
-}
-
-TEST(TableText, AnOddFirstLineIsJudgedByTheOthers) {
-  EventColumns all = events();
-  all.t[0] = 0;
-  all.y[0] = 1;
-  const auto found = read(open_text(text_of(all, [](const Event& e) {
-    char line[64];
-    if (e.t == 0) return "0 " + cat(e.x, ' ', e.y, ' ', int{e.p});
-    std::snprintf(line, sizeof line, "%.6f %d %d %d", static_cast<double>(e.t) * 1e-6, e.x, e.y, e.p);
-    return std::string(line);
-  })));
-  ASSERT_TRUE(found.ok()) << found.error().text();
-  EXPECT_TRUE(*found == all);
-}
-
-TEST(TableText, UnitsOfTimeInOtherWordsAreHeeded) {
-  const auto in_ns = [](const Event& e) { return cat(e.t * 1000, ' ', e.x, ' ', e.y, ' ', int{e.p}); };
-  for (const char* header :
-       {"# resolution: 1 ns", "# tick: 1 ns", "# timestamp_resolution: 1e-9", "# time base: 1e-9 s",
-        "# time in nanoseconds", "# ts_unit: ns", "ts_unit: ns", "resolution: 1 ns", "% timestamp unit = 10^-9 s",
-        "# ticks per second: 1000000000", "# clock: 1 GHz, 1 tick = 1 ns", "# temporal resolution 1ns",
-        "# sensor 64x48; times in ns since 1970", "# 1 ns per tick", "# exposure time: 10 ms, timestamps are in ns"}) {
-    expect_events(cat(header, "\n") + text_of(events(), in_ns), header);
-  }
-  for (const char* header : {"# resolution: 64 x 48", "# exposure time: 10 ms", "# refractory period 1 ms",
-                             "# tick: 1 us", "# frame interval in ms", "# recorded for 10 s", "# time offset: 5 ns"}) {
-    expect_events(cat(header, "\n") + text_of(events(), txyp), header);
-  }
-  // The clock may be finer than the unit of fractions.
-  expect_events("# resolution: 1 us\n" + text_of(events(),
-                                                 [](const Event& e) {
-                                                   char line[64];
-                                                   std::snprintf(line, sizeof line, "%.6f %d %d %d",
-                                                                 static_cast<double>(e.t) * 1e-6, e.x, e.y, e.p);
-                                                   return std::string(line);
-                                                 }),
-                "seconds of a clock of 1 us");
-  const auto odd = open_text("# tick: 100 ns\n" + text_of(events(), txyp));
-  ASSERT_FALSE(odd.ok());
-  EXPECT_EQ(odd.error().setting, Setting::kTimeUnit);
-  EXPECT_TRUE(open_text("# tick: 100 ns\n" + text_of(events(), txyp), {.time_unit = TimeUnit::kMicroseconds}).ok());
-}
-
-TEST(TableText, UnitsThatAreAssumedAndImplausibleAreDoubted) {
-  std::vector<std::string> warnings;
-  const LogSink before = set_log_sink([&](LogLevel level, const std::string& text) {
-    if (level == LogLevel::kWarning) warnings.push_back(text);
-  });
-  const auto doubts = [&](int64_t times, int64_t per, const OpenOptions& options = kPlain) {
-    warnings.clear();
-    EXPECT_TRUE(
-        open_text(text_of(events(),
-                          [&](const Event& e) { return cat(e.t * times / per, ' ', e.x, ' ', e.y, ' ', int{e.p}); }),
-                  options)
-            .ok());
-    return warnings.empty() ? std::string() : warnings.front();
-  };
-  EXPECT_EQ(doubts(1, 1), "");
-  EXPECT_NE(doubts(1000, 1).find("if they are ns"), std::string::npos) << doubts(1000, 1);
-  EXPECT_NE(doubts(1, 1000).find("if they are ms"), std::string::npos) << doubts(1, 1000);
-  EXPECT_EQ(doubts(1000, 1, {.time_unit = TimeUnit::kNanoseconds}), "");
-  set_log_sink(before);
-}
-
-TEST(TableText, PolaritiesOf1And2AreSaidWithTheOptionThatExchangesThem) {
-  std::string said;
-  const LogSink before = set_log_sink([&](LogLevel, const std::string& text) { said += text; });
-  const auto reader =
-      open_text(text_of(events(), [](const Event& e) { return cat(e.t, ' ', e.x, ' ', e.y, ' ', e.p + 1); }));
-  set_log_sink(before);
-  ASSERT_TRUE(reader.ok()) << reader.error().text();
-  EXPECT_EQ((*reader)->info().table->polarity, "1 = OFF, 2 = ON");
-  EXPECT_NE(said.find("--invert-polarity"), std::string::npos);
-}
-
-TEST(TableText, PolaritiesOfEveryCodingKeepBothSigns) {
-  using Pair = std::pair<const char*, const char*>;
-  for (const auto& [off, on] : {Pair{"0", "1"},
-                                {"-1", "1"},
-                                {"1", "2"},
-                                {"0", "255"},
-                                {"255", "1"},
-                                {"65535", "1"},
-                                {"4294967295", "1"},
-                                {"18446744073709551615", "1"},
-                                {"False", "True"},
-                                {"OFF", "ON"},
-                                {"0.0", "1.0"},
-                                {"-1", "+1"}}) {
-    expect_events(
-        text_of(events(),
-                [&, o = off, n = on](const Event& e) { return cat(e.t, ' ', e.x, ' ', e.y, ' ', e.p == 1 ? n : o); }),
-        off);
-  }
-}
-
-TEST(TableText, AnotherPolarityFarBehindTellsTheCoding) {
-  EventColumns all = random_stream({.events = 30000, .width = 64, .height = 48}).events;
-  for (size_t i = 0; i < all.size(); ++i) all.p[i] = i > 25000;
-  const auto found =
-      read(open_text(text_of(all, [](const Event& e) { return cat(e.t, ' ', e.x, ' ', e.y, ' ', e.p + 1); })));
-  ASSERT_TRUE(found.ok()) << found.error().text();
-  EXPECT_TRUE(*found == all);
+  const auto quoted = [](const Event& e) { return cat('"', e.t, "\"|\"", e.x, "\"|\"", e.y, "\"|\"", int{e.p}, '"'); };
+  expect_events("\"t\"|\"x\"|\"y\"|\"p\"\n" + text_of(events(), quoted), "quoted", strict);
 }
 
 TEST(TableText, WhatIsNoTableIsRefusedWithItsLine) {
@@ -301,14 +209,13 @@ TEST(TableText, WhatIsNoTableIsRefusedWithItsLine) {
   EXPECT_EQ(page.error().location, "a.csv: line 1");
   EXPECT_TRUE(open_text("t,x,y,p\n", {.format = "csv"}).ok());
 
-  const std::string utf16("t\0,\0x\0,\0y\0,\0p\0\n\0", 16);
-  const auto wide = open_text(utf16, {.format = "csv"});
+  const auto wide = open_text("\xFF\xFEt", {.format = "csv"});
   ASSERT_FALSE(wide.ok());
-  EXPECT_NE(wide.error().message.find("UTF-16"), std::string::npos);
+  EXPECT_EQ(wide.error().code, ErrorCode::kUnsupported);
 }
 
 TEST(TableText, DamageNamesTheByteOfItsLine) {
-  const std::string text = "t,x,y,p\n" + text_of(events(), txyp_commas);
+  const std::string text = "t,x,y,p\n" + text_of(events(), txyp);
   const size_t place = text.find('\n', text.size() / 2) + 1;
   auto reader = open_text(text.substr(0, place) + "rubbish\n" + text.substr(place));
   ASSERT_TRUE(reader.ok() && read_all(**reader).ok());
@@ -332,6 +239,7 @@ TEST(Tables, FormatsWithAUnitOfTheirOwnRefuseTheOptions) {
     write_recording(folder / name, batch, {.width = 64, .height = 48});
     EXPECT_EQ(open_recording(folder / name, {.time_unit = TimeUnit::kNanoseconds}).error().setting, Setting::kTimeUnit);
     EXPECT_EQ(open_recording(folder / name, {.columns = "txyp"}).error().setting, Setting::kColumns);
+    EXPECT_EQ(open_recording(folder / name, {.polarities = "1,2"}).error().setting, Setting::kColumns);
   }
 }
 
@@ -350,65 +258,45 @@ Result<EventColumns> read_arrays(const NpzArrays& arrays) {
                              {.format = "npz", .policy = DecodePolicy::kSkip}));
 }
 
-TEST(TableText, UnitsInNamesAreUnderstoodOrRefused) {
-  const auto with = [](const char* name, int64_t times) {
-    return cat(name, ",x,y,p\n") +
-           text_of(events(), [times](const Event& e) { return cat(e.t * times, ',', e.x, ',', e.y, ',', int{e.p}); });
-  };
-  for (const char* name : {"tns", "nanos", "t (ns since start)", "time_ns_since_epoch", "Zeit in Nanosekunden",
-                           "timestamp(int64 ns)", "t (10^-9 s)", "t_nano", "时间戳(纳秒)"}) {
-    expect_events(with(name, 1000), name);
+TEST(TableArrays, NamesAndShapesDecideWhatIsRead) {
+  const EventColumns all = events();
+  const NpyArray x = column<int32_t>(all.x), y = column<double>(all.y), p = column<uint8_t>(all.p),
+                 t = column<int64_t>(all.t), t_ns = column<int64_t>(all.t, [](double us) { return 1000 * us; });
+  std::vector<double> rows;
+  for (size_t i = 0; i < all.size(); ++i) {
+    rows.insert(rows.end(),
+                {static_cast<double>(all.t[i]) * 1e-6, double(all.x[i]), double(all.y[i]), double(all.p[i])});
   }
-  for (const char* name :
-       {"t (100ns)", "t_10us", "t [0.1 ms]", "time [1/2000 s]", "t_ps", "t (min)", "t (h)", "time (x1000 ns)"}) {
-    const auto reader = open_text(with(name, 1));
-    if (std::string_view(name) == "time (x1000 ns)") {  // which are microseconds
-      EXPECT_TRUE(reader.ok()) << name;
-      continue;
-    }
-    ASSERT_FALSE(reader.ok()) << name;
-    EXPECT_EQ(reader.error().setting, Setting::kTimeUnit) << name;
+  const NpyArray matrix = make_npy<double>({all.size(), 4}, rows);
+  NpyArray standing = x, lying = t;
+  standing.shape = {all.size(), 1};
+  lying.shape = {1, all.size()};
+  for (const NpzArrays& arrays : {NpzArrays{{"xs", x}, {"ys", y}, {"polarity", p}, {"timestamp_ns", t_ns}},
+                                  NpzArrays{{"x", standing}, {"y", y}, {"p", p}, {"t", lying}},
+                                  NpzArrays{{"event_data", matrix}, {"label", column<int32_t>(std::vector<int>{3})}},
+                                  NpzArrays{{"dataset_events_t", t}, {"x", x}, {"y", y}, {"p", p}}}) {
+    const auto found = read_arrays(arrays);
+    ASSERT_TRUE(found.ok()) << arrays.begin()->first << ": " << found.error().text();
+    EXPECT_TRUE(*found == all) << arrays.begin()->first;
   }
-  // A counter beside the times.
-  expect_events("timestamp,time_us,x,y,p\n" + text_of(events(),
-                                                      [i = 0](const Event& e) mutable {
-                                                        return cat(i++, ',', e.t, ',', e.x, ',', e.y, ',', int{e.p});
-                                                      }),
-                "a counter");
+  EXPECT_FALSE(read_arrays({{"arr_0", t}, {"arr_1", x}, {"arr_2", y}, {"arr_3", p}}).ok());
+  EXPECT_FALSE(read_arrays({{"t", t}, {"ts", t}, {"x", x}, {"y", y}, {"p", p}}).ok());
 }
 
-TEST(TableText, PolaritiesAreWhatTheHeaderStates) {
-  const auto inverted = text_of(events(), [](const Event& e) { return cat(e.t, ',', e.x, ',', e.y, ',', 1 - e.p); });
-  for (const char* header : {"# polarity: 0 = ON, 1 = OFF", "# polarity (0=on, 1=off)", "# p: 1 = darker, 0 = brighter",
-                             "# ON=0 OFF=1", "# polarity: 1 means OFF", "# polarity(off/on=1/0)"}) {
-    expect_events(cat(header, "\nt,x,y,p\n") + inverted, header);
+TEST(TableArrays, TimesThatFloatsDoNotResolveAreRefused) {
+  const EventColumns all = events();
+  NpzArrays arrays = {{"x", column<int32_t>(all.x)}, {"y", column<int32_t>(all.y)}, {"p", column<uint8_t>(all.p)}};
+  arrays["t"] = column<float>(all.t, [](double us) { return 1.7e9 + us * 1e-6; });
+  EXPECT_EQ(read_arrays(arrays).error().code, ErrorCode::kInvalidValue);
+  std::vector<uint8_t> halves;  // 32 + i / 32 s
+  for (size_t i = 0; i < all.size(); ++i) {
+    const auto bits = static_cast<uint16_t>(0x5000 + i);
+    halves.insert(halves.end(), {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8)});
   }
-  for (const char* header :
-       {"# ON=1, OFF=0", "# p=0 is OFF", "# polarity(off/on=0/1)", "# c_on = 0", "# bias_off = 1"}) {
-    expect_events(cat(header, "\nt,x,y,p\n") + text_of(events(), txyp_commas), header);
-  }
-  expect_events("t,x,y,polarity (0 = OFF, 1 = ON)\n" + text_of(events(), txyp_commas), "in a name");
-  const auto negative = open_text(
-      "t,x,y,p\n" + text_of(events(), [](const Event& e) { return cat(e.t, ',', e.x, ',', e.y, ',', -int{e.p}); }));
-  ASSERT_FALSE(negative.ok());
-  EXPECT_EQ(negative.error().setting, Setting::kColumns);
-}
-
-TEST(TableText, SizesOfOtherThingsAreNotThatOfTheSensor) {
-  const auto size_with = [](const char* header) {
-    const auto reader = open_text(cat(header, "\nt,x,y,p\n") + text_of(events(), txyp_commas));
-    EXPECT_TRUE(reader.ok());
-    return std::pair((*reader)->info().width, (*reader)->info().height);
-  };
-  for (const char* header :
-       {"# pixel size: 18x18 um", "# tile size: 16x16", "# display size: 1920x1080", "# resolution of the mask: 32x24",
-        "# kernel size 3x3", "# checkerboard: width=9 height=6"}) {
-    EXPECT_EQ(size_with(header), (std::pair<size_t, size_t>(0, 0))) << header;
-  }
-  for (const char* header :
-       {"# size (h, w): 48 64", "# resolution: 48x64 (HxW)", "# sensor_resolution: [48, 64]", "# sensor size 64x48"}) {
-    EXPECT_EQ(size_with(header), (std::pair<size_t, size_t>(64, 48))) << header;
-  }
+  arrays["t"].type = "f2";
+  arrays["t"].item_size = 2;
+  arrays["t"].bytes = halves;
+  EXPECT_EQ(read_arrays(arrays).error().code, ErrorCode::kInvalidValue);
 }
 
 TEST(Tables, UnusedRowsOfZerosAreDroppedAndCounted) {
@@ -428,38 +316,6 @@ TEST(Tables, UnusedRowsOfZerosAreDroppedAndCounted) {
   ASSERT_TRUE(reader.ok()) << reader.error().text();
   EXPECT_TRUE(read_all(**reader)->events == all);
   EXPECT_EQ((*reader)->summary().of(Violation::kZeros).count, 500U);
-}
-
-TEST(TableArrays, UnitsInNamesAndPolaritiesWithoutASignAreRead) {
-  const EventColumns all = events();
-  NpzArrays arrays;
-  arrays["xs"] = column<int32_t>(all.x);
-  arrays["ys"] = column<double>(all.y);
-  arrays["polarity"] = column<uint8_t>(all.p, [](double p) { return p == 1 ? 1 : 255; });
-  arrays["timestamp_ns"] = column<int64_t>(all.t, [](double t) { return 1000 * t; });
-  const auto found = read_arrays(arrays);
-  ASSERT_TRUE(found.ok()) << found.error().text();
-  EXPECT_TRUE(*found == all);
-}
-
-TEST(TableArrays, WhateverTheirNamesAndShapesAreRead) {
-  const EventColumns all = events();
-  const NpyArray x = column<int32_t>(all.x), y = column<int32_t>(all.y), p = column<uint8_t>(all.p),
-                 t = column<int64_t>(all.t);
-  std::vector<int64_t> rows;
-  for (size_t i = 0; i < all.size(); ++i) rows.insert(rows.end(), {all.t[i], all.x[i], all.y[i], all.p[i]});
-  const NpyArray matrix = make_npy<int64_t>({all.size(), 4}, rows);
-  NpyArray standing = x, lying = t;
-  standing.shape = {all.size(), 1};
-  lying.shape = {1, all.size()};
-  for (const NpzArrays& arrays : {NpzArrays{{"arr_0", t}, {"arr_1", x}, {"arr_2", y}, {"arr_3", p}},
-                                  NpzArrays{{"x", standing}, {"y", y}, {"p", p}, {"t", lying}},
-                                  NpzArrays{{"event_data", matrix}, {"label", column<int32_t>(std::vector<int>{3})}},
-                                  NpzArrays{{"dataset_events_t", t}, {"x", x}, {"y", y}, {"p", p}}}) {
-    const auto found = read_arrays(arrays);
-    ASSERT_TRUE(found.ok()) << arrays.begin()->first << ": " << found.error().text();
-    EXPECT_TRUE(*found == all) << arrays.begin()->first;
-  }
 }
 
 TEST(TableArrays, ASignedClockThatWrapsGoesOn) {

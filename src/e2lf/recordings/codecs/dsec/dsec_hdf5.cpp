@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
@@ -70,19 +71,18 @@ hid_t memory_type(const std::string& type) {
   return type == "f4" ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
 }
 
-/// Adds what attributes state about times: those of the times themselves, of their group and of the file.
-void read_time_attributes(hid_t file, hid_t times, const std::string& group, table::TableSample& sample) {
-  const Handle parent(H5Gopen2(file, group.empty() ? "/" : group.c_str(), H5P_DEFAULT), H5Gclose);
-  for (const hid_t object : {times, parent.get(), file}) {
-    if (object < 0) continue;
-    for (const auto& [name, text] : read_text_attributes(object, /*with_numbers=*/true)) {
-      const table::TimeStatement told = table::times_in_sentence(cat(object == times ? "time " : "", name, ": ", text));
-      for (table::TableSample::Column& column : sample.columns) {
-        if (column.unit == TimeUnit::kAuto) column.unit = told.unit;
-      }
-      if (sample.tick_s == 0) sample.tick_s = told.tick_s;
-    }
+/// Returns the unit in an attribute unit or units of the times; kAuto if there is none. Fails with kInvalidValue for
+/// one in which times are not read.
+Result<TimeUnit> unit_of_attributes(hid_t times, const OpenOptions& options, const std::string& location) {
+  for (const auto& [name, text] : read_text_attributes(times)) {
+    if ((name != "unit" && name != "units") || options.time_unit != TimeUnit::kAuto) continue;
+    const TimeUnit unit = table::parse_time_unit(lower_case(text));
+    if (unit != TimeUnit::kAuto) return unit;
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the times are in \"", printable(text), "\"; convert them, or state their unit"), location,
+                 Setting::kTimeUnit};
   }
+  return TimeUnit::kAuto;
 }
 
 /// Returns the offset of the times of a file in microseconds; 0 if there is no t_offset. Its unit is that of the times
@@ -148,17 +148,11 @@ class ColumnBlocks final : public EventBlocks {
       const NumberColumn& column = columns_[i];
       sample.columns.push_back(table::sample_of(sample.is_ordered ? "" : field, numbers(column), column.field, count));
     }
-    const std::string group = place.rows.empty() && place.name != "/" ? place.name : "";
-    read_time_attributes(file, parts_.back().shape.dataset.get(), group, sample);
-    uint64_t further = 0;
-    sample.more_values = [&](size_t i, bool is_first) -> Result<std::vector<double>> {
-      if (is_first) further = count;
-      const uint64_t rows = std::min(kBlock, length_ - further);
-      E2LF_RETURN_IF_ERROR(read(parts_[columns_[i].part], further, rows));
-      further += rows;
-      return values(columns_[i], rows);
-    };
-    E2LF_ASSIGN_OR_RETURN(layout_, decide_layout(std::move(sample), options, name, info));
+    if (place.rows.empty()) {
+      const hid_t times = parts_.back().shape.dataset.get();
+      E2LF_ASSIGN_OR_RETURN(sample.columns.back().unit, unit_of_attributes(times, options, name));
+    }
+    E2LF_ASSIGN_OR_RETURN(layout_, decide_layout(sample, options, name, info));
     E2LF_ASSIGN_OR_RETURN(offset_us_, read_offset(file, options, layout_.unit, name));
     return {};
   }

@@ -45,20 +45,13 @@ std::vector<Object> members_of(hid_t file, const std::string& group, size_t& num
   return members;
 }
 
-/// The names of x, y, p and t; empty = none.
+/// The names of x, y, p and t, or empty names if one is missing.
 using FieldNames = std::array<std::string, table::kNumFields>;
 
 FieldNames field_names(const std::vector<std::string>& names) {
   const table::KnownColumns known = table::find_fields(names);
-  FieldNames found;
-  for (size_t field = 0; field < found.size(); ++field) {
-    if (known[field]) found[field] = names[*known[field]];
-  }
-  return found;
-}
-
-bool are_complete(const FieldNames& names) {
-  return std::none_of(names.begin(), names.end(), [](const std::string& name) { return name.empty(); });
+  if (!table::are_complete(known)) return {};
+  return {names[*known[0]], names[*known[1]], names[*known[2]], names[*known[3]]};
 }
 
 /// Returns the names of the fields x, y, p and t of records, or empty names if a data set has none.
@@ -71,8 +64,7 @@ FieldNames fields_of_records(hid_t dataset) {
     if (name != nullptr) names.emplace_back(name);
     H5free_memory(name);
   }
-  FieldNames fields = field_names(names);
-  return are_complete(fields) ? fields : FieldNames();
+  return field_names(names);
 }
 
 class Search {
@@ -87,13 +79,8 @@ class Search {
     }
     FieldNames names = field_names(datasets);
     const bool is_usual = group == "events" || group.empty();
-    const bool has_some = !names[table::of(table::Field::kT)].empty() &&
-                          !(names[table::of(table::Field::kX)].empty() && names[table::of(table::Field::kY)].empty());
-    if (are_complete(names) || (is_usual && has_some)) {
-      for (size_t field = 0; field < names.size(); ++field) {
-        if (names[field].empty()) names[field] = std::string(1, table::kFieldLetters[field]);
-        names[field] = path_in(group, names[field]);
-      }
+    if (!names[0].empty()) {
+      for (std::string& name : names) name = path_in(group, name);
       add({group.empty() ? "/" : group, names, "", {}}, is_usual);
     } else {
       for (const Object& member : members) {

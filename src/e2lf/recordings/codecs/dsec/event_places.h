@@ -20,8 +20,8 @@ struct EventPlace {
 
 /// Returns the tables of events in a file: groups with data sets whose names denote the columns x, y, p and t
 /// (table/column_names.h), matrices whose name contains "event", and data sets of records with these fields. The usual
-/// places (`events` and the root) come first, the others in the order of their paths. If a usual place contains only
-/// some of the columns, the missing ones have names for error messages. At most 10,000 objects are inspected.
+/// places (`events` and the root) come first, the others in the order of their paths. At most 10,000 objects are
+/// inspected.
 [[nodiscard]] std::vector<EventPlace> find_event_places(hid_t file);
 
 /// Reads the size of the sensor from a file: the numbers width and height in the group of the events or in the root, as

@@ -139,15 +139,6 @@ Result<NpyHeader> read_header(std::span<const uint8_t> head, const std::string& 
   return header;
 }
 
-/// Returns whether records are those of OpenEB, which e2lf writes and whose times are microseconds.
-bool is_openeb(const NpyArray& array) {
-  const std::vector<NpyField>& fields = array.fields;
-  constexpr std::pair<const char*, const char*> kFields[] = {{"x", "u2"}, {"y", "u2"}, {"p", "i2"}, {"t", "i8"}};
-  return fields.size() == 4 && std::equal(fields.begin(), fields.end(), kFields, [](const auto& a, const auto& b) {
-           return a.name == b.first && a.type == b.second;
-         });
-}
-
 /// Returns the columns of records, or of the rows of an array [events, 4], which become records.
 std::vector<NpyField> columns_of(NpyHeader& header) {
   if (!has_four_columns(header.array)) return header.array.fields;
@@ -172,24 +163,12 @@ Result<std::vector<uint8_t>> first_records(ByteSource& source, const NpyHeader& 
   return records;
 }
 
-/// Returns the numbers of a column in the next records, or none at the end.
-Result<std::vector<double>> next_values(ByteSource& source, const NpyHeader& header, const NpyField& column) {
-  const size_t item = header.array.item_size;
-  E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kBlockBytes / item * item));
-  const size_t count = std::min(bytes.size(), kBlockBytes) / item;
-  std::vector<uint8_t> records;
-  reverse_big_endian(bytes.first(count * item), header, records);
-  source.consume(count * item);
-  return table::to_doubles(records.data(), {column.type, column.offset, item}, count);
-}
-
 /// Determines the positions of the fields of an event and how to read them; the source is positioned at the first
 /// record.
 Result<RecordFields> decide_fields(ByteSource& source, const OpenOptions& options, NpyHeader& header,
                                    RecordingInfo& info) {
   const std::string name = source.name();
   table::TableSample sample;
-  if (is_openeb(header.array)) sample.usual_unit = TimeUnit::kMicroseconds;
   const std::vector<NpyField> columns = columns_of(header);
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> records, first_records(source, header));
   const size_t item = header.array.item_size;
@@ -202,14 +181,7 @@ Result<RecordFields> decide_fields(ByteSource& source, const OpenOptions& option
     fields.push_back({column.type, column.offset, item});
     sample.columns.push_back(table::sample_of(column.name, records.data(), fields.back(), records.size() / item));
   }
-  if (source.seekable()) {
-    sample.more_values = [&](size_t column, bool is_first) -> Result<std::vector<double>> {
-      if (is_first) E2LF_RETURN_IF_ERROR(source.seek(header.data_offset));
-      return next_values(source, header, columns[column]);
-    };
-  }
-  E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, name, info));
-  if (source.seekable()) E2LF_RETURN_IF_ERROR(source.seek(header.data_offset));
+  E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(sample, options, name, info));
   const auto [x, y, p, t] = layout.columns;
   return RecordFields{fields[x], fields[y], fields[p], fields[t], layout.unit, layout.polarity};
 }

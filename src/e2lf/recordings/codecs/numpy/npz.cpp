@@ -29,50 +29,15 @@ constexpr uint64_t kEventBytes = 13;  // of its columns x, y, p, t
 constexpr const char* kReadRemedy =
     "an .npz file is read as a whole: store the events as .npy, .csv or .hdf5, or in parts";
 
-using Names = std::initializer_list<const char*>;
-
-/// Returns a column of the archive under one of its names, after checking that it is one-dimensional and numeric.
-Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const std::string& name) {
-  for (const char* key : names) {
-    const auto found = arrays.find(key);
-    if (found == arrays.end()) continue;
-    const NpyArray& array = found->second;
-    if (array.shape.size() != 1 || !table::is_number_type(array.type)) {
-      return Error{ErrorCode::kShape, cat("array \"", key, "\" is not a column of numbers; store x, y, p, t"), name};
-    }
-    return &array;
+/// Returns a column of the archive, after checking that it is one-dimensional and numeric.
+Result<const NpyArray*> find_column(const NpzArrays& arrays, const std::string& key, const std::string& name) {
+  const auto found = arrays.find(key);
+  if (found == arrays.end()) {
+    return Error{ErrorCode::kNotFound, cat("the archive has no array \"", key, "\"; store all columns"), name};
   }
-  std::vector<std::string> held;
-  for (const auto& [key, array] : arrays) held.push_back(key);
-  return Error{ErrorCode::kNotFound,
-               cat("the archive has no array \"", *names.begin(), "\", but ", join(held),
-                   "; store the columns x, y, p, t, or events as [events, 4]"),
-               name};
-}
-
-Result<const NpyArray*> find_column(const NpzArrays& arrays, Names names, const std::string& name, size_t count) {
-  E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name));
-  if (count == array->shape[0]) return array;
-  return Error{ErrorCode::kShape, cat("array \"", *names.begin(), "\" has a different length; store all of it"), name};
-}
-
-/// Reads a column of `count` rows; sets `bad` for values that do not fit T.
-template <typename T>
-Result<Column<T>> read_column(const NpzArrays& arrays, Names names, const std::string& name, size_t count,
-                              Column<uint8_t>& bad) {
-  E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name, count));
-  Column<T> column(count);
-  table::to_column(array->bytes.data(), {array->type, 0, array->item_size}, count, column.data(), bad.data());
-  return column;
-}
-
-/// Reads a column of times and converts them to microseconds.
-Result<Column<int64_t>> read_times(const NpzArrays& arrays, Names names, const std::string& name, size_t count,
-                                   TimeUnit unit, Column<uint8_t>& bad) {
-  E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, names, name, count));
-  Column<int64_t> column(count);
-  table::to_times(array->bytes.data(), {array->type, 0, array->item_size}, unit, count, column.data(), bad.data());
-  return column;
+  const NpyArray& array = found->second;
+  if (array.shape.size() == 1 && table::is_number_type(array.type)) return &array;
+  return Error{ErrorCode::kShape, cat("array \"", key, "\" is not a column of numbers; store x, y, p, t"), name};
 }
 
 /// Returns the triggers, sorted. Their times are in `unit` if they are floating-point numbers. Adds the number of
@@ -80,19 +45,30 @@ Result<Column<int64_t>> read_times(const NpzArrays& arrays, Names names, const s
 Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::string& name, TimeUnit unit,
                                            size_t& num_bad) {
   std::vector<Trigger> triggers;
-  if (arrays.count("trigger_t") == 0) return triggers;
-  E2LF_ASSIGN_OR_RETURN(const NpyArray* times, find_column(arrays, {"trigger_t"}, name));
-  const size_t count = times->shape[0];
-  Column<uint8_t> bad(count, 0);
-  if (times->type[0] != 'f' && unit == TimeUnit::kSeconds) unit = TimeUnit::kMicroseconds;
-  E2LF_ASSIGN_OR_RETURN(const auto t, read_times(arrays, {"trigger_t"}, name, count, unit, bad));
-  E2LF_ASSIGN_OR_RETURN(const auto p, read_column<uint8_t>(arrays, {"trigger_p"}, name, count, bad));
-  E2LF_ASSIGN_OR_RETURN(const auto id, read_column<uint16_t>(arrays, {"trigger_id"}, name, count, bad));
+  if (!arrays.contains("trigger_t")) return triggers;
+  std::array<const NpyArray*, 3> columns{};
+  for (size_t i = 0; i < columns.size(); ++i) {
+    constexpr const char* kKeys[] = {"trigger_t", "trigger_p", "trigger_id"};
+    E2LF_ASSIGN_OR_RETURN(columns[i], find_column(arrays, kKeys[i], name));
+    if (columns[i]->shape == columns[0]->shape) continue;
+    return Error{ErrorCode::kShape, cat("array \"", kKeys[i], "\" has a different length; store all of it"), name};
+  }
+  const auto [t, p, id] = columns;
+  const size_t count = t->shape[0];
+  Column<uint8_t> bad(count, 0), polarities(count);
+  Column<int64_t> times_us(count);
+  Column<uint16_t> ids(count);
+  if (t->type[0] != 'f' && unit == TimeUnit::kSeconds) unit = TimeUnit::kMicroseconds;
+  const auto field_of = [](const NpyArray& array) { return NumberField{array.type, 0, array.item_size}; };
+  table::to_times(t->bytes.data(), field_of(*t), unit, count, times_us.data(), bad.data());
+  table::to_column(p->bytes.data(), field_of(*p), count, polarities.data(), bad.data());
+  table::to_column(id->bytes.data(), field_of(*id), count, ids.data(), bad.data());
   for (size_t i = 0; i < count; ++i) {
-    if (bad[i] == 0 && is_time(t[i]))
-      triggers.push_back({t[i], id[i], static_cast<uint8_t>(p[i] != 0)});
-    else
+    if (bad[i] == 0 && is_time(times_us[i])) {
+      triggers.push_back({times_us[i], ids[i], static_cast<uint8_t>(polarities[i] != 0)});
+    } else {
       ++num_bad;
+    }
   }
   std::stable_sort(triggers.begin(), triggers.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
   return triggers;
@@ -261,24 +237,17 @@ Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std:
   }
   const table::KnownColumns known = table::find_fields(keys);
   for (size_t field = columns.size(); field < table::kNumFields; ++field) {
-    const std::string key = known[field] ? keys[*known[field]] : std::string(1, table::kFieldLetters[field]);
-    E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, {key.c_str()}, name));
+    if (!known[field]) {
+      return Error{ErrorCode::kNotFound,
+                   cat("the names of the arrays (", join(keys), ") do not state once each which are x, y, p and t; ",
+                       "store the columns x, y, p, t, or events as [events, 4]"),
+                   name};
+    }
+    const std::string& key = keys[*known[field]];
+    E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, key, name));
     columns.push_back({key, array, {array->type, 0, array->item_size}});
   }
   return columns;
-}
-
-/// Returns the columns that numpy.savez() was given without names, in their order, or none if there are other arrays.
-std::vector<NpzColumn> columns_without_names(const NpzArrays& arrays) {
-  std::vector<NpzColumn> columns;
-  for (size_t i = 0; i < arrays.size(); ++i) {
-    const auto found = arrays.find(cat("arr_", i));
-    if (found == arrays.end() || found->second.shape.size() != 1) return {};
-    const NpyArray& array = found->second;
-    if (!table::is_number_type(array.type)) return {};
-    columns.push_back({"", &array, {array.type, 0, array.item_size}});
-  }
-  return columns.size() < table::kNumFields ? std::vector<NpzColumn>() : columns;
 }
 
 Result<void> check_lengths(const std::vector<NpzColumn>& columns, const std::string& name) {
@@ -302,8 +271,8 @@ void transpose(NpyArray& array) {
   array.shape = {count, 4};
 }
 
-/// Converts arrays [n, 1] and [1, n] to columns, arrays [4, n] to rows, and half to single precision.
-Result<void> simplify(NpzArrays& arrays, const std::string& name) {
+/// Converts arrays [n, 1] and [1, n] to columns, and arrays [4, n] to rows.
+void simplify(NpzArrays& arrays) {
   for (auto& [key, array] : arrays) {
     const std::vector<size_t>& shape = array.shape;
     const bool is_event = shape == std::vector<size_t>{1, 4};
@@ -312,28 +281,19 @@ Result<void> simplify(NpzArrays& arrays, const std::string& name) {
     }
     const bool is_flat = array.fields.empty() && shape.size() == 2 && shape[0] == 4 && shape[1] > 4;
     if (is_flat && array.bytes.size() == 4 * shape[1] * array.item_size) transpose(array);
-    if (array.type != "f2") continue;
-    E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(cat(name, ": ", key)));
-    array = make_npy(array.shape, std::span<const float>(values));
   }
-  return {};
 }
 
-/// Reads the events from columns and sets `unit`, which is that of the format or kAuto, to that of their times.
+/// Reads the events from columns and adds how to `info`. Adds the number of rows that are not events to `num_bad`.
 Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is_ordered, const OpenOptions& options,
                                   const std::string& name, RecordingInfo& info, TimeUnit& unit, size_t& num_bad) {
   const size_t count = columns.empty() ? 0 : columns[0].array->shape[0];
   const size_t sampled = std::min(count, kSampledRows);
-  table::TableSample sample;
-  sample.is_ordered = is_ordered;
-  sample.usual_unit = unit;
+  table::TableSample sample{.is_ordered = is_ordered};
   for (const NpzColumn& column : columns) {
     sample.columns.push_back(table::sample_of(column.name, column.array->bytes.data(), column.field, sampled));
   }
-  sample.more_values = [&](size_t i, bool is_first) -> Result<std::vector<double>> {
-    return table::to_doubles(columns[i].array->bytes.data(), columns[i].field, is_first ? count : 0);
-  };
-  E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(std::move(sample), options, name, info));
+  E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(sample, options, name, info));
   unit = layout.unit;
   const auto [x, y, p, t] = layout.columns;
   const auto bytes_of = [&](size_t column) { return columns[column].array->bytes.data(); };
@@ -364,21 +324,21 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
 Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
                               const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
-  E2LF_RETURN_IF_ERROR(simplify(arrays, name));
+  simplify(arrays);
   const NpyArray* const rows = find_rows(arrays);
-  std::vector<NpzColumn> columns = rows != nullptr ? columns_of_rows(*rows) : columns_without_names(arrays);
-  const bool is_ordered = !columns.empty();
-  if (!is_ordered) {
+  std::vector<NpzColumn> columns;
+  if (rows != nullptr) {
+    columns = columns_of_rows(*rows);
+  } else {
     E2LF_ASSIGN_OR_RETURN(columns, named_columns(arrays, name));
   }
   E2LF_RETURN_IF_ERROR(check_lengths(columns, name));
-  const bool is_ours = arrays.contains("size") && arrays.contains("trigger_t");
-  TimeUnit unit = is_ours ? TimeUnit::kMicroseconds : TimeUnit::kAuto;
+  TimeUnit unit = TimeUnit::kMicroseconds;
   size_t num_bad = 0;
   EventBatch all;
-  E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, is_ordered, options, name, info, unit, num_bad));
+  E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, rows != nullptr, options, name, info, unit, num_bad));
   E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
-  E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "is not told", name));
+  E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "", name));
   auto blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
   return table::make_table_reader(std::move(blocks), unit, std::move(info), name, options);
 }

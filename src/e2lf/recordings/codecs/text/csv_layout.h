@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,21 +17,19 @@ struct LineLayout {
   std::vector<std::optional<table::Field>> columns;  ///< empty = the column is skipped
   TimeUnit unit = TimeUnit::kMicroseconds;
   table::PolarityCode polarity;
-  bool has_decimal_comma = false;
 };
 
-/// Returns true for characters between two numbers: commas (unless they are decimal), semicolons, bars, blanks and
-/// quotes.
-[[nodiscard]] bool is_separator(char c, bool has_decimal_comma);
+/// Returns true for characters between two numbers: commas, semicolons, bars, blanks and quotes.
+[[nodiscard]] bool is_separator(char c);
 
 /// Returns true if a line is a comment, that is, begins with #, %, // or ;.
 [[nodiscard]] bool is_comment(std::string_view line);
 
 /// Returns the words between separators.
-[[nodiscard]] std::vector<std::string_view> split(std::string_view line, bool has_decimal_comma);
+[[nodiscard]] std::vector<std::string_view> split(std::string_view line);
 
-/// Parses a number, or a polarity in words (true, ON, +). Returns nothing for other words.
-[[nodiscard]] std::optional<double> parse_cell(std::string_view word, bool has_decimal_comma);
+/// Parses a number, or true or false. Returns nothing for other words.
+[[nodiscard]] std::optional<double> parse_cell(std::string_view word);
 
 /// Parses one line, without its line ending, as an event. Times are rounded to microseconds: integral nanoseconds
 /// downwards, all others to the nearest. Returns false if the line is not an event.
@@ -40,14 +37,10 @@ struct LineLayout {
 
 /// The content of the first lines of a text, before their meaning is determined.
 struct TextHead {
-  bool has_decimal_comma = false;
-  bool has_six_decimals = false;  ///< whether the first column has six decimals, as times in seconds have
-  char line_end = '\n';           ///< or '\r'
-  size_t columns = 0;             ///< number of columns of most lines; 0 = there are no lines of numbers
-  size_t width = 0, height = 0;
-  size_t header_bytes = 0;  ///< offset of the events
-  std::string names_line;   ///< the line with the names of the columns, which may be repeated; empty = none
-  table::TableSample sample;
+  table::TableSample sample;        ///< without columns if there are no lines of numbers
+  size_t width = 0, height = 0;     ///< of the sensor, px; 0 = not stated
+  size_t header_bytes = 0;          ///< offset of the events
+  std::string header_line;          ///< the last line of the header, which may be repeated; empty = none
   size_t lines = 0, bad_lines = 0;  ///< number of lines of numbers, and of those with another number of columns
   size_t first_bad_number =
       0;  ///< number of the first bad line, from 1; without lines of numbers, the first line that does not name columns

@@ -21,7 +21,7 @@ struct Decimal {
 };
 
 /// Parses a number such as "+12", "-0.5" or "1.04e+03" at `next` and advances `next` past it.
-bool parse_decimal(const char*& next, const char* end, char point, Decimal& number) {
+bool parse_decimal(const char*& next, const char* end, Decimal& number) {
   constexpr uint64_t kFull = 100'000'000'000'000'000;  // one more digit fits
   number = {};
   if (next != end && (*next == '-' || *next == '+')) number.is_negative = *next++ == '-';
@@ -34,7 +34,7 @@ bool parse_decimal(const char*& next, const char* end, char point, Decimal& numb
     }
   }
   size_t digits = static_cast<size_t>(next - begin);
-  if (next != end && *next == point) {
+  if (next != end && *next == '.') {
     const char* const fraction = ++next;
     for (; next != end && is_digit(*next); ++next) {
       if (number.digits >= kFull) continue;
@@ -91,25 +91,20 @@ double to_double(const Decimal& number) {
 /// The powers of ten that convert to microseconds, by TimeUnit.
 constexpr int kShifts[] = {0, 6, 3, 0, -3};
 
-/// Parses a polarity, ignoring case.
+/// Parses "true" or "false", ignoring case.
 std::optional<uint8_t> polarity_of(std::string_view word) {
-  constexpr size_t kLongest = 8;
-  constexpr std::string_view kOn[] = {"true", "on", "pos", "positive"}, kOff[] = {"false", "off", "neg", "negative"};
-  std::array<char, kLongest> lower{};
-  if (word.size() > kLongest) return std::nullopt;
-  std::transform(word.begin(), word.end(), lower.begin(), [](char c) { return static_cast<char>(c | 0x20); });
-  if (word == "+" || word == "-") return uint8_t{word == "+"};
-  const std::string_view name(lower.data(), word.size());
-  if (std::find(std::begin(kOn), std::end(kOn), name) != std::end(kOn)) return uint8_t{1};
-  if (std::find(std::begin(kOff), std::end(kOff), name) != std::end(kOff)) return uint8_t{0};
-  return std::nullopt;
+  const auto is = [word](std::string_view name) {
+    return std::equal(word.begin(), word.end(), name.begin(), name.end(),
+                      [](char a, char b) { return (a | 0x20) == b; });
+  };
+  return is("true") ? std::optional<uint8_t>(1) : is("false") ? std::optional<uint8_t>(0) : std::nullopt;
 }
 
 bool is_letter(char c) {
   return static_cast<unsigned char>((c | 0x20) - 'a') < 26;
 }
 
-bool parse_polarity(const char*& next, const char* end, char point, const table::PolarityCode& code, uint8_t& p) {
+bool parse_polarity(const char*& next, const char* end, const table::PolarityCode& code, uint8_t& p) {
   if (next != end && is_letter(*next)) {
     const char* const begin = next;
     while (next != end && is_letter(*next)) ++next;
@@ -117,21 +112,16 @@ bool parse_polarity(const char*& next, const char* end, char point, const table:
     if (polarity) p = *polarity;
     return polarity.has_value();
   }
-  if (next != end && (*next == '+' || *next == '-') && (next + 1 == end || is_separator(next[1], false))) {
-    p = *next++ == '+' ? 1 : 0;
-    return true;
-  }
   Decimal number;
-  if (!parse_decimal(next, end, point, number)) return false;
+  if (!parse_decimal(next, end, number)) return false;
   p = code.of(number.exponent == 0 && !number.is_negative ? static_cast<double>(number.digits) : to_double(number));
   return p != table::PolarityCode::kNone;
 }
 
 }  // namespace
 
-bool is_separator(char c, bool has_decimal_comma) {
-  return (c == ',' && !has_decimal_comma) || c == ' ' || c == ';' || c == '\t' || c == '\r' || c == '\n' || c == '"' ||
-         c == '\'' || c == '|';
+bool is_separator(char c) {
+  return c == ',' || c == ' ' || c == ';' || c == '\t' || c == '\r' || c == '\n' || c == '"' || c == '\'' || c == '|';
 }
 
 bool is_comment(std::string_view line) {
@@ -139,45 +129,43 @@ bool is_comment(std::string_view line) {
   return !line.empty() && (line[0] == '#' || line[0] == '%' || line[0] == ';' || line.starts_with("//"));
 }
 
-std::vector<std::string_view> split(std::string_view line, bool has_decimal_comma) {
+std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> words;
   for (size_t i = 0; i < line.size();) {
-    while (i < line.size() && is_separator(line[i], has_decimal_comma)) ++i;
+    while (i < line.size() && is_separator(line[i])) ++i;
     const size_t begin = i;
-    while (i < line.size() && !is_separator(line[i], has_decimal_comma)) ++i;
+    while (i < line.size() && !is_separator(line[i])) ++i;
     if (i > begin) words.push_back(line.substr(begin, i - begin));
   }
   return words;
 }
 
-std::optional<double> parse_cell(std::string_view word, bool has_decimal_comma) {
+std::optional<double> parse_cell(std::string_view word) {
   if (const auto polarity = polarity_of(word)) return *polarity;
   const char* next = word.data();
   Decimal number;
-  if (!parse_decimal(next, word.data() + word.size(), has_decimal_comma ? ',' : '.', number)) return std::nullopt;
+  if (!parse_decimal(next, word.data() + word.size(), number)) return std::nullopt;
   return next == word.data() + word.size() ? std::optional(to_double(number)) : std::nullopt;
 }
 
 bool parse_line(std::string_view line, const LineLayout& layout, Event& event) {
   const char* next = line.data();
   const char* const end = next + line.size();
-  const bool comma = layout.has_decimal_comma;
-  const char point = comma ? ',' : '.';
   std::array<int64_t, table::kNumFields> values{};
   for (const auto& field : layout.columns) {
-    while (next != end && is_separator(*next, comma)) ++next;
+    while (next != end && is_separator(*next)) ++next;
     if (!field) {
       if (next == end) return false;
-      while (next != end && !is_separator(*next, comma)) ++next;
+      while (next != end && !is_separator(*next)) ++next;
       continue;
     }
     int64_t& value = values[static_cast<size_t>(*field)];
     Decimal number;
     if (*field == table::Field::kP) {
       uint8_t polarity = 0;
-      if (!parse_polarity(next, end, point, layout.polarity, polarity)) return false;
+      if (!parse_polarity(next, end, layout.polarity, polarity)) return false;
       value = polarity;
-    } else if (!parse_decimal(next, end, point, number)) {
+    } else if (!parse_decimal(next, end, number)) {
       return false;
     } else if (*field == table::Field::kT) {
       const bool is_ns = layout.unit == TimeUnit::kNanoseconds;
@@ -187,9 +175,9 @@ bool parse_line(std::string_view line, const LineLayout& layout, Event& event) {
     } else if (!to_integer(number, 0, Rounding::kNone, value)) {
       return false;
     }
-    if (next != end && !is_separator(*next, comma)) return false;
+    if (next != end && !is_separator(*next)) return false;
   }
-  while (next != end && is_separator(*next, comma)) ++next;
+  while (next != end && is_separator(*next)) ++next;
   const auto [x, y, p, t] = values;
   if ((next != end && *next != '#') || x < 0 || x > UINT16_MAX || y < 0 || y > UINT16_MAX) return false;
   event = {static_cast<uint16_t>(x), static_cast<uint16_t>(y), static_cast<uint8_t>(p), t};

@@ -28,9 +28,8 @@ constexpr size_t kShortestLine = 8;   // "0,0,0,0\n"
 /// The layout of a text.
 struct Layout {
   LineLayout line;
-  char line_end = '\n';
   size_t header_bytes = 0;
-  std::string names_line;  ///< may be repeated where files were concatenated
+  std::string header_line;  ///< may be repeated where files were concatenated
 };
 
 /// Lines that are not events.
@@ -50,27 +49,19 @@ struct BadLines {
 };
 
 bool is_remark(std::string_view line, const Layout& layout) {
-  return line.find_first_not_of(" \t\r\n,;") == std::string_view::npos || is_comment(line) || line == layout.names_line;
+  return line.find_first_not_of(" \t\r\n,;") == std::string_view::npos || is_comment(line) ||
+         line == layout.header_line;
 }
 
-/// Parses a line that is not simply an event: one may follow a byte order mark, and the line contains several if the
-/// file mixes line endings.
+/// Parses a line that is not simply an event, which may follow a byte order mark.
 void parse_odd_line(std::string_view line, size_t byte, const Layout& layout, EventColumns& events, BadLines& bad) {
   line = without_mark(line);
-  const bool has_ends = layout.line_end == '\n' && line.find('\r') < line.size() - 1;
-  for (size_t begin = 0; begin < line.size();) {
-    const size_t end = has_ends ? std::min(line.find('\r', begin), line.size()) : line.size();
-    const std::string_view part = line.substr(begin, end - begin);
-    Event event;
-    if (part.size() <= kLongestLine && parse_line(part, layout.line, event)) {
-      events.push_back(event);
-    } else if (!is_remark(part, layout)) {
-      if (bad.count++ == 0) {
-        bad.first_byte = byte + begin;
-        bad.first = quoted(part);
-      }
-    }
-    begin = end + 1;
+  Event event;
+  if (line.size() <= kLongestLine && parse_line(line, layout.line, event)) {
+    events.push_back(event);
+  } else if (!is_remark(line, layout) && bad.count++ == 0) {
+    bad.first_byte = byte;
+    bad.first = quoted(line);
   }
 }
 
@@ -79,7 +70,7 @@ BadLines parse_lines(std::string_view text, const Layout& layout, EventColumns& 
   BadLines bad;
   Event event;
   for (size_t begin = 0; begin < text.size();) {
-    const void* const found = std::memchr(text.data() + begin, layout.line_end, text.size() - begin);
+    const void* const found = std::memchr(text.data() + begin, '\n', text.size() - begin);
     const size_t end =
         found == nullptr ? text.size() : static_cast<size_t>(static_cast<const char*>(found) - text.data());
     const std::string_view line = text.substr(begin, end - begin);
@@ -111,10 +102,10 @@ class CsvBlocks final : public EventBlocks {
     const BadLines bad = threads_ == 1 ? parse_lines(text, layout_, block.events) : parse_parallel(text, block.events);
     const uint64_t first_byte = source_->position() + bad.first_byte;
     summary.add_dropped(Violation::kBadRecord, first_byte, bad.count);
-    if (bad_ == 0 && bad.count > 0) first_bad_ = cat("at byte ", first_byte, ": ", bad.first);
+    if (bad_ == 0 && bad.count > 0) first_bad_ = cat(" (the first at byte ", first_byte, ": ", bad.first, ")");
     events_ += block.events.size();
     bad_ += bad.count;
-    is_within_line_ = text.back() != layout_.line_end;
+    is_within_line_ = text.back() != '\n';
     source_->consume(text.size());
     return true;
   }
@@ -138,7 +129,7 @@ class CsvBlocks final : public EventBlocks {
   Result<uint64_t> line_behind(uint64_t byte) {
     E2LF_RETURN_IF_ERROR(source_->seek(byte - 1));
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
-    const auto newline = std::find(bytes.begin(), bytes.end(), static_cast<uint8_t>(layout_.line_end));
+    const auto newline = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'});
     return byte - 1 + static_cast<uint64_t>(newline - bytes.begin()) + (newline == bytes.end() ? 0 : 1);
   }
 
@@ -148,7 +139,7 @@ class CsvBlocks final : public EventBlocks {
     E2LF_RETURN_IF_ERROR(source_->seek(line));
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
     std::string_view text = as_text(bytes).substr(0, kLongestLine);
-    text = text.substr(0, text.rfind(layout_.line_end) + 1);
+    text = text.substr(0, text.rfind('\n') + 1);
     EventColumns events;
     parse_lines(text, layout_, events);
     if (events.empty()) return INT64_MAX;
@@ -164,7 +155,7 @@ class CsvBlocks final : public EventBlocks {
     for (;;) {
       E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(wanted));
       const std::string_view text = as_text(bytes).substr(0, block);
-      const size_t newline = text.rfind(layout_.line_end);
+      const size_t newline = text.rfind('\n');
       if (newline != std::string_view::npos) return text.substr(0, newline + 1);
       // A number that is cut off by a stop request has another value.
       if (bytes.size() < wanted && stop_requested() && !source_->seekable()) return std::string_view();
@@ -178,7 +169,7 @@ class CsvBlocks final : public EventBlocks {
   Result<void> skip_line() {
     for (;;) {
       E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(1));
-      const auto newline = std::find(bytes.begin(), bytes.end(), static_cast<uint8_t>(layout_.line_end));
+      const auto newline = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'});
       const bool is_found = newline != bytes.end();
       source_->consume(static_cast<size_t>(newline - bytes.begin()) + (is_found ? 1 : 0));
       if (is_found || bytes.empty()) return {};
@@ -189,7 +180,7 @@ class CsvBlocks final : public EventBlocks {
     const auto parts = static_cast<size_t>(threads_);
     std::vector<size_t> begins = {0};
     for (size_t i = 1; i < parts; ++i) {
-      const size_t newline = text.find(layout_.line_end, std::max(begins.back(), text.size() * i / parts));
+      const size_t newline = text.find('\n', std::max(begins.back(), text.size() * i / parts));
       begins.push_back(newline == std::string_view::npos ? text.size() : newline + 1);
     }
     begins.push_back(text.size());
@@ -220,28 +211,6 @@ class CsvBlocks final : public EventBlocks {
   std::vector<EventColumns> parts_;
 };
 
-/// Returns the numbers of a column in the next lines, or none at the end.
-Result<std::vector<double>> next_values(ByteSource& source, const TextHead& head, size_t column) {
-  std::vector<double> values;
-  while (values.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(kBlockBytes));
-    if (bytes.empty()) break;
-    std::string_view text = as_text(bytes).substr(0, kBlockBytes);
-    if (const size_t end = text.rfind(head.line_end); end != std::string_view::npos) text = text.substr(0, end + 1);
-    for (size_t begin = 0; begin < text.size();) {
-      const size_t end = std::min(text.find(head.line_end, begin), text.size());
-      const std::string_view line = text.substr(begin, end - begin);
-      begin = end + 1;
-      if (line.size() > kLongestLine || is_comment(line)) continue;
-      const auto words = split(line, head.has_decimal_comma);
-      if (words.size() != head.columns) continue;
-      if (const auto value = parse_cell(words[column], head.has_decimal_comma)) values.push_back(*value);
-    }
-    source.consume(text.size());
-  }
-  return values;
-}
-
 /// Parses the first lines, or more if the header is longer.
 Result<TextHead> fetch_head(ByteSource& source, const std::string& name) {
   for (size_t wanted = kHeadBytes;; wanted *= 4) {
@@ -252,62 +221,28 @@ Result<TextHead> fetch_head(ByteSource& source, const std::string& name) {
   }
 }
 
-/// Returns true if a line contains a date or a time of day, "2024-01-31" or "12:30:59".
-bool holds_date(std::string_view line) {
-  const auto is_number = [](char c) { return c >= '0' && c <= '9'; };
-  for (size_t i = 2; i + 5 < line.size(); ++i) {
-    const bool is_mark = line[i] == '-' || line[i] == ':';
-    if (is_mark && line[i + 3] == line[i] && is_number(line[i - 2]) && is_number(line[i - 1]) &&
-        is_number(line[i + 1]) && is_number(line[i + 2]) && is_number(line[i + 4])) {
-      return true;
-    }
-  }
-  return false;
-}
-
 /// Fails if most of the first lines are not rows of numbers.
 Result<void> check_head(const TextHead& head, const std::string& name) {
-  if (head.first_bad.empty() || (head.columns > 0 && 2 * head.bad_lines <= head.lines)) return {};
-  if (holds_date(head.first_bad)) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("the times of ", head.first_bad, " are dates, which are not read; write them as numbers, e.g. ",
-                     "microseconds"),
-                 cat(name, ": line ", head.first_bad_number)};
-  }
-  if (head.lines == 0) {
-    return Error{ErrorCode::kFormat,
-                 cat("neither ", head.first_bad,
-                     " nor a later line contains an event: four numbers t, x, y, p in any order; is it a recording?"),
-                 cat(name, ": line ", head.first_bad_number)};
-  }
-  return Error{ErrorCode::kFormat,
-               cat("the columns of ", head.first_bad, " are unknown, like those of ", head.bad_lines, " of the first ",
-                   head.lines, " lines; an event is a line with the four numbers t, x, y, p in any order"),
-               cat(name, ": line ", head.first_bad_number)};
+  const bool has_rows = !head.sample.columns.empty();
+  if (head.first_bad.empty() || (has_rows && 2 * head.bad_lines <= head.lines)) return {};
+  return Error{
+      ErrorCode::kFormat,
+      cat(head.first_bad,
+          has_rows ? cat(" and ", head.bad_lines - 1, " of the first ", head.lines, " lines are no") : " is no",
+          " event, that is, a line with the numbers t, x, y and p; is this a recording?"),
+      cat(name, ": line ", head.first_bad_number)};
 }
 
 /// Determines the layout, and leaves the source at the first event.
-Result<Layout> decide(ByteSource& source, const OpenOptions& options, TextHead head, RecordingInfo& info) {
-  const std::string name = source.name();
+Result<Layout> decide(ByteSource& source, const OpenOptions& options, const TextHead& head, RecordingInfo& info) {
   source.consume(head.header_bytes);
-  Layout layout{{}, head.line_end, head.header_bytes, head.names_line};
-  layout.line.has_decimal_comma = head.has_decimal_comma;
-  if (head.columns == 0) {
+  Layout layout{{}, head.header_bytes, head.header_line};
+  if (head.sample.columns.empty()) {
     layout.line.columns = {table::Field::kX, table::Field::kY, table::Field::kP, table::Field::kT};
     return layout;
   }
-  table::TableSample sample = head.sample;
-  const bool is_size_stated = info.width != 0 && options.width == 0;
-  if (source.seekable()) {
-    sample.more_values = [&](size_t column, bool is_first) -> Result<std::vector<double>> {
-      if (is_first) E2LF_RETURN_IF_ERROR(source.seek(head.header_bytes));
-      return next_values(source, head, column);
-    };
-  }
-  E2LF_ASSIGN_OR_RETURN(const table::TableLayout decided, decide_layout(std::move(sample), options, name, info));
-  if (source.seekable()) E2LF_RETURN_IF_ERROR(source.seek(head.header_bytes));
-  if (is_size_stated) table::check_stated_size(head.sample, decided, name, info);
-  layout.line.columns.resize(head.columns);
+  E2LF_ASSIGN_OR_RETURN(const table::TableLayout decided, decide_layout(head.sample, options, source.name(), info));
+  layout.line.columns.resize(head.sample.columns.size());
   for (size_t field = 0; field < table::kNumFields; ++field) {
     layout.line.columns[decided.columns[field]] = static_cast<table::Field>(field);
   }
@@ -316,20 +251,19 @@ Result<Layout> decide(ByteSource& source, const OpenOptions& options, TextHead h
   return layout;
 }
 
-/// Opens a text. The formats differ in the assumptions about what a file does not state.
-Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char* format, const char* usual_order) {
+/// Opens a text. If the format was given, it defines the order of columns without names.
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char* format, const char* order) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(TextHead head, fetch_head(*source, name));
   E2LF_RETURN_IF_ERROR(check_head(head, name));
-  if (!options.format.empty()) head.sample.usual_order = usual_order;
-  if (options.format == "txt" && head.has_six_decimals) head.sample.usual_unit = TimeUnit::kSeconds;
+  if (!options.format.empty()) head.sample.order = order;
   RecordingInfo info;
   if (options.width == 0 || options.height == 0) {
     info.width = head.width;
     info.height = head.height;
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
-  E2LF_ASSIGN_OR_RETURN(Layout layout, decide(*source, options, std::move(head), info));
+  E2LF_ASSIGN_OR_RETURN(Layout layout, decide(*source, options, head, info));
   const TimeUnit unit = layout.line.unit;
   info.format = !options.format.empty() || !info.table ? format : unit == TimeUnit::kSeconds ? "txt" : "csv";
   E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->logical_path()));
@@ -346,7 +280,7 @@ bool detect(std::span<const uint8_t> head) {
   const std::string_view begin = as_text(head).substr(0, 2);
   if (begin == "[[" || begin == "[{") return false;
   const auto read = read_head(head.first(std::min(head.size(), kDetectBytes)), head.size() < kDetectBytes, "");
-  return read.ok() && read->columns > 0 && 2 * read->bad_lines <= read->lines;
+  return read.ok() && !read->sample.columns.empty() && 2 * read->bad_lines <= read->lines;
 }
 
 Result<ReaderPtr> open_csv(SourcePtr source, const OpenOptions& options) {

@@ -127,7 +127,8 @@ class CsvWriter final : public RecordingWriter {
       : sink_(std::move(sink)), is_seconds_(is_seconds), check_(info.width, info.height, sink_->name()) {}
 
   Result<void> begin(const RecordingInfo& info) {
-    if (info.width == 0 || info.height == 0) return {};
+    const bool has_size = info.width != 0 && info.height != 0;
+    if (!has_size) return is_seconds_ ? Result<void>() : sink_->write(as_bytes("%x,y,p,t\n"));
     const std::string line =
         is_seconds_ ? cat(info.width, ' ', info.height, '\n') : cat("%geometry:", info.width, ',', info.height, '\n');
     return sink_->write(as_bytes(line));
