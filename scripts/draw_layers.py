@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Draws the modules of layers.txt, top to bottom, into ARCHITECTURE.md. With --check: fails where the picture is old.
+"""Draws the modules of layers.txt, top to bottom, into ARCHITECTURE.md. With --check, fails if the picture is out of date.
 
-A row holds the modules that need as many others below them. Behind the arrow stand the modules that one includes, without those
-that it reaches by way of another.
+The number of a module is the length of the longest path below it. The modules that it includes follow the arrow, without those
+that it also reaches through another one.
 """
 import pathlib
 import sys
@@ -13,7 +13,7 @@ BEGIN, END = "<!-- layers: made by scripts/draw_layers.py -->\n```\n", "```\n<!-
 
 
 def modules(layers):
-    """What each top folder includes; folders inside one count as it."""
+    """Returns the folders that each top folder includes, where folders inside one count as the top folder."""
     graph = {}
     for name, allowed in layers.items():
         top = name.split("/")[0]

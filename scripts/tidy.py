@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""scripts/tidy.py BUILD JOBS FILE...: clang-tidy on sources, many at a time.
+"""scripts/tidy.py BUILD JOBS FILE...: runs clang-tidy on many sources at a time.
 
-Nearly all the time of clang-tidy goes into the headers that a source includes. So sources with the same flags are checked
-as one, by a file that includes them. Not all can be: two may have a static function of one name. The compiler says which,
-and those make further files, at last each one of its own."""
+clang-tidy spends nearly all of its time on the headers that a source includes. Sources with the same flags are therefore
+checked together, by a file that includes them. Sources that the compiler rejects in this file, for example because two of
+them define a static function of the same name, are checked in further files, and finally one by one."""
 import concurrent.futures
 import json
 import pathlib
@@ -14,12 +14,12 @@ import sys
 import tempfile
 
 AT_ONCE = 24
-EXTRA = ["-Wno-unknown-warning-option", "-Wno-bitwise-instead-of-logical"]  # the build is g++'s: clang does not know all its warnings
+EXTRA = ["-Wno-unknown-warning-option", "-Wno-bitwise-instead-of-logical"]  # clang does not know all warnings of g++
 DROPPED = {"-o", "-c", "-MF", "-MT"}  # with their value
 
 
 def flags_of(entry):
-    """What of a compile command says how to read the source."""
+    """Returns the options of a compile command that determine how the source is read."""
     words, kept = iter(shlex.split(entry["command"])), []
     for word in words:
         if word in DROPPED:
@@ -38,7 +38,7 @@ def groups(build, files):
         path = str(pathlib.Path(file).resolve())
         if path not in commands:
             raise SystemExit(f"tidy: {file} is not built in {build}")
-        # A source that includes itself for each instruction set stands alone.
+        # A source that includes itself for each instruction set is checked alone.
         alone = path if "HWY_TARGET_INCLUDE" in pathlib.Path(file).read_text() else ""
         by_flags.setdefault((flags_of(commands[path]), alone), []).append(path)
     for (flags, _), paths in by_flags.items():
@@ -47,14 +47,14 @@ def groups(build, files):
 
 
 def including(paths, folder):
-    """The name of a file that includes these sources."""
+    """Writes a file that includes these sources and returns its name."""
     with tempfile.NamedTemporaryFile("w", suffix=".cpp", dir=folder, delete=False) as file:
         file.write("".join(f'#include "{path}"\n' for path in paths))
     return file.name
 
 
 def parts(flags, paths, folder):
-    """The sources in as few lists as compile as one."""
+    """Divides the sources into as few lists as possible that compile as one."""
     while len(paths) > 1:
         command = ["clang++", "-fsyntax-only", "-w", "-ferror-limit=0", *flags, including(paths, folder)]
         errors = subprocess.run(command, capture_output=True, text=True, check=False).stderr
@@ -68,7 +68,7 @@ def parts(flags, paths, folder):
 
 
 def problems(flags, paths, folder):
-    """What clang-tidy says of these sources; "" where it has nothing to say."""
+    """Returns the messages of clang-tidy about these sources."""
     source = paths[0] if len(paths) == 1 else including(paths, folder)
     command = ["clang-tidy", "--quiet", "--config-file=.clang-tidy", source, "--", *flags, *EXTRA]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
