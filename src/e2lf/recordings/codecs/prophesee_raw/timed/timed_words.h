@@ -8,7 +8,7 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
-#include "e2lf/recordings/codecs/prophesee_raw/stream/word_checks.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
 #include "e2lf/recordings/io/decode_summary.h"
 
 /// EVT2 and EVT2.1: every event brings the low 6 bits of its time. The 32-bit head of a word has the type in bits
