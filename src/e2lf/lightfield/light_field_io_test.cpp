@@ -142,9 +142,11 @@ TEST(Lenslet, AnotherLayoutThanTheStatedOneIsRefused) {
   }
   ASSERT_TRUE(write_png(folder / "eslf.png", lenslets).ok());
   EXPECT_EQ(read_light_field(folder / "eslf.png").error().setting, Setting::kLensletViews);  // 14 divides 630x420, too
-  EXPECT_TRUE(read_light_field(folder / "eslf.png", {.lenslet_views = kViews}).ok());
+  ReadOptions options;
+  options.lenslet_views = kViews;
+  EXPECT_TRUE(read_light_field(folder / "eslf.png", options).ok());
   ASSERT_TRUE(write_png(folder / "montage.png", montage).ok());
-  EXPECT_EQ(read_light_field(folder / "montage.png", {.lenslet_views = kViews}).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(read_light_field(folder / "montage.png", options).error().code, ErrorCode::kUnsupported);
 }
 
 TEST(Npz, FindsTheLightField) {
