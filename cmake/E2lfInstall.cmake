@@ -108,22 +108,22 @@ function(e2lf_install_package)
   install(FILES ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake ${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake
     DESTINATION ${E2LF_CMAKE_DIR} COMPONENT development)
 
-  if(TARGET e2lf)
-    install(TARGETS e2lf RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-  endif()
-  if(TARGET e2lf-train)
-    install(TARGETS e2lf-train RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training)
-  endif()
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/models ${PROJECT_SOURCE_DIR}/cameras ${PROJECT_SOURCE_DIR}/configs
     DESTINATION ${CMAKE_INSTALL_DATADIR}/e2lf COMPONENT program)
   install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
     DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
-  install(FILES ${PROJECT_SOURCE_DIR}/src/e2lf/cli/completion.bash RENAME e2lf
-    DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
-  find_program(E2LF_HELP2MAN help2man)
-  if(E2LF_HELP2MAN)
-    install(CODE "execute_process(COMMAND ${PROJECT_SOURCE_DIR}/scripts/make_manual.sh $<TARGET_FILE:e2lf>
-      \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program)
+  if(TARGET e2lf-train)
+    install(TARGETS e2lf-train RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT training)
+  endif()
+  if(TARGET e2lf)
+    install(TARGETS e2lf RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+    install(FILES ${PROJECT_SOURCE_DIR}/src/e2lf/cli/completion.bash RENAME e2lf
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+    find_program(E2LF_HELP2MAN help2man)
+    if(E2LF_HELP2MAN)
+      install(CODE "execute_process(COMMAND ${PROJECT_SOURCE_DIR}/scripts/make_manual.sh $<TARGET_FILE:e2lf>
+        \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program)
+    endif()
   endif()
   if(PROJECT_IS_TOP_LEVEL)
     include(E2lfPackage)

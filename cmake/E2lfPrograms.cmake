@@ -1,5 +1,4 @@
 # Finds the libraries of the programs and of the Python package, and determines their optional parts.
-find_package(OpenSSL REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 
 set(E2LF_WITH_FILMS AUTO CACHE STRING "Films of e2lf animate: need FFmpeg's libraries, which are under the GPL (AUTO, ON, OFF)")

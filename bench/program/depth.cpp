@@ -4,14 +4,14 @@
 #include "bench/program/depth.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 
 #include "bench/program/report.h"
 #include "e2lf/base/text.h"
+#include "e2lf/depth/true_disparity.h"
 #include "e2lf/depth/view_order.h"
-#include "e2lf/files/npy.h"
+#include "e2lf/eval/report.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/lightfield/scene.h"
@@ -27,8 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 using lightfield::Image;
 using lightfield::LightField;
-
-constexpr const char* kTruthFile = "gt_disparity.npy";
 
 /// A light field with the true disparities of its middle view, if they are known.
 struct DepthScene {
@@ -48,29 +46,11 @@ DepthScene demo() {
 Result<DepthScene> read(const fs::path& path) {
   DepthScene scene{path.filename().string(), {}, {}};
   E2LF_ASSIGN_OR_RETURN(scene.light_field, load_scene(path, SceneOptions{}, true));
-  const fs::path truth = path / kTruthFile;
-  if (!fs::exists(truth)) return scene;
-  E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(truth));
-  const lightfield::Shape& shape = scene.light_field.shape();
-  if (!std::ranges::equal(array.shape, std::array{shape.height, shape.width})) {
-    return Error{ErrorCode::kShape, "these disparities do not have the size of the views", truth.string()};
-  }
-  scene.truth = Image(shape.width, shape.height, 1);
-  E2LF_ASSIGN_OR_RETURN(scene.truth.pixels, array.to_float(truth.string()));
+  const auto file = depth::find_true_disparity(path);
+  if (!file) return scene;
+  E2LF_ASSIGN_OR_RETURN(depth::TrueDisparity truth, depth::true_disparity(scene.light_field, file));
+  scene.truth = std::move(truth.disparity);
   return scene;
-}
-
-/// Returns the share of pixels, 8 px from the borders or more, whose error is above `most_px`.
-double bad_pixels(const Image& disparity, const Image& truth, float most_px) {
-  constexpr size_t kMargin = 8;
-  double bad = 0, count = 0;
-  for (size_t y = kMargin; y + kMargin < truth.height; ++y) {
-    for (size_t x = kMargin; x + kMargin < truth.width; ++x, ++count) {
-      const size_t i = y * truth.width + x;
-      bad += std::abs(disparity.pixels[i] - truth.pixels[i]) > most_px ? 1 : 0;
-    }
-  }
-  return bad / count;
 }
 
 Json sign_json(const depth::OcclusionSign& sign) {
@@ -86,9 +66,9 @@ Result<Json> measure(DepthScene scene) {
   E2LF_ASSIGN_OR_RETURN(const depth::DisparityMap map, depth::estimate_disparity(scene.light_field));
   json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!scene.truth.pixels.empty()) {
-    for (const float px : {0.2F, 0.07F, 0.03F}) {
-      json["bad"].push_back({{"above_px", px}, {"share", bad_pixels(map.disparity, scene.truth, px)}});
-    }
+    E2LF_ASSIGN_OR_RETURN(const depth::DisparityError error,
+                          depth::compare(map.disparity, map.confidence, scene.truth));
+    json["error"] = eval::to_json(error);
   }
   json["as_is"] = sign_json(depth::occlusion_sign(scene.light_field, map));
   lightfield::orient(scene.light_field, capture::kTurned);
@@ -102,16 +82,18 @@ BenchReport depth_report(const Json& scenes) {
                       {{"scene"},
                        {"bad at 0.2 px, %", true},
                        {"at 0.07 px, %", true},
-                       {"at 0.03 px, %", true},
+                       {"mean error, px", true},
                        {"seconds", true},
                        {"as it is"},
                        {"turned"}},
                       {}};
   for (const Json& scene : scenes) {
     std::vector<report::Cell> row = {report::text_cell(scene["scene"].get<std::string>())};
-    for (size_t i = 0; i < 3; ++i) {
-      row.push_back(scene.contains("bad") ? report::number_cell(100 * scene["bad"][i]["share"].get<double>(), 2)
-                                          : report::Cell{});
+    const Json error = scene.value("error", Json::object());
+    for (const auto& [figure, decimals] :
+         {std::pair("bad_20_percent", 2), {"bad_07_percent", 2}, {"mean_absolute_px", 3}}) {
+      row.push_back(error.contains(figure) ? report::number_cell(error[figure].get<double>(), decimals)
+                                           : report::Cell{});
     }
     row.push_back(report::number_cell(scene["seconds"].get<double>(), 2));
     for (const char* order : {"as_is", "turned"}) {
@@ -122,11 +104,11 @@ BenchReport depth_report(const Json& scenes) {
     }
     table.rows.push_back(std::move(row));
   }
-  return {"Disparity maps",
-          cat("Disparity maps of the middle view. Bad pixels have a larger error than stated. The truth is known for "
-              "the demo scene and for folders with ",
-              kTruthFile),
-          {table}};
+  return {
+      "Disparity maps",
+      "Disparity maps of the middle view. Bad pixels have a larger error than stated; a border of 15 px is left out. "
+      "The truth is known for the demo scene and for folders with gt_disparity.npy.",
+      {table}};
 }
 
 Result<void> bench(const std::vector<fs::path>& paths, const std::vector<fs::path>& report_names, const Verb& verb) {

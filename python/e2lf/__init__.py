@@ -24,6 +24,7 @@ from ._e2lf import (
     bundled_model,
     coded_intensities,
     compare,
+    compare_disparity,
     contact_sheet,
     convert,
     create_recording,

@@ -453,6 +453,9 @@ def depth(
     flip_y: bool = False,
     progress: Optional[Progress] = None,
 ) -> DisparityMap: ...
+def compare_disparity(
+    truth: Array, estimate: Array, *, confidence: Optional[Array] = None, border: int = 15
+) -> Dict[str, Any]: ...
 
 # Measures
 def psnr(a: Array, b: Array) -> float: ...

@@ -150,6 +150,9 @@ class PipelineTest(InFolder):
         corner = e2lf.depth(self.scene, view=(0, 7), range_px=(-3, 2))
         self.assertTrue(same(corner.disparity, np.load("corner.npy")))
         self.assertEqual((corner.view, corner.range_px), ((0, 7), (-3, 2)))
+        same_map = e2lf.compare_disparity(found.disparity, found.disparity, confidence=found.confidence, border=8)
+        self.assertEqual((same_map["bad_07_percent"], same_map["most_certain"][9]["mean_absolute_px"]), (0, 0))
+        self.assertAlmostEqual(e2lf.compare_disparity(found.disparity, 0.5 * found.disparity, border=8)["slope"], 0.5, 4)
         colour = np.repeat(self.scene[..., None], 3, axis=-1)
         self.assertLess(np.abs(e2lf.depth(colour).disparity - found.disparity).mean(), 0.01)
         for wrong in ({"view": (8, 0)}, {"range_px": (1, 0)}):

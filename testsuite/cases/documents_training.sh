@@ -14,3 +14,4 @@ page docs/experiments/imperfections.md
 page docs/experiments/motion.md
 page docs/experiments/capture-at-equal-tones.md
 page docs/experiments/plenoptic-scenes.md
+page docs/experiments/geometry.md

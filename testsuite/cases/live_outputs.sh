@@ -16,16 +16,16 @@ cp "$TESTSUITE/../models/e2lf-n4.safetensors" fine.npy
 sha256sum three.raw taken.raw taken.npy fine.npy >before.txt
 
 record=("$E2LF" record replay:three.raw -o)
-fails 1 "this is not a live input" "$E2LF" record three.raw -o x.raw
-fails 1 "this is not a live input" "$E2LF" record nowhere -o x.raw
-fails 1 "nowhere.raw: cannot open" "$E2LF" record replay:nowhere.raw -o x.raw
-fails 1 "junk.raw: the file does not state how its events are encoded" "$E2LF" record replay:junk.raw -o x.raw
+fails 1 "live input" "$E2LF" record three.raw -o x.raw
+fails 1 "live input" "$E2LF" record nowhere -o x.raw
+fails 1 "nowhere.raw" "$E2LF" record replay:nowhere.raw -o x.raw
+fails 1 "junk.raw" "$E2LF" record replay:junk.raw -o x.raw
 fails 1 "(--overwrite)" "${record[@]}" taken.raw
-fails 1 "a folder has this name" "${record[@]}" folder
-fails 1 "is an input" "${record[@]}" three.raw --overwrite
+fails 1 "folder" "${record[@]}" folder
+fails 1 "input" "${record[@]}" three.raw --overwrite
 fails 1 "cannot write" "${record[@]}" /dev/full
 mkfifo pipe
-fails 1 "the output is the pipe that is read" timeout 60 "$E2LF" record pipe -o pipe
+fails 1 "output" timeout 60 "$E2LF" record pipe -o pipe
 absent x.raw x.bias
 # What had been written when the disk was full cannot be repeated: it is kept, with its record.
 fails 1 "cannot write" limited 16 "$E2LF" record replay:long.raw -o part.raw
@@ -33,16 +33,16 @@ cmp <(head -c 16384 long.raw) part.raw
 [ "$(json part.raw.run.json 'j["notes"]["header"] is not None')" = True ] || fail "the record of a full disk"
 
 live=("$E2LF" live replay:three.raw -m "$model" --no-page --size half)
-fails 1 "a file with this name exists" "${live[@]}" -o taken.raw
+fails 1 "file" "${live[@]}" -o taken.raw
 fails 1 "was not written by e2lf live" "${live[@]}" -o folder
-fails 1 "is an input" "${live[@]}" -o three.raw
+fails 1 "input" "${live[@]}" -o three.raw
 fails 1 "(--overwrite)" "${live[@]}" --last taken.npy
-fails 1 "is an input" "${live[@]}" --fine fine.npy --last fine.npy --overwrite
+fails 1 "input" "${live[@]}" --fine fine.npy --last fine.npy --overwrite
 fails 1 "written as .npy" "${live[@]}" --last last.png
-fails 1 "not to a pipe or a device" "${live[@]}" --last /dev/full
-fails 1 "there is no such model file" "${live[@]}" --fine nowhere -o new --record
-fails 1 "nowhere.raw: cannot open" "$E2LF" live replay:nowhere.raw -m "$model" --no-page -o new --last x.npy
-fails 1 "no complete pattern cycle" "${live[@]}" -o new --source triggers --channel 7
+fails 1 "device" "${live[@]}" --last /dev/full
+fails 1 "model file" "${live[@]}" --fine nowhere -o new --record
+fails 1 "nowhere.raw" "$E2LF" live replay:nowhere.raw -m "$model" --no-page -o new --last x.npy
+fails 1 "complete pattern" "${live[@]}" -o new --source triggers --channel 7
 absent new x.npy last.png
 fails 1 "cannot write" limited 64 "${live[@]}" --last full.npy
 absent full.npy full.npy.run.json

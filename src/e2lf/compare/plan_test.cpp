@@ -155,10 +155,10 @@ TEST_F(PlanTest, WhatIsNotOptionalMustBeThere) {
   missing.methods.push_back(config().methods[0]);
   EXPECT_THAT(make_plan(missing, surroundings_).value().left_out, ElementsAre("net"));
   missing.methods.pop_back();
-  EXPECT_THAT(make_plan(missing, surroundings_).error().message, HasSubstr("nothing is left to compare"));
+  EXPECT_THAT(make_plan(missing, surroundings_).error().message, HasSubstr("nothing"));
   missing = config();
   missing.scenes[0].scenes = {"demo:x"};
-  EXPECT_THAT(make_plan(missing, surroundings_).error().message, HasSubstr("has no number"));
+  EXPECT_THAT(make_plan(missing, surroundings_).error().message, HasSubstr("number"));
 }
 
 TEST_F(PlanTest, AScanDependsOnTheThresholdAndNoOtherConstant) {

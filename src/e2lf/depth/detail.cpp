@@ -19,7 +19,7 @@ constexpr float kSigmaPx = 2.0F;
 /// The difference in brightness that reduces the weight of a neighbour to a quarter.
 constexpr float kUnlike = 0.04F;
 /// What remains of the mean keeps the strong edges of untextured objects.
-constexpr float kShare = 0.85F;
+constexpr float kShare = 0.7F;
 
 using Lines = std::array<const float*, kTaps>;
 

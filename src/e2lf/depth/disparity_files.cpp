@@ -46,6 +46,16 @@ Colour colour_of(float nearness) {
   return colour;
 }
 
+/// Returns true for uncertain pixels beside a jump of the disparity.
+bool hangs_between_surfaces(const DisparityMap& map, size_t y, size_t x) {
+  constexpr float kSure = 0.6F, kJumpPx = 0.15F;
+  const size_t width = map.disparity.width, i = y * width + x;
+  if (map.confidence.pixels[i] >= kSure) return false;
+  const auto jumps_to = [&](size_t j) { return std::abs(map.disparity.pixels[j] - map.disparity.pixels[i]) > kJumpPx; };
+  return (x > 0 && jumps_to(i - 1)) || (x + 1 < width && jumps_to(i + 1)) || (y > 0 && jumps_to(i - width)) ||
+         (y + 1 < map.disparity.height && jumps_to(i + width));
+}
+
 }  // namespace
 
 std::vector<uint8_t> encode_pfm(const Image& disparity) {
@@ -144,7 +154,7 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
   for (size_t y = 0; y < height; ++y) {
     for (size_t x = 0; x < width; ++x) {
       const size_t i = y * width + x;
-      if (map.confidence.pixels[i] < least_confidence) continue;
+      if (map.confidence.pixels[i] < least_confidence || hangs_between_surfaces(map, y, x)) continue;
       const float d = map.disparity.pixels[i];
       if (d >= geometry.infinity_px) {
         return Error{ErrorCode::kInvalidValue,

@@ -50,8 +50,9 @@ struct PointGeometry {
 [[nodiscard]] float assumed_infinity(const DisparityRange& range);
 
 /// Encodes a binary PLY file of points: float x (right), y (down), z (away), uchar grey or red, green, blue depending
-/// on `picture`, and float confidence. Pixels with a confidence below `least_confidence` are omitted. Fails with
-/// kInvalidValue if a disparity reaches infinity_px.
+/// on `picture`, and float confidence. Pixels with a confidence below `least_confidence` are omitted, as are those
+/// below 0.6 beside a jump of the disparity, which would hang between two surfaces. Fails with kInvalidValue if a
+/// disparity reaches infinity_px.
 [[nodiscard]] Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const lightfield::Image& picture,
                                                               const lightfield::Shape& views,
                                                               const PointGeometry& geometry, float least_confidence);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/depth/disparity_files.h"
 
+#include <algorithm>
 #include <cstring>
 #include <gtest/gtest.h>
 #include <string>
+
+#include "e2lf/depth/colour_scale.h"
 
 namespace e2lf::depth {
 namespace {
@@ -61,6 +64,27 @@ TEST(ColourPicture, IsLighterForNearerPoints) {
   for (size_t i = 1; i < 101; ++i) EXPECT_GT(grey.pixels[i], grey.pixels[i - 1]) << i;
 }
 
+TEST(ColourScale, ShowsTheRangeBesideThePicture) {
+  const Image disparity(40, 100, 1);
+  const DisparityRange range{-1.25F, 2};
+  const Image plain = colour_picture(disparity, range), picture = picture_with_scale(disparity, range);
+  ASSERT_EQ(picture.height, 100U);
+  ASSERT_GT(picture.width, 40U + 14U);
+  EXPECT_TRUE(std::equal(plain.pixels.begin(), plain.pixels.begin() + 120, picture.pixels.begin()));
+  const Image grey = lightfield::to_grey(picture);
+  EXPECT_LT(grey.pixels[50], grey.pixels[99 * picture.width + 50]);         // far is on top
+  EXPECT_GT(std::count(grey.pixels.begin(), grey.pixels.end(), 0.0F), 60);  // ink of the numbers
+}
+
+TEST(PointCloud, LeavesOutUncertainPointsBesideJumps) {
+  DisparityMap map{Image(4, 1, 1), Image(4, 1, 1), {}, {0, 1}, 0};
+  map.disparity.pixels = {0, 0, 1, 1};
+  map.confidence.pixels = {0.5F, 0.5F, 0.9F, 0.5F};
+  const auto bytes = encode_point_cloud(map, Image(4, 1, 1), {1, 2, 1, 4, 1}, {}, 0);
+  const std::string text(bytes->begin(), bytes->end());
+  EXPECT_NE(text.find("element vertex 3\n"), std::string::npos);
+}
+
 TEST(PointCloud, PutsPointsWhereTheyAre) {
   const auto bytes =
       encode_point_cloud(small_map(), Image(3, 2, 1), {9, 9, 2, 3, 1}, {.infinity_px = 2, .field_width = 3}, 0.5F);
@@ -93,7 +117,7 @@ TEST(PointCloud, HasTheColoursOfThePicture) {
             std::string::npos);
   const size_t data = text.find("end_header\n") + 11;
   constexpr size_t kPointBytes = 19;
-  ASSERT_EQ(text.size(), data + 6 * kPointBytes);
+  ASSERT_EQ(text.size(), data + 5 * kPointBytes);  // one is uncertain beside a jump
   EXPECT_EQ(bytes->at(data + 12), 255);
   EXPECT_EQ(bytes->at(data + 13), 51);
   EXPECT_EQ(bytes->at(data + 14), 0);

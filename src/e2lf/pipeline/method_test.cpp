@@ -53,7 +53,7 @@ TEST(OpenMethod, NamesNoNetworkForPatternsThatNoneWasTrainedFor) {
   capture::Codes codes = *bundled("e2lf-n4").codes;
   std::reverse(codes.values.begin(), codes.values.end());
   EXPECT_EQ(open_method({.codes = codes}).error().code, ErrorCode::kNotFound);
-  EXPECT_THAT(open_method({}).error().message, HasSubstr("nothing says which patterns"));
+  EXPECT_THAT(open_method({}).error().message, HasSubstr("patterns"));
 }
 
 TEST(OpenMethod, TellsTheNetworkTheFirstCameraThatThereIs) {
@@ -82,7 +82,7 @@ TEST(OpenMethod, OpensTheNetworkOfTheLitTransitionsBesideThatOfTheWholeCycle) {
 
 TEST(OpenMethod, RefusesMeasurementsThatNeedANetworkOfTheirOwn) {
   const auto failed = open_method({.algorithm = "inversion", .measurement = capture::MeasurementKind::kCodedImages});
-  EXPECT_THAT(failed.error().message, HasSubstr("this is the measurement"));
+  EXPECT_THAT(failed.error().message, HasSubstr("measurement"));
 }
 
 TEST(OpenMethod, TheInversionIsThatOfReconAndTakesOneCycleAndPass) {

@@ -143,7 +143,7 @@ TEST_P(ClockThatStartsAgain, CanBeRefused) {
   auto reader = open_bytes(bytes_, options).value();
   const auto all = read_all(*reader);
   ASSERT_FALSE(all);
-  EXPECT_NE(all.error().text().find("the clock starts again"), std::string::npos) << all.error().text();
+  EXPECT_NE(all.error().text().find("clock"), std::string::npos) << all.error().text();
   EXPECT_NE(all.error().location.find("byte"), std::string::npos);
 }
 

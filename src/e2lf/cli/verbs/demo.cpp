@@ -7,10 +7,12 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/info/page_parts.h"
 #include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"
+#include "e2lf/lightfield/scene.h"
 #include "e2lf/pipeline/method.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/program/inputs.h"
@@ -43,6 +45,15 @@ Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, 
                path->string()};
 }
 
+/// Writes the scene with the true disparities of its middle view.
+Result<void> write_scene(const fs::path& folder, uint64_t seed, const LightField& scene) {
+  const lightfield::Shape& shape = scene.shape();
+  const lightfield::Image disparity =
+      lightfield::render_disparity(lightfield::demo_scene(seed), {shape.height, shape.width, 0.5F, 0.5F});
+  E2LF_RETURN_IF_ERROR(lightfield::write_views(folder, scene, lightfield::LightFieldFormat::kPng8));
+  return write_npy(folder / "gt_disparity.npy", make_npy<float>({shape.height, shape.width}, disparity.pixels));
+}
+
 /// Writes images that are focused on the front and on the back of the scene.
 Result<void> write_refocused(const fs::path& folder, const LightField& light_field) {
   const lightfield::Aperture open = lightfield::full_aperture(light_field.shape());
@@ -60,7 +71,7 @@ std::string result_text(const DemoArguments& arguments, const pipeline::OpenedMe
              has_viewer() ? "  index.html         open it in a browser: the scene beside its reconstruction, parallax, "
                             "refocusing, EPI\n"
                           : "",
-             "  scene/             the true light field, 8x8 views\n"
+             "  scene/             the true light field, 8x8 views, and its disparities\n"
              "  events.npz         what the camera records of it (look at events.png)\n"
              "  recon/             the reconstructed light field: views, contact_sheet.png, epi.png\n"
              "  refocus_near.png   the reconstruction focused on the front; refocus_far.png: on the back\n");
@@ -98,7 +109,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const fs::path& folder = output.path();
   std::error_code ignored;
   fs::create_directory(folder / "scene", ignored);
-  E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
+  E2LF_RETURN_IF_ERROR(write_scene(folder / "scene", common.seed, scene));
   E2LF_RETURN_IF_ERROR(
       capture::write_event_images(folder / "events.npz", {{images}, {camera.codes, camera.profile, {}}}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));

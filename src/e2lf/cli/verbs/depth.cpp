@@ -7,6 +7,7 @@
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
+#include "e2lf/depth/colour_scale.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/view_order.h"
@@ -126,7 +127,7 @@ Result<void> write_all(const fs::path& folder, const DepthArguments& arguments, 
   }
   E2LF_RETURN_IF_ERROR(write_array(folder / "confidence.npy", estimate.map.confidence));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "confidence.png", estimate.map.confidence));
-  return lightfield::write_png(folder / "colour.png", depth::colour_picture(estimate.map.disparity, *shared.shown));
+  return lightfield::write_png(folder / "colour.png", depth::picture_with_scale(estimate.map.disparity, *shared.shown));
 }
 
 Json json_of(const Estimate& estimate, const Shared& shared) {

@@ -118,7 +118,7 @@ TEST_F(MetavisionCamera, AnInputThatNobodyAskedForMayBeRefused) {
   const TestLog log;
   const auto reader = open_camera(kName).value();
   EXPECT_EQ(reader->info().find("trigger_channels"), "main=0");
-  EXPECT_NE(log.text().find("trigger input aux"), std::string::npos) << log.text();
+  EXPECT_NE(log.text().find("trigger input"), std::string::npos) << log.text();
   const auto refused = open_camera(kName, {.camera = {.trigger_channels = {"aux"}}});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidValue);
