@@ -163,7 +163,7 @@ TEST_F(PlanTest, WhatIsNotOptionalMustBeThere) {
 
 TEST_F(PlanTest, AScanDependsOnTheThresholdAndNoOtherConstant) {
   const fs::path checkpoint = folder_ / "checkpoint.safetensors";
-  ASSERT_TRUE(write_safetensors(checkpoint, model::firenet_checkpoint(true)));
+  ASSERT_TRUE(write_safetensors(checkpoint, video::firenet_checkpoint(true)));
   ASSERT_TRUE(video::write_video_model(folder_ / "frames.safetensors", *video::import_event_video(checkpoint)));
   Config scan = config();
   scan.methods[0] = {.name = "scan", .algorithm = "event-video", .model = "frames.safetensors"};

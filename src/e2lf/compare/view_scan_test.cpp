@@ -32,7 +32,7 @@ TEST(ScanOrder, GoesTwiceOverAllViewsInStepsOfOne) {
 /// With random weights.
 video::VideoModel firenet() {
   const TestFolder folder;
-  EXPECT_TRUE(write_safetensors(folder / "c.safetensors", model::firenet_checkpoint(true)));
+  EXPECT_TRUE(write_safetensors(folder / "c.safetensors", video::firenet_checkpoint(true)));
   return video::import_event_video(folder / "c.safetensors").value();
 }
 
