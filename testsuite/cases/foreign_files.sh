@@ -27,7 +27,7 @@ import pickle
 for name, begin in (("a.lfp", b"\x89LFP\r\n\x1a\n"), ("a.lfr", b"\x89LFP\r\n\x1a\n"), ("a.exr", bytes.fromhex("762f3101"))):
     open(name, "wb").write(begin + bytes(600))
 pickle.dump(list(range(300)), open("a.pkl", "wb"))
-header = b"MATLAB 5.0 MAT-file".ljust(124) + bytes.fromhex("00014d49")
+header = b"MATLAB 5.0 MAT-file".ljust(124) + bytes.fromhex("0001494d")
 open("events.mat", "wb").write(header)
 PY
 for word in "Lytro a.lfp" "Lytro a.lfr" "OpenEXR a.exr" "pickle a.pkl" ".csv events.mat"; do

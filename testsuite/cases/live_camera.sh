@@ -85,7 +85,10 @@ fails 3 "sender" "$E2LF" convert "tcp://127.0.0.1:$(cat port)" reset.csv
 # Ctrl-C keeps all that came.
 E2LF_STAND_IN="serial=A1;width=96;height=64;file=sent.raw;period_us=1000" "$E2LF" record camera://metavision -o stopped.raw --quiet 2>log.txt &
 recorder=$!
-sleep 2
+until [ "$(cat stopped.raw.*.part/* 2>/dev/null | wc -c)" -gt 150000 ]; do
+  kill -0 $recorder || fail "ended before the signal: $(cat log.txt)"
+  sleep 0.05
+done
 kill -INT $recorder
 code=0
 wait $recorder || code=$?

@@ -38,7 +38,7 @@ grep -qE "convert  [1-9][0-9]* events  [0-9]+ s" terminal.txt || fail "nothing i
 # A message takes the line away first.
 printf 'x,y,p,t\n0,0,1,10\nno event\n0,0,1,20\n' >bad.csv
 in_terminal "$E2LF" convert bad.csv bad.npz
-grep -qF "${erase}e2lf: warning" terminal.txt || fail "the warning is behind the line: $(cat -v terminal.txt)"
+grep -qF "${erase}e2lf: $(printf '\033')[1;33mwarning:" terminal.txt || fail "the warning is behind the line: $(cat -v terminal.txt)"
 
 # Live input, whichever way it comes.
 for output in "accumulate -o live.npz" "reconstruct --method inversion -o live"; do

@@ -256,7 +256,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
     std::printf("%s", calibrate::report_text(calibration, arguments.places).c_str());
     if (report["event_check"].is_null()) {
       std::printf(
-          "not compared with the starting camera, because no bundled network was trained for these patterns "
+          "not compared with the starting camera, because no bundled network was found for these patterns "
           "and physical pixels; give one with -m\n");
     } else if (!is_worse) {
       std::printf("%s\n", comparison_text(report["event_check"]).c_str());

@@ -43,7 +43,16 @@ std::optional<SampleType> type_of_code(std::string_view code) {
 Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions& options) {
   const std::string location = path.string() + ": LF";
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> file, read_file(path));
-  E2LF_ASSIGN_OR_RETURN(const MatArray variable, find_mat_array(file, "LF", options.max_bytes, location));
+  const Result<MatArray> found = find_mat_array(file, "LF", options.max_bytes, location);
+  if (!found && found.error().code == ErrorCode::kNotFound) {
+    E2LF_ASSIGN_OR_RETURN(const std::vector<std::string> names, mat_variables(path));
+    return Error{ErrorCode::kNotFound,
+                 cat("the file contains no light field LF, but ", names.empty() ? "no variable" : join(names),
+                     "; save a light field under that name, and events as .csv with the columns t, x, y, p"),
+                 path.string()};
+  }
+  if (!found) return found.error();
+  const MatArray& variable = *found;
   const bool is_number = variable.array_class >= static_cast<uint8_t>(MatClass::kDouble) &&
                          variable.array_class <= static_cast<uint8_t>(MatClass::kUint32);
   if (!is_number || variable.complex) {
