@@ -125,7 +125,7 @@ TEST(Lenslet, AnotherLayoutThanTheStatedOneIsRefused) {
   const TestFolder folder;
   constexpr size_t kViews = 15, kHeight = 28, kWidth = 42;
   const auto scene = [](double y, double x) {
-    return static_cast<float>(0.5 + 0.2 * std::sin(0.9 * x) + 0.2 * std::cos(0.7 * y));
+    return static_cast<float>(0.5 + 0.2 * std::sin(0.77 * x) + 0.2 * std::cos(0.7 * y));
   };
   Image lenslets(kViews * kWidth, kViews * kHeight, 1), montage = lenslets;
   for (size_t v = 0; v < kViews; ++v) {

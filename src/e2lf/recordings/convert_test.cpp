@@ -110,7 +110,7 @@ TEST(Convert, WhatIsLeftOutIsReportedAndNothingIsNoResult) {
   EXPECT_EQ(report.events, 3u);
   EXPECT_EQ(report.summary.out_of_order, 1u);
   EXPECT_EQ(loss_text(losses(report.summary)),
-            "1 events outside the sensor, 1 records that cannot be read (the first at byte 29)");
+            "1 events outside the sensor, 1 records that cannot be read (the first at byte 37)");
 
   const auto relative = open({.from_us = 10, .to_us = 31, .range = TimeOrigin::kZero});
   EXPECT_EQ(read_all(*relative)->events.t, (Column<int64_t>{50, 70}));
