@@ -4,8 +4,8 @@
 
 #include "e2lf/files/options.h"
 #include "e2lf/formats/formats.h"
-#include "python/binding/errors.h"
 #include "e2lf/video/operations.h"
+#include "python/binding/errors.h"
 
 namespace e2lf::python {
 

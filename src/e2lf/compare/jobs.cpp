@@ -36,8 +36,7 @@ Result<size_t> run_jobs(const Plan& plan, const std::vector<size_t>& jobs, const
   const auto report = [&](size_t part, size_t total) {
     if (progress && total > 0) progress(done * kParts + std::min(part, total) * kParts / total, jobs.size() * kParts);
   };
-  for (; done < jobs.size() && !stop_requested(); ++done) {
-    const Job& job = plan.jobs[jobs[done]];
+  const auto compute = [&](const Job& job) -> Result<void> {
     report(0, 1);
     if (loaded != job.scene) {
       const Scene& scene = plan.scenes[job.scene];
@@ -56,7 +55,12 @@ Result<size_t> run_jobs(const Plan& plan, const std::vector<size_t>& jobs, const
       E2LF_ASSIGN_OR_RETURN(
           png, lightfield::encode_png(look(outcome.light_field, &truth, outcome.disparity, disparity), kDepth));
     }
-    E2LF_RETURN_IF_ERROR(store.keep(plan, job, outcome.figures, png));
+    return store.keep(plan, job, outcome.figures, png);
+  };
+  for (; done < jobs.size() && !stop_requested(); ++done) {
+    const auto computed = compute(plan.jobs[jobs[done]]);
+    if (!computed && computed.error().code == ErrorCode::kCancelled && stop_requested()) break;  // within a job
+    E2LF_RETURN_IF_ERROR(computed);
   }
   return done;
 }

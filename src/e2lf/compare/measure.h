@@ -10,8 +10,8 @@
 #include "e2lf/compare/plan.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"
-#include "e2lf/video/video_model.h"
 #include "e2lf/pipeline/method.h"
+#include "e2lf/video/video_model.h"
 
 namespace e2lf::compare {
 

@@ -12,8 +12,8 @@
 #include "e2lf/files/options.h"
 #include "e2lf/files/sha256.h"
 #include "e2lf/model/model.h"
-#include "e2lf/video/video_model.h"
 #include "e2lf/pipeline/method.h"
+#include "e2lf/video/video_model.h"
 
 namespace e2lf::compare {
 namespace fs = std::filesystem;

@@ -26,8 +26,8 @@
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
-#include "e2lf/video/video_model.h"
 #include "e2lf/report/chart.h"
+#include "e2lf/video/video_model.h"
 
 namespace e2lf::info {
 namespace fs = std::filesystem;

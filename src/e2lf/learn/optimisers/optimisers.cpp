@@ -76,7 +76,7 @@ NamedTensors clone(const NamedTensors& tensors) {
 namespace {
 
 constexpr double kMomentum = 0.95;
-constexpr double kSize = 0.2;      // root mean square of Adam's typical steps, in learning rates
+constexpr double kSize = 0.2;  // root mean square of Adam's typical steps, in learning rates
 constexpr int kIterations = 5;
 constexpr double kLinear = 3.4445, kCubic = -4.7750, kQuintic = 2.0315;
 

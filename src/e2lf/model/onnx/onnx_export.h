@@ -12,7 +12,8 @@ namespace e2lf::model {
 
 /// Exports a model as an ONNX file (opset 17, float32 weights) with these float32 tensors:
 ///  - input `events` [batch, N-1, y, x]: the counts of each transition, or their means over several cycles;
-///  - input `traits` [batch, C], only if is_conditioned_on_camera(): the conditioning vector, capture::conditioning_vector();
+///  - input `traits` [batch, C], only if is_conditioned_on_camera(): the conditioning vector,
+///  capture::conditioning_vector();
 ///  - output `views` [batch, views, y, x]: the unprocessed network output; view number = views_x * view_y + view_x.
 ///
 /// Images may have any size: the graph extends them to multiples of size_multiple() as recon::network_input() does, and
