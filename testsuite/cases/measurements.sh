@@ -69,7 +69,8 @@ train() { # name, input, further settings
 train ca1 '[{"kind": "images", "scale": 4}]' --set patterns.num_patterns=1
 train hybrid '[{"kind": "counts", "scale": 0.125}, {"kind": "image-sum", "scale": 1}]' --set patterns.complementary=true
 train lens '[{"kind": "lens-array", "scale": 1}]' --set patterns.num_patterns=1
-"$E2LF" model info run_hybrid/hybrid.safetensors | grep -q "measurement  *hybrid" || fail "model info"
+"$E2LF" model info run_hybrid/hybrid.safetensors >info.txt
+grep -Eq "^measurement +hybrid" info.txt || fail "model info"
 fails 1 "takes lens-array" "$E2LF" reconstruct own_ca1.npz -m run_lens/lens.safetensors -o no
 fails 1 "exported networks" "$E2LF" model export run_lens/lens.safetensors -o no.onnx
 cat >c.json <<'JSON'

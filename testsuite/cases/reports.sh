@@ -36,7 +36,7 @@ PY
 "$E2LF" eval demo/scene demo/recon --events demo/events.npz --report eval.html --report eval.csv --report eval.tex --csv >printed.csv
 page eval.html "PSNR dB" "Views" "events per pixel" "e2lf eval demo/scene demo/recon"
 cmp eval.csv printed.csv || fail "the file is what --csv prints"
-[ "$(head -1 eval.csv | tr -d '\r')" = "method,scene,psnr_db,ssim_uniform7,ssim_gaussian,epi_relative_error,events_per_pixel,min_measurement_ms,bits_per_light_field_pixel" ] || fail "columns"
+[ "$(head -1 eval.csv | tr -d '\r')" = "method,scene,psnr_db,ssim_uniform7,ssim_gaussian,epi_relative_error,bad_07_percent,bad_20_percent,mean_absolute_px,slope,events_per_pixel,min_measurement_ms,bits_per_light_field_pixel" ] || fail "columns"
 "$E2LF" eval demo/scene demo/recon --json >eval.json
 check "abs($(sed -n 2p eval.csv | cut -d, -f3) - $(json eval.json "j['psnr_db']")) < 1e-9"
 grep -q 'begin{tabular}{llrrrrrrr}' eval.tex || fail "LaTeX"
