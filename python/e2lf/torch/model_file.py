@@ -182,6 +182,7 @@ def save_module(
     provenance: what the file states about its origin, such as {"samples": 100000}.
     """
     header = dict(module.header)
+    header.pop("precision_loss", None)  # it was checked for the weights that were loaded
     if constants:
         header["constants"] = {**header["constants"], **as_dict(constants)}
     header["name"] = name or header["name"]
