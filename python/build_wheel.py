@@ -135,8 +135,8 @@ def contents(package_folder):
     """(name in the wheel, bytes, mode) of all but the list of files."""
     data = f"e2lf-{version()}.data/data/share/e2lf"
     info = f"e2lf-{version()}.dist-info"
-    for file in sorted(package_folder.iterdir()):
-        yield f"e2lf/{file.name}", file.read_bytes(), 0o644
+    for file in sorted(package_folder.rglob("*.*")):
+        yield f"e2lf/{file.relative_to(package_folder)}", file.read_bytes(), 0o644
     for folder, pattern in DATA.items():
         for file in sorted((ROOT / folder).glob(pattern)):
             yield f"{data}/{folder}/{file.name}", file.read_bytes(), 0o644

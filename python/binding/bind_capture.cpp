@@ -18,6 +18,7 @@
 #include "python/binding/module.h"
 #include "python/binding/orientation_arguments.h"
 #include "python/binding/outputs.h"
+#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -71,6 +72,28 @@ void bind_camera(py::module_& module) {
                     "Constants of the paper's models; for \"pixel\", only eps and the mean threshold.")
       .def_property_readonly(
           "views", [](const SensorProfile& self) { return orientation_word(self.views); }, kViewsDoc)
+      .def_static(
+          "from_dict",
+          [](const py::dict& content) { return take(capture::camera_from_json(from_python(content), "camera")); },
+          py::arg("content"), "Makes a camera from the content of a camera file.\n\ncontent: as to_dict() returns it.")
+      .def_static(
+          "from_constants",
+          [](const SensorConstants& constants) {
+            SensorProfile camera;
+            camera.constants = constants;
+            return camera;
+          },
+          py::arg("constants"), "Returns a camera of the paper's models.\n\nconstants: its SensorConstants.")
+      .def(
+          "conditioning",
+          [](const SensorProfile& self, Whole<size_t> num_patterns, Whole<size_t> cycles) {
+            if (num_patterns < 2 || cycles < 1) throw py::value_error("there are 2 patterns and 1 cycle at least");
+            const auto vector = capture::conditioning_vector(self, num_patterns, cycles);
+            return py::array_t<float>(static_cast<py::ssize_t>(vector.size()), vector.data());
+          },
+          py::arg("num_patterns"), py::arg("cycles") = 1,
+          "Returns the vector by which networks are conditioned on the camera, float32 [number].\n\n"
+          "num_patterns: number of patterns. cycles: number of cycles over which the counts are averaged.")
       .def(
           "to_dict", [](const SensorProfile& self) { return to_python(capture::to_json(self)); },
           "Returns the content of a camera file: every constant with its uncertainty.")

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Binds the module cycles to Python.
+#include <algorithm>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 #include <variant>
 
+#include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_header.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
+#include "e2lf/cycles/voxelise.h"
 #include "e2lf/info/cycle_report.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/cycle_input.h"
@@ -15,9 +18,11 @@
 #include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/recordings/open/registry.h"
 #include "python/binding/arrays.h"
+#include "python/binding/events.h"
 #include "python/binding/module.h"
 #include "python/binding/open_arguments.h"
 #include "python/binding/orientation_arguments.h"
+#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -62,6 +67,15 @@ void bind_schedule(py::module_& module) {
           "sign", [](const ScheduledPattern& self) { return kSignNames[static_cast<size_t>(self.sign)]; },
           "Sign of the events that the change to it causes: \"any\", \"on\" or \"off\".")
       .def("__eq__", [](const ScheduledPattern& self, const ScheduledPattern& other) { return self == other; })
+      .def(py::pickle(
+          [](const ScheduledPattern& self) {
+            return py::make_tuple(self.name, self.duration_us, self.overhead_us, self.image,
+                                  kSignNames[static_cast<size_t>(self.sign)]);
+          },
+          [](const py::tuple& state) {
+            return ScheduledPattern{state[0].cast<std::string>(), state[1].cast<int64_t>(), state[2].cast<int64_t>(),
+                                    state[3].cast<std::optional<size_t>>(), sign_of(state[4].cast<std::string>())};
+          }))
       .def("__repr__", [](const ScheduledPattern& self) { return "<e2lf.ScheduledPattern " + self.name + ">"; });
 
   py::class_<Schedule>(module, "Schedule", "The patterns of one cycle in the order in which they are shown.")
@@ -87,7 +101,7 @@ void bind_schedule(py::module_& module) {
       "Reads the JSON file of a schedule, as `e2lf codes render` writes it.");
   module.def(
       "paper_schedule",
-      [](size_t num_codes) {
+      [](Whole<size_t> num_codes) {
         if (num_codes < 2) throw py::value_error("a schedule needs at least 2 codes");
         return cycles::paper_schedule(num_codes);
       },
@@ -96,7 +110,9 @@ void bind_schedule(py::module_& module) {
       "num_codes: number of patterns, at least 2.");
   module.def(
       "plain_schedule",
-      [](size_t num_codes, int64_t duration_us) { return checked(cycles::plain_schedule(num_codes, duration_us)); },
+      [](Whole<size_t> num_codes, int64_t duration_us) {
+        return checked(cycles::plain_schedule(num_codes, duration_us));
+      },
       py::arg("num_codes"), py::arg("duration_us"),
       "Returns a schedule of the patterns without inverses.\n\n"
       "num_codes: number of patterns. duration_us: duration of each.");
@@ -222,7 +238,7 @@ void bind_cycle_reader(py::module_& module) {
            "Returns the numbers of cycles found and dropped so far, with reasons, and the data that were left out.");
   module.def(
       "accumulate",
-      [](const fs::path& path, const std::string& source, const ScheduleArgument& schedule, size_t num_codes,
+      [](const fs::path& path, const std::string& source, const ScheduleArgument& schedule, Whole<size_t> num_codes,
          const std::string& edge, std::optional<uint16_t> channel, std::optional<size_t> first_pattern,
          bool one_trigger_per_cycle, std::optional<int64_t> origin_us, bool filter_pixels,
          const std::string& transitions, bool invert_polarity, E2LF_OPEN_PARAMETERS) {
@@ -256,7 +272,7 @@ void bind_cycle_reader(py::module_& module) {
 /// Writes a recording in the same way as `e2lf simulate`.
 void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cycles,
                 const std::optional<py::array>& codes, const ScheduleArgument& schedule, bool triggers,
-                int64_t begin_us, uint64_t seed, const capture::SensorProfile* camera, bool overwrite) {
+                int64_t begin_us, Whole<uint64_t> seed, const capture::SensorProfile* camera, bool overwrite) {
   std::vector<Borrowed<capture::EventImages>> images;
   for (const py::array& each : images_of_cycles) images.push_back(event_images_of(each, "cycles"));
   if (images.empty()) throw py::value_error("at least one cycle is required");
@@ -296,11 +312,84 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
   });
 }
 
+/// Returns events in the order of time, with pixels inside of the image.
+recordings::EventColumns sorted_events(const py::array& array, size_t width, size_t height) {
+  recordings::EventColumns events;
+  append_events(array, events);
+  for (size_t i = 0; i < events.size(); ++i) {
+    if (events.x[i] >= width || events.y[i] >= height) {
+      throw ResultError({ErrorCode::kInvalidValue,
+                         cat("event ", i, " lies at (", events.x[i], ", ", events.y[i], "), outside of ", width, "x",
+                             height, " px; give the size of the sensor"),
+                         "events"});
+    }
+    if (i > 0 && events.t[i] < events.t[i - 1]) {
+      throw ResultError(
+          {ErrorCode::kInvalidValue, cat("event ", i, " is earlier than the one before; sort them by t"), "events"});
+    }
+  }
+  return events;
+}
+
+py::array event_images(const py::array& array, const std::vector<int64_t>& times_us, size_t width, size_t height) {
+  if (times_us.size() < 2 || !std::ranges::is_sorted(times_us))
+    throw py::value_error("times_us are the starts of at least one image and the end of the last, in ascending order");
+  const recordings::EventColumns events = sorted_events(array, width, height);
+  capture::EventImages images(times_us.size() - 1, height, width);
+  const bool fits = without_gil([&]() -> Result<bool> {
+    size_t image = 0;
+    for (size_t i = 0; i < events.size(); ++i) {
+      if (events.t[i] < times_us.front()) continue;
+      while (image < images.count && events.t[i] >= times_us[image + 1]) ++image;
+      if (image == images.count) break;
+      int16_t& count = images.image(image)[events.y[i] * width + events.x[i]];
+      const int sum = count + (events.p[i] != 0 ? 1 : -1);
+      if (sum != static_cast<int16_t>(sum)) return false;
+      count = static_cast<int16_t>(sum);
+    }
+    return true;
+  });
+  if (fits) return to_array(std::move(images));
+  throw ResultError({ErrorCode::kInvalidValue, "a count does not fit into int16; use shorter intervals", "times_us"});
+}
+
+py::array voxel_grid(const py::array& array, size_t bins, size_t width, size_t height) {
+  if (bins < 1) throw py::value_error("a grid has at least 1 bin");
+  const recordings::EventColumns events = sorted_events(array, width, height);
+  const auto grid =
+      without_gil([&]() -> Result<capture::VoxelGrid> { return cycles::voxelise(events, bins, height, width); });
+  return py::array_t<float>(std::vector<size_t>{bins, height, width}, grid.values.data());
+}
+
+void bind_event_arrays(py::module_& module) {
+  module.def(
+      "event_images",
+      [](const py::array& events, const std::vector<int64_t>& times_us, Whole<size_t> width, Whole<size_t> height) {
+        return event_images(events, times_us, width, height);
+      },
+      py::arg("events"), py::arg("times_us"), py::arg("width"), py::arg("height"),
+      "Sums the signed events of intervals: int16 [transition, y, x].\n\n"
+      "events: array with the fields x, y, p, t, sorted by t.\n"
+      "times_us: starts of the intervals in us, followed by the end of the last one; other events are not used.\n"
+      "width, height: size of the sensor in px.");
+  module.def(
+      "voxel_grid",
+      [](const py::array& events, Whole<size_t> bins, Whole<size_t> width, Whole<size_t> height) {
+        return voxel_grid(events, bins, width, height);
+      },
+      py::arg("events"), py::arg("bins"), py::arg("width"), py::arg("height"),
+      "Distributes the events of a window over points in time, between which they are interpolated: float32 "
+      "[bin, y, x].\n\n"
+      "events: array with the fields x, y, p, t, sorted by t. bins: number of points in time.\n"
+      "width, height: size of the sensor in px.");
+}
+
 }  // namespace
 
 void bind_cycles(py::module_& module) {
   bind_schedule(module);
   bind_cycle_reader(module);
+  bind_event_arrays(module);
   module.def("synthesise_recording", &synthesise, py::arg("path"), py::arg("cycles"), py::arg("codes") = py::none(),
              py::kw_only(), py::arg("schedule") = py::none(), py::arg("triggers") = true, py::arg("begin_us") = 100000,
              py::arg("seed") = 1, py::arg("camera") = nullptr, py::arg("overwrite") = false,

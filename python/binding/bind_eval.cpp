@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Binds the module eval to Python.
+#include <algorithm>
+#include <cmath>
 #include <pybind11/stl.h>
 #include <span>
 
@@ -15,50 +17,100 @@
 namespace e2lf::python {
 namespace {
 
-using Floats = py::array_t<float, py::array::c_style>;
+/// Two light fields, or two images as light fields of one view, of the same shape.
+struct Pair {
+  Borrowed<lightfield::LightField> a, b;
+};
 
-std::span<const float> span_of(const Floats& values) {
-  return {values.data(), static_cast<size_t>(values.size())};
+/// Adds the axes of views to an image [y, x] or [y, x, channel].
+py::array as_light_field(const py::array& array) {
+  const bool is_image = array.ndim() == 2 || (array.ndim() == 3 && (array.shape(2) == 1 || array.shape(2) == 3));
+  return is_image ? py::array(array[py::make_tuple(py::none(), py::none(), py::ellipsis())]) : array;
 }
 
-/// Returns two arrays of the same shape.
-std::pair<Floats, Floats> pair_of(const py::array& a, const py::array& b) {
-  std::pair<Floats, Floats> both(floats_of(a, "a"), floats_of(b, "b"));
-  const std::vector<py::ssize_t> shape_a(both.first.shape(), both.first.shape() + both.first.ndim());
-  const std::vector<py::ssize_t> shape_b(both.second.shape(), both.second.shape() + both.second.ndim());
-  if (shape_a != shape_b || both.first.size() == 0) {
-    throw ResultError({ErrorCode::kShape, "the two arrays differ in shape or are empty", "a, b"});
-  }
-  return both;
+void check_finite(const lightfield::LightField& field, const char* name) {
+  if (std::ranges::all_of(field.data(), [](float value) { return std::isfinite(value); })) return;
+  throw ResultError({ErrorCode::kInvalidValue, "it contains NaN or infinity; replace them first", name});
+}
+
+Pair pair_of(const py::array& a, const py::array& b) {
+  Pair pair{light_field_of(as_light_field(a), "a"), light_field_of(as_light_field(b), "b")};
+  if (!(pair.a->shape() == pair.b->shape()))
+    throw ResultError({ErrorCode::kShape, "the two arrays differ in shape", "a, b"});
+  check_finite(*pair.a, "a");
+  check_finite(*pair.b, "b");
+  return pair;
+}
+
+/// Returns the mean of `metric`(view of a, view of b) over the views.
+template <typename Metric>
+double mean_over_views(const Pair& pair, const Metric& metric) {
+  const lightfield::Shape& shape = pair.a->shape();
+  return without_gil([&]() -> Result<double> {
+    double sum = 0;
+    for (size_t view = 0; view < shape.num_views(); ++view) {
+      const size_t row = view / shape.views_x, column = view % shape.views_x;
+      sum += metric(pair.a->view(row, column), pair.b->view(row, column));
+    }
+    return sum / static_cast<double>(shape.num_views());
+  });
 }
 
 double psnr(const py::array& a, const py::array& b) {
-  const auto both = pair_of(a, b);
-  return without_gil([&]() -> Result<double> {
-    return eval::psnr_from_mse(eval::mean_squared_error(span_of(both.first), span_of(both.second)));
+  return mean_over_views(pair_of(a, b), [](std::span<const float> view_a, std::span<const float> view_b) {
+    return eval::psnr_from_mse(eval::mean_squared_error(view_a, view_b));
   });
+}
+
+std::vector<float> channel_of(std::span<const float> view, size_t channel, size_t channels) {
+  std::vector<float> values;
+  for (size_t i = channel; i < view.size(); i += channels) values.push_back(view[i]);
+  return values;
 }
 
 double ssim(const py::array& a, const py::array& b, const std::string& window) {
   check_word(window, {"uniform7", "gaussian"}, "window");
   const auto kind = window == "gaussian" ? eval::SsimWindow::kGaussian11 : eval::SsimWindow::kUniform7;
-  const auto both = pair_of(a, b);
-  const auto least = static_cast<py::ssize_t>(eval::ssim_window_size(kind));
-  if (both.first.ndim() != 2 || both.first.shape(0) < least || both.first.shape(1) < least) {
-    throw ResultError({ErrorCode::kShape, cat("give pictures [y, x] of at least ", least, "x", least, " px"), "a, b"});
+  const Pair pair = pair_of(a, b);
+  const lightfield::Shape& shape = pair.a->shape();
+  const size_t least = eval::ssim_window_size(kind);
+  if (shape.height < least || shape.width < least) {
+    throw ResultError({ErrorCode::kShape, cat("views have at least ", least, "x", least, " px"), "a, b"});
   }
-  return without_gil([&]() -> Result<double> {
-    return eval::ssim(span_of(both.first), span_of(both.second), static_cast<size_t>(both.first.shape(0)),
-                      static_cast<size_t>(both.first.shape(1)), kind);
+  return mean_over_views(pair, [&](std::span<const float> view_a, std::span<const float> view_b) {
+    double sum = 0;
+    for (size_t channel = 0; channel < shape.channels; ++channel) {
+      sum += eval::ssim(channel_of(view_a, channel, shape.channels), channel_of(view_b, channel, shape.channels),
+                        shape.height, shape.width, kind);
+    }
+    return sum / static_cast<double>(shape.channels);
   });
 }
 
-py::object compare(const py::array& truth, const py::array& reconstruction, bool clamp,
+lightfield::LightField toned(const lightfield::LightField& field, const eval::Tone& tone) {
+  lightfield::LightField result = field;
+  for (float& value : result.data()) value = (value - tone.black) * tone.gain;
+  return result;
+}
+
+py::object compare(const py::array& truth, const py::array& reconstruction, bool clamp, const std::string& fit,
                    const ProgressArgument& progress) {
-  const auto a = light_field_of(truth, "truth");
-  const auto b = light_field_of(reconstruction, "reconstruction");
+  check_word(fit, {"none", "gain", "gain-and-black"}, "fit");
+  const auto a = light_field_of(as_light_field(truth), "truth");
+  const auto b = light_field_of(as_light_field(reconstruction), "reconstruction");
   const ProgressFn told = progress_of(progress);
-  return to_python(eval::to_json(without_gil([&] { return eval::compare(*a, *b, {.clamp = clamp}, told); })));
+  if (fit == "none") return to_python(eval::to_json(without_gil([&] { return eval::compare(*a, *b, {clamp}, told); })));
+  if (!(a->shape() == b->shape()))
+    throw ResultError({ErrorCode::kShape, "the two light fields differ in shape", "reconstruction"});
+  eval::Tone tone;
+  Json report = eval::to_json(without_gil([&]() -> Result<eval::LightFieldMetrics> {
+    if (fit == "gain") tone.gain = eval::best_gain(*a, *b);
+    if (fit != "gain") tone = eval::best_tone(*a, *b);
+    return eval::compare(*a, toned(*b, tone), {clamp}, told);
+  }));
+  report["fitted_gain"] = tone.gain;
+  report["fitted_black"] = tone.black;
+  return to_python(report);
 }
 
 }  // namespace
@@ -66,17 +118,20 @@ py::object compare(const py::array& truth, const py::array& reconstruction, bool
 void bind_eval(py::module_& module) {
   module.def(
       "psnr", &psnr, py::arg("a"), py::arg("b"),
-      "Computes the peak signal-to-noise ratio in dB of two arrays of the same shape with values in [0, 1]; inf if "
-      "they are equal.\n\na, b: floating-point numbers, with any axes.");
+      "Computes the peak signal-to-noise ratio in dB of values in [0, 1], as the mean over the views; inf if they are "
+      "equal.\n\na, b: light fields [view_y, view_x, y, x] or images [y, x], or both with [channel].");
   module.def("ssim", &ssim, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("window") = "uniform7",
-             "Computes the mean SSIM of two images with values in [0, 1].\n\n"
-             "a, b: [y, x].\nwindow: \"uniform7\" or \"gaussian\" (11x11).");
+             "Computes the mean SSIM of values in [0, 1] over the views and channels.\n\n"
+             "a, b: light fields [view_y, view_x, y, x] or images [y, x], or both with [channel].\nwindow: "
+             "\"uniform7\" or \"gaussian\" (11x11).");
   module.def("compare", &compare, py::arg("truth"), py::arg("reconstruction"), py::kw_only(), py::arg("clamp") = true,
-             py::arg("progress") = py::none(),
+             py::arg("fit") = "none", py::arg("progress") = py::none(),
              "Compares a reconstructed light field with the true one. Returns the dict that `e2lf eval --json` prints, "
              "with psnr_db, ssim_uniform7, ssim_gaussian, epi_rms_error, epi_relative_error and views.\n\n"
-             "truth, reconstruction: [view_y, view_x, y, x], or both with [channel].\n"
+             "truth, reconstruction: [view_y, view_x, y, x] or [y, x], or both with [channel].\n"
              "clamp: clamp the reconstruction to [0, 1] first.\n"
+             "fit: \"gain\" compares the reconstruction times the factor with the least squared error, and "
+             "\"gain-and-black\" subtracts a black level first; the dict then has fitted_gain and fitted_black.\n"
              "progress: called with (views done, views).");
   module.def(
       "event_statistics",

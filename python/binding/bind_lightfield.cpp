@@ -15,6 +15,7 @@
 #include "python/binding/module.h"
 #include "python/binding/orientation_arguments.h"
 #include "python/binding/outputs.h"
+#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -32,8 +33,8 @@ void check_index(size_t index, size_t size, const char* axis) {
   if (index >= size) throw py::index_error(cat(axis, " ", index, " is not in 0..", size - 1));
 }
 
-py::array read(const fs::path& path, size_t views, size_t step, bool colour, bool reverse_rows,
-               const std::string& range, float white, size_t view_columns, size_t lenslet_views,
+py::array read(const fs::path& path, Whole<size_t> views, Whole<size_t> step, bool colour, bool reverse_rows,
+               const std::string& range, float white, Whole<size_t> view_columns, Whole<size_t> lenslet_views,
                E2LF_ORIENTATION_PARAMETERS, const ProgressArgument& progress) {
   lightfield::ReadOptions options;
   for (lightfield::AxisViews* axis : {&options.views_y, &options.views_x}) {
@@ -106,7 +107,7 @@ void bind_pictures(py::module_& module) {
       "weights: float32 [view_y, view_x], the weights of the views instead of a round aperture.");
   module.def(
       "horizontal_epi",
-      [](const py::array& light_field, size_t view_y, size_t y) {
+      [](const py::array& light_field, Whole<size_t> view_y, Whole<size_t> y) {
         const auto field = light_field_of(light_field, "light_field");
         check_index(view_y, field->shape().views_y, "view_y");
         check_index(y, field->shape().height, "y");
@@ -119,7 +120,7 @@ void bind_pictures(py::module_& module) {
       "view_y, y: the row of views and the row of pixels, from 0.");
   module.def(
       "vertical_epi",
-      [](const py::array& light_field, size_t view_x, size_t x) {
+      [](const py::array& light_field, Whole<size_t> view_x, Whole<size_t> x) {
         const auto field = light_field_of(light_field, "light_field");
         check_index(view_x, field->shape().views_x, "view_x");
         check_index(x, field->shape().width, "x");
@@ -146,7 +147,7 @@ void bind_pictures(py::module_& module) {
       "y, x: the row and the column of pixels; None = the middle.");
   module.def(
       "contact_sheet",
-      [](const py::array& light_field, size_t max_width) {
+      [](const py::array& light_field, Whole<size_t> max_width) {
         const auto field = light_field_of(light_field, "light_field");
         const lightfield::ContactSheetOptions options{.max_width = max_width};
         if (max_width < field->shape().views_x * (1 + options.separator_px)) {
@@ -191,7 +192,7 @@ void bind_scenes(py::module_& module) {
   };
   module.def(
       "demo_scene",
-      [render](size_t width, size_t height, size_t views, uint64_t seed) {
+      [render](Whole<size_t> width, Whole<size_t> height, Whole<size_t> views, Whole<uint64_t> seed) {
         return render(lightfield::demo_scene(seed), width, height, views);
       },
       py::arg("width") = 512, py::arg("height") = 384, py::kw_only(), py::arg("views") = 8, py::arg("seed") = 1,
@@ -199,7 +200,7 @@ void bind_scenes(py::module_& module) {
       "width, height: size of a view in px. views: number of views per axis. seed: selects a variant of the scene.");
   module.def(
       "turntable_scene",
-      [render](float turn, size_t width, size_t height, size_t views, uint64_t seed) {
+      [render](float turn, Whole<size_t> width, Whole<size_t> height, Whole<size_t> views, Whole<uint64_t> seed) {
         return render(lightfield::turntable_scene(turn, seed), width, height, views);
       },
       py::arg("turn"), py::arg("width") = 512, py::arg("height") = 384, py::kw_only(), py::arg("views") = 8,

@@ -10,6 +10,7 @@
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
 #include "python/binding/orientation_arguments.h"
+#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace {
@@ -46,7 +47,7 @@ class Network {
     method_ = without_gil([&] { return pipeline::open_method(std::move(choice)); });
   }
 
-  py::array reconstruct(py::array images, const GainArgument& gain, size_t passes, size_t cycles,
+  py::array reconstruct(py::array images, const GainArgument& gain, Whole<size_t> passes, Whole<size_t> cycles,
                         const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS,
                         const ProgressArgument& progress) {
     const pipeline::Tone tone = tone_of(gain);

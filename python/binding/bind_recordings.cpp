@@ -3,9 +3,11 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "e2lf/base/text.h"
 #include "e2lf/info/describe.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/recorded_setup.h"
+#include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/recording.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
@@ -228,7 +230,39 @@ void bind_camera_setup(py::module_& module) {
            "biases: a file of biases (.bias).\n"
            "max_events_per_s: event rate above which the sensor drops events; 0 = no limit.\n"
            "regions: rectangles of the sensor that send events, (x, y, width, height) in px; [] = all.\n"
-           "encoding: \"evt2\", \"evt2.1\" or \"evt3\".");
+           "encoding: \"evt2\", \"evt2.1\" or \"evt3\".")
+      .def("__eq__", [](const CameraSetup& self, const CameraSetup& other) { return self == other; })
+      .def(py::pickle(
+          [](const CameraSetup& self) {
+            std::vector<RegionArgument> regions;
+            for (const auto& region : self.regions)
+              regions.emplace_back(region.x, region.y, region.width, region.height);
+            return py::make_tuple(self.trigger_channels, self.biases.string(), self.max_events_per_s, regions,
+                                  self.encoding);
+          },
+          [](const py::tuple& state) {
+            CameraSetup setup{.trigger_channels = state[0].cast<std::vector<std::string>>(),
+                              .biases = state[1].cast<std::string>(),
+                              .max_events_per_s = state[2].cast<std::optional<uint32_t>>(),
+                              .regions = {},
+                              .encoding = state[4].cast<std::string>()};
+            for (const auto& [x, y, width, height] : state[3].cast<std::vector<RegionArgument>>())
+              setup.regions.push_back({x, y, width, height});
+            return setup;
+          }));
+}
+
+/// Returns the names of the live cameras that the plugins find.
+std::vector<std::string> find_cameras() {
+  return without_gil([]() -> Result<std::vector<std::string>> {
+    std::vector<std::string> names;
+    for (const recordings::CameraPlugin& plugin : recordings::camera_plugins()) {
+      if (!plugin.list) continue;
+      E2LF_ASSIGN_OR_RETURN(const std::vector<std::string> addresses, plugin.list());
+      for (const std::string& address : addresses) names.push_back(cat("camera://", plugin.name, "/", address));
+    }
+    return names;
+  });
 }
 
 }  // namespace
@@ -238,6 +272,9 @@ void bind_recordings(py::module_& module) {
   module.attr("trigger_dtype") = trigger_dtype();
   bind_camera_setup(module);
   bind_recording(module);
+  module.def(
+      "find_cameras", &find_cameras,
+      "Returns the names of the connected cameras, which open_recording() opens: [\"camera://metavision/...\"].");
   module.def(
       "open_recording", [](const fs::path& path, E2LF_OPEN_PARAMETERS) { return open(path, E2LF_OPEN_VALUES); },
       py::arg("path"), py::kw_only(), E2LF_OPEN_ARGUMENTS, "Opens a recording of any format." E2LF_OPEN_DOC);

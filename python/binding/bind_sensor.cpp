@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Binds the module sensor to Python.
+#include <algorithm>
+#include <cmath>
 #include <pybind11/stl.h>
 
 #include "e2lf/capture/measurement/colour_filter.h"
@@ -10,13 +12,25 @@
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
 #include "python/binding/orientation_arguments.h"
+#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace {
 
+/// Returns a light field, whose intensities must be finite and not negative.
+Borrowed<lightfield::LightField> scene_of(const py::array& light_field) {
+  auto scene = light_field_of(light_field, "light_field");
+  const bool is_light = without_gil([&]() -> Result<bool> {
+    return std::ranges::all_of(scene->data(), [](float value) { return value >= 0 && std::isfinite(value); });
+  });
+  if (is_light) return scene;
+  throw ResultError(
+      {ErrorCode::kInvalidValue, "it contains NaN, infinity or negative intensities; clip them first", "light_field"});
+}
+
 /// Returns the light on the pixels: the light field itself, or behind the colour filter of this name.
 Borrowed<lightfield::LightField> light_on_sensor(const py::array& light_field, const std::string& colour_filter) {
-  auto scene = light_field_of(light_field, "light_field");
+  auto scene = scene_of(light_field);
   if (colour_filter.empty()) return scene;
   const capture::ColourFilter filter = take(capture::colour_filter_from_name(colour_filter));
   if (scene->shape().channels != 3) {
@@ -29,7 +43,7 @@ Borrowed<lightfield::LightField> light_on_sensor(const py::array& light_field, c
 /// Simulates the paper's model, or the physical pixels of a camera; rejects arguments that do not apply.
 py::array simulate(const py::array& light_field, const py::array& codes, const capture::SensorProfile* camera,
                    const std::optional<capture::SensorConstants>& constants, const std::string& event_model,
-                   float scene_gain, float residue, uint64_t seed, std::optional<uint64_t> map_seed,
+                   float scene_gain, float residue, Whole<uint64_t> seed, std::optional<Whole<uint64_t>> map_seed,
                    const std::string& colour_filter) {
   auto scene = light_on_sensor(light_field, colour_filter);
   // The camera sees the views in its own orientation.
@@ -81,7 +95,7 @@ void bind_sensor(py::module_& module) {
   module.def(
       "coded_intensities",
       [](const py::array& light_field, const py::array& codes) {
-        const auto scene = light_field_of(light_field, "light_field");
+        const auto scene = scene_of(light_field);
         const capture::Codes patterns = codes_of(codes, "codes");
         auto seen = without_gil([&] { return sensor::coded_intensities(patterns, *scene); });
         return py::array_t<float>(std::vector<size_t>{seen.count, seen.height, seen.width}, seen.values.data());

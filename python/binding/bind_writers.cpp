@@ -13,6 +13,7 @@
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/open_arguments.h"
+#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -73,9 +74,9 @@ class Writer {
   OneAtATime use_;
 };
 
-std::unique_ptr<Writer> create(const fs::path& path, size_t width, size_t height, const std::string& format,
-                               const std::map<std::string, std::string>& header, const std::optional<py::array>& codes,
-                               bool overwrite) {
+std::unique_ptr<Writer> create(const fs::path& path, Whole<size_t> width, Whole<size_t> height,
+                               const std::string& format, const std::map<std::string, std::string>& header,
+                               const std::optional<py::array>& codes, bool overwrite) {
   recordings::RecordingInfo info;
   info.width = width;
   info.height = height;

@@ -13,6 +13,10 @@ py::object to_python(const Json& json) {
   return py::module_::import("json").attr("loads")(json_line(json));
 }
 
+Json from_python(const py::object& value) {
+  return take(parse_json(py::module_::import("json").attr("dumps")(value).cast<std::string>(), "value"));
+}
+
 }  // namespace e2lf::python
 
 PYBIND11_MODULE(_e2lf, module) {
@@ -31,4 +35,6 @@ PYBIND11_MODULE(_e2lf, module) {
   python::bind_recon(module);
   python::bind_eval(module);
   python::bind_depth(module);
+  python::bind_calibrate(module);
+  python::bind_video(module);
 }

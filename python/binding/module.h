@@ -22,9 +22,14 @@ void bind_model(py::module_& module);
 void bind_recon(py::module_& module);
 void bind_eval(py::module_& module);
 void bind_depth(py::module_& module);
+void bind_calibrate(py::module_& module);
+void bind_video(py::module_& module);
 
 /// Converts JSON to dict, list, str, numbers, bool and None.
 [[nodiscard]] py::object to_python(const Json& json);
+
+/// Converts dict, list, str, numbers, bool and None to JSON.
+[[nodiscard]] Json from_python(const py::object& value);
 
 /// Creates a named tuple of e2lf._types from its name and its values.
 template <typename... Values>

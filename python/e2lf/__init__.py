@@ -10,6 +10,7 @@ from ._e2lf import (
     Cycles,
     Error,
     EventSlices,
+    FrameReconstructor,
     Model,
     Reconstructor,
     Recording,
@@ -18,10 +19,12 @@ from ._e2lf import (
     ScheduledPattern,
     SensorConstants,
     Slices,
+    VideoModel,
     __version__,
     accumulate,
     auto_gain,
     bundled_model,
+    calibrate,
     coded_intensities,
     compare,
     compare_disparity,
@@ -35,8 +38,10 @@ from ._e2lf import (
     epi_picture,
     event_dtype,
     event_error,
+    event_images,
     event_picture,
     event_statistics,
+    find_cameras,
     horizontal_epi,
     info,
     instruction_set,
@@ -62,11 +67,13 @@ from ._e2lf import (
     trigger_dtype,
     turntable_scene,
     vertical_epi,
+    voxel_grid,
     write_codes,
     write_event_images,
     write_light_field,
+    write_model,
     write_png,
 )
-from ._types import Cycle, DisparityMap, EventImageFile, Slice
+from ._types import Calibration, Cycle, DisparityMap, EventImageFile, Slice
 
 __all__ = [name for name in dir() if not name.startswith("_")]

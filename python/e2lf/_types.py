@@ -1,5 +1,5 @@
 """The named tuples that functions of e2lf return."""
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -13,6 +13,13 @@ class Slice(NamedTuple):
     triggers: np.ndarray  #: of trigger_dtype
     begin_us: int
     end_us: int
+
+
+class Calibration(NamedTuple):
+    """The constants of a camera that were estimated from events."""
+
+    camera: Camera
+    report: Dict[str, Any]  #: the content of `e2lf calibrate --json`
 
 
 class Cycle(NamedTuple):

@@ -58,6 +58,25 @@ class MemoryTest(unittest.TestCase):
         with self.assertRaises(e2lf.Error):
             e2lf.coded_intensities(np.zeros((8, 8, 4, 4), np.float32), np.full((4, 8, 8), 2.0))
 
+    def test_nan_and_negative_numbers_are_refused_with_one_line(self):
+        scene, codes = e2lf.demo_scene(48, 32), model().codes
+        for value in (np.nan, np.inf, -1):
+            wrong = scene.copy()
+            wrong[3, 4, 5, 6] = value
+            for call in (lambda: e2lf.simulate(wrong, codes), lambda: e2lf.coded_intensities(wrong, codes)):
+                with self.assertRaises(e2lf.Error) as caught:
+                    call()
+                self.assertNotIn("\n", str(caught.exception))
+        wrong[3, 4, 5, 6] = np.nan
+        for measure in (e2lf.psnr, e2lf.ssim, e2lf.compare):
+            with self.assertRaises(e2lf.Error):
+                measure(scene, wrong)
+        for call in (lambda: e2lf.demo_scene(-5, 32), lambda: e2lf.simulate(scene, codes, seed=-1),
+                     lambda: e2lf.paper_schedule(-4), lambda: e2lf.horizontal_epi(scene, -1, 0)):
+            with self.assertRaises(ValueError) as caught:
+                call()
+            self.assertRegex(str(caught.exception), r"^-\d is negative[^\n]*$")
+
 
 class ErrorTest(InFolder):
     def test_the_text_is_that_of_the_command_line(self):
@@ -111,10 +130,16 @@ class ErrorTest(InFolder):
         with self.assertRaises(e2lf.Error):
             e2lf.read_events("rec.raw", strict=True)
 
-    def test_plain_data_is_pickled_and_nothing_else(self):
+    def test_data_is_pickled_and_nothing_else(self):
         make_recording("rec.raw", cycles=1)
-        for value in (e2lf.SensorConstants(tau=0.25), e2lf.paper_schedule(3), e2lf.read_camera("evk4-lcos")):
+        setup = e2lf.CameraSetup(trigger_channels=["main"], max_events_per_s=5, regions=[(0, 1, 2, 3)], encoding="evt3")
+        for value in (e2lf.SensorConstants(tau=0.25), e2lf.paper_schedule(3), e2lf.paper_schedule(3).patterns[1], setup,
+                      e2lf.read_camera("evk4-lcos")):
             self.assertEqual(pickle.loads(pickle.dumps(value)), value)
+        again = pickle.loads(pickle.dumps(model()))
+        self.assertEqual(again.header, model().header)
+        self.assertTrue(same(again.codes, model().codes))
+        self.assertTrue(all(same(again.weights[name], values) for name, values in model().weights.items()))
         part = next(iter(e2lf.open_recording("rec.raw")))
         again = pickle.loads(pickle.dumps(part))
         self.assertTrue(same(again.events, part.events) and again.begin_us == part.begin_us)
@@ -122,7 +147,7 @@ class ErrorTest(InFolder):
             e2lf.read_model("nothing")
         again = pickle.loads(pickle.dumps(caught.exception))
         self.assertEqual((str(again), again.code), (str(caught.exception), "not_found"))
-        for value in (model(), e2lf.open_recording("rec.raw")):
+        for value in (e2lf.Reconstructor(model()), e2lf.open_recording("rec.raw")):
             with self.assertRaises(TypeError):
                 pickle.dumps(value)
 

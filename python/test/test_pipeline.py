@@ -172,8 +172,89 @@ class PipelineTest(InFolder):
         self.assertAlmostEqual(e2lf.psnr(*pair), view["psnr_db"], places=6)
         self.assertAlmostEqual(e2lf.ssim(*pair), view["ssim_uniform7"], places=6)
         self.assertAlmostEqual(e2lf.ssim(*pair, window="gaussian"), view["ssim_gaussian"], places=6)
+        for name, value in (("psnr_db", e2lf.psnr(self.scene, noisy)), ("ssim_uniform7", e2lf.ssim(self.scene, noisy))):
+            self.assertAlmostEqual(value, expected[name], places=6)
+        colour, colour_noisy = (np.stack([field, 0.5 * field, field], axis=-1) for field in (self.scene, noisy))
+        self.assertAlmostEqual(e2lf.ssim(colour, colour_noisy), e2lf.compare(colour, colour_noisy)["ssim_uniform7"], places=6)
         self.assertEqual(e2lf.psnr(self.scene, self.scene), float("inf"))
         self.assertAlmostEqual(e2lf.psnr(self.scene, self.scene + np.float32(0.1)), 20, places=4)
+
+    def test_brightness_is_fitted(self):
+        dim = 0.5 * self.scene + np.float32(0.1)
+        found = e2lf.compare(self.scene, dim, fit="gain-and-black")
+        self.assertAlmostEqual(found["fitted_gain"], 2, places=4)
+        self.assertAlmostEqual(found["fitted_black"], 0.1, places=4)
+        self.assertGreater(found["psnr_db"], 90)
+        half = e2lf.compare(self.scene, 0.5 * self.scene, fit="gain")
+        self.assertAlmostEqual(half["fitted_gain"], 2, places=4)
+        self.assertEqual(half["fitted_black"], 0)
+        with self.assertRaises(e2lf.Error):
+            e2lf.compare(self.scene, dim, fit="offset")
+
+    def test_event_images_of_arrays(self):
+        images, codes = event_images(2)
+        e2lf.synthesise_recording("rec.raw", images, codes)
+        events, _ = e2lf.read_events("rec.raw")
+        for cycle in e2lf.accumulate("rec.raw"):
+            times = [begin for begin, _ in cycle.slices] + [cycle.slices[-1][1]]
+            self.assertTrue(same(e2lf.event_images(events, times, 48, 32), cycle.images))
+        for wrong in (lambda: e2lf.event_images(events, times, 47, 32), lambda: e2lf.event_images(events[::-1], times, 48, 32)):
+            with self.assertRaises(e2lf.Error):
+                wrong()
+        with self.assertRaises(ValueError):
+            e2lf.event_images(events, times[::-1], 48, 32)
+
+    def test_voxel_grids_and_frames(self):
+        events = np.zeros(3, e2lf.event_dtype)
+        events["x"], events["y"], events["p"], events["t"] = [1, 2, 3], [0, 1, 2], [1, 0, 1], [100, 125, 200]
+        grid = e2lf.voxel_grid(events, 3, 5, 4)
+        expected = np.zeros((3, 4, 5), np.float32)
+        expected[0, 0, 1], expected[2, 2, 3] = 1, 1
+        expected[0, 1, 2], expected[1, 1, 2] = -0.5, -0.5
+        self.assertTrue(np.allclose(grid, expected))
+        layers = [{"name": "all", "op": "conv", "inputs": ["input"], "out_channels": 1, "kernel": 1},
+                  {"name": "cell", "op": "conv-gru", "inputs": ["all"], "out_channels": 1, "kernel": 1}]
+        weights = {"all.weight": np.ones((1, 3, 1, 1)), "all.bias": np.zeros(1)}
+        for part, outputs in (("gates", 2), ("candidate", 1)):
+            weights |= {f"cell.{part}.weight": np.ones((outputs, 2, 1, 1)), f"cell.{part}.bias": np.zeros(outputs)}
+        header = {"format_version": 1, "measurement": "voxel-grid", "name": "sum", "bins": 3, "normalises_voxels": False,
+                  "pad_multiple": 1, "tone": "none", "provenance": {},
+                  "network": {"type": "conv-graph", "input_channels": 3, "layers": layers}}
+        video = e2lf.VideoModel.of(header, {name: values.astype(np.float32) for name, values in weights.items()})
+        self.assertEqual(pickle.loads(pickle.dumps(video)).header, video.header)
+        frames = e2lf.FrameReconstructor(video, 5, 4, precision="float32")
+        first, second = frames.next(grid, toned=False), frames.next(grid, toned=False)
+        h = np.tanh(1) / (1 + np.exp(-1))
+        self.assertAlmostEqual(first[0, 1], h, places=5)
+        self.assertNotAlmostEqual(second[0, 1], h, places=3)
+        frames.reset()
+        self.assertTrue(same(frames.next(grid, toned=False), first))
+        with self.assertRaises(e2lf.Error):
+            frames.next(grid[:2])
+
+    def test_calibrate(self):
+        camera, codes = e2lf.Camera("evk4-lcos"), self.model.codes
+        levels = np.linspace(0.05, 0.9, 4, dtype=np.float32).repeat(16)
+        scene = np.broadcast_to(levels, (8, 8, 64, 64)).copy()
+        cycles = [e2lf.simulate(scene, codes, camera=camera, seed=seed, map_seed=1) for seed in range(3)]
+        constants = camera.to_dict()["constants"]
+        held = [name for name in constants if not name.startswith(("threshold", "eps")) and not name.endswith("time_s")]
+        found = e2lf.calibrate([cycles], codes, camera, held=held, even=True)
+        for name in ("threshold_on", "threshold_off"):
+            true = constants[name]["value"]
+            self.assertAlmostEqual(found.camera.to_dict()["constants"][name]["value"], true, delta=0.1 * true)
+        self.assertTrue(found.report["constants"])
+        with self.assertRaises(e2lf.Error):
+            e2lf.calibrate([cycles], codes, camera, held=["nothing"])
+
+    def test_cameras_from_their_parts(self):
+        camera = e2lf.Camera("evk4-lcos")
+        self.assertEqual(e2lf.Camera.from_dict(camera.to_dict()), camera)
+        self.assertEqual(e2lf.Camera.from_constants(e2lf.SensorConstants(tau=0.2)).constants.tau, np.float32(0.2))
+        self.assertEqual(len(camera.conditioning(4)), 18)
+        self.assertIsInstance(e2lf.find_cameras(), list)
+        with self.assertRaises(e2lf.Error):
+            e2lf.Camera.from_dict({"name": "nothing"})
 
     def test_pictures(self):
         self.assertTrue(same(e2lf.horizontal_epi(self.scene, 3, 7), self.scene[3, :, 7, :]))

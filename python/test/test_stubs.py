@@ -84,7 +84,7 @@ class StubTest(unittest.TestCase):
                     self.assertRegex(text, rf"\b{argument.arg}\b", f"{name} does not explain {argument.arg}")
 
     def test_shapes_and_units_are_said(self):
-        axes = r"\[[\w +-]+(, [\w +-]+)+\]|\[channel\]|of the same shape|event_dtype|fields x, y|Slice|DisparityMap"
+        axes = r"\[[\w +-]+(, [\w +-]+)*\]|of the same shape|event_dtype|fields x, y|Slice|DisparityMap"
         for name, stub, text in self.documented():
             types = ast.unparse(stub)
             if re.search(r"\b(Array|Floats|Counts|Slice|EventImageFile|DisparityMap)\b", types):

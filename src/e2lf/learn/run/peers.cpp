@@ -55,9 +55,35 @@ Result<int> number_variable(const char* name, int low, int high) {
   return value;
 }
 
+/// Returns the first host of a list of Slurm: "node03" of "node[03-07,9],other".
+std::string first_host(const std::string& list) {
+  const size_t end = list.find_first_of("[,");
+  std::string host = list.substr(0, end);
+  if (end != std::string::npos && list[end] == '[')
+    host += list.substr(end + 1, list.find_first_of("-,]", end) - end - 1);
+  return host;
+}
+
+/// Reads the variables that srun sets in each task of a step. The tasks meet on the first host, at a port that follows
+/// from the number of the job.
+Result<Meeting> read_slurm_step() {
+  constexpr int kMaxJob = 0x7fffffff, kFirstPort = 20000, kPorts = 20000;
+  Meeting meeting;
+  E2LF_ASSIGN_OR_RETURN(meeting.size, number_variable("SLURM_STEP_NUM_TASKS", 1, kMaxProcesses));
+  if (meeting.size == 1) return meeting;
+  E2LF_ASSIGN_OR_RETURN(meeting.rank, number_variable("SLURM_PROCID", 0, meeting.size - 1));
+  E2LF_ASSIGN_OR_RETURN(const int job, number_variable("SLURM_JOB_ID", 0, kMaxJob));
+  meeting.port = kFirstPort + job % kPorts;
+  const char* hosts = std::getenv("SLURM_STEP_NODELIST");
+  meeting.address = hosts == nullptr ? "127.0.0.1" : first_host(hosts);
+  return meeting;
+}
+
 Result<Meeting> read_environment() {
   Meeting meeting;
-  if (std::getenv("WORLD_SIZE") == nullptr) return meeting;
+  if (std::getenv("WORLD_SIZE") == nullptr) {
+    return std::getenv("SLURM_STEP_NUM_TASKS") == nullptr ? meeting : read_slurm_step();
+  }
   E2LF_ASSIGN_OR_RETURN(meeting.size, number_variable("WORLD_SIZE", 1, kMaxProcesses));
   if (meeting.size == 1) return meeting;
   E2LF_ASSIGN_OR_RETURN(meeting.rank, number_variable("RANK", 0, meeting.size - 1));

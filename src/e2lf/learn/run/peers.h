@@ -22,8 +22,9 @@ class Peers {
   /// A single process.
   Peers() = default;
 
-  /// Joins the processes that torchrun's environment variables describe. If WORLD_SIZE is absent or 1, the process is
-  /// alone; otherwise it is process RANK of WORLD_SIZE, and all meet at MASTER_ADDR:MASTER_PORT. Fails with
+  /// Joins the processes that torchrun's environment variables describe: process RANK of WORLD_SIZE, which all meet at
+  /// MASTER_ADDR:MASTER_PORT. Without WORLD_SIZE, it joins the tasks of a Slurm step (SLURM_PROCID of
+  /// SLURM_STEP_NUM_TASKS), which meet on the step's first host. A process with neither is alone. Fails with
   /// kInvalidValue (a missing or invalid variable), kUnsupported (torch was built without c10d) and kIo (not all
   /// processes joined within kPatience).
   [[nodiscard]] static Result<Peers> meet();

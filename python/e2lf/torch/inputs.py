@@ -1,0 +1,70 @@
+"""The input channels of networks, made from event images as `e2lf reconstruct` makes them."""
+from __future__ import annotations
+
+from typing import Any, List, Mapping, Optional, Sequence
+
+import torch
+from torch import Tensor
+from torch.nn import functional as F
+
+LENS_PIXELS = 8
+
+
+def last_change(events: Tensor) -> Tensor:
+    """Returns the sign of the last non-zero count up to each transition, or 0 before the first."""
+    signs: List[Tensor] = []
+    for count in events.detach().unbind(1):
+        sign = torch.sign(count)
+        signs.append(torch.where(sign == 0, signs[-1], sign) if signs else sign)
+    return torch.stack(signs, 1)
+
+
+def intensity(events: Tensor, eps: float, tau: float) -> Tensor:
+    """Returns the linearised intensities min(J_k, 1) of Eq. 7, half a threshold beyond the last change."""
+    level = tau * (events.cumsum(1) + 0.5 * last_change(events))
+    # The exponent is limited instead of the result, which keeps the gradient finite.
+    limit = torch.log1p(torch.tensor(1 / eps, dtype=events.dtype, device=events.device))
+    return eps * torch.expm1(torch.minimum(level, limit))
+
+
+def form_inputs(
+    events: Optional[Tensor],
+    groups: Sequence[Mapping[str, Any]],
+    *,
+    eps: float,
+    tau: float,
+    conditioning: Optional[Tensor] = None,
+    images: Optional[Tensor] = None,
+) -> Tensor:
+    """Returns the input channels of a network, [batch, channel, y, x]. Differentiable.
+
+    events: event images [batch, N - 1, y, x], averaged over cycles.
+    groups: the entry "input" of the header of a model file.
+    eps, tau: sensor constants, which the group "intensity" uses.
+    conditioning: the description of the camera, [1 or batch, number], for the group "camera".
+    images: intensity images [batch, image, y, x], for models that take them.
+    """
+    channels = []
+    for group in groups:
+        kind, scale = group["kind"], group.get("scale", 1.0)
+        given = images if kind in ("images", "image-sum", "lens-array") else events
+        if given is None:
+            raise ValueError(f'the network has the input "{kind}"; give its images')
+        if kind == "counts":
+            planes = given
+        elif kind == "cumulative":
+            planes = given.cumsum(1)
+        elif kind == "intensity":
+            planes = intensity(given, eps, tau)
+        elif kind == "camera":
+            if conditioning is None:
+                raise ValueError("the network is conditioned on the camera; give its conditioning vector")
+            traits = conditioning.to(given)[:, :, None, None]
+            planes = traits.expand(given.shape[0], -1, *given.shape[2:])
+        elif kind == "lens-array":
+            lenses = F.pixel_unshuffle(given, LENS_PIXELS)
+            planes = F.interpolate(lenses, size=given.shape[2:], mode="bilinear", align_corners=False)
+        else:
+            planes = given
+        channels.append(planes * scale)
+    return torch.cat(channels, 1)

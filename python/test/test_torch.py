@@ -1,0 +1,260 @@
+"""e2lf.torch computes what the library computes, and its models run in the command line."""
+import os
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import e2lf
+from common import InFolder, command_line, model
+
+try:
+    import torch
+    from e2lf.torch import (CodedAperture, ConvGraph, EventSimulator, LightFieldPatches, load_module, new_module,
+                            save_module, synthesise)
+except ImportError as error:
+    print(f"skipped: {error}; python3-torch is not installed for {sys.executable}")
+    sys.exit(0)
+
+ROOT = Path(__file__).resolve().parents[2]
+RELEASE = Path(os.environ.get("E2LF_DATA", "")) / "official"
+EXACT = 1e-5  # largest difference between the module and the engine
+
+
+def counts_of(model, seed=1):
+    """Event images of a scene whose size is no multiple of anything."""
+    scene = e2lf.demo_scene(45, 38)
+    codes = model.codes if model.codes is not None else e2lf.default_codes()
+    if model.camera and model.camera.event_model == "pixel":
+        return e2lf.simulate(scene, codes, camera=model.camera, seed=seed)
+    return e2lf.simulate(scene, codes, constants=model.constants, seed=seed)
+
+
+def batch(array):
+    return torch.from_numpy(np.array(array, np.float32))[None]
+
+
+def difference(model, module=None):
+    """The largest difference between the module and the engine."""
+    counts = counts_of(model)
+    expected = e2lf.Reconstructor(model, precision="float32").reconstruct(counts, gain=1)
+    with torch.no_grad():
+        found = (module or load_module(model))(batch(counts))[0].numpy()
+    assert found.shape == expected.shape, (found.shape, expected.shape)
+    return float(np.abs(found - expected).max())
+
+
+class NetworkTest(InFolder):
+    def test_bundled_models_give_the_light_field_of_the_engine(self):
+        for path in sorted(Path(e2lf.bundled_model()).parent.glob("*.safetensors")):
+            largest = difference(e2lf.Model(path))
+            print(f"{path.stem}: {largest:.1e}")
+            self.assertLess(largest, EXACT, path.stem)
+
+    @unittest.skipUnless((RELEASE / "RecNet.safetensors").exists(), "the release of the paper is not here")
+    def test_the_release_gives_the_light_field_of_the_engine(self):
+        command_line("model", "import", "--release", RELEASE, "-o", "release.safetensors", "--quiet")
+        largest = difference(e2lf.Model("release.safetensors"))
+        print(f"release: {largest:.1e}")
+        self.assertLess(largest, EXACT)
+
+    def test_every_operation_gives_the_light_field_of_the_engine(self):
+        conv = {"op": "conv", "kernel": 3}
+        layers = [
+            {**conv, "name": "a", "inputs": ["input"], "out_channels": 8, "relu": True},
+            {**conv, "name": "b", "inputs": ["a"], "out_channels": 8, "stride": 2},
+            {"op": "layer-norm", "name": "c", "inputs": ["b"]},
+            {"op": "position-code", "name": "d", "inputs": ["c"]},
+            {"op": "attention", "name": "e", "inputs": ["d", "c", "b"], "heads": 2},
+            {"op": "upsample", "name": "f", "inputs": ["e"], "stride": 2},
+            {"op": "upsample-bilinear", "name": "g", "inputs": ["b"], "stride": 2},
+            {"op": "conv-transposed", "name": "h", "inputs": ["c"], "out_channels": 8, "kernel": 2, "stride": 2},
+            {"op": "mean", "name": "i", "inputs": ["f", "g", "h"]},
+            {"op": "add", "name": "j", "inputs": ["i", "a"], "relu": True},
+            {"op": "tanh", "name": "k", "inputs": ["j"]},
+            {**conv, "name": "l0", "inputs": ["k"], "out_channels": 9},
+            {**conv, "name": "l", "inputs": ["l0"], "out_channels": 9, "residual": "l0"},
+            {"op": "dynamic-filter", "name": "m", "inputs": ["k", "l"], "kernel": 3},
+            {"op": "concat", "name": "n", "inputs": ["m", "l"]},
+            {"op": "sigmoid", "name": "o", "inputs": ["n"]},
+            {"op": "pixel-unshuffle", "name": "p", "inputs": ["o"], "stride": 2},
+            {"op": "pixel-shuffle", "name": "q", "inputs": ["p"], "stride": 2},
+            {"op": "conv", "name": "r", "inputs": ["q"], "out_channels": 64, "kernel": 1}]
+        torch.manual_seed(1)
+        module = new_module(layers=layers)
+        save_module("all.safetensors", module, codes=model().codes)
+        saved = e2lf.Model("all.safetensors")
+        self.assertEqual([layer["op"] for layer in saved.header["network"]["layers"]], [layer["op"] for layer in layers])
+        self.assertLess(difference(saved, module), EXACT)
+
+    def test_networks_for_frames_give_the_frames_of_the_engine(self):
+        torch.manual_seed(6)
+        cell = {"kernel": 3, "out_channels": 6}
+        layers = [
+            {"op": "previous", "name": "last", "inputs": [], "out_channels": 1},
+            {"op": "concat", "name": "all", "inputs": ["input", "last"]},
+            {**cell, "op": "conv-gru", "name": "gru", "inputs": ["all"]},
+            {**cell, "op": "conv-lstm", "name": "lstm", "inputs": ["gru"]},
+            {"op": "conv", "name": "frame", "inputs": ["lstm"], "out_channels": 1, "kernel": 1}]
+        header = {"format_version": 1, "measurement": "voxel-grid", "name": "cells", "bins": 5, "normalises_voxels": False,
+                  "pad_multiple": 1, "tone": "none", "provenance": {},
+                  "network": {"type": "conv-graph", "input_channels": 5, "layers": layers}}
+        weights = {name: value.numpy() for name, value in ConvGraph(header["network"]).state_dict().items()}
+        video = e2lf.VideoModel.of(header, weights)
+        module, engine, state = load_module(video), e2lf.FrameReconstructor(video, 21, 17, precision="float32"), {}
+        for _ in range(3):
+            grid = torch.randn(1, 5, 17, 21)
+            with torch.no_grad():
+                found = module(grid, state)[0, 0].numpy()
+            self.assertLess(np.abs(found - engine.next(grid[0].numpy(), toned=False)).max(), EXACT)
+
+    def test_a_saved_module_is_reconstructed_by_the_command_line(self):
+        torch.manual_seed(2)
+        module, codes = new_module(width=8, blocks=1), CodedAperture(4).codes()
+        with torch.no_grad():
+            for parameter in module.parameters():
+                parameter.add_(0.02 * torch.randn_like(parameter))
+        constants = e2lf.SensorConstants(tau=0.25)
+        save_module("mine.safetensors", module, codes=codes, constants=constants, name="mine", provenance={"samples": 3})
+        saved = e2lf.Model("mine.safetensors")
+        self.assertEqual((saved.name, saved.constants, saved.header["provenance"]), ("mine", constants, {"samples": 3}))
+        self.assertTrue(np.array_equal(saved.codes, codes.detach().numpy()))
+        counts = counts_of(saved)
+        e2lf.write_event_images("events.npz", [counts], saved.codes)
+        command_line("reconstruct", "events.npz", "-m", "mine.safetensors", "-o", "out", "--format", "npy", "--gain", 1,
+                     "--precision", "float32", "--quiet")
+        again = load_module("mine.safetensors")(batch(counts))[0].detach().numpy()
+        self.assertLess(np.abs(again - np.load("out/lightfield.npy")).max(), EXACT)
+        with self.assertRaises(e2lf.Error):
+            save_module("mine.safetensors", module)
+        with torch.no_grad():
+            module.network.weights_of("stem")[0][0, 0, 0, 0] = float("nan")
+        with self.assertRaises(e2lf.Error):
+            save_module("nan.safetensors", module)
+        self.assertFalse(Path("nan.safetensors").exists())
+
+
+class EventTest(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.scene = e2lf.demo_scene(64, 48)
+        self.light = torch.from_numpy(self.scene)[None]
+        self.codes = model().codes
+        self.intensities = CodedAperture(codes=self.codes, trained=False)(self.light)
+        self.full = self.light.mean((1, 2))
+
+    def test_coded_intensities_are_those_of_the_sensor(self):
+        self.assertLess(np.abs(self.intensities[0].numpy() - e2lf.coded_intensities(self.scene, self.codes)).max(), 1e-6)
+
+    def test_the_paper_s_models_without_noise_give_the_counts_of_the_sensor(self):
+        still = e2lf.SensorConstants(sigma_w=0, sigma_z=0)
+        for event_model in ("reference-aware", "quantised"):
+            expected = e2lf.simulate(self.scene, self.codes, constants=still, event_model=event_model)
+            for simulator in (EventSimulator(still, event_model=event_model),
+                              EventSimulator(e2lf.SensorConstants(), event_model=event_model, noise=False)):
+                self.assertTrue(np.array_equal(simulator(self.intensities)[0].numpy(), expected), event_model)
+
+    def still_pixels(self):
+        text = e2lf.Camera("evk4-lcos").to_dict()
+        for name in ("noise", "shot_noise", "dark_off", "dark_on", "mismatch", "mismatch_each", "reset_span"):
+            text["constants"][name]["value"] = 0
+        return e2lf.Camera.from_dict(text)
+
+    def test_physical_pixels_without_noise_give_the_counts_of_the_sensor(self):
+        camera, codes = self.still_pixels(), self.codes
+        expected = e2lf.simulate(self.scene, codes, camera=camera)
+        self.assertTrue(np.array_equal(EventSimulator(camera=camera)(self.intensities, self.full)[0].numpy(), expected))
+        whole = np.concatenate([codes, 1 - codes, codes[:1]])
+        expected = e2lf.simulate(self.scene, whole, camera=camera)
+        simulator = EventSimulator(camera=camera, whole_cycle=True)
+        found = simulator(CodedAperture(codes=whole, trained=False)(self.light), self.full)
+        self.assertTrue(np.array_equal(found[0].numpy(), expected))
+
+    def test_noise_has_the_distribution_of_the_sensor(self):
+        torch.manual_seed(3)
+        camera = e2lf.Camera("evk4-lcos")
+        cases = [
+            (EventSimulator(), {}),
+            (EventSimulator(event_model="quantised", residue=1.0), {"event_model": "quantised", "residue": 1.0}),
+            (EventSimulator(camera=camera), {"camera": camera})]
+        bins = np.arange(-20.5, 21)
+        for simulator, options in cases:
+            expected = [e2lf.simulate(self.scene, self.codes, seed=seed, **options) for seed in range(40)]
+            found = simulator(self.intensities.expand(40, -1, -1, -1), self.full.expand(40, -1, -1)).numpy()
+            for k in range(3):
+                a, b = (np.histogram(np.stack(counts)[:, k], bins, density=True)[0] for counts in (expected, list(found)))
+                self.assertLess(np.abs(a - b).sum() / 2, 0.01, (options, k))
+
+    def test_patterns_have_the_gradient_of_the_loss(self):
+        torch.manual_seed(4)
+        aperture = CodedAperture(4)
+        for simulator in (EventSimulator(), EventSimulator(camera=e2lf.Camera("evk4-lcos"))):
+            aperture.zero_grad()
+            simulator(aperture(self.light), self.full).square().mean().backward()
+            gradient = aperture.weight.grad
+            self.assertTrue(bool(torch.isfinite(gradient).all()) and float(gradient.abs().max()) > 0)
+
+    def test_patterns_keep_their_ties(self):
+        torch.manual_seed(5)
+        codes = CodedAperture(4).codes()
+        self.assertEqual((codes[0].sum(), set(codes.flatten().tolist())), (0, {0.0, 1.0}))
+        pairs = CodedAperture(6, tie="complementary").codes()
+        self.assertTrue(bool((pairs[0::2] + pairs[1::2] == 1).all()))
+        whole = CodedAperture(9, tie="whole-cycle").codes()
+        self.assertTrue(bool((whole[:4] + whole[4:8] == 1).all()) and not whole[8].any())
+        self.assertTrue(np.array_equal(CodedAperture(codes=self.codes).codes().detach().numpy(), self.codes))
+        soft = CodedAperture(4, binary=False).codes()
+        self.assertTrue(bool((soft[1:] > 0).all() and (soft[1:] < 1).all()))
+        for wrong in ({"tie": "triple"}, {"trained": False}, {"num_patterns": 1}):
+            with self.assertRaises(ValueError):
+                CodedAperture(**wrong)
+
+
+class DataTest(InFolder):
+    def test_patches_are_parts_of_the_light_fields(self):
+        scene = e2lf.demo_scene(48, 40)
+        e2lf.write_light_field("scene", scene)
+        patches = LightFieldPatches(["scene", scene], size=32, length=6, synthesised=0)
+        self.assertEqual([patch.shape for patch in patches], [(8, 8, 32, 32)] * 6)
+        self.assertTrue(torch.equal(patches[3], LightFieldPatches(["scene", scene], size=32, synthesised=0)[3]))
+        for patch in patches:
+            # Flips of views and pixels together keep the sign of the disparity.
+            self.assertLess(abs(np.median(e2lf.depth(patch.numpy()).disparity)), 3)
+            self.assertLess(abs(float(patch.mean()) - scene.mean()), 0.2)
+        for wrong in ([np.zeros((8, 8, 16, 16), np.float32)], [np.zeros((8, 8, 64), np.float32)]):
+            with self.assertRaises(ValueError):
+                LightFieldPatches(wrong, size=32)
+
+    def test_synthesised_surfaces_have_their_disparity(self):
+        draws = torch.Generator()
+        for seed in range(3):
+            field = synthesise(48, draws.manual_seed(seed), max_disparity=2.0, max_layers=1)
+            self.assertTrue(bool((field >= 0).all() and (field <= 1).all()) and float(field.std()) > 0.01)
+            draws.manual_seed(seed)
+            torch.randint(1, (), generator=draws)
+            drawn = float((2 * torch.rand(1, generator=draws) - 1) * 2.0)
+            found = np.median(e2lf.depth(field.numpy()).disparity[12:-12, 12:-12])
+            self.assertAlmostEqual(found, drawn, delta=0.1)
+
+
+class ExampleTest(InFolder):
+    def run_example(self, name, *arguments):
+        done = subprocess.run([sys.executable, ROOT / "examples" / "pytorch" / name, *map(str, arguments)],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_the_examples_write_models(self):
+        self.run_example("train_patterns.py", "trained.safetensors", 2)
+        trained = e2lf.Model("trained.safetensors")
+        e2lf.write_codes("codes.json", trained.codes)
+        self.run_example("fine_tune.py", "codes.json", "tuned.safetensors", 1)
+        tuned = e2lf.Model("tuned.safetensors")
+        self.assertTrue(np.array_equal(tuned.codes, trained.codes))
+        for result in (trained, tuned):
+            self.assertEqual(e2lf.Reconstructor(result).reconstruct(counts_of(result)).shape, (8, 8, 38, 45))
+
+
+if __name__ == "__main__":
+    unittest.main()
