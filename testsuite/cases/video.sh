@@ -64,8 +64,9 @@ check "$(json triggers.json "j['frames'] == j['triggers'] - 1 and j['events'] + 
 
 # A network: the same frames from any number of threads, from the record, and from another format.
 make firenet checkpoint.safetensors
-"$E2LF" model import --checkpoint checkpoint.safetensors -o net.safetensors >import.txt
-grep -q "37,777 parameters" import.txt || fail "import: $(cat import.txt)"
+"$E2LF" model import --checkpoint checkpoint.safetensors -o net.safetensors --quiet
+"$E2LF" model info net.safetensors >import.txt
+grep -Eq "parameters +37777$" import.txt || fail "import: $(cat import.txt)"
 "$E2LF" info net.safetensors --json >net.json
 [ "$(json net.json "(j['kind'], j['measurement'], j['name'])")" = "('model of frames', 'voxel-grid', 'firenet+')" ] || fail "info"
 "$E2LF" video rec.raw -m net.safetensors -o frames --tone robust --precision float32 --quiet
@@ -80,8 +81,9 @@ done
 
 # A network whose pixels see the whole image.
 make etnet attention.safetensors channels=4
-"$E2LF" model import --checkpoint attention.safetensors -o et-net.safetensors >import.txt
-grep -q "receptive field *the whole image" import.txt || fail "import: $(cat import.txt)"
+"$E2LF" model import --checkpoint attention.safetensors -o et-net.safetensors --quiet
+"$E2LF" model info et-net.safetensors >import.txt
+grep -Eq "receptive field.* whole image" import.txt || fail "import: $(cat import.txt)"
 "$E2LF" info et-net.safetensors --json >net.json
 [ "$(json net.json "(j['name'], j['pad_multiple'], j['network']['receptive_field_px'])")" = "('et-net', 8, None)" ] || fail "info"
 "$E2LF" video rec.raw -m et-net.safetensors -o attention --max-frames 3 --quiet
