@@ -51,7 +51,7 @@ TEST(Config, RefusesValuesThatCannotWork) {
             "test.input");
   EXPECT_EQ(error_of(R"({"patterns": {"complementary": true}})").location, "test.patterns");
   EXPECT_EQ(error_of(R"({"patterns": {"num_patterns": 1}})").location, "test.patterns");
-  EXPECT_EQ(error_of(R"({"input": [{"kind": "colour"}]})").location, "test.input");
+  EXPECT_EQ(error_of(R"({"input": [{"kind": "colour"}]})").location, "test.input[0].kind");
   EXPECT_EQ(error_of(R"({"input": [{"kind": "images"}, {"kind": "counts"}]})").location, "test.input");
   EXPECT_EQ(error_of(R"({"input": [{"kind": "images"}], "sensor": {"camera": "evk4-lcos.json"}})").location,
             "test.sensor.camera");
