@@ -298,7 +298,7 @@ class PipelineTest(InFolder):
         self.assertTrue(np.all(e2lf.coded_intensities(self.scene, e2lf.default_codes())[0] == 0))
 
     def test_model_says_what_the_command_line_says(self):
-        self.assertEqual(self.model.summary(), command_line_json("model", "info", self.path))
+        self.assertEqual({**self.model.summary(), "kind": "model"}, command_line_json("model", "info", self.path))
         self.assertEqual((self.model.name, self.model.num_patterns, self.model.views), ("e2lf-n4", 4, (8, 8)))
 
 

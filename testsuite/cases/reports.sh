@@ -39,7 +39,7 @@ cmp eval.csv printed.csv || fail "the file is what --csv prints"
 [ "$(head -1 eval.csv | tr -d '\r')" = "method,scene,psnr_db,ssim_uniform7,ssim_gaussian,epi_relative_error,bad_07_percent,bad_20_percent,mean_absolute_px,slope,events_per_pixel,min_measurement_ms,bits_per_light_field_pixel" ] || fail "columns"
 "$E2LF" eval demo/scene demo/recon --json >eval.json
 check "abs($(sed -n 2p eval.csv | cut -d, -f3) - $(json eval.json "j['psnr_db']")) < 1e-9"
-grep -q 'begin{tabular}{llrrrrrrr}' eval.tex || fail "LaTeX"
+grep -q 'begin{tabular}{llrrrrrrrrrrr}' eval.tex || fail "LaTeX"
 [ "$(grep -c '<img' eval.html)" = 2 ] || fail "pictures"
 
 "$E2LF" accumulate rec.raw -o cycles.npz --report cycles.html --report cycles.csv --plot cycles.png --quiet

@@ -83,7 +83,7 @@ done
 make etnet attention.safetensors channels=4
 "$E2LF" model import --checkpoint attention.safetensors -o et-net.safetensors --quiet
 "$E2LF" model info et-net.safetensors >import.txt
-grep -Eq "receptive field.* whole image" import.txt || fail "import: $(cat import.txt)"
+grep -Eq "receptive field px +-$" import.txt || fail "import: $(cat import.txt)"
 "$E2LF" info et-net.safetensors --json >net.json
 [ "$(json net.json "(j['name'], j['pad_multiple'], j['network']['receptive_field_px'])")" = "('et-net', 8, None)" ] || fail "info"
 "$E2LF" video rec.raw -m et-net.safetensors -o attention --max-frames 3 --quiet
