@@ -37,7 +37,9 @@ grep -qxE "30 +% bias_diff_on" all.bias || fail "$(cat all.bias)"
 [ "$(json all.raw.run.json 'j["notes"]["ended_by"], j["notes"]["biases"], j["options"]["max-event-rate"]')" = "('seconds', 'all.bias', '9000000')" ] || fail "$(cat all.raw.run.json)"
 for key in serial_number=B2 sensor_name=IMX636 max_events_per_s=9000000 regions=0,0,96,64 "trigger_channels=main=0, aux=6"; do
   [ "$(json all.raw.run.json "j['notes']['header']['${key%%=*}']")" = "${key#*=}" ] || fail "$key in the record"
-  "$E2LF" info all.raw | tr "_" " " | grep -E "^header ${key%%=*} +${key#*=}$" >/dev/null || fail "$key in the header"
+  name=${key%%=*}
+  "$E2LF" info all.raw >info.txt
+  grep -qE "^header ${name//_/ } +${key#*=}$" info.txt || fail "$key in the header: $(cat info.txt)"
 done
 "$E2LF" accumulate all.raw -o all.npz --source triggers --quiet
 "$E2LF" accumulate sent.raw -o sent.npz --source triggers --quiet

@@ -40,7 +40,7 @@ cmp eval.csv printed.csv || fail "the file is what --csv prints"
 "$E2LF" eval demo/scene demo/recon --json >eval.json
 check "abs($(sed -n 2p eval.csv | cut -d, -f3) - $(json eval.json "j['psnr_db']")) < 1e-9"
 grep -q 'begin{tabular}{llrrrrrrrrrrr}' eval.tex || fail "LaTeX"
-[ "$(grep -c '<img' eval.html)" = 2 ] || fail "pictures"
+[ "$(grep -c '<img' eval.html)" = 4 ] || fail "pictures"
 
 "$E2LF" accumulate rec.raw -o cycles.npz --report cycles.html --report cycles.csv --plot cycles.png --quiet
 page cycles.html "found complete" "transition 3" "cycles: number, confidence"
