@@ -60,7 +60,7 @@ Result<size_t> run_jobs(const Plan& plan, const std::vector<size_t>& jobs, const
   for (; done < jobs.size() && !stop_requested(); ++done) {
     const auto computed = compute(plan.jobs[jobs[done]]);
     if (!computed && computed.error().code == ErrorCode::kCancelled && stop_requested()) break;  // within a job
-    E2LF_RETURN_IF_ERROR(computed);
+    if (!computed) return computed.error();
   }
   return done;
 }
