@@ -7,6 +7,7 @@
 
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/hdf5_file.h"
+#include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings::hdf5_events {
 
