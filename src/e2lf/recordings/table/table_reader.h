@@ -4,6 +4,7 @@
 #include <string>
 
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings::table {
 
