@@ -14,7 +14,7 @@ namespace {
 using lightfield::Image;
 
 constexpr size_t kGlyphWidth = 3, kGlyphHeight = 5, kMargin = 6, kBarWidth = 14, kNumbers = 5;
-/// Numbers have up to so many characters, as "-10.00".
+/// The largest number of characters of a number, as in "-10.00".
 constexpr size_t kLongestNumber = 6;
 
 /// A character of 3x5 px, row by row, '#' for ink.

@@ -85,7 +85,7 @@ class RigCheck {
 /// Returns the reason why a recording contains no complete cycle.
 [[nodiscard]] Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader);
 
-/// Returns what may be wrong with a camera that was observed for some time and sent so many events and triggers.
+/// Returns what may be wrong with a camera from the events and triggers that it sent during an observation.
 [[nodiscard]] Findings check_camera(const recordings::RecordingReader& camera, uint64_t events, uint64_t triggers,
                                     double seconds);
 [[nodiscard]] Finding no_trigger_finding(double seconds);

@@ -38,7 +38,7 @@ class EventBlocks {
   /// does. They are then passed on without further checks.
   [[nodiscard]] virtual bool is_ordered() const { return false; }
 
-  /// Requests that the following blocks have at most so many events, if blocks of this size are as cheap as others.
+  /// Limits the number of events of the following blocks, if blocks of this size are as cheap as others.
   virtual void limit_block(size_t /*max_events*/) {}
 
   /// RecordingReader::skip_events() in the times of next(). The default leaves out nothing.

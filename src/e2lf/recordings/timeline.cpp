@@ -376,7 +376,7 @@ void Timeline::end_part(uint64_t byte) {
   has_on_ = has_off_ = false;
 }
 
-/// Fails if so many events are too early that the recording is not in order of time at all.
+/// Fails if the share of events that are too early shows that the recording is not in order of time.
 Result<void> Timeline::refuse_disorder(bool is_end) const {
   constexpr uint64_t kFew = 8, kMany = 1000;
   if (num_late_ < (is_end ? kFew : kMany) || 4 * num_late_ < num_judged_) return {};

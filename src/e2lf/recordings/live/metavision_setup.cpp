@@ -59,7 +59,7 @@ Result<void> switch_on_triggers(Metavision::I_TriggerIn* triggers, const std::ve
     const Error refusal =
         refuses(cat("to switch on its trigger input ", channel_name(channel), "; unplug it and plug it in again"));
     if (!wanted.empty() || channel == Channel::Main) return refusal;
-    log_warning(refusal.text());  // nobody asked for it
+    log_warning(refusal.text());  // the user did not request this setting
   }
   for (const std::string& name : wanted) {
     const bool is_known = name == "none" || std::any_of(channels.begin(), channels.end(), [&](const auto& known) {
