@@ -1,32 +1,49 @@
-"""Light fields of layered scenes with known disparity, rendered in batches on the device of training."""
+"""Layered scenes with known disparity for training, drawn with torch and rendered by render.cpp on the CPU."""
+import ctypes
 import math
+import pathlib
+import subprocess
+import tempfile
 
 import numpy as np
 import torch
 import torch.nn.functional as F
 
 VIEWS = 8
-CENTRAL = [(3, 3), (3, 4), (4, 3), (4, 4)]  # the views that a flip turns into view (4, 4)
+LAYER_SHARES = [0.06, 0.14, 0.2, 0.2, 0.16, 0.12, 0.07, 0.05]  # of scenes with 1, 2, ... layers
+RELIEF_SHARE = 0.4
+BORDER = 3  # of maps, px, as in render.cpp
 
 
-class Synthesiser:
-    """Draws scenes of up to six textured surfaces, slanted or curved, of which many have weak texture or none.
+class Surfaces:
+    """Draws the maps of textured surfaces, of which many have weak texture or none.
 
-    photos: uint8 [number, y, x], textures in addition to procedural ones.
-    size: height and width of the views in px; max_disparity: in px per view step.
+    photos: uint8 [number, y, x], textures in addition to procedural ones; side: height and width of the maps in px.
     """
 
-    def __init__(self, photos, size, max_disparity=3.2, seed=1):
-        self.size, self.max_disparity, self.device = size, max_disparity, photos.device
-        self.side = size + 2 * math.ceil(3.5 * max_disparity)
+    def __init__(self, photos, side, rng):
+        self.side, self.rng = side, rng
         self.pyramid = [photos.float().div(255)]
         self.pyramid.append(F.avg_pool2d(self.pyramid[0][:, None], 2)[:, 0])
-        self.rng = np.random.default_rng(seed)
-        self.axis = torch.arange(self.side, device=self.device).float() - 0.5 * (self.side - 1)
+        self.axis = torch.arange(side).float() - 0.5 * (side - 1)
+
+    @torch.no_grad()
+    def maps(self, number):
+        """Returns brightness and coverage in [0, 1], [number, side + 2 BORDER, side + 2 BORDER, 2]."""
+        textures = self._textures(number)
+        both = torch.stack([textures, self._coverages(textures)], 1)
+        return F.pad(both, (BORDER,) * 4, mode="replicate").permute(0, 2, 3, 1).contiguous()
+
+    @torch.no_grad()
+    def reliefs(self, number):
+        """Returns smooth deviations of the disparity from a plane, [number, side, side], with a slope of at most 0.12."""
+        relief = self._noise(number, self._log_uniform(40, 220, number))
+        slope = torch.maximum(relief.diff(dim=1).abs().amax((1, 2)), relief.diff(dim=2).abs().amax((1, 2))).view(-1, 1, 1)
+        return relief * torch.minimum(self._log_uniform(0.08, 0.9, number), 0.12 / slope)
 
     # Draws, shaped to be multiplied with maps [number, y, x].
     def _maps(self, values):
-        return torch.as_tensor(np.asarray(values, np.float32), device=self.device).view(-1, 1, 1)
+        return torch.as_tensor(np.asarray(values, np.float32)).view(-1, 1, 1)
 
     def _uniform(self, low, high, number):
         return self._maps(self.rng.uniform(low, high, number))
@@ -40,7 +57,7 @@ class Synthesiser:
     def _noise(self, number, feature_px):
         """Returns smooth noise of unit variance with features of feature_px [number, 1, 1]."""
         cells = 64
-        noise = torch.randn(number, 1, cells, cells, device=self.device)
+        noise = torch.randn(number, 1, cells, cells)
         span = self.side / feature_px.view(-1, 1).clamp_min(self.side / (cells - 4.0)) / cells
         places = self.axis / (0.5 * self.side) * span
         x, y = (places + self._uniform(-1, 1, number).view(-1, 1) * (1 - span) for _ in range(2))
@@ -58,7 +75,7 @@ class Synthesiser:
         return (0.5 * duty - (position - position.floor() - 0.5).abs()) * period
 
     def _photo(self, number):
-        maps = torch.empty(number, self.side, self.side, device=self.device)
+        maps = torch.empty(number, self.side, self.side)
         zoom = np.exp(self.rng.uniform(math.log(0.6), math.log(2.2), number))
         for level, photos in enumerate(self.pyramid):
             chosen = np.nonzero((zoom > 1.25) == bool(level))[0]
@@ -71,9 +88,9 @@ class Synthesiser:
             across, down = self.axis * flip, self.axis[:, None]
             x = (across * angle.cos() - down * angle.sin()) * step + self._uniform(0, width, len(chosen))
             y = (across * angle.sin() + down * angle.cos()) * step + self._uniform(0, height, len(chosen))
-            source = photos[torch.as_tensor(self.rng.integers(0, len(photos), len(chosen)), device=self.device)]
+            source = photos[torch.as_tensor(self.rng.integers(0, len(photos), len(chosen)))]
             grid = torch.stack([x * 2 / width - 1, y * 2 / height - 1], -1)
-            maps[torch.as_tensor(chosen, device=self.device)] = F.grid_sample(
+            maps[chosen] = F.grid_sample(
                 source[:, None], grid, mode="bicubic", padding_mode="reflection", align_corners=False)[:, 0]
         return self._tone(maps)
 
@@ -105,11 +122,11 @@ class Synthesiser:
     def _textures(self, number):
         kinds = [self._photo, self._plain, self._shading, self._fractal, self._pattern]
         kind = self.rng.choice(len(kinds), number, p=[0.6, 0.06, 0.12, 0.12, 0.1])
-        maps = torch.empty(number, self.side, self.side, device=self.device)
+        maps = torch.empty(number, self.side, self.side)
         for k, draw in enumerate(kinds):
             chosen = np.nonzero(kind == k)[0]
             if len(chosen):
-                maps[torch.as_tensor(chosen, device=self.device)] = draw(len(chosen))
+                maps[chosen] = draw(len(chosen))
         weak = self._chance(0.45, number)
         contrast = torch.where(weak > 0, self._log_uniform(0.03, 1.0, number), torch.ones_like(weak))
         mean = maps.mean((1, 2), keepdim=True)
@@ -125,10 +142,10 @@ class Synthesiser:
         for k in range(5):
             chosen = np.nonzero(kind == k)[0]
             if len(chosen):
-                at = torch.as_tensor(chosen, device=self.device)
+                at = chosen
                 inside[at] = self._inside(k, len(chosen), textures[at], half)
-        edge_px = torch.where(self._chance(0.75, number) > 0, torch.ones(1, device=self.device), self._log_uniform(1.5, 8, number))
-        opacity = torch.where(self._chance(0.06, number) > 0, self._uniform(0.3, 0.9, number), torch.ones(1, device=self.device))
+        edge_px = torch.where(self._chance(0.75, number) > 0, torch.ones(1), self._log_uniform(1.5, 8, number))
+        opacity = torch.where(self._chance(0.06, number) > 0, self._uniform(0.3, 0.9, number), torch.ones(1))
         return (inside / edge_px + 0.5).clamp(0, 1) * opacity
 
     def _inside(self, kind, number, textures, half):
@@ -156,96 +173,114 @@ class Synthesiser:
         slope = field.diff(dim=1).abs().mean((1, 2)) + field.diff(dim=2).abs().mean((1, 2))
         return field / (0.7 * slope.view(-1, 1, 1) + 1e-6)
 
-    def _surfaces(self, number, layers):
-        """Returns disparity, slopes per px and curvature per px^2 of surfaces from back to front, each [number, layers]."""
-        rng, shape = self.rng, (number, layers)
-        limit = self.max_disparity * rng.choice([0.3, 0.65, 1.0, 1.0], number)
-        high = rng.uniform(-0.5, 1, number) * limit
-        low = -limit + rng.random(number) * (high + limit)
-        centre = -np.sort(-rng.uniform(low[:, None], high[:, None], shape), axis=1)
-        room = np.maximum(self.max_disparity - np.abs(centre), 0) / self.size
-        slopes = [rng.uniform(-1, 1, shape) * np.minimum(room, 0.025) * (rng.random(shape) < 0.6) for _ in range(2)]
-        most = 0.5 * np.minimum(room * self.size, 0.8) / (0.5 * self.size) ** 2
-        curvature = rng.uniform(-1, 1, shape) * most * (rng.random(shape) < 0.25)
-        return [torch.as_tensor(values, dtype=torch.float32, device=self.device) for values in (centre, *slopes, curvature)]
 
-    @torch.no_grad()
-    def scenes(self, number, layers):
-        """Returns views in [0, 1], [number, 64, y, x], and the disparities [number, 4, y, x] of the views CENTRAL."""
-        size, side = self.size, self.side
-        surfaces = self._surfaces(number, layers)
-        textures = self._textures(number * layers)
-        coverages = self._coverages(textures).view(number, layers, side, side)
-        coverages[:, 0] = 1
-        maps = torch.stack([textures.view(number, layers, side, side), coverages], 2)
-        pixel = torch.arange(size, device=self.device).float() - 0.5 * (size - 1)
-        view = torch.arange(VIEWS, device=self.device).float() - 0.5 * (VIEWS - 1)
-        y, x = pixel.view(size, 1), pixel
-        view_y, view_x = view.repeat_interleave(VIEWS).view(1, -1, 1, 1), view.repeat(VIEWS).view(1, -1, 1, 1)
-        central = [VIEWS * row + column for row, column in CENTRAL]
-        for layer in range(layers):
-            centre, slope_y, slope_x, curvature = (values[:, layer].view(-1, 1, 1, 1) for values in surfaces)
-            disparity = (centre + slope_y * y + slope_x * x) / (1 + slope_y * view_y + slope_x * view_x)
-            for _ in range(3):  # the point that is seen: q = p - view * d(q)
-                at_y, at_x = y - view_y * disparity, x - view_x * disparity
-                disparity = centre + slope_y * at_y + slope_x * at_x + curvature * (at_y * at_y + at_x * at_x)
-            grid = torch.stack([(x - view_x * disparity) * (2 / side), (y - view_y * disparity) * (2 / side)], -1)
-            seen = F.grid_sample(maps[:, layer], grid.view(number, -1, size, 2), mode="bicubic", padding_mode="border",
-                                 align_corners=False).view(number, 2, VIEWS**2, size, size)
-            if layer == 0:
-                views, nearest = seen[:, 0], disparity[:, central].clone()
-                continue
-            opacity = seen[:, 1].clamp(0, 1)
-            views = torch.lerp(views, seen[:, 0], opacity)
-            nearest = torch.where(opacity[:, central] > 0.5, disparity[:, central], nearest)
-        return views.clamp(0, 1), nearest
+class Layer(ctypes.Structure):
+    _fields_ = [("centre", ctypes.c_float), ("slope_y", ctypes.c_float), ("slope_x", ctypes.c_float),
+                ("maps", ctypes.c_void_p), ("relief", ctypes.c_void_p)]
 
 
-class Pool:
-    """Scenes for training, of which each is replaced after a few uses: with more uses, networks learn the scenes by heart.
+def build_renderer():
+    source, library = pathlib.Path(__file__).with_name("render.cpp"), pathlib.Path(tempfile.mkdtemp()) / "render.so"
+    subprocess.run(["c++", "-O3", "-march=native", "-ffast-math", "-shared", "-fPIC", source, "-o", library], check=True)
+    return ctypes.CDLL(str(library))
 
-    layers: their possible numbers of layers; uses: how often a scene is drawn, on average.
+
+class Scene:
+    """Layers from back to front; keeps the maps alive that they refer to."""
+
+    def __init__(self, renderer, size, side, planes, maps, reliefs):
+        self.renderer, self.size, self.side, self.kept = renderer, size, side, (maps, reliefs)
+        pointer = lambda tensor: None if tensor is None else tensor.data_ptr()
+        self.layers = (Layer * len(maps))(*(Layer(*plane, pointer(m), pointer(r)) for plane, m, r in zip(planes, maps, reliefs)))
+
+    def views(self, numbers):
+        """Returns views in [0, 1], [number, y, x]; the number of a view is 8 row + column."""
+        at = [np.asarray(numbers) // VIEWS - 3.5, np.asarray(numbers) % VIEWS - 3.5]
+        y, x = (np.ascontiguousarray(values, np.float32) for values in at)
+        out = torch.empty(len(numbers), self.size, self.size)
+        self.renderer.render_views(self.layers, len(self.layers), self.side, self.size, ctypes.c_void_p(y.ctypes.data),
+                                   ctypes.c_void_p(x.ctypes.data), len(numbers), ctypes.c_void_p(out.data_ptr()))
+        return out
+
+    def disparity(self):
+        """Returns the disparity of view (4, 4), [y, x], px per view step."""
+        out = torch.empty(self.size, self.size)
+        self.renderer.render_disparity(self.layers, len(self.layers), self.side, self.size, ctypes.c_float(0.5), ctypes.c_float(0.5),
+                                       ctypes.c_void_p(out.data_ptr()))
+        return out
+
+
+class Scenes:
+    """Draws scenes out of a pool of surfaces that is renewed all the time: networks learn scenes by heart that they see again.
+
+    size: height and width of the views in px; max_disparity: in px per view step.
     """
 
-    def __init__(self, synthesiser, number, uses=3, chunk=8):
-        size, device = synthesiser.size, synthesiser.device
-        self.synthesiser, self.uses, self.chunk, self.made, self.drawn = synthesiser, uses, chunk, 0, 0
-        self.views = torch.empty(number, VIEWS**2, size, size, dtype=torch.uint8, device=device)
-        self.disparities = torch.empty(number, len(CENTRAL), size, size, dtype=torch.float16, device=device)
-        while self.made < number:
-            self._render()
+    def __init__(self, renderer, photos, size, max_disparity=3.2, seed=1, pool=160):
+        torch.manual_seed(seed)
+        self.renderer, self.size, self.max_disparity, self.rng = renderer, size, max_disparity, np.random.default_rng(seed)
+        self.side = size + 2 * math.ceil(3.5 * max_disparity)
+        self.surfaces = Surfaces(photos, self.side, self.rng)
+        self.maps = [m for _ in range(pool // 16) for m in self.surfaces.maps(16)]
+        self.reliefs, self.drawn = list(self.surfaces.reliefs(48)), 0
 
-    def _render(self):
-        layers = int(self.synthesiser.rng.choice(6, p=[0.08, 0.15, 0.2, 0.2, 0.2, 0.17])) + 1
-        views, disparities = self.synthesiser.scenes(self.chunk, layers)
-        at = torch.arange(self.made, self.made + self.chunk, device=views.device) % len(self.views)
-        self.views[at] = (views * 255).round().to(torch.uint8)
-        self.disparities[at] = disparities.half()
-        self.made += self.chunk
+    def _renew(self):
+        self.drawn += 1
+        if self.drawn % 12 == 0:
+            at = self.drawn // 12 * 16 % len(self.maps)
+            self.maps[at:at + 16] = self.surfaces.maps(16)
+        if self.drawn % 100 == 0:
+            at = self.drawn // 100 * 16 % len(self.reliefs)
+            self.reliefs[at:at + 16] = self.surfaces.reliefs(16)
 
-    def draw(self, batch, patch):
-        """Returns views in [0, 1], [batch, 64, patch, patch], and the disparity [batch, patch, patch] of view (4, 4)."""
-        rng = self.synthesiser.rng
-        self.drawn += batch
-        while self.drawn > self.uses * (self.made - len(self.views)) + self.uses * self.chunk:
-            self._render()
-        chosen = torch.as_tensor(rng.integers(0, len(self.views), batch), device=self.views.device)
-        top, left = rng.integers(0, self.views.shape[2] - patch + 1, 2)
-        views = self.views[:, :, top:top + patch, left:left + patch][chosen].float().div(255)
-        disparities = self.disparities[:, :, top:top + patch, left:left + patch][chosen].float()
-        return flip(views, disparities, rng.integers(0, 8))
+    def _turned(self, maps):
+        for axes, turn in (((0,), torch.flip), ((1,), torch.flip), ((0, 1), lambda m, axes: m.transpose(*axes))):
+            maps = turn(maps, axes) if self.rng.random() < 0.5 else maps
+        return maps.contiguous()
+
+    def _planes(self, layers):
+        """Returns disparity and slopes per px, from back to front: nearer surfaces have the smaller disparity."""
+        rng = self.rng
+        limit = self.max_disparity * rng.choice([0.3, 0.65, 1.0, 1.0])
+        high = rng.uniform(-0.5, 1) * limit
+        centre = -np.sort(-rng.uniform(rng.uniform(-limit, high), high, layers))
+        room = np.minimum(np.maximum(self.max_disparity - np.abs(centre), 0) / self.size, 0.025)
+        slopes = [rng.uniform(-1, 1, layers) * room * (rng.random(layers) < 0.6) for _ in range(2)]
+        return list(zip(centre, *slopes))
+
+    def draw(self):
+        rng = self.rng
+        self._renew()
+        planes = self._planes(int(rng.choice(len(LAYER_SHARES), p=LAYER_SHARES)) + 1)
+        maps = [self._turned(self.maps[i]) for i in rng.choice(len(self.maps), len(planes), replace=False)]
+        reliefs = [self._turned(self.reliefs[rng.integers(len(self.reliefs))]) * int(rng.choice([-1, 1])) if rng.random() < RELIEF_SHARE else None
+                   for _ in planes]
+        return Scene(self.renderer, self.size, self.side, planes, maps, reliefs)
 
 
-def flip(views, disparities, symmetry):
-    """Flips and transposes views and pixels alike, which keeps the sign of the disparity."""
-    batch, _, height, width = views.shape
-    views = views.view(batch, VIEWS, VIEWS, height, width)
-    of_view = 3
-    if symmetry & 1:
-        views, disparities, of_view = views.flip(1, 3), disparities.flip(2), of_view ^ 2
-    if symmetry & 2:
-        views, disparities, of_view = views.flip(2, 4), disparities.flip(3), of_view ^ 1
-    disparity = disparities[:, of_view]
-    if symmetry & 4:
-        views, disparity = views.permute(0, 2, 1, 4, 3), disparity.transpose(1, 2)
-    return views.reshape(batch, VIEWS**2, *views.shape[3:]), disparity
+class Batches(torch.utils.data.IterableDataset):
+    """Batches without end: intensities through the codes and the open aperture [batch, N + 1, y, x], the disparity [batch, y, x] of
+    view (4, 4), and the views in the rows and columns that are drawn for the batch, [batch, row, column, y, x], or none."""
+
+    def __init__(self, photos, codes, batch, size, seed, num_views):
+        super().__init__()
+        self.photos, self.codes, self.batch, self.size, self.seed, self.num_views = photos, codes, batch, size, seed, num_views
+
+    def __iter__(self):
+        worker = torch.utils.data.get_worker_info()
+        torch.set_num_threads(1)
+        scenes = Scenes(build_renderer(), self.photos, self.size, seed=self.seed + (worker.id if worker else 0))
+        others = np.array([0, 1, 2, 3, 5, 6, 7])
+        # The open aperture is approximated by the open views and a third of the others.
+        used = self.codes.sum(0) > 0
+        sparse = torch.arange(VIEWS**2)[~used][::3]
+        weights = torch.cat([self.codes, used[None].float()]) / VIEWS**2
+        weights[-1, sparse] = float((~used).sum()) / len(sparse) / VIEWS**2
+        coded_views = torch.nonzero(weights.sum(0))[:, 0]
+        while True:
+            rows, columns = ([4, *scenes.rng.choice(others, self.num_views - 1, replace=False)] if self.num_views else [] for _ in range(2))
+            wanted = [VIEWS * row + column for row in rows for column in columns]
+            drawn = [scenes.draw() for _ in range(self.batch)]
+            coded = torch.stack([torch.einsum("pv,vyx->pyx", weights[:, coded_views], scene.views(coded_views)) for scene in drawn])
+            views = torch.stack([scene.views(wanted) for scene in drawn]).unflatten(1, (len(rows), len(columns))) if wanted else coded[:, :0]
+            yield coded, torch.stack([scene.disparity() for scene in drawn]), views, (rows, columns)

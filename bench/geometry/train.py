@@ -2,7 +2,7 @@
 
 usage: train.py DATA OUT --kind depth|layers [--whole-cycle] [--camera FILE] [--seconds S] [--profile]
 DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from OUT/network.pt, which has the averaged weights and the list of layers.
-Requires torch, numpy and pillow; runs on the CPU or on one GPU.
+Requires torch, numpy, pillow and a C++ compiler; runs on the CPU or on one GPU.
 """
 import argparse
 import contextlib
@@ -19,7 +19,7 @@ import torch
 from PIL import Image
 
 import networks
-from scenes import Pool, Synthesiser
+from scenes import VIEWS, Batches
 from sensor import FIXED_CONDITIONS, Conditions, coded_intensities, count_events, network_input
 
 SURE = 0.15  # scale of the likelihood of a plane, px per view step
@@ -38,11 +38,11 @@ def read_model(path):
     return tensors
 
 
-def read_photos(folder, device):
+def read_photos(folder):
     packed = np.load(folder / "photos.npz")
     ends = np.cumsum(packed["sizes"])
     images = [np.asarray(Image.open(io.BytesIO(packed["bytes"][end - size:end].tobytes()))) for end, size in zip(ends, packed["sizes"])]
-    return torch.as_tensor(np.stack(images), device=device)
+    return torch.as_tensor(np.stack(images))
 
 
 def centroids(codes):
@@ -140,24 +140,25 @@ class Task:
     def _autocast(self):
         return torch.autocast("cuda", torch.bfloat16) if self.device.type == "cuda" else contextlib.nullcontext()
 
-    def apply(self, views, conditions, cycles):
-        """Returns the output of the network for the events of views [batch, 64, y, x]."""
+    def apply(self, coded, conditions, cycles):
+        """Returns the output of the network for the events of the intensities through the codes and the open aperture."""
         with torch.no_grad():
-            events = count_events(coded_intensities(views, self.codes), conditions, self.whole_cycle, cycles)
+            events = count_events(coded, conditions, self.whole_cycle, cycles)
             known = conditions.conditioning(self.num_patterns, cycles) if self.camera else None
             x = network_input(events, conditions, known).contiguous(memory_format=torch.channels_last)
         with self._autocast():
             return self.network(x)
 
-    def loss(self, views, disparity):
-        batch = len(views)
-        conditions = Conditions(batch, self.rng, self.device, self.camera, camera_share=0.5, residue_share=0.3 if self.camera else 0.0)
+    def loss(self, coded, disparity, views, places):
+        """Returns the loss of a batch of scenes.Batches, and its figures."""
+        batch, device = len(coded), self.device
+        coded, disparity, views = coded.to(device), disparity.to(device), views.to(device)
+        conditions = Conditions(batch, self.rng, device, self.camera, camera_share=0.5, residue_share=0.3 if self.camera else 0.0)
         cycles = 2 ** int(self.rng.integers(1, 5)) if self.camera and self.rng.random() < 0.12 else 1
-        y = self.apply(views, conditions, cycles)
+        y = self.apply(coded, conditions, cycles)
         if self.kind == "depth":
             return self._depth_loss(y.float(), disparity)
-        gain = conditions.planes(conditions.gain)
-        return self._layers_loss(y, views * gain.unsqueeze(1), disparity, gain.flatten())
+        return self._layers_loss(y, views, disparity, conditions.planes(conditions.gain), places)
 
     def _depth_loss(self, y, disparity):
         """The negative logarithm of a Laplace likelihood."""
@@ -165,15 +166,15 @@ class Task:
         loss = (error * torch.exp(-log_scale) + log_scale + 0.05 * error).mean()
         return loss, {"loss": loss, "off by 0.2": (error > 0.2).float().mean()}
 
-    def _layers_loss(self, y, views, disparity, gain):
-        """The root of the squared error of 16 views, and the likelihood of the planes that view (4, 4) sees."""
-        rows, columns = ([4, *self.rng.choice([0, 1, 2, 3, 5, 6, 7], 3, replace=False)] for _ in range(2))
+    def _layers_loss(self, y, views, disparity, gain, places):
+        """The root of the squared error of the views, and the likelihood of the planes that view (4, 4) sees."""
+        rows, columns = places
         picture, shares = networks.render_layers(y, [row - 3.5 for row in rows], [column - 3.5 for column in columns])
-        batch, _, height, width = views.shape
-        truth = views.view(batch, 8, 8, height, width)[:, rows][:, :, columns].permute(1, 3, 0, 2, 4)
+        height, width = disparity.shape[1:]
+        truth = (views * gain[:, None, None]).permute(1, 3, 0, 2, 4)
         # Row and column 4 are always drawn, the others with probability 3 / 7.
-        weight = torch.tensor([1.0, *[7 / 3] * 3], device=self.device) / 8
-        error = torch.einsum("rybcx,r,c->b", (picture.float() - truth).square(), weight, weight) / (height * width) / gain
+        weight = torch.tensor([1.0, *[7 / (len(rows) - 1)] * (len(rows) - 1)], device=self.device) / VIEWS
+        error = torch.einsum("rybcx,r,c->b", (picture.float() - truth).square(), weight, weight) / (height * width) / gain.flatten()
         loss = (error + 1e-6).sqrt().mean()
         planes = torch.tensor(networks.PLANES, device=self.device).view(-1, 1, 1, 1)
         seen, disparity = shares[:, 0, :, :, 0].float(), disparity.permute(1, 0, 2)
@@ -193,7 +194,7 @@ class Task:
             views = views[None, :, :height, :width]
             torch.manual_seed(11)
             stated = Conditions(1, self.rng, self.device, self.camera, camera_share=float(is_pixel), stated=True)
-            y = self.apply(views, stated, 1).float()
+            y = self.apply(coded_intensities(views, self.codes), stated, 1).float()
             disparity = y[0, 0] if self.kind == "depth" else self._disparity_of_layers(y)
             name = path.stem[6:] + ("@camera" if is_pixel else "")
             if "disparity" in scene:
@@ -229,16 +230,17 @@ def train(options):
         optimiser.restore(state["optimiser"])
     elif (options.out / "network.pt").exists():  # without the state of the optimiser, of which some machines return none
         task.network.load_state_dict({f"weights.{name}": weight for name, weight in torch.load(options.out / "network.pt")["weights"].items()})
-    batch, patch = (24, 192) if options.kind == "depth" else (16, 128)
-    size = options.size or 192
-    batch, patch = options.batch or batch, min(patch, size)
-    pool = Pool(Synthesiser(read_photos(options.data, task.device), size, seed=options.seed + optimiser.steps), options.pool)
+    batch, size = (24, 192) if options.kind == "depth" else (16, 128)
+    batch, size = options.batch or batch, options.size or size
+    scenes = Batches(read_photos(options.data), task.codes.cpu(), batch, size, options.seed + 1000 * optimiser.steps,
+                     0 if options.kind == "depth" else VIEWS // 2)
+    batches = iter(torch.utils.data.DataLoader(scenes, batch_size=None, num_workers=options.workers))
     begin = reported = time.time()
     sums, count = {}, 0
 
     def report(share):
         figures = {name: round(float(value) / max(1, count), 4) for name, value in sums.items()}
-        print(f"{share:4.0%} {optimiser.steps} steps, {optimiser.steps * batch} samples, {pool.made} scenes", figures, flush=True)
+        print(f"{share:4.0%} {optimiser.steps} steps, {optimiser.steps * batch} samples", figures, flush=True)
 
     def save():
         torch.save({"network": task.network.state_dict(), "optimiser": optimiser.state()}, checkpoint)
@@ -246,8 +248,8 @@ def train(options):
 
     while (share := (time.time() - begin) / options.seconds) < 1:
         # A constant rate first, then down to zero.
-        rate = 1e-3 * min(1, (optimiser.steps + 1) / 100) * min(1, (1 - share) / 0.55)
-        loss, figures = task.loss(*pool.draw(batch, patch))
+        rate = options.rate * min(1, (optimiser.steps + 1) / 100) * min(1, (1 - share) / 0.55)
+        loss, figures = task.loss(*next(batches))
         loss.backward()
         torch.nn.utils.clip_grad_norm_(task.network.parameters(), 5.0 if options.kind == "depth" else 0.1)
         optimiser.step(rate)
@@ -276,7 +278,8 @@ def main():
     parser.add_argument("--report-s", type=float, default=60)
     parser.add_argument("--batch", type=int, default=0)
     parser.add_argument("--size", type=int, default=0, help="height and width of the synthesised views in px")
-    parser.add_argument("--pool", type=int, default=1024, help="number of scenes in memory, 2.5 MB each")
+    parser.add_argument("--workers", type=int, default=0, help="number of processes that render scenes; 0: the process of the training")
+    parser.add_argument("--rate", type=float, default=1e-3, help="largest rate of learning")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--profile", action="store_true", help="print where the time of the run goes")
     options = parser.parse_args()
