@@ -10,13 +10,16 @@ import torch
 import torch.nn.functional as F
 
 VIEWS = 8
-LAYER_SHARES = [0.06, 0.14, 0.2, 0.2, 0.16, 0.12, 0.07, 0.05]  # of scenes with 1, 2, ... layers
-RELIEF_SHARE = 0.4
+KINDS = ("objects", "clutter")  # of scenes: a few things in front of a wall, or many surfaces of any outline
+KIND_SHARES = [0.6, 0.4]
+LAYER_SHARES = {"objects": [0.1, 0.35, 0.35, 0.2], "clutter": [0.06, 0.14, 0.2, 0.2, 0.16, 0.12, 0.07, 0.05]}  # of 1, 2, ... layers
+RELIEF_SHARES = {"objects": 0.75, "clutter": 0.35}
+WALL_RELIEF_SHARE = 0.2  # of the layers behind all others
 BORDER = 3  # of maps, px, as in render.cpp
 
 
 class Surfaces:
-    """Draws the maps of textured surfaces, of which many have weak texture or none.
+    """Draws the maps of textured surfaces, of which many have weak texture or none: for scenes of one of KINDS.
 
     photos: uint8 [number, y, x], textures in addition to procedural ones; side: height and width of the maps in px.
     """
@@ -28,10 +31,14 @@ class Surfaces:
         self.axis = torch.arange(side).float() - 0.5 * (side - 1)
 
     @torch.no_grad()
-    def maps(self, number):
+    def maps(self, kind, number):
         """Returns brightness and coverage in [0, 1], [number, side + 2 BORDER, side + 2 BORDER, 2]."""
         textures = self._textures(number)
-        both = torch.stack([textures, self._coverages(textures)], 1)
+        if kind == "objects":
+            textures, coverages = self._shaded(textures), self._outlines(number)
+        else:
+            coverages = self._coverages(textures)
+        both = torch.stack([textures, coverages], 1)
         return F.pad(both, (BORDER,) * 4, mode="replicate").permute(0, 2, 3, 1).contiguous()
 
     @torch.no_grad()
@@ -134,6 +141,33 @@ class Surfaces:
         slow = self._noise(number, self._log_uniform(60, 250, number)) * self._log_uniform(0.05, 0.4, number)
         return (maps * torch.exp(self._chance(0.3, number) * slow)).clamp(0, 1)
 
+    def _shaded(self, textures):
+        """Makes most textures weak, and adds shading and grain as of plaster."""
+        number, mean = len(textures), textures.mean((1, 2), keepdim=True)
+        contrast = torch.where(self._chance(0.6, number) > 0, self._log_uniform(0.04, 0.6, number), torch.ones(1))
+        shade = self._chance(0.7, number) * self._noise(number, self._log_uniform(40, 300, number)) * self._log_uniform(0.05, 0.5, number)
+        grain = self._chance(0.5, number) * self._noise(number, self._log_uniform(1.5, 6, number)) * self._log_uniform(0.01, 0.12, number)
+        return ((mean + contrast * (textures - mean)) * torch.exp(shade) * (1 + grain)).clamp(0, 1)
+
+    def _outlines(self, number):
+        """Returns the opacity of compact things that are as large as things in pictures: blobs, boxes, ellipses, half planes."""
+        half = 0.5 * self.side
+        blob = self._distance_inside(self._noise(number, self._log_uniform(50, 260, number)) - self._uniform(-0.6, 0.9, number))
+        y = (self.axis[:, None] - self._uniform(-0.8, 0.8, number) * half) / self._log_uniform(25, half, number)
+        x = (self.axis - self._uniform(-0.8, 0.8, number) * half) / self._log_uniform(25, half, number)
+        radius = torch.where(self._chance(0.35, number) > 0, torch.maximum(x.abs(), y.abs()), (x * x + y * y + 1e-6).sqrt())
+        uneven = self._chance(0.6, number) * self._log_uniform(1, 10, number) * self._noise(number, self._log_uniform(20, 100, number))
+        line = self._distance_from_line(number, self._uniform(-0.6, 0.4, number) * half)
+        kind = self._maps(self.rng.choice(3, number, p=[0.4, 0.45, 0.15]))
+        inside = torch.where(kind == 0, blob, torch.where(kind == 1, 50 * (1 - radius) + uneven, line))
+        edge_px = torch.where(self._chance(0.8, number) > 0, torch.ones(1), self._log_uniform(1.5, 6, number))
+        return (inside / edge_px + 0.5).clamp(0, 1)
+
+    def _distance_inside(self, field):
+        """Divides a field of arbitrary units by its mean slope, so that its values near its edges are in px."""
+        slope = field.diff(dim=1).abs().mean((1, 2)) + field.diff(dim=2).abs().mean((1, 2))
+        return field / (0.7 * slope.view(-1, 1, 1) + 1e-6)
+
     def _coverages(self, textures):
         """Returns the opacity of surfaces: polygons, ellipses and boxes, stripes, blobs, or parts of the texture."""
         number, half = len(textures), 0.5 * self.side
@@ -170,8 +204,7 @@ class Surfaces:
         else:
             spread = textures.std((1, 2), keepdim=True)
             field = textures - textures.mean((1, 2), keepdim=True) - self._uniform(-0.3, 0.8, number) * spread
-        slope = field.diff(dim=1).abs().mean((1, 2)) + field.diff(dim=2).abs().mean((1, 2))
-        return field / (0.7 * slope.view(-1, 1, 1) + 1e-6)
+        return self._distance_inside(field)
 
 
 class Layer(ctypes.Structure):
@@ -221,14 +254,15 @@ class Scenes:
         self.renderer, self.size, self.max_disparity, self.rng = renderer, size, max_disparity, np.random.default_rng(seed)
         self.side = size + 2 * math.ceil(3.5 * max_disparity)
         self.surfaces = Surfaces(photos, self.side, self.rng)
-        self.maps = [m for _ in range(pool // 16) for m in self.surfaces.maps(16)]
+        self.maps = {kind: [m for _ in range(pool // 16) for m in self.surfaces.maps(kind, 16)] for kind in KINDS}
         self.reliefs, self.drawn = list(self.surfaces.reliefs(48)), 0
 
     def _renew(self):
         self.drawn += 1
-        if self.drawn % 12 == 0:
-            at = self.drawn // 12 * 16 % len(self.maps)
-            self.maps[at:at + 16] = self.surfaces.maps(16)
+        if self.drawn % 6 == 0:
+            kind = KINDS[self.drawn // 6 % 2]
+            at = self.drawn // 12 * 16 % len(self.maps[kind])
+            self.maps[kind][at:at + 16] = self.surfaces.maps(kind, 16)
         if self.drawn % 100 == 0:
             at = self.drawn // 100 * 16 % len(self.reliefs)
             self.reliefs[at:at + 16] = self.surfaces.reliefs(16)
@@ -251,10 +285,12 @@ class Scenes:
     def draw(self):
         rng = self.rng
         self._renew()
-        planes = self._planes(int(rng.choice(len(LAYER_SHARES), p=LAYER_SHARES)) + 1)
-        maps = [self._turned(self.maps[i]) for i in rng.choice(len(self.maps), len(planes), replace=False)]
-        reliefs = [self._turned(self.reliefs[rng.integers(len(self.reliefs))]) * int(rng.choice([-1, 1])) if rng.random() < RELIEF_SHARE else None
-                   for _ in planes]
+        kind = str(rng.choice(KINDS, p=KIND_SHARES))
+        planes, pool = self._planes(int(rng.choice(len(LAYER_SHARES[kind]), p=LAYER_SHARES[kind])) + 1), self.maps[kind]
+        maps = [self._turned(pool[i]) for i in rng.choice(len(pool), len(planes), replace=False)]
+        shares = [WALL_RELIEF_SHARE, *[RELIEF_SHARES[kind]] * (len(planes) - 1)]
+        reliefs = [self._turned(self.reliefs[rng.integers(len(self.reliefs))]) * int(rng.choice([-1, 1])) if rng.random() < share else None
+                   for share in shares]
         return Scene(self.renderer, self.size, self.side, planes, maps, reliefs)
 
 

@@ -153,8 +153,8 @@ class Task:
         """Returns the loss of a batch of scenes.Batches, and its figures."""
         batch, device = len(coded), self.device
         coded, disparity, views = coded.to(device), disparity.to(device), views.to(device)
-        conditions = Conditions(batch, self.rng, device, self.camera, camera_share=0.5, residue_share=0.3 if self.camera else 0.0)
-        cycles = 2 ** int(self.rng.integers(1, 5)) if self.camera and self.rng.random() < 0.12 else 1
+        conditions = Conditions(batch, self.rng, device, self.camera, camera_share=0.25, residue_share=0.3 if self.camera else 0.0)
+        cycles = 2 ** int(self.rng.integers(1, 5)) if self.camera and self.rng.random() < 0.1 else 1
         y = self.apply(coded, conditions, cycles)
         if self.kind == "depth":
             return self._depth_loss(y.float(), disparity)
@@ -184,7 +184,7 @@ class Task:
         return loss + 0.01 * nll, {"root error": loss, "likelihood": nll, "off by 0.2": off}
 
     @torch.no_grad()
-    def evaluate(self, folder, is_pixel):
+    def evaluate(self, folder, is_pixel, cycles=1):
         """Returns the share of disparities off by 0.2 px in %, and the PSNR of layers in dB, of the scenes of a folder."""
         figures = {}
         for path in sorted(folder.glob("scene-*.npz")):
@@ -194,13 +194,17 @@ class Task:
             views = views[None, :, :height, :width]
             torch.manual_seed(11)
             stated = Conditions(1, self.rng, self.device, self.camera, camera_share=float(is_pixel), stated=True)
-            y = self.apply(coded_intensities(views, self.codes), stated, 1).float()
+            y = self.apply(coded_intensities(views, self.codes), stated, cycles).float()
             disparity = y[0, 0] if self.kind == "depth" else self._disparity_of_layers(y)
-            name = path.stem[6:] + ("@camera" if is_pixel else "")
+            name = path.stem[6:] + ("@camera" if is_pixel else "") + (f"x{cycles}" if cycles > 1 else "")
             if "disparity" in scene:
                 inside = slice(15, -15)
-                error = (disparity - torch.as_tensor(scene["disparity"][:height, :width], device=self.device))[inside, inside].abs()
-                figures[name] = f"{100 * float((error > 0.2).float().mean()):.1f} %"
+                truth = torch.as_tensor(scene["disparity"][:height, :width], device=self.device)
+                off = ((disparity - truth).abs() > 0.2).float()[inside, inside]
+                figures[name] = f"{100 * float(off.mean()):.1f} %"
+                if self.kind == "depth":
+                    scale = y[0, 1][inside, inside]
+                    figures[name] += f" (surer half {100 * float(off[scale < scale.median()].mean()):.1f} %)"
             if self.kind == "layers":
                 figures[name] = f"{figures.get(name, '')} {self._psnr(y, views):.2f} dB".strip()
         return figures
@@ -219,15 +223,17 @@ class Task:
 
 def train(options):
     torch.manual_seed(options.seed)
+    torch.set_flush_denormal(True)
     torch.backends.cudnn.benchmark = True
     options.out.mkdir(parents=True, exist_ok=True)
     task = Task(options, read_model(options.data / "start.safetensors"))
     optimiser = Optimiser(task.network)
-    checkpoint = options.out / "checkpoint.pt"
+    checkpoint, trained_s = options.out / "checkpoint.pt", 0.0
     if checkpoint.exists():
         state = torch.load(checkpoint, map_location=task.device)
         task.network.load_state_dict(state["network"])
         optimiser.restore(state["optimiser"])
+        trained_s = state["trained_s"]
     elif (options.out / "network.pt").exists():  # without the state of the optimiser, of which some machines return none
         task.network.load_state_dict({f"weights.{name}": weight for name, weight in torch.load(options.out / "network.pt")["weights"].items()})
     batch, size = (24, 192) if options.kind == "depth" else (16, 128)
@@ -235,15 +241,26 @@ def train(options):
     scenes = Batches(read_photos(options.data), task.codes.cpu(), batch, size, options.seed + 1000 * optimiser.steps,
                      0 if options.kind == "depth" else VIEWS // 2)
     batches = iter(torch.utils.data.DataLoader(scenes, batch_size=None, num_workers=options.workers))
-    begin = reported = time.time()
+    reported = time.time()
+    begin = reported - trained_s
     sums, count = {}, 0
 
     def report(share):
         figures = {name: round(float(value) / max(1, count), 4) for name, value in sums.items()}
-        print(f"{share:4.0%} {optimiser.steps} steps, {optimiser.steps * batch} samples", figures, flush=True)
+        print(f"{share:4.0%} {optimiser.steps} steps, {optimiser.steps * batch} samples", figures, *evaluate(), flush=True)
+
+    def evaluate():
+        """Returns the figures of the averaged weights."""
+        trained = {name: weight.detach().clone() for name, weight in task.network.weights.items()}
+        for name, weight in task.network.weights.items():
+            weight.data.copy_(optimiser.average[name])
+        figures = [task.evaluate(options.data, False), task.evaluate(options.data, False, 16), *([task.evaluate(options.data, True)] if task.camera else [])]
+        for name, weight in task.network.weights.items():
+            weight.data.copy_(trained[name])
+        return figures
 
     def save():
-        torch.save({"network": task.network.state_dict(), "optimiser": optimiser.state()}, checkpoint)
+        torch.save({"network": task.network.state_dict(), "optimiser": optimiser.state(), "trained_s": time.time() - begin}, checkpoint)
         torch.save({"layers": task.network.layers, "weights": optimiser.average, "num_patterns": task.num_patterns}, options.out / "network.pt")
 
     while (share := (time.time() - begin) / options.seconds) < 1:
@@ -262,9 +279,6 @@ def train(options):
             sums, count, reported = {}, 0, time.time()
     report(1)
     save()
-    for name, weight in task.network.weights.items():
-        weight.data.copy_(optimiser.average[name])
-    print(task.evaluate(options.data, False), task.evaluate(options.data, True) if task.camera else "")
 
 
 def main():
@@ -273,9 +287,9 @@ def main():
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--kind", choices=["depth", "layers"], required=True)
     parser.add_argument("--whole-cycle", action="store_true")
-    parser.add_argument("--camera", type=pathlib.Path, help="a camera file of physical pixels, for half of the samples")
+    parser.add_argument("--camera", type=pathlib.Path, help="a camera file of physical pixels, for a quarter of the samples")
     parser.add_argument("--seconds", type=float, default=600)
-    parser.add_argument("--report-s", type=float, default=60)
+    parser.add_argument("--report-s", type=float, default=300)
     parser.add_argument("--batch", type=int, default=0)
     parser.add_argument("--size", type=int, default=0, help="height and width of the synthesised views in px")
     parser.add_argument("--workers", type=int, default=0, help="number of processes that render scenes; 0: the process of the training")
