@@ -85,9 +85,11 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
 }
 
 std::optional<Engine> Engine::with_outputs(std::vector<size_t> channels) const {
-  if (!impl_->plan.head || !impl_->plan.states.empty() || !impl_->planes.empty()) return std::nullopt;
+  if (!impl_->plan.states.empty() || !impl_->planes.empty()) return std::nullopt;
+  std::optional<Plan> plan = engine::with_outputs(impl_->plan, channels);
+  if (!plan) return std::nullopt;
   auto some = std::make_unique<Impl>();
-  some->plan = engine::with_outputs(impl_->plan, channels);
+  some->plan = *std::move(plan);
   some->precision = impl_->precision;
   some->planes = std::move(channels);
   some->num_planes = impl_->num_planes;

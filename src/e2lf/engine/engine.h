@@ -72,7 +72,7 @@ class Engine {
                                        std::span<float> output, const ProgressFn& progress = {}) const;
 
   /// Returns an engine with the same kernels that computes only these channels of the output, bit-identically, and does
-  /// not change the other planes of the output. Returns nothing if the network does not end in a single convolution.
+  /// not change the other planes of the output. Returns nothing if its last layer cannot compute some channels alone.
   [[nodiscard]] std::optional<Engine> with_outputs(std::vector<size_t> channels) const;
 
   /// Returns the precision in use, to which kAuto was resolved.

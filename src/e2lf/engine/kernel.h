@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -65,6 +67,11 @@ class Kernel {
 
   /// Returns true if a strip must be as wide as the image.
   [[nodiscard]] virtual bool needs_whole_rows() const { return false; }
+
+  /// Returns a kernel that computes only these channels of the output, bit-identically; null if this saves nothing.
+  [[nodiscard]] virtual std::unique_ptr<Kernel> with_outputs(std::span<const size_t> /*channels*/) const {
+    return nullptr;
+  }
 
   /// Returns the number of bytes of scratch memory (64-byte aligned) that each thread needs.
   [[nodiscard]] virtual size_t scratch_bytes() const { return 0; }

@@ -241,22 +241,27 @@ Result<Plan> make_plan(const model::Network& network, const model::Weights& weig
   return PlanMaker(read, weights, compute, int16_products).make();
 }
 
-Plan with_outputs(const Plan& plan, std::span<const size_t> channels) {
-  E2LF_REQUIRE(plan.head && plan.states.empty(), "only a last convolution gives some channels alone");
+std::optional<Plan> with_outputs(const Plan& plan, std::span<const size_t> channels) {
+  E2LF_REQUIRE(plan.states.empty(), "the next frame needs all channels");
+  E2LF_REQUIRE(std::ranges::all_of(channels, [&](size_t channel) { return channel < plan.tensors.back().channels; }),
+               "the network has no such output");
   Plan some = plan;
+  some.tensors.back().channels = channels.size();
+  if (!plan.head) {
+    some.stages.back().kernel = plan.stages.back().kernel->with_outputs(channels);
+    return some.stages.back().kernel ? std::optional(std::move(some)) : std::nullopt;
+  }
   ConvSpec& head = *some.head;
   const size_t length = head.weight.size() / head.out_channels;
   head.out_channels = channels.size();
   head.weight.clear();
   head.bias.clear();
   for (const size_t channel : channels) {
-    E2LF_REQUIRE(channel < plan.head->out_channels, "the network has no such output");
     const float* const weight = plan.head->weight.data() + channel * length;
     head.weight.insert(head.weight.end(), weight, weight + length);
     head.bias.push_back(plan.head->bias[channel]);
   }
   some.stages.back().kernel = make_conv(head);
-  some.tensors.back().channels = channels.size();
   return some;
 }
 

@@ -53,7 +53,8 @@ struct Plan {
 [[nodiscard]] Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute,
                                      bool int16_products = false);
 
-/// Returns a plan with the same kernels that computes only some channels of the output. It must have a head.
-[[nodiscard]] Plan with_outputs(const Plan& plan, std::span<const size_t> channels);
+/// Returns a plan with the same kernels that computes only some channels of the output, or nothing if its last kernel
+/// cannot. It must have no states.
+[[nodiscard]] std::optional<Plan> with_outputs(const Plan& plan, std::span<const size_t> channels);
 
 }  // namespace e2lf::engine

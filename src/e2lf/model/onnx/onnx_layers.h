@@ -36,6 +36,9 @@ struct OnnxCall {
     return graph.add_node(operation, inputs, output, attributes);
   }
 
+  /// Adds the channels [begin, end) of a tensor as `name`.
+  std::string slice(const std::string& tensor, size_t begin, size_t end, const std::string& name);
+
   /// Adds a resampling to `stride` times the size.
   std::string resize(const OnnxGraph::Attributes& attributes);
 };
