@@ -9,6 +9,7 @@
 #include "e2lf/depth/detail.h"
 #include "e2lf/depth/plane_fit.h"
 #include "e2lf/depth/semi_global.h"
+#include "e2lf/depth/view_order.h"
 #include "e2lf/lightfield/crop.h"
 
 namespace e2lf::depth {
@@ -21,6 +22,8 @@ using lightfield::Shape;
 /// The shift between neighbouring labels in the farthest view.
 constexpr float kLabelSpacingPx = 0.5F;
 constexpr size_t kMostLabels = 256;
+/// The least mean confidence of true views with texture.
+constexpr double kUsualConfidence = 0.45;
 constexpr uint64_t kMostBytes = uint64_t{8} << 30;
 
 LightField grey_light_field(const LightField& colour) {
@@ -127,11 +130,10 @@ Result<void> check_stop() {
   return Error{ErrorCode::kCancelled, "the disparities were not found to the end; run it again", ""};
 }
 
-/// Estimates the map of a grey light field.
-Result<DisparityMap> map_within(const LightField& light_field, const ViewIndex& view, const DisparityRange& range,
-                                const ProgressFn& progress) {
+/// Estimates the map of a grey light field by comparing its views in `detail`.
+Result<DisparityMap> map_within(const LightField& light_field, const LightField& detail, const ViewIndex& view,
+                                const DisparityRange& range, const ProgressFn& progress) {
   DisparityMap map{{}, {}, view, range, 0};
-  const LightField detail = detail_of(light_field);
   const Image picture = lightfield::view_image(light_field, view.y, view.x);
   Planes planes = flat_planes(coarse_disparities(detail, picture, view, range, progress));
   E2LF_RETURN_IF_ERROR(check_stop());
@@ -171,7 +173,7 @@ Result<DisparityRange> find_range(const LightField& light_field, const ViewIndex
   const size_t factor = std::clamp<size_t>(std::min(shape.height, shape.width) / kEnoughPixels, 1, 8);
   const float scale = static_cast<float>(factor), farthest = kFarthestPx / scale;
   const LightField small = factor == 1 ? light_field : shrunk(light_field, factor);
-  E2LF_ASSIGN_OR_RETURN(const DisparityMap map, map_within(small, view, {-farthest, farthest}, {}));
+  E2LF_ASSIGN_OR_RETURN(const DisparityMap map, map_within(small, detail_of(small), view, {-farthest, farthest}, {}));
   std::vector<float> sorted = sure_disparities(map, kSure);
   if (sorted.size() <= map.disparity.pixels.size() / 50) sorted = sure_disparities(map, -1);
   const size_t last = sorted.size() - 1, few = last / 1000;
@@ -215,9 +217,14 @@ Result<DisparityMap> estimate_disparity(const LightField& light_field, const Dis
   E2LF_RETURN_IF_ERROR(check(light_field.shape(), view, options));
   if (light_field.shape().channels != 1) return estimate_disparity(grey_light_field(light_field), options, progress);
 
-  if (options.range) return map_within(light_field, view, *options.range, progress);
-  E2LF_ASSIGN_OR_RETURN(const DisparityRange found, find_range(light_field, view));
-  return map_within(light_field, view, found, progress);
+  std::optional<DisparityRange> range = options.range;
+  if (!range) {
+    E2LF_ASSIGN_OR_RETURN(range, find_range(light_field, view));
+  }
+  E2LF_ASSIGN_OR_RETURN(DisparityMap map, map_within(light_field, detail_of(light_field), view, *range, progress));
+  // The detail of reconstructions is mostly noise, and the parallax is in their shading.
+  if (mean_confidence(map) >= kUsualConfidence) return map;
+  return map_within(light_field, light_field, view, *range, progress);
 }
 
 }  // namespace e2lf::depth

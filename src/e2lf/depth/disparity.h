@@ -38,7 +38,7 @@ struct DisparityMap {
 [[nodiscard]] ViewIndex middle_view(const lightfield::Shape& shape);
 
 /// Estimates the disparity of every pixel of a view. Colour is converted to grey. Views are compared in their
-/// detail_of().
+/// detail_of(), or as they are if the confidence of the result would be low, as in reconstructions from events.
 /// 1. matching_costs() are computed for equally spaced disparities, half a pixel apart in the farthest view.
 /// 2. smooth_costs() smooths them along paths.
 /// 3. Twice, measure() refines them to fractions of the spacing, and fit_planes() fits planes to the result.
