@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "e2lf/base/text.h"
+#include "e2lf/depth/disparity_files.h"
 
 namespace e2lf::live {
 namespace {
@@ -69,6 +70,42 @@ Answer picture(Session& session, const Parameters& parameters) {
   return framed(header, {&seen.image, &seen.row_epi, &seen.column_epi});
 }
 
+/// Appends disparities as the page reads them.
+void append_disparities(const ShownDepth& depth, std::string& body) {
+  constexpr float kLeastConfidence = 0.02F;  // an expected error of half a px
+  constexpr int kUnknown = -32768;
+  for (size_t i = 0; i < depth.disparity.pixels.size(); ++i) {
+    const float milli = std::clamp(1000.0F * depth.disparity.pixels[i], -32767.0F, 32767.0F);
+    const bool is_known = depth.confidence.pixels[i] >= kLeastConfidence;
+    const auto bits = static_cast<unsigned>(is_known ? static_cast<int>(std::lround(milli)) : kUnknown);
+    body += static_cast<char>(bits & 0xFFU);
+    body += static_cast<char>(bits >> 8U & 0xFFU);
+  }
+}
+
+Answer depth_map(Session& session, const Parameters& parameters) {
+  constexpr std::chrono::milliseconds kPatience{250};
+  const auto shown = session.depth(number<uint64_t>(parameters, "after").value_or(0), kPatience);
+  if (!shown) return {204, "text/plain", ""};
+  const FieldReport& field = shown->field;
+  const depth::DisparityRange range = depth::shown_range(
+      depth::DisparityMap{.disparity = shown->disparity, .confidence = shown->confidence, .view = {}, .range = {}});
+  const Json header = {{"serial", field.serial},
+                       {"width", shown->disparity.width},
+                       {"height", shown->disparity.height},
+                       {"range", {range.least, range.most}},
+                       {"view", {session.model().views_y / 2, session.model().views_x / 2}},
+                       {"cycle", field.cycle},
+                       {"cycles", field.cycles},
+                       {"size", size_name(field.level.size)},
+                       {"latency_s", field.latency_s},
+                       {"reconstruct_s", field.reconstruct_s}};
+  Answer answer = framed(header, {});
+  append_disparities(*shown, answer.body);
+  append(lightfield::to_bytes(shown->picture), answer.body);
+  return answer;
+}
+
 Answer events(Session& session) {
   const auto seen = session.reader().preview().take();
   if (!seen) return {204, "text/plain", ""};
@@ -116,6 +153,7 @@ std::optional<Answer> command(Session& session, const std::string& name, const P
 std::optional<Answer> answer(Session& session, bool is_command, const std::string& name, const Parameters& parameters) {
   if (is_command) return command(session, name, parameters);
   if (name == "picture") return picture(session, parameters);
+  if (name == "depth") return depth_map(session, parameters);
   if (name == "events") return events(session);
   if (name == "disparity") return disparity(session, parameters);
   return std::nullopt;

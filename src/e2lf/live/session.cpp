@@ -6,6 +6,7 @@
 #include "e2lf/base/clock.h"
 #include "e2lf/lightfield/orient.h"
 #include "e2lf/live/event_sums.h"
+#include "e2lf/pipeline/event_depth.h"
 #include "e2lf/recon/gain.h"
 
 namespace e2lf::live {
@@ -67,6 +68,11 @@ void Session::reconstruct() {
   LiveCycle cycle;
   LiveField field;
   while (slot_.take(cycle)) {
+    const bool is_depth = wants_depth();
+    if (is_depth) {
+      if (const Result<void> made = make_depth(cycle); !made) fail(made.error());
+      if (!wants_picture()) continue;
+    }
     const Result<void> made = make(cycle, field);
     // An error of the reconstruction must not stop the reading, which also writes the recording.
     if (!made) {
@@ -86,6 +92,73 @@ void Session::reconstruct() {
     is_last_ = true;
   }
   field_changed_.notify_one();
+}
+
+namespace {
+
+constexpr std::chrono::seconds kAskedRecently{1};
+
+bool is_recent(Clock::rep asked) {
+  return Clock::now().time_since_epoch().count() - asked < Clock::duration(kAskedRecently).count();
+}
+
+}  // namespace
+
+bool Session::wants_depth() const {
+  return options_.depth && is_recent(depth_asked_);
+}
+
+bool Session::wants_picture() const {
+  return is_recent(picture_asked_);
+}
+
+Result<void> Session::make_depth(const LiveCycle& cycle) {
+  const Clock::time_point begin = Clock::now();
+  auto next = std::make_shared<ShownDepth>();
+  QualityLevel level;
+  {
+    const std::lock_guard lock(settings_mutex_);
+    level.size = named_size_.value_or(PictureSize::kHalf);
+  }
+  const size_t side = block_side(level.size), samples = cycle.cycles * side * side;
+  if (side > 1) sum_blocks(cycle.counts.events, side, depth_sums_);
+  const capture::EventImages& events = side > 1 ? depth_sums_ : cycle.counts.events;
+  FieldMaker& maker = *options_.depth;
+  E2LF_RETURN_IF_ERROR(maker.make(capture::Measurement(events), samples, {}, depth_outputs_));
+  E2LF_ASSIGN_OR_RETURN(
+      pipeline::EventDepth found,
+      pipeline::depth_of_outputs(maker.reconstructor().model(), depth_outputs_, events, samples, options_.views));
+  for (float& value : found.map.disparity.pixels) value *= static_cast<float>(side);
+  next->disparity = std::move(found.map.disparity);
+  next->confidence = std::move(found.map.confidence);
+  next->picture = std::move(found.picture);
+  next->field = {0,
+                 cycle.number,
+                 cycle.begin_us,
+                 cycle.cycles,
+                 cycle.events,
+                 cycle.confidence,
+                 level,
+                 seconds_since(begin),
+                 seconds_since(cycle.last_event)};
+  const FieldReport report = next->field;
+  {
+    const std::lock_guard lock(picture_mutex_);
+    next->field.serial = depth_ ? depth_->field.serial + 1 : 1;
+    depth_ = std::move(next);
+  }
+  picture_changed_.notify_all();
+  reader_->statistics().add_field(report.latency_s, report.reconstruct_s);
+  return {};
+}
+
+std::shared_ptr<const ShownDepth> Session::depth(uint64_t after, std::chrono::milliseconds patience) {
+  if (!options_.depth) return nullptr;
+  depth_asked_ = Clock::now().time_since_epoch().count();
+  const auto is_wanted = [&] { return depth_ && depth_->field.serial > after; };
+  std::unique_lock lock(picture_mutex_);
+  if (!has_ended_) picture_changed_.wait_for(lock, patience, is_wanted);
+  return is_wanted() ? depth_ : nullptr;
 }
 
 Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
@@ -197,6 +270,7 @@ void Session::show() {
 
 std::shared_ptr<const ShownPicture> Session::picture(const RenderSettings& settings, uint64_t after,
                                                      std::chrono::milliseconds patience) {
+  picture_asked_ = Clock::now().time_since_epoch().count();
   {
     const std::lock_guard lock(field_mutex_);
     if (!(settings == render_settings_)) {
@@ -300,6 +374,7 @@ Json Session::json() {
   Json json = reader_->statistics().json();
   json["average"] = reader_->average();
   json["has_ended"] = has_ended();
+  json["has_depth"] = has_depth();
   const cycles::Schedule& schedule = reader_->cycles().schedule();
   json["schedule"] = {{"patterns", schedule.size()}, {"cycle_us", schedule.cycle_us()}};
   const std::lock_guard lock(settings_mutex_);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/profile/orientation.h"
+#include "e2lf/lightfield/image.h"
 #include "e2lf/live/field_maker.h"
 #include "e2lf/live/live_reader.h"
 #include "e2lf/live/newest_slot.h"
@@ -35,6 +37,7 @@ struct SessionOptions {
   std::optional<PictureSize> size = {};        ///< empty = selected by the pace
   std::optional<float> gain = {}, black = {};  ///< empty = determined from the first cycle that has events
   capture::Orientation views = {};             ///< orientation in which the views are reconstructed
+  std::optional<FieldMaker> depth = {};        ///< network of disparities, for the same event images
   /// Judges the events of the first cycle that has some, in a thread of its own; empty = not at all.
   std::function<diagnose::Findings(const capture::EventImages&)> check = {};
   std::function<void(const FieldReport&)> on_field = {};
@@ -48,6 +51,14 @@ struct ShownPicture {
   FieldReport field;
   RenderSettings settings;
   Picture picture;
+};
+
+/// The disparities of a cycle, as requested by the browser.
+struct ShownDepth {
+  FieldReport field;             ///< `serial` counts the maps, and `level.size` is that of the map
+  lightfield::Image disparity;   ///< px of the full size per view step
+  lightfield::Image confidence;  ///< see depth::DisparityMap
+  lightfield::Image picture;     ///< brightness, about 0 to 1
 };
 
 /// Reconstructs light fields from a live source as fast as the hardware permits. One thread reads and accumulates
@@ -89,6 +100,12 @@ class Session {
   /// Returns disparity_at() of the newest light field, or nothing if there is none yet. Computes its missing views.
   [[nodiscard]] std::optional<float> disparity_at(float x, float y);
 
+  /// Waits up to `patience` for the disparities of a cycle that are newer than `after`. Returns null if there are none
+  /// by then, or no network of disparities. While they are requested and no pictures, each cycle gets disparities in
+  /// place of a light field: in the size that is fixed, or else in half size.
+  [[nodiscard]] std::shared_ptr<const ShownDepth> depth(uint64_t after, std::chrono::milliseconds patience);
+  [[nodiscard]] bool has_depth() const { return options_.depth.has_value(); }
+
   /// Computes all views of the newest light field and returns it with the brightness in which it is shown, or nothing
   /// if there is none yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
   [[nodiscard]] std::optional<LiveField> freeze();
@@ -98,6 +115,9 @@ class Session {
   void reconstruct();
   void show();
   [[nodiscard]] Result<void> make(LiveCycle& cycle, LiveField& field);
+  [[nodiscard]] bool wants_depth() const;
+  [[nodiscard]] bool wants_picture() const;
+  [[nodiscard]] Result<void> make_depth(const LiveCycle& cycle);
   [[nodiscard]] Result<void> make_views(const LiveCycle& cycle, bool exactly, LiveField& field);
   /// The same if maker_mutex_ is locked already.
   [[nodiscard]] Result<void> make_views_locked(const LiveCycle& cycle, bool exactly, LiveField& field);
@@ -130,6 +150,12 @@ class Session {
   RenderSettings render_settings_;
   Clock::time_point settings_since_{};
   bool is_new_ = false, is_last_ = false, settings_changed_ = false;
+
+  // When the browser last asked for either, as the count of a clock.
+  std::atomic<Clock::rep> picture_asked_ = 0, depth_asked_ = 0;
+  capture::EventImages depth_sums_;
+  lightfield::LightField depth_outputs_;
+  std::shared_ptr<const ShownDepth> depth_;  ///< under picture_mutex_, like picture_
 
   std::mutex picture_mutex_;
   std::condition_variable picture_changed_;

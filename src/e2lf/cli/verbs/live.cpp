@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct LiveArguments {
-  fs::path source, output, last, fine_model;
+  fs::path source, output, last, fine_model, depth_model;
   MethodFlags method;
   std::string size = "auto";
   size_t average = 1;
@@ -128,6 +128,25 @@ Result<EventsCheck> check_of(const pipeline::OpenedMethod& method) {
   });
 }
 
+/// Opens the network of disparities: the one that is named, or else the bundled one for the patterns, if there is one.
+Result<std::optional<live::FieldMaker>> open_depth(const LiveArguments& arguments, const cycles::CycleReader& cycles,
+                                                   pipeline::MethodChoice choice,
+                                                   const std::optional<pipeline::KnownCodes>& codes,
+                                                   RunRecord& record) {
+  choice.algorithm = "depth";
+  choice.model.reset();
+  if (codes) choice.codes = codes->codes;
+  const bool is_named = !arguments.depth_model.empty();
+  if (is_named) {
+    E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(arguments.depth_model));
+    record.add_input(arguments.depth_model);
+  }
+  auto method = open_network(arguments, cycles, std::move(choice));
+  if (!method && !is_named) return std::optional<live::FieldMaker>();
+  if (!method) return method.error();
+  return std::optional<live::FieldMaker>(std::in_place, *method->network);
+}
+
 Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
   Instrument instrument;
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
@@ -149,6 +168,7 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   E2LF_RETURN_IF_ERROR(complete_choice(arguments.method, std::move(setup), record, choice));
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_network(arguments, cycles, choice));
   note_method(method, arguments.source, arguments.method.codes.model, 1, record);
+  E2LF_ASSIGN_OR_RETURN(instrument.options.depth, open_depth(arguments, cycles, choice, method.codes, record));
   pipeline::OpenedMethod best = method;
   choice.prefers_fast = false;
   if (!arguments.fine_model.empty()) {
@@ -273,8 +293,8 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
   RunRecord record("live");
   const CodesSource& codes = arguments.method.codes;
   const std::vector<fs::path> inputs = {
-      arguments.source,        codes.model,         codes.codes, arguments.cycles.schedule,
-      arguments.method.camera, arguments.fine_model};
+      arguments.source,        codes.model,          codes.codes,          arguments.cycles.schedule,
+      arguments.method.camera, arguments.fine_model, arguments.depth_model};
   GrowingFolder folder("live", {});
   if (!arguments.output.empty()) {
     E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far(verb)));
@@ -320,6 +340,8 @@ int run_live(const std::vector<std::string>& arguments) {
   add_model_option(
       app, "--fine", live_arguments.fine_model,
       "network that reconstructs a frozen cycle in several passes; default: that of -m, or the best bundled one");
+  add_model_option(app, "--depth-model", live_arguments.depth_model,
+                   "network that estimates disparities from the events; default: the bundled one for the patterns");
   app.add_option("-o,--output", live_arguments.output, "folder for recordings; without it, recording is not possible");
   app.add_flag("--record", live_arguments.records, "record to -o from the start; the page can switch this on and off");
   app.add_option("--last", live_arguments.last, "write the last light field to this .npy file (float32, upright)");
