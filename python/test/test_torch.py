@@ -39,9 +39,13 @@ def batch(array):
 def difference(model, module=None):
     """The largest difference between the module and the engine."""
     counts = counts_of(model)
-    expected = e2lf.Reconstructor(model, precision="float32").reconstruct(counts, gain=1)
+    module = module or load_module(model)
+    engine = e2lf.Reconstructor(model, precision="float32")
+    expected = engine.depth(counts).disparity if module.gives_disparity else engine.reconstruct(counts, gain=1)
     with torch.no_grad():
-        found = (module or load_module(model))(batch(counts))[0].numpy()
+        found = module(batch(counts))[0].numpy()
+    if module.gives_disparity:
+        found = found[0]
     assert found.shape == expected.shape, (found.shape, expected.shape)
     return float(np.abs(found - expected).max())
 
@@ -81,13 +85,26 @@ class NetworkTest(InFolder):
             {"op": "sigmoid", "name": "o", "inputs": ["n"]},
             {"op": "pixel-unshuffle", "name": "p", "inputs": ["o"], "stride": 2},
             {"op": "pixel-shuffle", "name": "q", "inputs": ["p"], "stride": 2},
-            {"op": "conv", "name": "r", "inputs": ["q"], "out_channels": 64, "kernel": 1}]
+            {"op": "conv", "name": "r", "inputs": ["q"], "out_channels": 4, "kernel": 1},
+            {"op": "plane-sweep", "name": "s", "inputs": ["r"], "kernel": 3, "offsets": [-1.5, 0.75, 0.5, -2],
+             "disparities": [-1.2, 0, 0.7]},
+            {"op": "conv", "name": "t", "inputs": ["s"], "out_channels": 6, "kernel": 1},
+            {"op": "render-layers", "name": "u", "inputs": ["t"], "disparities": [-1.2, 0.1, 0.7],
+             "rows": [view - 3.5 for view in range(8)], "columns": [view - 3.5 for view in range(8)]}]
         torch.manual_seed(1)
         module = new_module(layers=layers)
         save_module("all.safetensors", module, codes=model().codes)
         saved = e2lf.Model("all.safetensors")
         self.assertEqual([layer["op"] for layer in saved.header["network"]["layers"]], [layer["op"] for layer in layers])
         self.assertLess(difference(saved, module), EXACT)
+
+    def test_a_depth_network_gives_the_disparity_of_the_engine(self):
+        module = new_module(layers=[{"op": "conv", "name": "a", "inputs": ["input"], "out_channels": 2, "kernel": 3}])
+        save_module("depth.safetensors", module, codes=model().codes)
+        saved = e2lf.Model("depth.safetensors")
+        self.assertLess(difference(saved, module), EXACT)
+        with self.assertRaises(ValueError):
+            e2lf.Reconstructor(saved).reconstruct(counts_of(saved))
 
     def test_networks_for_frames_give_the_frames_of_the_engine(self):
         torch.manual_seed(6)

@@ -52,6 +52,7 @@ class LightFieldNetwork(nn.Module):
         self.num_patterns = int(header["num_patterns"])
         self.network = ConvGraph(header["network"], weights)
         self.multiple = size_multiple(header["network"])
+        self.gives_disparity = self.network.output_channels == 2 != self.views[0] * self.views[1]
         self.is_conditioned_on_camera = any(group["kind"] == "camera" for group in header["input"])
         self.constants = e2lf.SensorConstants(**{key: header["constants"][key] for key in CONSTANTS})
         self.register_buffer("conditioning", None, persistent=False)
@@ -72,7 +73,8 @@ class LightFieldNetwork(nn.Module):
         return whole
 
     def forward(self, events: Optional[Tensor], images: Optional[Tensor] = None) -> Tensor:
-        """Returns light fields [batch, view_y, view_x, y, x], not clamped.
+        """Returns light fields [batch, view_y, view_x, y, x], not clamped; of depth networks the disparity of view (4, 4) and the
+        logarithm of its scale, [batch, 2, y, x].
 
         events: event images [batch, N - 1, y, x], averaged over cycles; None for networks that take images only.
         images: intensity images [batch, image, y, x], for networks that take them.
@@ -80,7 +82,9 @@ class LightFieldNetwork(nn.Module):
         given = events if events is not None else images
         if given is None:
             raise ValueError("there is nothing to reconstruct from; give event images or images")
-        fields = self.network(self.planes(events, images))[:, :, : given.shape[2], : given.shape[3]]
+        fields: Tensor = self.network(self.planes(events, images))[:, :, : given.shape[2], : given.shape[3]]
+        if self.gives_disparity:
+            return fields
         return fields.reshape(fields.shape[0], *self.views, *fields.shape[2:])
 
 

@@ -8,6 +8,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from .geometry import plane_sweep, render_layers
+
 Layer = Dict[str, Any]
 State = Dict[str, Tensor]
 
@@ -25,6 +27,10 @@ def output_channels(layer: Layer, inputs: List[int]) -> int:
         return inputs[0] // area
     if op == "concat":
         return sum(inputs)
+    if op == "plane-sweep":
+        return len(layer["disparities"])
+    if op == "render-layers":
+        return len(layer["rows"]) * len(layer["columns"])
     if op == "dynamic-filter":
         return inputs[0] * (inputs[1] // int(layer["kernel"]) ** 2)
     return inputs[0]
@@ -71,6 +77,7 @@ class ConvGraph(nn.Module):
             for name, shape in weight_shapes(layer, inputs[0] if inputs else 0).items():
                 bias = torch.zeros(shape[1 if layer["op"] == "conv-transposed" else 0])
                 self._add(name, initial_weight(layer, shape), bias)
+        self.output_channels = channels[self.layers[-1]["name"]]
         self._last_use = {name: i for i, layer in enumerate(self.layers) for name in _reads(layer)}
         if weights is not None:
             self.load_state_dict({name: torch.tensor(value) for name, value in weights.items()})
@@ -118,7 +125,7 @@ def _reads(layer: Layer) -> List[str]:
     return [*layer["inputs"], *([layer["residual"]] if layer.get("residual") else [])]
 
 
-# Each operation is documented at e2lf::model::Op.
+# Each operation is documented at e2lf::model::Op, e2lf::video::Op or e2lf::geometry::Op.
 Operation = Callable[[ConvGraph, Layer, List[Tensor], State, Tensor], Tensor]
 
 
@@ -193,6 +200,8 @@ def _cell(net: ConvGraph, layer: Layer, inputs: List[Tensor], state: State, imag
 
 
 OPERATIONS: Dict[str, Operation] = {
+    "plane-sweep": lambda net, layer, inputs, *_: plane_sweep(inputs[0], layer),
+    "render-layers": lambda net, layer, inputs, *_: render_layers(inputs[0], layer),
     "conv": _conv,
     "conv-transposed": _conv_transposed,
     "pixel-unshuffle": lambda net, layer, inputs, *_: F.pixel_unshuffle(inputs[0], layer["stride"]),

@@ -1,0 +1,76 @@
+"""Makes a model file of e2lf from a network that train.py trained.
+
+usage: convert.py NETWORK.pt MODEL NAME OUT.safetensors [KEY=VALUE...]
+MODEL is a bundled model for the same patterns and, if the network is conditioned on the camera, for cameras: the result has its
+patterns, camera and constants. A network of layers gets the operation that renders them to 8x8 views. KEY=VALUE is added to the
+provenance. Requires torch.
+"""
+import json
+import pathlib
+import struct
+import sys
+
+import torch
+
+import networks
+
+INPUTS = [{"kind": "counts", "scale": 0.125}, {"kind": "cumulative", "scale": 0.125}, {"kind": "intensity", "scale": 4.0}]
+VIEWPOINTS = [view - 3.5 for view in range(8)]
+
+
+def read_header(path):
+    """Returns the header of a model file and the bytes of its patterns."""
+    content = path.read_bytes()
+    length = struct.unpack("<Q", content[:8])[0]
+    header = json.loads(content[8:8 + length])
+    begin, end = (8 + length + offset for offset in header["aperture.codes"]["data_offsets"])
+    return json.loads(header["__metadata__"]["e2lf"]), header["aperture.codes"]["shape"], content[begin:end]
+
+
+def file_layers(layers):
+    """Returns layers as model files have them, with lists of numbers as attributes."""
+    result = []
+    for layer in layers:
+        layer = {key: value for key, value in layer.items() if value not in (False, "")}
+        if layer["op"] == "plane-sweep":
+            layer["offsets"] = [position for offset in layer["offsets"] for position in offset]
+        result.append(layer)
+    if layers[-1]["name"] == "layers":
+        result.append({"name": "views", "op": "render-layers", "inputs": ["layers"], "disparities": networks.PLANES,
+                       "rows": VIEWPOINTS, "columns": VIEWPOINTS})
+    return result
+
+
+def write(path, header, tensors):
+    """Writes a .safetensors file; tensors are (shape, bytes) by name."""
+    entries, offset = {"__metadata__": {"e2lf": json.dumps(header)}}, 0
+    for name, (shape, data) in sorted(tensors.items()):
+        entries[name] = {"dtype": "F32", "shape": list(shape), "data_offsets": [offset, offset + len(data)]}
+        offset += len(data)
+    text = json.dumps(entries).encode()
+    text += b" " * (-len(text) % 8)
+    path.write_bytes(struct.pack("<Q", len(text)) + text + b"".join(data for _, (_, data) in sorted(tensors.items())))
+
+
+def main():
+    network, model, name, out = sys.argv[1:5]
+    trained = torch.load(network, map_location="cpu")
+    header, codes_shape, codes = read_header(pathlib.Path(model))
+    if header["num_patterns"] != trained["num_patterns"]:
+        sys.exit(f"{network} is for {trained['num_patterns']} patterns, and {model} for {header['num_patterns']}")
+    channels = trained["weights"]["pictures/weight"].shape[1]
+    is_conditioned = channels > 3 * (trained["num_patterns"] - 1)
+    header.pop("precision_loss", None)
+    if not is_conditioned:
+        header.pop("camera", None)
+    header.update(name=name, input=INPUTS + ([{"kind": "camera", "scale": 1.0}] if is_conditioned else []),
+                  network={"type": "conv-graph", "input_channels": channels, "layers": file_layers(trained["layers"])},
+                  provenance={"trained_by": "bench/geometry/train.py", **dict(pair.split("=", 1) for pair in sys.argv[5:])})
+    tensors = {key.replace("/", "."): (weight.shape, weight.float().contiguous().numpy().tobytes())
+               for key, weight in trained["weights"].items()}
+    tensors["aperture.codes"] = (codes_shape, codes)
+    write(pathlib.Path(out), header, tensors)
+
+
+if __name__ == "__main__":
+    main()
