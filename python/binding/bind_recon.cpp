@@ -3,6 +3,8 @@
 #include <pybind11/stl.h>
 #include <variant>
 
+#include "e2lf/model/depth_network.h"
+#include "e2lf/pipeline/event_depth.h"
 #include "e2lf/pipeline/method.h"
 #include "e2lf/recon/event_check.h"
 #include "e2lf/recon/gain.h"
@@ -43,6 +45,7 @@ class Network {
   Network(const model::Model& model, const std::string& precision, const capture::SensorProfile* camera) {
     pipeline::MethodChoice choice{.model = model, .precision = precision};
     choice.measurement = model.measurement();
+    if (model::is_depth_network(model)) choice.algorithm = "depth";
     if (camera != nullptr) choice.camera = *camera;
     method_ = without_gil([&] { return pipeline::open_method(std::move(choice)); });
   }
@@ -50,14 +53,10 @@ class Network {
   py::array reconstruct(py::array images, const GainArgument& gain, Whole<size_t> passes, Whole<size_t> cycles,
                         const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS,
                         const ProgressArgument& progress) {
+    if (gives_depth()) throw py::value_error("this network gives disparities and no light field; call depth()");
     const pipeline::Tone tone = tone_of(gain);
-    if (passes < 1 || cycles < 1) throw py::value_error("passes and cycles are at least 1");
-    if (images.ndim() == 4 && images.shape(0) > 0) {
-      if (cycles != 1)
-        throw py::value_error("the number of cycles follows from images of several cycles; leave cycles out");
-      cycles = static_cast<size_t>(images.shape(0));
-      images = images.attr("sum")(0);
-    }
+    if (passes < 1) throw py::value_error("passes are at least 1");
+    sum_cycles(images, cycles);
     const auto counts = event_images_of(images, "images");
     const ProgressFn told = progress_of(progress);
     const OneAtATime::Use use(use_, "reconstructor");
@@ -66,10 +65,39 @@ class Network {
     }));
   }
 
+  py::object depth(py::array images, Whole<size_t> cycles, E2LF_ORIENTATION_PARAMETERS,
+                   const ProgressArgument& progress) {
+    if (!gives_depth()) throw py::value_error("this network gives light fields; estimate their depth by e2lf.depth()");
+    sum_cycles(images, cycles);
+    const auto counts = event_images_of(images, "images");
+    const ProgressFn told = progress_of(progress);
+    const OneAtATime::Use use(use_, "reconstructor");
+    depth::DisparityMap map = without_gil([&]() -> Result<depth::DisparityMap> {
+      E2LF_ASSIGN_OR_RETURN(
+          pipeline::EventDepth found,
+          pipeline::depth_of_events(method_, capture::Measurement(*counts), cycles, E2LF_ORIENTATION_VALUE, told));
+      return std::move(found.map);
+    });
+    return make_tuple_of("DisparityMap", to_array(std::move(map.disparity)), to_array(std::move(map.confidence)),
+                         std::pair(map.view.y, map.view.x), std::pair(map.range.least, map.range.most));
+  }
+
   [[nodiscard]] std::string precision() const { return engine::precision_name(engine().precision()); }
   [[nodiscard]] std::vector<std::string> kernels() const { return engine().describe(); }
 
  private:
+  /// Replaces images of several cycles by their sum.
+  static void sum_cycles(py::array& images, Whole<size_t>& cycles) {
+    if (cycles < 1) throw py::value_error("cycles are at least 1");
+    if (images.ndim() != 4 || images.shape(0) == 0) return;
+    if (cycles != 1) {
+      throw py::value_error("the number of cycles follows from images of several cycles; leave cycles out");
+    }
+    cycles = static_cast<size_t>(images.shape(0));
+    images = images.attr("sum")(0);
+  }
+
+  [[nodiscard]] bool gives_depth() const { return model::is_depth_network(method_.network->model()); }
   [[nodiscard]] const engine::Engine& engine() const { return method_.network->engine(); }
   pipeline::OpenedMethod method_;
   OneAtATime use_;
@@ -131,6 +159,14 @@ void bind_recon(py::module_& module) {
            "colour_filter: colours of each 2x2 pixels of the sensor, row by row, such as \"rggb\": the light field has "
            "[channel] and half the width and height.\n" E2LF_ORIENTATION_DOC
            "progress: called with (done, total); an exception cancels the operation.")
+      .def(
+          "depth", &Network::depth, py::arg("images"), py::kw_only(), py::arg("cycles") = 1, E2LF_ORIENTATION_ARGUMENTS,
+          py::arg("progress") = py::none(),
+          "Estimates the disparity of view (4, 4) from event images, with a depth network. Returns a DisparityMap with "
+          "disparity and confidence, float32 [y, x].\n\n"
+          "images: int16 [transition, y, x], or [cycle, transition, y, x] of a static scene.\n"
+          "cycles: number of cycles over which `images` were summed.\n" E2LF_ORIENTATION_DOC
+          "progress: called with (done, total); an exception cancels the operation.")
       .def_property_readonly("precision", &Network::precision, "The precision that \"auto\" selected.")
       .def_property_readonly("kernels", &Network::kernels, "The kernel of each layer.")
       .def("__repr__", [](const Network& self) { return "<e2lf.Reconstructor in " + self.precision() + ">"; });

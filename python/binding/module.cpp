@@ -4,6 +4,7 @@
 
 #include "e2lf/files/options.h"
 #include "e2lf/formats/formats.h"
+#include "e2lf/geometry/operations.h"
 #include "e2lf/video/operations.h"
 #include "python/binding/errors.h"
 
@@ -22,7 +23,8 @@ Json from_python(const py::object& value) {
 PYBIND11_MODULE(_e2lf, module) {
   namespace python = e2lf::python;
   e2lf::formats::add_formats();
-  e2lf::video::add_operations();  // any model may have them
+  e2lf::geometry::add_operations();  // any model may have them
+  e2lf::video::add_operations();
   python::bind_errors(module);
   python::bind_base(module);
   python::bind_capture(module);

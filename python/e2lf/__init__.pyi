@@ -234,6 +234,16 @@ class Reconstructor:
         flip_y: bool = False,
         progress: Optional[Progress] = None,
     ) -> Floats: ...
+    def depth(
+        self,
+        images: Array,
+        *,
+        cycles: int = 1,
+        turn_views: bool = False,
+        flip_x: bool = False,
+        flip_y: bool = False,
+        progress: Optional[Progress] = None,
+    ) -> DisparityMap: ...
     @property
     def precision(self) -> str: ...
     @property

@@ -74,3 +74,22 @@ for flip in x y; do
   "$E2LF" depth "flipped_$flip.npy" -o "flipped_$flip" --quiet 2>stderr.txt
   grep -q "flipped along one axis.*--flip-$flip" stderr.txt || fail "$flip: $(cat stderr.txt)"
 done
+
+# From events, by a depth network: a file, a folder for each cycle; what is refused.
+py "$TESTSUITE/geometry_models.py" "$TESTSUITE/../models/e2lf-n4.safetensors"
+"$E2LF" simulate plane.npy -m depth.safetensors -o events.npz --quiet
+"$E2LF" depth events.npz -m depth.safetensors -o from_events --json >events.json
+exists from_events/run.json from_events/disparity.npy from_events/disparity.pfm from_events/points.ply from_events/confidence.npy \
+  from_events/colour.png
+[ "$(json events.json "j['maps'][0]['view']")" = "[4, 4]" ] || fail "the reference view"
+"$E2LF" depth events.npz -m depth.safetensors -o turned.npy --turn-views --quiet
+py -c 'import numpy as np; a, b = np.load("from_events/disparity.npy"), np.load("turned.npy"); assert a.shape == (48, 64) and np.array_equal(a, -b)'
+py -c 'import numpy as np; e = np.load("events.npz"); np.savez("two.npz", events=np.stack([e["events"].reshape(3, 48, 64)] * 2))'
+"$E2LF" depth two.npz -m depth.safetensors -o two --quiet
+cmp two/cycle_00001/disparity.npy from_events/disparity.npy
+"$E2LF" depth events.npz -m depth.safetensors -o metres.ply --infinity 20 --focus-distance 2.5 --least-confidence 0 --quiet
+grep -aq '2.5 = the distance of disparity 0' metres.ply || fail "metres"
+fails 1 'flipped' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --flip-x
+fails 1 'no disparities' "$E2LF" depth events.npz -m layers.safetensors -o x.npy
+fails 1 'disparities' "$E2LF" reconstruct events.npz -m depth.safetensors -o x
+fails 1 'light fields' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --view-row 1 --view-column 1

@@ -50,14 +50,34 @@ network_output=(--gain 1 --format npy --precision float32 --quiet)
 py -c 'import numpy as np; np.savez("events.npz", events=np.load("demo/events.npz")["events"])'
 "$E2LF" simulate demo/scene -m "$models/e2lf-n8.safetensors" -o simulated.npz --quiet
 py -c 'import numpy as np; np.savez("eight.npz", events=np.load("simulated.npz")["events"])'
-for model in "$models"/*.safetensors; do
+py "$TESTSUITE/geometry_models.py" "$models/e2lf-n4.safetensors"
+for model in "$models"/*.safetensors layers.safetensors; do
   camera=()
   name=$(basename "$model" .safetensors)
+  [[ $name != *-depth ]] || continue  # see below
   events=events.npz
   [[ $name != e2lf-n8* ]] || events=eight.npz
   [[ $name != *cycle* ]] || continue  # of eight images, as that of e2lf-n8
   "$E2LF" reconstruct "$events" -m "$model" -o "$name" "${network_output[@]}"
   same_views "$model" "$events" "$name"
+done
+
+# Networks for disparities have a location and a logarithm of a scale.
+for model in "$models"/e2lf-n4-depth.safetensors depth.safetensors; do
+  [ -e "$model" ] || continue
+  "$E2LF" depth events.npz -m "$model" -o disparity.npy --precision float32 --quiet --overwrite
+  "$E2LF" model export "$model" -o model.onnx --json --overwrite >about.json
+  py inputs.py events.npz about.json
+  ONNX_PACKAGES=$E2LF_BUILD/onnx node "$TESTSUITE/onnx/run.mjs" model.onnx inputs.json disparity.f32
+  py - "$model" <<'PY'
+import sys
+import numpy as np
+ours = np.load("disparity.npy")
+theirs = np.fromfile("disparity.f32", np.float32).reshape(2, *ours.shape)[0]
+error = np.abs(ours - theirs).max()
+print(sys.argv[1], ours.shape, "largest difference from ONNX Runtime:", error, "deviation:", ours.std())
+assert error < 1e-4 and ours.std() > 0.005
+PY
 done
 
 # The camera is told, and is in what the graph makes of counts.

@@ -1,5 +1,5 @@
 // node run.mjs MODEL.onnx INPUTS.json VIEWS.f32: runs an exported model in ONNX Runtime. INPUTS.json says for each input
-// its shape and the file of its float32 values; the views are written as float32, their shape is printed.
+// its shape and the file of its float32 values; the output is written as float32, its shape is printed.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { resolve } from 'node:path';
@@ -14,6 +14,6 @@ for (const [name, { shape, file }] of Object.entries(JSON.parse(readFileSync(inp
   feeds[name] = new Tensor('float32', new Float32Array(bytes.buffer, bytes.byteOffset, bytes.length / 4), shape);
 }
 const session = await InferenceSession.create(model, { intraOpNumThreads: 1, logSeverityLevel: 2 });
-const { views } = await session.run(feeds);
-writeFileSync(output, Buffer.from(views.data.buffer, views.data.byteOffset, views.data.byteLength));
-console.log(JSON.stringify({ inputs: session.inputNames, outputs: session.outputNames, shape: views.dims }));
+const [{ data, dims }] = Object.values(await session.run(feeds));
+writeFileSync(output, Buffer.from(data.buffer, data.byteOffset, data.byteLength));
+console.log(JSON.stringify({ inputs: session.inputNames, outputs: session.outputNames, shape: dims }));

@@ -8,6 +8,7 @@
 #include "e2lf/cli/features.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/formats/formats.h"
+#include "e2lf/geometry/operations.h"
 #include "e2lf/info/version.h"
 #include "e2lf/video/operations.h"
 
@@ -64,6 +65,7 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   e2lf::formats::add_formats();
-  e2lf::video::add_operations();  // any model may have them
+  e2lf::geometry::add_operations();  // any model may have them
+  e2lf::video::add_operations();
   return run_program("e2lf", argc, argv, run);
 }

@@ -165,9 +165,9 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
       const float z = 1 / (1 - d / geometry.infinity_px);
       const float at_focus_y = pixel * (static_cast<float>(y) + 0.5F - 0.5F * static_cast<float>(height));
       const float at_focus_x = pixel * (static_cast<float>(x) + 0.5F - 0.5F * static_cast<float>(width));
-      append(points, pinhole_x + z * (at_focus_x - pinhole_x));
-      append(points, pinhole_y + z * (at_focus_y - pinhole_y));
-      append(points, z);
+      append(points, geometry.focus_distance * (pinhole_x + z * (at_focus_x - pinhole_x)));
+      append(points, geometry.focus_distance * (pinhole_y + z * (at_focus_y - pinhole_y)));
+      append(points, geometry.focus_distance * z);
       for (size_t channel = 0; channel < picture.channels; ++channel) {
         const float value = std::clamp(picture.pixels[i * picture.channels + channel], 0.0F, 1.0F);
         points.push_back(static_cast<uint8_t>(255 * value + 0.5F));
@@ -178,8 +178,8 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
   }
   std::vector<uint8_t> bytes;
   append_text(bytes, cat("ply\nformat binary_little_endian 1.0\n", "comment x right, y down, z away from the camera; ",
-                         "1 = the distance of disparity 0; infinity at ", geometry.infinity_px, " px\n",
-                         "element vertex ", count, "\nproperty float x\nproperty float y\nproperty float z\n",
+                         geometry.focus_distance, " = the distance of disparity 0; infinity at ", geometry.infinity_px,
+                         " px\n", "element vertex ", count, "\nproperty float x\nproperty float y\nproperty float z\n",
                          picture.channels == 1 ? "property uchar grey\n"
                                                : "property uchar red\nproperty uchar green\nproperty uchar blue\n",
                          "property float confidence\nend_header\n"));

@@ -43,6 +43,7 @@ inline constexpr float kPngZero = 32768.0F, kPngScale = 4096.0F;
 struct PointGeometry {
   float infinity_px = 4;     ///< the disparity at infinity, positive and larger than any other
   float field_width = 0.8F;  ///< width of the visible rectangle at the focus distance
+  float focus_distance = 1;  ///< points are in units of which this is the focus distance
 };
 
 /// Returns a disparity at infinity for light fields of unknown cameras. It exceeds the largest disparity by the width

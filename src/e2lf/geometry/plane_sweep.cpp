@@ -192,9 +192,9 @@ Result<void> plan_sweep(PlanBuilder& build, const Layer& layer) {
   const auto planes = [&](size_t channels) {
     return engine::TensorSpec{channels, input.scale, engine::ElementType::kFloat32};
   };
-  const size_t rows = build.add_part(layer.name + ".planes",
-                                     HWY_DYNAMIC_DISPATCH(MakeSweepPlanes)(input.channels, input.type),
-                                     {build.tensor(layer.inputs[0])}, planes(input.channels));
+  const size_t rows =
+      build.add_part(layer.name + ".planes", HWY_DYNAMIC_DISPATCH(MakeSweepPlanes)(input.channels, input.type),
+                     {build.tensor(layer.inputs[0])}, planes(input.channels));
   const size_t sums = build.add_part(layer.name + ".products", HWY_DYNAMIC_DISPATCH(MakeProducts)(sweep), {rows},
                                      planes(2 * sweep.disparities));
   build.set_result(
@@ -291,14 +291,14 @@ std::string add_shifts(model::OnnxCall& call, const Sweep& sweep) {
 std::string add_means(model::OnnxCall& call, const Sweep& sweep, const std::string& from, const std::string& name) {
   std::vector<std::string> features;
   for (size_t feature = 0; feature < sweep.features; ++feature) {
-    features.push_back(call.slice(from, feature * sweep.disparities, (feature + 1) * sweep.disparities, cat(name, "/", feature)));
+    features.push_back(
+        call.slice(from, feature * sweep.disparities, (feature + 1) * sweep.disparities, cat(name, "/", feature)));
   }
   const std::string mean = call.graph.add_node("Mean", features, name + "/features");
   const auto kernel = static_cast<int64_t>(sweep.kernel);
-  return call.graph.add_node("AveragePool", {mean}, name,
-                             {{"kernel_shape", Integers(2, kernel)},
-                              {"pads", Integers(4, kernel / 2)},
-                              {"count_include_pad", int64_t{1}}});
+  return call.graph.add_node(
+      "AveragePool", {mean}, name,
+      {{"kernel_shape", Integers(2, kernel)}, {"pads", Integers(4, kernel / 2)}, {"count_include_pad", int64_t{1}}});
 }
 
 std::string export_sweep(model::OnnxCall& call) {
@@ -308,8 +308,7 @@ std::string export_sweep(model::OnnxCall& call) {
   for (size_t p = 0; p < sweep.pictures; ++p) {
     const size_t planes = sweep.features * sweep.disparities;
     pictures.push_back(call.slice(moved, p * planes, (p + 1) * planes, cat("pictures/", name, "/", p)));
-    squares.push_back(
-        call.graph.add_node("Mul", {pictures.back(), pictures.back()}, cat("squares/", name, "/", p)));
+    squares.push_back(call.graph.add_node("Mul", {pictures.back(), pictures.back()}, cat("squares/", name, "/", p)));
   }
   const std::string sum = call.graph.add_node("Sum", pictures, "sums/" + name);
   const std::string own = call.graph.add_node("Sum", squares, "squares/" + name);

@@ -153,8 +153,8 @@ Result<void> plan_render(PlanBuilder& build, const Layer& layer) {
   const size_t planes =
       build.add_part(layer.name + ".planes", HWY_DYNAMIC_DISPATCH(MakeOpacities)(viewpoints.planes, input.type),
                      {build.tensor(layer.inputs[0])}, {input.channels, input.scale, engine::ElementType::kFloat32});
-  build.set_result(layer, build.add_part(layer.name, HWY_DYNAMIC_DISPATCH(MakeViews)(viewpoints, output.type),
-                                         {planes}, output));
+  build.set_result(
+      layer, build.add_part(layer.name, HWY_DYNAMIC_DISPATCH(MakeViews)(viewpoints, output.type), {planes}, output));
   return {};
 }
 
@@ -245,10 +245,9 @@ std::string add_row(model::OnnxCall& call, const Viewpoints& viewpoints, const s
   std::string sum, passed;
   for (size_t plane = 0; plane < planes; ++plane) {
     const std::string own = cat(name, "/", plane);
-    const std::string opacity =
-        call.slice(moved, plane * columns, (plane + 1) * columns, own + "/opacity");
-    const std::string intensity = call.slice(moved, (planes + plane) * columns,
-                                               (planes + plane + 1) * columns, own + "/intensity");
+    const std::string opacity = call.slice(moved, plane * columns, (plane + 1) * columns, own + "/opacity");
+    const std::string intensity =
+        call.slice(moved, (planes + plane) * columns, (planes + plane + 1) * columns, own + "/intensity");
     std::string share = graph.add_node("Clip", {opacity, zero, one}, own + "/clipped");
     if (plane > 0) share = graph.add_node("Mul", {share, passed}, own + "/share");
     passed = graph.add_node("Sub", {plane > 0 ? passed : one, share}, own + "/passed");
@@ -281,19 +280,20 @@ std::string export_render(model::OnnxCall& call) {
 }  // namespace
 
 engine::Operation render_layers() {
-  return {.model = {.name = Op::kRenderLayers,
-                    .attributes = {"disparities", "rows", "columns"},
-                    .shape = render_shape,
-                    // Both maps of each plane are moved with four taps, down for each row and across for each view.
-                    .macs =
-                        [](const Layer& layer, std::span<const LayerShape>) {
-                          const Viewpoints viewpoints(layer);
-                          return static_cast<double>(viewpoints.planes * (8 * viewpoints.rows + 10 * viewpoints.views()));
-                        },
-                    .reach = [](const Layer& layer) { return Viewpoints(layer).reach; },
-                    .onnx = export_render},
-          .plan = plan_render,
-          .reference = render_reference};
+  return {
+      .model = {.name = Op::kRenderLayers,
+                .attributes = {"disparities", "rows", "columns"},
+                .shape = render_shape,
+                // Both maps of each plane are moved with four taps, down for each row and across for each view.
+                .macs =
+                    [](const Layer& layer, std::span<const LayerShape>) {
+                      const Viewpoints viewpoints(layer);
+                      return static_cast<double>(viewpoints.planes * (8 * viewpoints.rows + 10 * viewpoints.views()));
+                    },
+                .reach = [](const Layer& layer) { return Viewpoints(layer).reach; },
+                .onnx = export_render},
+      .plan = plan_render,
+      .reference = render_reference};
 }
 
 }  // namespace e2lf::geometry

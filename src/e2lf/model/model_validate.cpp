@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "e2lf/base/text.h"
+#include "e2lf/model/depth_network.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
@@ -102,10 +103,10 @@ class ModelCheck {
     }
     const LayerShape output = shapes->back();
     const size_t views = model_.views_y * model_.views_x;
-    if (output.channels != views || output.scale != 1) {
+    if ((output.channels != views && !is_depth_network(model_)) || output.scale != 1) {
       return refuse("network",
                     cat("the last layer has ", output.channels, " channels at scale ", output.scale, ", not ", views,
-                        " views at scale 1; correct the last layer"),
+                        " views, or a disparity and its scale, at scale 1; correct the last layer"),
                     ErrorCode::kShape);
     }
     return {};

@@ -6,12 +6,26 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/model/depth_network.h"
 #include "e2lf/recon/linear_estimate.h"
 #include "e2lf/recon/regularised.h"
 
 namespace e2lf::pipeline {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr const char* kDepth = "depth";
+
+/// Returns the first of these bundled networks that was trained for the patterns.
+Result<std::optional<BundledNetwork>> first_for(const capture::Codes& codes, const std::vector<const char*>& names) {
+  for (const char* name : names) {
+    const auto path = bundled_file_named(kBundledModels, name);
+    if (!path) continue;
+    E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
+    if (model.codes && *model.codes == codes) return std::optional(BundledNetwork{*path, std::move(model)});
+  }
+  return std::optional<BundledNetwork>();
+}
 
 /// Selects the bundled network that was trained for the patterns, if none is given.
 Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, std::optional<fs::path>& path) {
@@ -22,7 +36,8 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
                  "nothing says which patterns the camera showed; give the model that was trained for them", ""};
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
-                        bundled_network(known->codes, opened.camera, choice.prefers_fast));
+                        choice.algorithm == kDepth ? first_for(known->codes, {"e2lf-n4-depth", "e2lf-n4-cycle-depth"})
+                                                   : bundled_network(known->codes, opened.camera, choice.prefers_fast));
   if (!network && bundled_names(kBundledModels).empty()) {
     return Error{
         ErrorCode::kNotFound,
@@ -64,9 +79,20 @@ Result<void> check_transitions(size_t transitions, const model::Model& model) {
       "transitions"};
 }
 
+Result<void> check_output(const std::string& algorithm, const model::Model& model) {
+  const bool is_depth = model::is_depth_network(model);
+  if (is_depth == (algorithm == kDepth)) return {};
+  return Error{ErrorCode::kUnsupported,
+               cat(model.name, is_depth ? " gives disparities and no light field; use `e2lf depth`, or another model"
+                                        : " gives light fields and no disparities; give a depth network, or estimate "
+                                          "the depth of its light fields"),
+               ""};
+}
+
 Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(choose_network(choice, opened, opened.bundled));
   model::Model& model = *choice.model;
+  E2LF_RETURN_IF_ERROR(check_output(choice.algorithm, model));
   E2LF_RETURN_IF_ERROR(check_transitions(choice.transitions, model));
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
   const bool is_told = model::is_conditioned_on_camera(model);
@@ -115,13 +141,7 @@ Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& code
                                        ? std::vector{"e2lf-n4-camera", "e2lf-n8-camera", "e2lf-n4-cycle-camera"}
                                        : std::vector{"e2lf-n4", "e2lf-n8", "e2lf-n4-cycle"};
   if (prefers_fast) names.insert(names.begin(), "e2lf-n4-live");
-  for (const char* name : names) {
-    const auto path = bundled_file_named(kBundledModels, name);
-    if (!path) continue;
-    E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
-    if (model.codes && *model.codes == codes) return std::optional(BundledNetwork{*path, std::move(model)});
-  }
-  return std::optional<BundledNetwork>();
+  return first_for(codes, names);
 }
 
 Result<model::Model> read_network(const fs::path& path) {
@@ -130,7 +150,7 @@ Result<model::Model> read_network(const fs::path& path) {
 }
 
 Result<OpenedMethod> open_method(MethodChoice choice) {
-  const bool is_network = choice.algorithm == "network";
+  const bool is_network = choice.algorithm == "network" || choice.algorithm == kDepth;
   if (choice.measurement != capture::MeasurementKind::kEventImages && !(is_network && choice.model)) {
     return Error{ErrorCode::kInvalidValue,
                  cat("this is the measurement ", capture::measurement_name(choice.measurement),

@@ -14,10 +14,10 @@ namespace e2lf::pipeline {
 
 /// The choice of a method that reconstructs light fields from measurements.
 struct MethodChoice {
-  std::string algorithm = "network";                  ///< or "inversion" or "regularised", which only need patterns
-  std::optional<model::Model> model = {};             ///< the network; empty = the bundled one for the patterns
-  std::optional<capture::Codes> codes = {};           ///< patterns that the caller specifies
-  std::optional<capture::SensorProfile> camera = {};  ///< sensor profile that the caller specifies
+  std::string algorithm = "network";                       ///< "depth" (network), "inversion", "regularised" (patterns)
+  std::optional<model::Model> model = {};                  ///< the network; empty = the bundled one for the patterns
+  std::optional<capture::Codes> codes = {};                ///< patterns that the caller specifies
+  std::optional<capture::SensorProfile> camera = {};       ///< sensor profile that the caller specifies
   std::optional<capture::SensorConstants> constants = {};  ///< empty = those of the model, or else the paper's
   capture::RecordedSetup events = {};                      ///< the setup that the file of the events states
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;

@@ -8,6 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/model/constant_inputs.h"
+#include "e2lf/model/depth_network.h"
 #include "e2lf/recon/grid_shift.h"
 
 namespace e2lf::recon {
@@ -23,6 +24,13 @@ void add_crop(const lightfield::LightField& larger, const GridShift& shift, ligh
     float* to = field.data().data() + row * shape.width;
     for (size_t x = 0; x < shape.width; ++x) to[x] += from[x];
   }
+}
+
+/// Returns the shape of the result. The two outputs of a depth network have the place of views.
+lightfield::Shape output_shape(const model::Model& model, const capture::Measurement& measurement) {
+  const bool is_depth = model::is_depth_network(model);
+  return {is_depth ? 1 : model.views_y, is_depth ? model::kDepthOutputs : model.views_x, measurement.height(),
+          measurement.width()};
 }
 
 }  // namespace
@@ -130,7 +138,7 @@ Result<void> Reconstructor::reconstruct_into(const capture::Measurement& measure
                                              lightfield::LightField& field) const {
   E2LF_RETURN_IF_ERROR(check(measurement));
   E2LF_RETURN_IF_ERROR(fill_input(measurement, cycles, memory.input));
-  const lightfield::Shape shape{model_.views_y, model_.views_x, measurement.height(), measurement.width()};
+  const lightfield::Shape shape = output_shape(model_, measurement);
   if (!(field.shape() == shape)) field = lightfield::LightField::unset(shape);
   if (!std::ranges::equal(memory.views, views)) {
     memory.views.assign(views.begin(), views.end());
@@ -157,7 +165,7 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measure
                                                           size_t cycles) const {
   E2LF_REQUIRE(cycles == 1 || model::is_conditioned_on_camera(model_), "the network must know of several cycles");
   E2LF_RETURN_IF_ERROR(check(measurement));
-  const lightfield::Shape shape{model_.views_y, model_.views_x, measurement.height(), measurement.width()};
+  const lightfield::Shape shape = output_shape(model_, measurement);
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));
   lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {

@@ -29,8 +29,8 @@ struct ReconstructionMemory {
   std::optional<engine::Engine> some = {};  ///< computes these views alone
 };
 
-/// Reconstructs light fields from measurements with one model. It is made once and used for every cycle, by any number
-/// of threads at once. Copies share the engine and its weights.
+/// Reconstructs light fields, or the outputs [1, 2, y, x] of a depth network, from measurements with one model. It is
+/// made once and used for every cycle, by any number of threads at once. Copies share the engine and its weights.
 class Reconstructor {
  public:
   /// Prepares the network of `model`, for which Precision::kAuto is float32, or bfloat16 if this was checked for the

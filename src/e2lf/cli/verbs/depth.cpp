@@ -1,55 +1,37 @@
 // SPDX-License-Identifier: MIT
-// e2lf depth: light field -> disparity map
+// e2lf depth: light field, or events -> disparity map
 #include <cmath>
 
-#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/flags/cycle_options.h"
+#include "e2lf/cli/flags/method_flags.h"
+#include "e2lf/cli/output/disparity_writer.h"
+#include "e2lf/cli/output/light_field_writer.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/depth/colour_scale.h"
-#include "e2lf/depth/disparity.h"
-#include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/view_order.h"
-#include "e2lf/files/file.h"
-#include "e2lf/files/npy.h"
-#include "e2lf/files/options.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/pipeline/event_depth.h"
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/option_values.h"
-#include "e2lf/program/run_record.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
-using lightfield::Image;
 using lightfield::LightField;
 namespace {
 
 struct DepthArguments {
-  fs::path input, output;
+  DisparityOutput output;
   float least = 0, most = 0;
   size_t view_row = 0, view_column = 0;
-  float infinity = 0, field_width = 0.8F, least_confidence = 0.1F;
   bool has_range = false, has_view = false;
   LightFieldFlags light_field{.views = 0};
-};
-
-/// A disparity map with everything that its files contain.
-struct Estimate {
-  depth::DisparityMap map;
-  Image picture;  ///< the view, in colour if available
-  lightfield::Shape shape;
-  depth::OcclusionSign sign;
-};
-
-/// Values that all cycles share: they are determined for the first one, so that images and points of a sequence do not
-/// jump.
-struct Shared {
-  std::optional<depth::DisparityRange> shown;
-  float infinity = 0;
+  MethodFlags method;
+  size_t cycles_per_map = 1;
+  CycleFlags cycles;
 };
 
 /// An inverted depth order is not an error: the user may want it, and occlusions may mislead.
@@ -72,7 +54,7 @@ const char* verdict_name(depth::OcclusionSign::Verdict verdict) {
   return verdict == Verdict::kUpright ? "upright" : verdict == Verdict::kTurned ? "turned" : "undecided";
 }
 
-Result<Estimate> estimate(const DepthArguments& arguments, const fs::path& path, bool is_quiet) {
+Result<DisparityResult> estimate(const DepthArguments& arguments, const fs::path& path, bool is_quiet) {
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(path, arguments.light_field, is_quiet, {arguments.least, arguments.most}));
   depth::DisparityOptions options;
@@ -86,119 +68,81 @@ Result<Estimate> estimate(const DepthArguments& arguments, const fs::path& path,
   warn_of_turned_views(path, sign);
   E2LF_ASSIGN_OR_RETURN(const depth::FlippedAxis axis, depth::find_flipped_axis(light_field, map));
   warn_of_flipped_views(path, axis);
-  return Estimate{std::move(map), lightfield::view_image(light_field, view.y, view.x), light_field.shape(), sign};
+  const Json occlusion = {
+      {"views", verdict_name(sign.verdict)}, {"confidence", json_number(sign.confidence())}, {"places", sign.places}};
+  Json about = {{"residual", json_number(map.residual)}, {"occlusion", occlusion}};
+  return DisparityResult{std::move(map), lightfield::view_image(light_field, view.y, view.x), light_field.shape(),
+                         path.filename().string(), std::move(about)};
 }
 
-void share(const DepthArguments& arguments, const depth::DisparityMap& map, Shared& shared) {
-  if (shared.shown) return;
-  shared.shown = depth::shown_range(map);
-  shared.infinity = arguments.infinity > 0 ? arguments.infinity : depth::assumed_infinity(map.range);
+Result<void> from_light_fields(DepthArguments& arguments, bool are_cycles, const Verb& verb) {
+  const fs::path& input = arguments.output.input;
+  arguments.output.is_one = !are_cycles;
+  RunRecord record("depth", {input});
+  const std::vector<fs::path> paths = are_cycles ? lightfield::cycle_folders(input) : std::vector{input};
+  const auto source = [&, next = size_t{0}]() mutable -> Result<std::optional<DisparityResult>> {
+    if (next == paths.size()) return std::optional<DisparityResult>();
+    E2LF_ASSIGN_OR_RETURN(DisparityResult result, estimate(arguments, paths[next++], verb.common().quiet));
+    return std::optional(std::move(result));
+  };
+  return write_disparities(arguments.output, source, record, verb);
 }
 
-Result<void> write_array(const fs::path& path, const Image& image) {
-  return write_npy(path, make_npy<float>({image.height, image.width}, image.pixels));
-}
-
-Result<void> write_points(const fs::path& path, const DepthArguments& arguments, const Estimate& estimate,
-                          const Shared& shared) {
-  E2LF_ASSIGN_OR_RETURN(
-      const auto points,
-      located(depth::encode_point_cloud(estimate.map, estimate.picture, estimate.shape,
-                                        {shared.infinity, arguments.field_width}, arguments.least_confidence),
-              arguments.input));
-  return write_file(path, points);
-}
-
-/// Writes one file in the format of its extension.
-Result<void> write_one(const fs::path& path, const std::string& extension, const DepthArguments& arguments,
-                       const Estimate& estimate, const Shared& shared) {
-  const Image& disparity = estimate.map.disparity;
-  if (extension == ".npy") return write_array(path, disparity);
-  if (extension == ".pfm") return write_file(path, depth::encode_pfm(disparity));
-  if (extension == ".ply") return write_points(path, arguments, estimate, shared);
-  return lightfield::write_png(path, depth::png_samples(disparity), lightfield::PngDepth::k16);
-}
-
-Result<void> write_all(const fs::path& folder, const DepthArguments& arguments, const Estimate& estimate,
-                       const Shared& shared) {
-  for (const char* extension : {".npy", ".pfm", ".png", ".ply"}) {
-    const std::string name = extension == std::string(".ply") ? "points" : "disparity";
-    E2LF_RETURN_IF_ERROR(write_one(folder / (name + extension), extension, arguments, estimate, shared));
-  }
-  E2LF_RETURN_IF_ERROR(write_array(folder / "confidence.npy", estimate.map.confidence));
-  E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "confidence.png", estimate.map.confidence));
-  return lightfield::write_png(folder / "colour.png", depth::picture_with_scale(estimate.map.disparity, *shared.shown));
-}
-
-Json json_of(const Estimate& estimate, const Shared& shared) {
-  const depth::DisparityMap& map = estimate.map;
-  return {{"view", {map.view.y, map.view.x}},
-          {"height", map.disparity.height},
-          {"width", map.disparity.width},
-          {"range_px", {json_number(map.range.least), json_number(map.range.most)}},
-          {"shown_px", {json_number(shared.shown->least), json_number(shared.shown->most)}},
-          {"infinity_px", json_number(shared.infinity)},
-          {"residual", json_number(map.residual)},
-          {"occlusion",
-           {{"views", verdict_name(estimate.sign.verdict)},
-            {"confidence", json_number(estimate.sign.confidence())},
-            {"places", estimate.sign.places}}},
-          {"mean_confidence", depth::mean_confidence(map)}};
-}
-
-void print_maps(const DepthArguments& arguments, const CommonOptions& common, const Json& maps) {
-  const Json& first = maps.front();
-  print_result(common, {{"output", arguments.output.string()}, {"maps", maps}},
-               cat(counted(maps.size(), "disparity map"), " in ", arguments.output.string(),
-                   formatted(": view (%d, %d), most of it from %.2f to %.2f px per view step\n",
-                             first["view"][0].get<int>(), first["view"][1].get<int>(),
-                             first["shown_px"][0].get<double>(), first["shown_px"][1].get<double>())));
-}
-
-Result<void> to_file(const DepthArguments& arguments, const std::string& extension, const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
-  RunRecord record("depth", {arguments.input});
-  E2LF_ASSIGN_OR_RETURN(const Estimate result, estimate(arguments, arguments.input, verb.common().quiet));
-  record.end_step("estimate");
-  Shared shared;
-  share(arguments, result.map, shared);
-  E2LF_RETURN_IF_ERROR(write_one(output.path(), extension, arguments, result, shared));
-  record.note("maps", Json::array({json_of(result, shared)}));
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
-  print_maps(arguments, verb.common(), Json::array({json_of(result, shared)}));
-  return {};
-}
-
-/// Writes the folder of a light field, or one folder for each cycle, which appears complete when it is done.
-Result<void> to_folder(const DepthArguments& arguments, const std::vector<fs::path>& cycles, const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb, {arguments.input}));
-  RunRecord record("depth", {arguments.input});
-  Shared shared;
-  Json maps = Json::array();
-  const bool is_one = cycles.empty();
-  for (const fs::path& cycle : is_one ? std::vector{arguments.input} : cycles) {
-    if (!maps.empty() && stop_requested()) break;
-    const auto result = estimate(arguments, cycle, verb.common().quiet);
-    if (!result && result.error().code == ErrorCode::kCancelled && !maps.empty()) break;
-    if (!result) return result.error();
-    share(arguments, result->map, shared);
-    maps.push_back(json_of(*result, shared));
-    const std::string name = cycle.filename().string();
-    fs::path folder = output.path();
-    if (!is_one) {
-      E2LF_ASSIGN_OR_RETURN(folder, output.begin_part(name));
+/// Fails if an option is given that only applies to light fields.
+Result<void> refuse_light_field_options(const Verb& verb) {
+  for (const char* option :
+       {"--min-disparity", "--view-row", "--views", "--step", "--white", "--view-columns", "--lenslet-views"}) {
+    if (verb.is_given(option)) {
+      return Error{ErrorCode::kInvalidValue, "only applies to light fields, not to events; leave it out", option};
     }
-    E2LF_RETURN_IF_ERROR(write_all(folder, arguments, *result, shared));
-    if (is_one) break;
-    E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"map", maps.back()}}));
-    if (maps.size() == 1) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
   }
-  record.end_step("estimate");
-  record.note("maps", maps);
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(is_one ? output.commit(std::move(about)) : output.update_record(std::move(about)));
-  print_maps(arguments, verb.common(), maps);
   return {};
+}
+
+Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
+  E2LF_RETURN_IF_ERROR(refuse_light_field_options(verb));
+  const fs::path& path = arguments.output.input;
+  RunRecord record("depth");
+  E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
+  choice.algorithm = "depth";
+  diagnose::RigCheck rig;
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, wanted_cycles(arguments.cycles, choice),
+                                                                     arguments.cycles_per_map, verb, rig));
+  choice.measurement = input.measurement();
+  choice.transitions = input.transitions();
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
+  E2LF_RETURN_IF_ERROR(complete_choice(arguments.method, std::move(setup), record, choice));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, by_flag(pipeline::open_method(std::move(choice)), path));
+  if (arguments.cycles_per_map > 1 && !method.takes_sums()) {
+    return Error{ErrorCode::kInvalidValue, cat(method.network->model().name, " takes one cycle for each map"),
+                 "--cycles-per-map"};
+  }
+  note_method(method, path, arguments.method.codes.model, 1, record);
+  record.end_step("open");
+  const capture::Orientation views =
+      arguments.light_field.orientation.after(method.views).value_or(capture::Orientation{});
+  const model::Model& model = method.network->model();
+  arguments.output.is_one = input.has_one_field();
+  const auto source = [&, number = size_t{0}]() mutable -> Result<std::optional<DisparityResult>> {
+    E2LF_ASSIGN_OR_RETURN(const std::optional<pipeline::CycleImages> cycle, input.next());
+    if (!cycle) return std::optional<DisparityResult>();
+    const std::string name = cycle_name(number++);
+    ProgressBar bar("depth of " + name, verb.common().quiet || cycle->is_live());
+    E2LF_ASSIGN_OR_RETURN(
+        pipeline::EventDepth found,
+        located(pipeline::depth_of_events(method, cycle->images, arguments.cycles_per_map, views, bar.callback()),
+                path));
+    const lightfield::Shape shape{model.views_y, model.views_x, found.picture.height, found.picture.width};
+    return std::optional(
+        DisparityResult{std::move(found.map), std::move(found.picture), shape, name, {{"cycle", number - 1}}});
+  };
+  const Result<void> written = write_disparities(arguments.output, source, record, verb);
+  warn_of_losses(path, input.summary());
+  verb.note_failed_input(input.summary().live.failure);
+  if (!written && written.error().code == ErrorCode::kNotFound && input.is_recording()) {
+    return no_cycle_error(path, rig, input.reader());
+  }
+  return written;
 }
 
 Result<void> run(DepthArguments& arguments, const Verb& verb) {
@@ -210,47 +154,62 @@ Result<void> run(DepthArguments& arguments, const Verb& verb) {
   }
   arguments.has_range = verb.is_given("--min-disparity");
   arguments.has_view = verb.is_given("--view-row");
-  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
-  const std::string extension = arguments.output.extension().string();
-  const bool is_file = extension == ".npy" || extension == ".pfm" || extension == ".png" || extension == ".ply";
-  if (kind == FileKind::kCycles && !is_file) {
-    return to_folder(arguments, lightfield::cycle_folders(arguments.input), verb);
-  }
-  if (kind != FileKind::kLightField) return no_light_field_error(arguments.input);
-  return is_file ? to_file(arguments, extension, verb) : to_folder(arguments, {}, verb);
+  const fs::path& input = arguments.output.input;
+  if (is_live(input)) return from_events(arguments, verb);
+  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(input));
+  if (kind == FileKind::kRecording || kind == FileKind::kEventImages) return from_events(arguments, verb);
+  const bool are_cycles = kind == FileKind::kCycles && !is_disparity_file(arguments.output.output);
+  if (kind != FileKind::kLightField && !are_cycles) return no_light_field_error(input);
+  return from_light_fields(arguments, are_cycles, verb);
+}
+
+void add_output_options(CLI::App& app, DisparityOutput& output) {
+  app.add_option("input,-i,--input", output.input,
+                 "light field, or folder of cycles; or events: event images (.npz), a recording, - for standard input, "
+                 "camera://NAME, ...")
+      ->required();
+  app.add_option("-o,--output", output.output,
+                 "folder to write, or a file: .npy or .pfm (float32), .png (16 bits, 32768 + 4096 * disparity) or .ply "
+                 "(points); of events of several cycles, a file contains the first one")
+      ->required();
+  app.add_option("--infinity", output.infinity,
+                 "points: disparity at infinite distance, px per view step; default: assumed, see run.json")
+      ->check(positive_number());
+  app.add_option("--focus-distance", output.focus_distance,
+                 "points: distance at which the disparity is 0, in metres, with --infinity; default: points are in "
+                 "units of this distance")
+      ->check(positive_number());
+  app.add_option("--field-width", output.field_width,
+                 "points: width of the field of view at disparity 0, in units of its distance")
+      ->check(positive_number())
+      ->capture_default_str();
+  app.add_option("--least-confidence", output.least_confidence, "points: smallest confidence of a point")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
 }
 
 }  // namespace
 
 int run_depth(const std::vector<std::string>& arguments) {
   Verb verb("depth",
-            "Estimate the disparity of every pixel of a view, with a confidence, from all views of a light field.",
+            "Estimate the disparity of every pixel of a view, with a confidence, from all views of a light field, or "
+            "from events by a depth network.",
             "e2lf depth out/demo/recon -o out/depth");
   DepthArguments depth_arguments;
   CLI::App& app = verb.app();
-  app.add_option("input,-i,--input", depth_arguments.input, "light field, or folder of cycles")->required();
-  app.add_option("-o,--output", depth_arguments.output,
-                 "folder to write, or a file: .npy or .pfm (float32), .png (16 bits, 32768 + 4096 * disparity) or .ply "
-                 "(points)")
-      ->required();
+  add_output_options(app, depth_arguments.output);
   app.add_option("--min-disparity", depth_arguments.least, "disparity of the nearest points, px per view step");
   app.add_option("--max-disparity", depth_arguments.most,
                  "disparity of the farthest points, px per view step; default of both: estimated, within 6 px");
   app.add_option("--view-row", depth_arguments.view_row,
                  "view for whose pixels the disparity is estimated; default: the middle one, (4, 4)");
   app.add_option("--view-column", depth_arguments.view_column, "column of this view");
-  app.add_option("--infinity", depth_arguments.infinity,
-                 "points: disparity at infinite distance, px per view step; default: assumed, see run.json")
-      ->check(positive_number());
-  app.add_option("--field-width", depth_arguments.field_width,
-                 "points: width of the field of view at disparity 0, in units of its distance")
-      ->check(positive_number())
-      ->capture_default_str();
-  app.add_option("--least-confidence", depth_arguments.least_confidence, "points: smallest confidence of a point")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
   add_light_field_options(app, depth_arguments.light_field, /*has_views=*/true);
   add_orientation_options(app, depth_arguments.light_field.orientation);
+  add_method_options(app, depth_arguments.method, "the file of the events");
+  add_count(app, "--cycles-per-map", depth_arguments.cycles_per_map, 1, 64,
+            "events: number of cycles of a static scene from which each map is estimated");
+  add_cycle_options(app, depth_arguments.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] { return run(depth_arguments, verb); });
 }

@@ -4,6 +4,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/files/options.h"
+#include "e2lf/model/depth_network.h"
 #include "e2lf/model/onnx/onnx_graph.h"
 #include "e2lf/model/onnx/onnx_layers.h"
 
@@ -52,10 +53,10 @@ std::pair<std::string, OnnxSize> add_padding(OnnxGraph& graph, size_t multiple) 
   return {graph.add_node("Pad", {"events", pads}, "padding/events", {{"mode", std::string("edge")}}), size};
 }
 
-void add_crop(OnnxGraph& graph, const std::string& views, const OnnxSize& size) {
+void add_crop(OnnxGraph& graph, const std::string& whole, const OnnxSize& size, const std::string& output) {
   const std::string begin = graph.add_constant("crop/begin", Integers{0, 0});
   const std::string axes = graph.add_constant("crop/axes", Integers{2, 3});
-  graph.add_node("Slice", {views, begin, size.given, axes}, "views");
+  graph.add_node("Slice", {whole, begin, size.given, axes}, output);
 }
 
 }  // namespace
@@ -78,11 +79,14 @@ Result<std::string> onnx_file(const Model& model) {
   if (is_conditioned_on_camera(model)) {
     graph.add_input("traits", {"batch", static_cast<int64_t>(capture::conditioning_size(model.num_patterns))});
   }
-  graph.add_output("views", {"batch", static_cast<int64_t>(model.views_y * model.views_x), "y", "x"});
+  const bool is_depth = is_depth_network(model);
+  const std::string output = is_depth ? "disparity" : "views";
+  graph.add_output(output,
+                   {"batch", static_cast<int64_t>(is_depth ? kDepthOutputs : model.views_y * model.views_x), "y", "x"});
   const auto [events, size] = add_padding(graph, size_multiple(model.network));
   const std::string planes =
       add_onnx_input(graph, model.input, transitions, camera_of(model).constants, events, "traits", size);
-  add_crop(graph, add_onnx_layers(graph, model.network, model.weights, planes), size);
+  add_crop(graph, add_onnx_layers(graph, model.network, model.weights, planes), size, output);
   return graph.file(model.name, onnx_metadata(model));
 }
 

@@ -81,7 +81,8 @@ std::string OnnxCall::resize(const OnnxGraph::Attributes& attributes) {
 
 std::string OnnxCall::slice(const std::string& tensor, size_t begin, size_t end, const std::string& name) {
   std::vector<std::string> inputs_of_slice = {tensor};
-  for (const auto& [part, value] : {std::pair{"/begin", begin}, std::pair{"/end", end}, std::pair{"/axis", size_t{1}}}) {
+  for (const auto& [part, value] :
+       {std::pair{"/begin", begin}, std::pair{"/end", end}, std::pair{"/axis", size_t{1}}}) {
     inputs_of_slice.push_back(graph.add_constant(name + part, Integers{static_cast<int64_t>(value)}));
   }
   return graph.add_node("Slice", inputs_of_slice, name);

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/event_depth.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/depth/laplace_map.h"
+#include "e2lf/lightfield/crop.h"
+#include "e2lf/model/depth_network.h"
+#include "e2lf/recon/inversion.h"
+
+namespace e2lf::pipeline {
+namespace {
+
+/// Returns the mean intensity of the coded pictures relative to a white scene. A threshold of sums over cycles is that
+/// of one cycle divided by their number.
+Result<lightfield::Image> mean_picture(const model::Model& model, const capture::EventImages& events, size_t cycles) {
+  recon::InversionOptions options{.constants = model.camera->constants, .centred = cycles == 1};
+  options.constants.tau /= static_cast<float>(cycles);
+  E2LF_ASSIGN_OR_RETURN(const capture::CodedIntensities coded, recon::invert_events(events, options));
+  float light = static_cast<float>(coded.count) / 2;
+  if (model.codes) {
+    const std::vector<float> shares = capture::light_efficiency(*model.codes);
+    light = std::accumulate(shares.begin(), shares.end(), 0.0F);
+  }
+  lightfield::Image picture(coded.width, coded.height, 1);
+  for (size_t n = 0; n < coded.count; ++n) {
+    for (size_t i = 0; i < picture.pixels.size(); ++i) picture.pixels[i] += coded.image(n)[i] / light;
+  }
+  return picture;
+}
+
+}  // namespace
+
+Result<EventDepth> depth_of_outputs(const model::Model& model, const lightfield::LightField& outputs,
+                                    const capture::EventImages& events, size_t cycles,
+                                    const capture::Orientation& views) {
+  if (views.flip_x != views.flip_y) {
+    return Error{
+        ErrorCode::kUnsupported,
+        "the views are flipped along one axis, where depth is not found from events; show the patterns flipped "
+        "in the same way, or estimate the depth of a reconstructed light field",
+        ""};
+  }
+  lightfield::Image location = lightfield::view_image(outputs, 0, 0);
+  if (!views.is_upright()) {
+    for (float& value : location.pixels) value = -value;
+  }
+  depth::DisparityMap map = depth::map_of_laplace(std::move(location), lightfield::view_image(outputs, 0, 1),
+                                                  {model.views_y / 2, model.views_x / 2});
+  E2LF_ASSIGN_OR_RETURN(lightfield::Image picture, mean_picture(model, events, cycles));
+  return EventDepth{std::move(map), std::move(picture)};
+}
+
+Result<EventDepth> depth_of_events(const OpenedMethod& method, const capture::Measurement& measurement, size_t cycles,
+                                   const capture::Orientation& views, const ProgressFn& progress) {
+  E2LF_REQUIRE(method.network && model::is_depth_network(method.network->model()), "a depth network");
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField outputs,
+                        method.network->reconstruct(measurement, progress, 1, cycles));
+  return depth_of_outputs(method.network->model(), outputs, measurement.events, cycles, views);
+}
+
+}  // namespace e2lf::pipeline

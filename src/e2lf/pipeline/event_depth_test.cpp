@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// Depth from events by a network whose answer is known.
+#include "e2lf/pipeline/event_depth.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace e2lf::pipeline {
+namespace {
+
+/// A network whose disparity is half the first count plus 1, with a scale of 0.07 px.
+model::Model known_network() {
+  model::Model model;
+  model.name = "known";
+  model.num_patterns = 4;
+  model.input = {{model::InputKind::kCounts, 0.125F}};
+  model.network = {3, {{.name = "out", .inputs = {"input"}, .out_channels = 2, .residual = {}}}};
+  model.weights = {{"out.weight", {4, 0, 0, 0, 0, 0}}, {"out.bias", {1, std::log(0.07F)}}};
+  return model;
+}
+
+capture::EventImages counts() {
+  capture::EventImages images(3, 5, 6);
+  for (size_t i = 0; i < images.values.size(); ++i) images.values[i] = static_cast<int16_t>(i % 7) - 3;
+  return images;
+}
+
+OpenedMethod opened() {
+  return open_method({.algorithm = "depth", .model = known_network()}).value();
+}
+
+TEST(DepthOfEvents, IsTheLocationWithTheConfidenceOfTheScale) {
+  const auto found = depth_of_events(opened(), counts());
+  ASSERT_TRUE(found) << found.error().text();
+  ASSERT_EQ(found->map.disparity.height, 5U);
+  for (size_t i = 0; i < 30; ++i) {
+    EXPECT_FLOAT_EQ(found->map.disparity.pixels[i], 1 + 0.5F * static_cast<float>(static_cast<int>(i % 7) - 3));
+    EXPECT_NEAR(found->map.confidence.pixels[i], 0.5, 1e-5);
+  }
+  EXPECT_EQ(found->map.view.y, 4U);
+  EXPECT_EQ(found->picture.pixels.size(), 30U);
+}
+
+TEST(DepthOfEvents, ChangesItsSignWithTurnedViews) {
+  const OpenedMethod method = opened();
+  const auto upright = depth_of_events(method, counts()),
+             turned = depth_of_events(method, counts(), 1, capture::kTurned);
+  ASSERT_TRUE(upright && turned);
+  EXPECT_EQ(turned->map.disparity.pixels[3], -upright->map.disparity.pixels[3]);
+  EXPECT_EQ(depth_of_events(method, counts(), 1, {.flip_x = true}).error().code, ErrorCode::kUnsupported);
+}
+
+TEST(DepthOfEvents, NetworksForTheOtherOutputAreRefused) {
+  EXPECT_EQ(open_method({.model = known_network()}).error().code, ErrorCode::kUnsupported);
+  model::Model of_views = known_network();
+  of_views.network.layers[0].out_channels = 64;
+  of_views.weights = {{"out.weight", std::vector<float>(64 * 3)}, {"out.bias", std::vector<float>(64)}};
+  EXPECT_EQ(open_method({.algorithm = "depth", .model = of_views}).error().code, ErrorCode::kUnsupported);
+}
+
+}  // namespace
+}  // namespace e2lf::pipeline
