@@ -65,7 +65,7 @@ fails 1 'leaves the picture of 64x48 px' "$E2LF" depth plane.npy -o x --min-disp
 fails 1 'smaller one first' "$E2LF" depth plane.npy -o x --min-disparity 1 --max-disparity 0
 fails 1 'single view' "$E2LF" depth plane.npy -o x --views 1
 fails 1 'overwrite' "$E2LF" depth plane.npy -o out
-fails 1 'light field' "$E2LF" depth one.ply -o x
+fails 1 'recording' "$E2LF" depth one.ply -o x
 absent x x.ply
 # Views that are flipped along one axis fit no depth.
 "$E2LF" demo -o demo --width 160 --height 120 --quiet

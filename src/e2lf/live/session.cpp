@@ -18,7 +18,9 @@ Session::Session(std::unique_ptr<LiveReader> reader, std::vector<FieldMaker> mak
       pace_(pace_of(options_.size)),
       named_size_(options_.size),
       gain_(options_.gain),
-      black_(options_.black) {}
+      black_(options_.black) {
+  if (options_.depth) depth_maker_.emplace(*options_.depth);
+}
 
 Session::~Session() {
   join();
@@ -105,7 +107,7 @@ bool is_recent(Clock::rep asked) {
 }  // namespace
 
 bool Session::wants_depth() const {
-  return options_.depth && is_recent(depth_asked_);
+  return has_depth() && is_recent(depth_asked_);
 }
 
 bool Session::wants_picture() const {
@@ -123,7 +125,7 @@ Result<void> Session::make_depth(const LiveCycle& cycle) {
   const size_t side = block_side(level.size), samples = cycle.cycles * side * side;
   if (side > 1) sum_blocks(cycle.counts.events, side, depth_sums_);
   const capture::EventImages& events = side > 1 ? depth_sums_ : cycle.counts.events;
-  FieldMaker& maker = *options_.depth;
+  FieldMaker& maker = *depth_maker_;
   E2LF_RETURN_IF_ERROR(maker.make(capture::Measurement(events), samples, {}, depth_outputs_));
   E2LF_ASSIGN_OR_RETURN(
       pipeline::EventDepth found,
@@ -153,7 +155,7 @@ Result<void> Session::make_depth(const LiveCycle& cycle) {
 }
 
 std::shared_ptr<const ShownDepth> Session::depth(uint64_t after, std::chrono::milliseconds patience) {
-  if (!options_.depth) return nullptr;
+  if (!has_depth()) return nullptr;
   depth_asked_ = Clock::now().time_since_epoch().count();
   const auto is_wanted = [&] { return depth_ && depth_->field.serial > after; };
   std::unique_lock lock(picture_mutex_);

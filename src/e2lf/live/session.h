@@ -34,10 +34,10 @@ struct FieldReport {
 };
 
 struct SessionOptions {
-  std::optional<PictureSize> size = {};        ///< empty = selected by the pace
-  std::optional<float> gain = {}, black = {};  ///< empty = determined from the first cycle that has events
-  capture::Orientation views = {};             ///< orientation in which the views are reconstructed
-  std::optional<FieldMaker> depth = {};        ///< network of disparities, for the same event images
+  std::optional<PictureSize> size = {};            ///< empty = selected by the pace
+  std::optional<float> gain = {}, black = {};      ///< empty = determined from the first cycle that has events
+  capture::Orientation views = {};                 ///< orientation in which the views are reconstructed
+  std::optional<recon::Reconstructor> depth = {};  ///< network of disparities, for the same event images
   /// Judges the events of the first cycle that has some, in a thread of its own; empty = not at all.
   std::function<diagnose::Findings(const capture::EventImages&)> check = {};
   std::function<void(const FieldReport&)> on_field = {};
@@ -104,7 +104,7 @@ class Session {
   /// by then, or no network of disparities. While they are requested and no pictures, each cycle gets disparities in
   /// place of a light field: in the size that is fixed, or else in half size.
   [[nodiscard]] std::shared_ptr<const ShownDepth> depth(uint64_t after, std::chrono::milliseconds patience);
-  [[nodiscard]] bool has_depth() const { return options_.depth.has_value(); }
+  [[nodiscard]] bool has_depth() const { return depth_maker_.has_value(); }
 
   /// Computes all views of the newest light field and returns it with the brightness in which it is shown, or nothing
   /// if there is none yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
@@ -153,6 +153,7 @@ class Session {
 
   // When the browser last asked for either, as the count of a clock.
   std::atomic<Clock::rep> picture_asked_ = 0, depth_asked_ = 0;
+  std::optional<FieldMaker> depth_maker_;
   capture::EventImages depth_sums_;
   lightfield::LightField depth_outputs_;
   std::shared_ptr<const ShownDepth> depth_;  ///< under picture_mutex_, like picture_

@@ -222,20 +222,20 @@ TEST(Session, HalfSizeTakesTheSumsOfBlocksAsFourCycles) {
 }
 
 /// A network whose disparity is half the mean of the first count plus 1.
-FieldMaker depth_maker() {
+recon::Reconstructor depth_network() {
   model::Model model;
   model.name = "known";
   model.num_patterns = 4;
   model.input = {{model::InputKind::kCounts, 0.125F}};
   model.network = {3, {{.name = "out", .inputs = {"input"}, .out_channels = 2, .residual = {}}}};
   model.weights = {{"out.weight", {4, 0, 0, 0, 0, 0}}, {"out.bias", {1, -3}}};
-  return FieldMaker(recon::Reconstructor::create(model).value());
+  return recon::Reconstructor::create(model).value();
 }
 
 TEST(Session, GivesDisparitiesOfTheFullSizeWhileTheyAreRequested) {
   const TestFolder folder;
   write_recording(folder / "a.raw", 4);
-  Session session(open_replay(folder / "a.raw"), one_maker(), {.depth = depth_maker()});
+  Session session(open_replay(folder / "a.raw"), one_maker(), {.depth = depth_network()});
   EXPECT_EQ(session.depth(0, {}), nullptr);
   session.start();
   std::shared_ptr<const ShownDepth> shown;
@@ -246,8 +246,8 @@ TEST(Session, GivesDisparitiesOfTheFullSizeWhileTheyAreRequested) {
   ASSERT_NE(shown, nullptr);
   EXPECT_EQ(shown->field.level.size, PictureSize::kHalf);
   const capture::EventImages counts = cycle_images(shown->field.cycle);
-  const float sum = static_cast<float>(counts.values[0] + counts.values[1] + counts.values[kWidth] +
-                                       counts.values[kWidth + 1]);
+  const float sum =
+      static_cast<float>(counts.values[0] + counts.values[1] + counts.values[kWidth] + counts.values[kWidth + 1]);
   EXPECT_NEAR(shown->disparity.pixels[0], 2 * (1 + sum / 8), 1e-3);
   const auto answered = answer(session, false, "depth", {});
   ASSERT_TRUE(answered);

@@ -129,10 +129,10 @@ Result<EventsCheck> check_of(const pipeline::OpenedMethod& method) {
 }
 
 /// Opens the network of disparities: the one that is named, or else the bundled one for the patterns, if there is one.
-Result<std::optional<live::FieldMaker>> open_depth(const LiveArguments& arguments, const cycles::CycleReader& cycles,
-                                                   pipeline::MethodChoice choice,
-                                                   const std::optional<pipeline::KnownCodes>& codes,
-                                                   RunRecord& record) {
+Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& arguments,
+                                                       const cycles::CycleReader& cycles, pipeline::MethodChoice choice,
+                                                       const std::optional<pipeline::KnownCodes>& codes,
+                                                       RunRecord& record) {
   choice.algorithm = "depth";
   choice.model.reset();
   if (codes) choice.codes = codes->codes;
@@ -142,9 +142,9 @@ Result<std::optional<live::FieldMaker>> open_depth(const LiveArguments& argument
     record.add_input(arguments.depth_model);
   }
   auto method = open_network(arguments, cycles, std::move(choice));
-  if (!method && !is_named) return std::optional<live::FieldMaker>();
+  if (!method && !is_named) return std::optional<recon::Reconstructor>();
   if (!method) return method.error();
-  return std::optional<live::FieldMaker>(std::in_place, *method->network);
+  return std::optional<recon::Reconstructor>(*method->network);
 }
 
 Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
