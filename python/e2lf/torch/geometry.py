@@ -37,7 +37,7 @@ def shift_matrices(size: int, offsets: Sequence[float], is_cubic: bool, like: Te
         for tap, weight in enumerate(weights):
             columns = rows + (first + tap)
             inside = torch.ones_like(columns, dtype=torch.bool) if is_cubic else (columns >= 0) & (columns < size)
-            values = torch.full((int(inside.sum()),), weight)
+            values = torch.full((int(inside.sum()),), float(weight))
             matrix.index_put_((rows[inside], columns[inside].clamp(0, size - 1)), values, accumulate=True)
     return matrices.to(like)
 
