@@ -15,7 +15,7 @@
 #include "e2lf/info/version.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/verb.h"
-#include "e2lf/recordings/live/cameras.h"
+#include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Finds cameras by their names; declared in cameras.h.
+// Finds cameras by their names; declared in camera.h.
 #include <algorithm>
-#include <cstdlib>
 #include <mutex>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/live/cameras.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -16,19 +14,8 @@ constexpr std::string_view kCameraScheme = "camera://", kReplay = "replay:", kTc
 
 struct Registry {
   std::mutex mutex;
-  bool has_loaded = false;  ///< whether those of E2LF_CAMERA_PLUGINS were loaded
-  std::vector<CameraPlugin> plugins = {
-      {"replay", "a recording at the speed it was recorded with; ADDRESS is its path, or PATH?speed=S&repeat=N",
-       open_replay_camera},
-      {"pipe", "standard input; ADDRESS is the path of a named pipe or nothing", open_pipe_camera},
-      {"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", open_tcp_camera},
-      {"v4l2", "an event sensor behind a Linux driver; ADDRESS is its device, e.g. video0", open_v4l2_camera,
-       list_v4l2_cameras},
-#ifdef E2LF_HAVE_METAVISION_HAL
-      {"metavision", "a camera of the vendor's open HAL; ADDRESS is a serial number or nothing", open_metavision_camera,
-       list_metavision_cameras},
-#endif
-  };
+  std::vector<CameraPlugin> plugins;
+  std::vector<std::function<std::vector<CameraPlugin>()>> loaders;  ///< not called yet
 };
 
 Registry& registry() {
@@ -53,35 +40,17 @@ const CameraPlugin* find_known(const std::vector<CameraPlugin>& plugins, const s
   return found == plugins.end() ? nullptr : &*found;
 }
 
-/// Adds the plugins of E2LF_CAMERA_PLUGINS once. The mutex of the registry must be locked.
+/// Adds the plugins that were not loaded yet. The mutex of the registry must be locked.
 void load_plugins(Registry& known) {
-  const char* const places = std::getenv("E2LF_CAMERA_PLUGINS");
-  if (std::exchange(known.has_loaded, true) || places == nullptr) return;
-  for (CameraPlugin& plugin : load_camera_plugins(places)) {
-    if (find_known(known.plugins, plugin.name) == nullptr) {
-      known.plugins.push_back(std::move(plugin));
-    } else {
-      log_warning(cat("a camera plugin is left out: there is another one with the name ", plugin.name));
+  for (const auto& load : std::exchange(known.loaders, {})) {
+    for (CameraPlugin& plugin : load()) {
+      if (find_known(known.plugins, plugin.name) == nullptr) {
+        known.plugins.push_back(std::move(plugin));
+      } else {
+        log_warning(cat("a camera plugin is left out: there is another one with the name ", plugin.name));
+      }
     }
   }
-}
-
-/// Loads external plugins only if this build has none with this name.
-Result<CameraPlugin> find_plugin(const std::string& name, const std::string& location) {
-  const std::lock_guard<std::mutex> lock(registry().mutex);
-  const std::vector<CameraPlugin>& plugins = registry().plugins;
-  if (find_known(plugins, name) == nullptr) load_plugins(registry());
-  if (const CameraPlugin* const found = find_known(plugins, name)) return *found;
-  if (name == "metavision") {
-    return Error{ErrorCode::kMissingDependency,
-                 "this build does not contain the vendor's HAL; install it and build again", location};
-  }
-  std::vector<std::string> names;
-  for (const CameraPlugin& plugin : plugins) names.push_back(plugin.name);
-  return Error{ErrorCode::kNotFound,
-               cat("there is no camera plugin \"", name, "\"; write camera://NAME with one of ", join(names),
-                   ", or give the file of a plugin in E2LF_CAMERA_PLUGINS"),
-               location};
 }
 
 }  // namespace
@@ -98,8 +67,35 @@ void add_camera_plugin(const CameraPlugin& plugin) {
   registry().plugins.push_back(plugin);
 }
 
+Result<CameraPlugin> find_camera_plugin(const std::string& name, const std::string& location) {
+  const std::lock_guard<std::mutex> lock(registry().mutex);
+  const std::vector<CameraPlugin>& plugins = registry().plugins;
+  if (find_known(plugins, name) == nullptr) load_plugins(registry());
+  if (const CameraPlugin* const found = find_known(plugins, name)) return *found;
+  if (name == "metavision") {
+    return Error{ErrorCode::kMissingDependency,
+                 "this build does not contain the vendor's HAL; install it and build again", location};
+  }
+  std::vector<std::string> names;
+  for (const CameraPlugin& plugin : plugins) names.push_back(plugin.name);
+  return Error{ErrorCode::kNotFound,
+               cat("there is no camera plugin \"", name, "\"; write camera://NAME with one of ", join(names),
+                   ", or give the file of a plugin in E2LF_CAMERA_PLUGINS"),
+               location};
+}
+
+void add_camera_plugins(std::function<std::vector<CameraPlugin>()> load) {
+  const std::lock_guard<std::mutex> lock(registry().mutex);
+  registry().loaders.push_back(std::move(load));
+}
+
 bool is_camera_name(const std::string& name) {
   return name.starts_with(kCameraScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
+}
+
+size_t replay_path_size(const std::string& address) {
+  std::error_code error;
+  return std::filesystem::exists(address, error) ? address.size() : std::min(address.rfind('?'), address.size());
 }
 
 std::filesystem::path path_of_camera(const std::string& name) {
@@ -121,7 +117,7 @@ Result<std::unique_ptr<LiveSource>> open_camera_bytes(const std::string& name, c
     return Error{ErrorCode::kInvalidValue, "not a camera; write camera://NAME or camera://NAME/ADDRESS", name};
   }
   const CameraName parsed = parse_name(name);
-  E2LF_ASSIGN_OR_RETURN(const CameraPlugin plugin, find_plugin(parsed.plugin, name));
+  E2LF_ASSIGN_OR_RETURN(const CameraPlugin plugin, find_camera_plugin(parsed.plugin, name));
   E2LF_ASSIGN_OR_RETURN(CameraPtr camera, plugin.open(parsed.address));
   return start_camera_source(std::move(camera), name, setup);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Makes a camera a source of bytes; declared in cameras.h.
+// Makes a camera a source of bytes; declared in camera.h.
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
@@ -11,7 +11,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/live/cameras.h"
+#include "e2lf/recordings/live/camera.h"
 
 namespace e2lf::recordings {
 namespace {

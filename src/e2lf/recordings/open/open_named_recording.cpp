@@ -6,7 +6,6 @@
 
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/live/cameras.h"
 
 namespace e2lf::recordings {
 
@@ -33,7 +32,8 @@ Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, con
         "or -",
         name};
   }
-  E2LF_ASSIGN_OR_RETURN(CameraPtr camera, open_pipe_camera(name));
+  E2LF_ASSIGN_OR_RETURN(const CameraPlugin pipes, find_camera_plugin("pipe", name));
+  E2LF_ASSIGN_OR_RETURN(CameraPtr camera, pipes.open(name));
   return start_camera_source(std::move(camera), name, setup);
 }
 

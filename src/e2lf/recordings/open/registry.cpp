@@ -7,16 +7,13 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/io/unpacked_source.h"
 #include "e2lf/recordings/open/foreign_file.h"
-#include "e2lf/recordings/side_triggers.h"
-#include "e2lf/recordings/table/layout.h"
 
 namespace e2lf::recordings {
-using table::refuse_table_options;
-
 namespace {
 
 std::deque<Codec> built_in_codecs() {
@@ -39,48 +36,6 @@ std::deque<Codec> built_in_codecs() {
        .open = hdf5_events::open,
        .create_file = hdf5_events::create_file,
        .recover = hdf5_events::recover},
-      {.name = "dsec",
-       .extensions = {".h5"},
-       .description = "HDF5 with columns as in the DSEC data set",
-       .is_table = true,
-       .open = hdf5_events::open,
-       .create_file = hdf5_events::create_dsec_file,
-       .side_file = side_trigger_path,
-       .recover = hdf5_events::recover},
-      {.name = "npy",
-       .extensions = {".npy"},
-       .description = "numpy array of records x, y, p, t",
-       .is_table = true,
-       .detect = numpy::detect_npy,
-       .open = numpy::open_npy,
-       .create_file = numpy::create_npy_file,
-       .side_file = side_trigger_path,
-       .recover = numpy::recover_npy},
-      {.name = "npz",
-       .extensions = {".npz"},
-       .description = "numpy arrays x, y, p, t, held in memory",
-       .is_table = true,
-       .detect = numpy::detect_npz,
-       .open = numpy::open_npz,
-       .create = numpy::create_npz,
-       .is_folder = numpy::is_event_folder,
-       .open_folder = numpy::open_event_folder,
-       .is_written_at_end = true},
-      {.name = "csv",
-       .extensions = {".csv"},
-       .description = "text, x,y,p,t with t in microseconds",
-       .is_table = true,
-       .detect = text::detect,
-       .open = text::open_csv,
-       .create = text::create_csv,
-       .side_file = side_trigger_path},
-      {.name = "txt",
-       .extensions = {".txt"},
-       .description = "text, t x y p with t in seconds",
-       .is_table = true,
-       .open = text::open_txt,
-       .create = text::create_txt,
-       .side_file = side_trigger_path},
   };
 }
 

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Reads Metavision HDF5; declared in codecs.h.
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <cstring>
 
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/dsec/event_places.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/side_triggers.h"
-#include "e2lf/recordings/table/layout.h"
-#include "e2lf/recordings/table/table_reader.h"
 
 namespace e2lf::recordings::hdf5_events {
 namespace {
@@ -66,7 +63,16 @@ RecordingInfo read_info(hid_t file) {
   return info;
 }
 
+std::atomic<OpenLayout>& other_layout() {
+  static std::atomic<OpenLayout> layout = nullptr;
+  return layout;
+}
+
 }  // namespace
+
+void add_layout(OpenLayout open) {
+  other_layout() = open;
+}
 
 bool detect(std::span<const uint8_t> head) {
   constexpr uint8_t kMagic[] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
@@ -86,20 +92,16 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   RecordingInfo info = read_info(file.get());
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
-  BlocksPtr blocks;
+  if (H5Lexists(file.get(), "CD", H5P_DEFAULT) <= 0) {
+    if (const OpenLayout open_other = other_layout()) return open_other(file.get(), std::move(info), *source, options);
+    return Error{ErrorCode::kNotFound, "the file has no events in CD/events (Metavision); check what it contains",
+                 name};
+  }
+  E2LF_RETURN_IF_ERROR(refuse_table_options(options, "hdf5", name));
+  E2LF_ASSIGN_OR_RETURN(BlocksPtr blocks, open_event_chunks(file.get(), name, options.threads));
   TriggersPtr triggers;
-  if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
-    E2LF_RETURN_IF_ERROR(table::refuse_table_options(options, "hdf5", name));
-    E2LF_ASSIGN_OR_RETURN(blocks, open_event_chunks(file.get(), name, options.threads));
-    if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
-      triggers = std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events");
-    }
-  } else {
-    info.format = "dsec";
-    E2LF_ASSIGN_OR_RETURN(TableOfEvents events, open_columns(file.get(), options, name, info));
-    E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->logical_path()));
-    return table::make_table_reader(std::move(events.blocks), events.unit, std::move(info), name, options,
-                                    std::move(triggers), events.zero_us);
+  if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
+    triggers = std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events");
   }
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "e2lf/recordings/live/camera.h"
+
+struct e2lf_camera_functions;
+
+namespace e2lf::cameras {
+
+/// Registers the cameras of this library with recordings::add_camera_plugin(), as a program does with its own: replayed
+/// recordings, pipes, TCP, Linux drivers, the vendor's HAL if the build has it, and the plugins in the environment
+/// variable E2LF_CAMERA_PLUGINS. Further calls do nothing.
+void add_cameras();
+
+}  // namespace e2lf::cameras
+
+// The functions that cameras.cpp registers.
+namespace e2lf::recordings {
+
+/// Opens a recording of any readable format and delivers it as EVT3 words at the times of its events, as a camera
+/// would. A RAW recording in EVT3 is delivered byte for byte. `address` is FILE or FILE?speed=S&repeat=N. Fails as
+/// open_recording() does, with kInvalidValue (another key, a speed that is not above 0 and at most 1000, a number of
+/// repeats that is not 1 to 1,000,000, or a sensor that is too large for EVT3), and with kUnsupported (another format
+/// is to be repeated).
+[[nodiscard]] Result<CameraPtr> open_replay_camera(const std::string& address);
+
+/// Opens the named pipe at `address`, or standard input if it is empty, and waits for the first byte. Fails with
+/// kCancelled if a stop is requested before, and with kNotFound or kIo if it cannot be opened.
+[[nodiscard]] Result<CameraPtr> open_pipe_camera(const std::string& address);
+
+/// Connects to a sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.
+[[nodiscard]] Result<CameraPtr> open_tcp_camera(const std::string& address);
+
+/// Creates a camera of a Linux driver (V4L2), which start() opens by its device ("video0" or "/dev/video0"), or the
+/// first one that list_v4l2_cameras() finds if `address` is empty.
+[[nodiscard]] Result<CameraPtr> open_v4l2_camera(const std::string& address);
+
+/// Returns the devices in /dev that send events.
+[[nodiscard]] Result<std::vector<std::string>> list_v4l2_cameras();
+
+/// Returns the plugin with these functions, which must be valid until the process ends. Fails with kUnsupported
+/// (another version) and kFormat (a missing function, or an invalid name).
+[[nodiscard]] Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions,
+                                                       const std::string& location);
+
+/// Loads plugins from files and folders, separated by colons; of a folder, all .so files in the order of their names.
+/// Plugins that cannot be loaded are left out with a warning. Libraries stay loaded until the process ends.
+[[nodiscard]] std::vector<CameraPlugin> load_camera_plugins(const std::string& places);
+
+/// Creates a camera of Prophesee's open hardware layer (OpenEB's HAL), which start() opens by serial number or full
+/// name, or the first one if `address` is empty. Only in builds that found the HAL. This code is tested with a
+/// simulated HAL of the same interface, but has not been run with a camera.
+[[nodiscard]] Result<CameraPtr> open_metavision_camera(const std::string& address);
+
+/// Returns the full names of the cameras that the HAL finds. Fails with kIo.
+[[nodiscard]] Result<std::vector<std::string>> list_metavision_cameras();
+
+}  // namespace e2lf::recordings
