@@ -30,7 +30,7 @@
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/verb.h"
-#include "e2lf/streams/stream_options.h"
+#include "e2lf/streams/event_stream.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/video/operations.h"
 

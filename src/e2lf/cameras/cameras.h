@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <string>
+#include <sys/types.h>
+#include <vector>
 
+#include "e2lf/base/result.h"
 #include "e2lf/recordings/live/camera.h"
 
 struct e2lf_camera_functions;
@@ -56,5 +62,55 @@ namespace e2lf::recordings {
 
 /// Returns the full names of the cameras that the HAL finds. Fails with kIo.
 [[nodiscard]] Result<std::vector<std::string>> list_metavision_cameras();
+
+/// Whether this process can use a USB device.
+enum class UsbAccess {
+  kFree,
+  kInUse,      ///< another process has its device node open
+  kForbidden,  ///< the permissions of its device node do not allow it
+  kHidden,     ///< there is no device node, for example in a container without access to it
+};
+
+/// A USB device that may be an event camera.
+struct UsbCamera {
+  std::string name;            ///< vendor, product and device name, e.g. "04b4:00f4 EVK"
+  std::filesystem::path node;  ///< "/dev/bus/usb/002/003"
+  UsbAccess access = UsbAccess::kFree;
+  std::string user;  ///< "NAME (process 123)" of the process that uses it, if known
+};
+
+/// The folders in which Linux describes USB devices and processes.
+struct UsbFolders {
+  std::filesystem::path devices = "/sys/bus/usb/devices", nodes = "/dev/bus/usb", processes = "/proc";
+};
+
+/// Returns the devices whose vendor number is that of a manufacturer of event cameras or of their USB chips.
+[[nodiscard]] std::vector<UsbCamera> find_usb_cameras(const UsbFolders& folders = {});
+
+/// Returns the reason why no camera could be opened, which the HAL does not report: there is none (kNotFound), another
+/// program uses it, or permissions are missing (kIo). `address` is the requested camera, empty = any; `listed` contains
+/// the cameras that the HAL lists.
+[[nodiscard]] Error unopened_error(const std::string& address, const std::vector<std::string>& listed,
+                                   const std::vector<UsbCamera>& usb);
+
+/// The system calls of a V4L2 camera, which tests replace. Like those of the C library, they return -1 and set errno on
+/// failure.
+class V4l2System {
+ public:
+  virtual ~V4l2System() = default;
+  virtual int open(const std::string& path);
+  virtual int close(int descriptor);
+  virtual int control(int descriptor, unsigned long request, void* argument);  ///< ioctl()
+  virtual void* map(size_t length, int descriptor, off_t offset);              ///< null on failure
+  virtual void unmap(void* memory, size_t length);
+  /// Waits for data. Returns 1 if they can be read, 0 after the timeout, and -1 if the device failed.
+  virtual int wait(int descriptor, int timeout_ms);
+};
+
+/// Returns the devices of a folder that send events, by their file names ("video0").
+[[nodiscard]] std::vector<std::string> find_v4l2_devices(V4l2System& system, const std::string& folder);
+
+/// Creates the camera of open_v4l2_camera(), whose devices are in `folder`. `system` must outlive it.
+[[nodiscard]] CameraPtr make_v4l2_camera(V4l2System& system, const std::string& folder, const std::string& address);
 
 }  // namespace e2lf::recordings

@@ -14,7 +14,7 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_skip.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 
 namespace e2lf::recordings {
@@ -262,7 +262,7 @@ Result<ReplayAddress> parse_replay_address(const std::string& address) {
     const auto repeat = key == "repeat" ? number_in(text, uint64_t{1}, kMostRepeats) : std::nullopt;
     if (!speed && !repeat) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("\"", part, "\" says nothing about a replay; write speed=S (0.001 to 1000) or repeat=N (1 to ",
+                   cat("\"", part, "\" is not an option of a replay; write speed=S (0.001 to 1000) or repeat=N (1 to ",
                        kMostRepeats, "), joined by &"),
                    address};
     }

@@ -130,8 +130,7 @@ Result<CameraPtr> open_pipe_camera(const std::string& address) {
   // A blocking open would wait in the kernel, and a signal just before it would have no effect.
   const int descriptor = ::open(address.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
-    const ErrorCode code = errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
-    return Error{code, cat("cannot open (", std::strerror(errno), "); check the path and its permissions"), address};
+    return fail_to("open", address, errno);
   }
   camera = std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, address);
   E2LF_RETURN_IF_ERROR(wait_for_bytes(descriptor, address));

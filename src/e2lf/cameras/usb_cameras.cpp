@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cameras/usb_cameras.h"
-
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -8,6 +6,7 @@
 #include <unistd.h>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cameras/cameras.h"
 #include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::recordings {

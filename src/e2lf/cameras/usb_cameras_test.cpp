@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cameras/usb_cameras.h"
-
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "e2lf/cameras/cameras.h"
 #include "e2lf/files/file.h"
 #include "testing/test_streams.h"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/cameras/v4l2_camera.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>

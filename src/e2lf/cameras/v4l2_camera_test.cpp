@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Cameras of Linux drivers, with a driver that is simulated.
-#include "e2lf/cameras/v4l2_camera.h"
-
 #include <algorithm>
 #include <cerrno>
 #include <deque>

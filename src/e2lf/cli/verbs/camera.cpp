@@ -4,9 +4,8 @@
 
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cameras/usb_cameras.h"
+#include "e2lf/cameras/cameras.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/rig.h"

@@ -4,20 +4,18 @@
 #include <array>
 #include <cmath>
 
-#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/dsec/event_places.h"
-#include "e2lf/formats/table/column_names.h"
-#include "e2lf/formats/table/number_columns.h"
+#include "e2lf/formats/table/layout.h"
 #include "e2lf/formats/table/table_reader.h"
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/stream_choice.h"
-#include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::hdf5_events::dsec {
 using e2lf::hdf5::CheckedFile;

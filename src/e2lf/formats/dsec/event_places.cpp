@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "e2lf/base/text.h"
-#include "e2lf/formats/table/column_names.h"
+#include "e2lf/formats/table/layout.h"
 
 namespace e2lf::recordings::hdf5_events::dsec {
 namespace {

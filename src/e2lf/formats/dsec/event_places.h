@@ -19,7 +19,7 @@ struct EventPlace {
 };
 
 /// Returns the tables of events in a file: groups with data sets whose names denote the columns x, y, p and t
-/// (table/column_names.h), matrices whose name contains "event", and data sets of records with these fields. The usual
+/// (table/layout.h), matrices whose name contains "event", and data sets of records with these fields. The usual
 /// places (`events` and the root) come first, the others in the order of their paths. At most 10,000 objects are
 /// inspected.
 [[nodiscard]] std::vector<EventPlace> find_event_places(hid_t file);

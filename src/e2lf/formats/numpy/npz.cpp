@@ -10,12 +10,10 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/files/options.h"
 #include "e2lf/formats/codecs.h"
-#include "e2lf/formats/table/column_names.h"
-#include "e2lf/formats/table/number_columns.h"
+#include "e2lf/formats/table/layout.h"
 #include "e2lf/formats/table/table_reader.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::numpy {
 using table::Field;

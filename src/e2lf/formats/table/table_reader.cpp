@@ -4,14 +4,121 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "e2lf/formats/table/column_names.h"
+#include "e2lf/base/contract.h"
+#include "e2lf/files/elements.h"
+#include "e2lf/formats/table/layout.h"
 #include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings::table {
+namespace {
+
+/// Converts a number to To; returns true if it does not fit.
+template <typename From, typename To>
+bool convert_one(From value, To& out) {
+  if constexpr (std::is_floating_point_v<From>) {
+    const auto number = static_cast<double>(value);
+    const bool fits = number == std::trunc(number) && number >= static_cast<double>(std::numeric_limits<To>::min()) &&
+                      number < std::ldexp(1.0, std::numeric_limits<To>::digits);
+    out = fits ? static_cast<To>(number) : To{};
+    return !fits;
+  } else {
+    out = static_cast<To>(value);
+    return (value < From{0} && std::is_unsigned_v<To>) ||
+           (static_cast<uint64_t>(value) > static_cast<uint64_t>(std::numeric_limits<To>::max()) && value > From{0});
+  }
+}
+
+/// Converts a time to microseconds; returns true if it is invalid.
+template <typename From>
+bool convert_time(From value, TimeUnit unit, int64_t& out) {
+  if constexpr (std::is_floating_point_v<From>) {
+    const double us = static_cast<double>(value) * us_per(unit);
+    const bool fits = std::fabs(us) <= static_cast<double>(kTimeLimitUs);
+    out = fits ? static_cast<int64_t>(std::llround(us)) : 0;
+    return !fits;
+  } else {
+    if (convert_one(value, out)) return true;
+    if (unit == TimeUnit::kNanoseconds) {
+      out = out / 1000 - (out % 1000 < 0 ? 1 : 0);
+      return false;
+    }
+    const auto factor = static_cast<int64_t>(us_per(unit));
+    return factor != 1 && __builtin_mul_overflow(out, factor, &out);
+  }
+}
+
+/// Calls visit(i, number) for a field of `count` records.
+template <typename Visit>
+void for_each_number(const uint8_t* records, const NumberField& field, size_t count, const Visit& visit) {
+  const bool known = with_element_type(field.type, [&](auto type) {
+    const uint8_t* next = records + field.offset;
+    for (size_t i = 0; i < count; ++i, next += field.stride) visit(i, load_element<decltype(type)>(next));
+  });
+  E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
+}
+
+/// Removes the events whose bad[i] is set, and returns their number.
+size_t remove_bad(EventColumns& events, const Column<uint8_t>& bad) {
+  if (std::find_if(bad.begin(), bad.end(), [](uint8_t b) { return b != 0; }) == bad.end()) return 0;
+  size_t kept = 0;
+  for (size_t i = 0; i < events.size(); ++i) {
+    if (bad[i] == 0) events.set(kept++, events[i]);
+  }
+  const size_t removed = events.size() - kept;
+  events.resize(kept);
+  return removed;
+}
+
+}  // namespace
+
+bool is_number_type(const std::string& type) {
+  return element_size(type) > 0;
+}
+
+template <typename T>
+void to_column(const uint8_t* records, const NumberField& field, size_t count, T* out, uint8_t* bad) {
+  for_each_number(records, field, count, [&](size_t i, auto number) { bad[i] |= convert_one(number, out[i]); });
+}
+
+template void to_column(const uint8_t*, const NumberField&, size_t, uint8_t*, uint8_t*);
+template void to_column(const uint8_t*, const NumberField&, size_t, uint16_t*, uint8_t*);
+
+void to_times(const uint8_t* records, const NumberField& field, TimeUnit unit, size_t count, int64_t* out,
+              uint8_t* bad) {
+  for_each_number(records, field, count, [&](size_t i, auto number) { bad[i] |= convert_time(number, unit, out[i]); });
+}
+
+size_t to_events(const RecordsOfFields& records, const RecordFields& fields, size_t count, EventColumns& events) {
+  events.resize(count);
+  Column<uint8_t> bad(count, 0);
+  to_column(records[of(Field::kX)], fields.x, count, events.x.data(), bad.data());
+  to_column(records[of(Field::kY)], fields.y, count, events.y.data(), bad.data());
+  for_each_number(records[of(Field::kP)], fields.p, count, [&](size_t i, auto number) {
+    events.p[i] = fields.polarity.of(static_cast<double>(number));
+    bad[i] |= events.p[i] == PolarityCode::kNone;
+  });
+  to_times(records[of(Field::kT)], fields.t, fields.unit, count, events.t.data(), bad.data());
+  return remove_bad(events, bad);
+}
+
+std::vector<double> to_doubles(const uint8_t* records, const NumberField& field, size_t count) {
+  std::vector<double> values(count);
+  for_each_number(records, field, count, [&](size_t i, auto number) { values[i] = static_cast<double>(number); });
+  return values;
+}
+
+TableSample::Column sample_of(std::string name, const uint8_t* records, const NumberField& field, size_t count) {
+  TableSample::Column column{.name = std::move(name), .values = to_doubles(records, field, count)};
+  column.mantissa_bits = field.type == "f2" ? 10 : field.type == "f4" ? 23 : 0;
+  return column;
+}
+
 namespace {
 
 /// Drops the unused rows of a table.

@@ -13,7 +13,6 @@
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/side_triggers.h"
-#include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::text {
 namespace {
