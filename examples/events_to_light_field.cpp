@@ -4,7 +4,6 @@
 #include <e2lf/capture/measurement/event_image_io.h>
 #include <e2lf/lightfield/light_field_io.h>
 #include <e2lf/model/model.h>
-#include <e2lf/recon/gain.h>
 #include <e2lf/recon/reconstruct.h>
 
 int main(int count, char** arguments) {

@@ -3,7 +3,7 @@
 // lines, the rest is that.
 #include <sstream>
 
-#include "e2lf/capture/patterns/codes_header.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "require.h"
 #include "scratch.h"

@@ -2,7 +2,7 @@
 // The target of ECF: the input is a compressed chunk of events.
 #include <vector>
 
-#include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/ecf.h"
 #include "e2lf/recordings/event.h"
 #include "require.h"
 

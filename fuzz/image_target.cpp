@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The target of the pictures and MATLAB files that light fields are read from: the input is a file.
 #include "e2lf/files/mat5.h"
-#include "e2lf/lightfield/formats/raw_image.h"
+#include "e2lf/lightfield/formats/readers.h"
 #include "require.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

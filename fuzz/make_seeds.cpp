@@ -10,7 +10,7 @@
 #include "e2lf/files/safetensors.h"
 #include "e2lf/formats/formats.h"
 #include "e2lf/lightfield/image.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/ecf.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/recordings/recording.h"
 #include "reader_seeds.h"

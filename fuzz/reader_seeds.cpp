@@ -4,7 +4,7 @@
 #include <zlib.h>
 
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/capture/patterns/codes_header.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cycles/schedule.h"

@@ -8,7 +8,7 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
 #include "e2lf/formats/formats.h"
-#include "e2lf/recordings/io/unpacked_source.h"
+#include "e2lf/recordings/io/decompress.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/recordings/recording.h"
 #include "require.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/recordings/io/byte_source.h"
+#include "e2lf/recordings/io/bytes.h"
 
 /// A source for tests and fuzzing that provides bytes in pieces, as a live source would.
 namespace e2lf::recordings {

@@ -15,7 +15,7 @@
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/verb.h"
 #include "e2lf/recon/reconstruct.h"
-#include "e2lf/streams/stream_options.h"
+#include "e2lf/streams/event_stream.h"
 #include "e2lf/streams/virtual_rig.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -21,6 +21,7 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/cameras/cameras.h"
 #include "e2lf/files/options.h"
 #include "e2lf/formats/formats.h"
 #include "e2lf/geometry/operations.h"
@@ -29,7 +30,7 @@
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/verb.h"
-#include "e2lf/streams/stream_options.h"
+#include "e2lf/streams/event_stream.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/video/operations.h"
 
@@ -313,6 +314,7 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   e2lf::formats::add_formats();
+  e2lf::cameras::add_cameras();
   e2lf::geometry::add_operations();  // any model may have them
   e2lf::video::add_operations();
   return e2lf::program::run_program("e2lf-bench", argc, argv, e2lf::bench::run);

@@ -11,7 +11,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/lightfield/turntable_scene.h"
+#include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/option_values.h"
@@ -21,7 +21,7 @@
 #include "e2lf/recon/scene_motion.h"
 #include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
-#include "e2lf/streams/stream_options.h"
+#include "e2lf/streams/event_stream.h"
 #include "e2lf/streams/virtual_rig.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -6,7 +6,6 @@
 #include <chrono>
 
 #include "e2lf/base/isa.h"
-#include "e2lf/base/team.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/amx-inl.h"
 #include "e2lf/engine/conv.h"

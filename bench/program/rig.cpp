@@ -18,7 +18,7 @@
 #include "e2lf/program/verb.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recordings/recording.h"
-#include "e2lf/streams/stream_options.h"
+#include "e2lf/streams/event_stream.h"
 #include "e2lf/streams/virtual_rig.h"
 
 namespace e2lf::bench {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "e2lf/base/result.h"
-#include "e2lf/streams/stream_options.h"
+#include "e2lf/streams/event_stream.h"
 
 namespace e2lf::bench {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"

@@ -6,16 +6,14 @@
 #include <variant>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes_header.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/cycles/event_windows.h"
 #include "e2lf/cycles/synthesise.h"
-#include "e2lf/cycles/voxelise.h"
-#include "e2lf/info/cycle_report.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/open/open_named_recording.h"
-#include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/recordings/open/registry.h"
 #include "python/binding/arrays.h"
 #include "python/binding/events.h"

@@ -10,7 +10,6 @@
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"
-#include "e2lf/lightfield/turntable_scene.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
 #include "python/binding/orientation_arguments.h"

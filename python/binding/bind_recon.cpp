@@ -7,7 +7,7 @@
 #include "e2lf/pipeline/event_depth.h"
 #include "e2lf/pipeline/method.h"
 #include "e2lf/recon/event_check.h"
-#include "e2lf/recon/gain.h"
+#include "e2lf/recon/reconstruct.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"

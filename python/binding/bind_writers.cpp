@@ -5,10 +5,10 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes_header.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/recordings/convert.h"
-#include "e2lf/recordings/open/output_rules.h"
+#include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/registry.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"

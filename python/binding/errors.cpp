@@ -5,7 +5,6 @@
 #include <string>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/workspace.h"
 

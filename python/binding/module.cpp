@@ -2,6 +2,7 @@
 // The module e2lf._e2lf; python/e2lf/__init__.py lists its public names.
 #include "python/binding/module.h"
 
+#include "e2lf/cameras/cameras.h"
 #include "e2lf/files/options.h"
 #include "e2lf/formats/formats.h"
 #include "e2lf/geometry/operations.h"
@@ -23,6 +24,7 @@ Json from_python(const py::object& value) {
 PYBIND11_MODULE(_e2lf, module) {
   namespace python = e2lf::python;
   e2lf::formats::add_formats();
+  e2lf::cameras::add_cameras();
   e2lf::geometry::add_operations();  // any model may have them
   e2lf::video::add_operations();
   python::bind_errors(module);

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/lightfield/orient.h"
+#include "e2lf/lightfield/crop.h"
 #include "python/binding/arrays.h"
 
 /// The arguments of every function that can reorder the views; see open_arguments.h.

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/base/team.h"
-
 #include <atomic>
 #include <chrono>
 #include <gtest/gtest.h>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/threads.h"
 
 namespace e2lf {
 namespace {

@@ -3,12 +3,21 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+#include "e2lf/base/contract.h"
+
 #ifdef _OPENMP
 #include <omp.h>
 #endif
-
-#include "e2lf/base/contract.h"
-#include "e2lf/base/team.h"
 
 namespace e2lf {
 
@@ -39,6 +48,120 @@ void parallel_for(size_t count, size_t min_chunk, const std::function<void(size_
   run_team(threads, [&](size_t /*member*/) {
     for (size_t i = next++; i < chunks; i = next++) body(i * chunk, std::min(count, (i + 1) * chunk));
   });
+}
+
+namespace {
+
+// The number of polls before a thread sleeps. They take about 30 us on a free core, which is longer than the pause
+// between two rounds of the engine. Each poll yields the core to any thread that wants it.
+constexpr int kSpins = 100;
+
+// The state that the threads share, packed into one number: the number of the run, whether helpers may still begin, and
+// how many of them take part.
+constexpr uint32_t kMembers = 0xFF, kOpen = 0x100, kRun = 0x200, kEnd = 0;
+constexpr size_t kMostHelpers = kMembers;
+
+thread_local bool g_is_member = false;
+
+/// Waits until the state differs from `seen`.
+void wait_for_change(const std::atomic<uint32_t>& state, uint32_t seen) {
+  for (int spin = 0; spin < kSpins; ++spin) {
+    if (state.load(std::memory_order_acquire) != seen) return;
+    std::this_thread::yield();
+  }
+  state.wait(seen, std::memory_order_acquire);
+}
+
+/// The helpers of one thread.
+class Team {
+ public:
+  Team() = default;
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+  ~Team() {
+    if (!is_of_this_process()) {
+      static_cast<void>(helpers_.release());  // these threads belong to the process that this one was forked from
+      return;
+    }
+    state_ = kEnd;
+    state_.notify_all();
+    for (std::thread& helper : *helpers_) helper.join();
+  }
+
+  [[nodiscard]] bool is_of_this_process() const { return owner_ == ::getpid(); }
+
+  void run(size_t threads, const std::function<void(size_t)>& body) {
+    body_ = &body;
+    failure_ = nullptr;
+    wanted_ = std::min(threads - 1, kMostHelpers);
+    add_helpers();
+    const uint32_t run = ((state_ & ~(kMembers | kOpen)) + kRun) | kOpen;
+    state_.store(run == kOpen ? run + kRun : run, std::memory_order_release);  // never kEnd
+    state_.notify_all();
+    call(0);
+    for (uint32_t now = state_.fetch_and(~kOpen, std::memory_order_acq_rel) & ~kOpen; (now & kMembers) != 0;
+         now = state_.load(std::memory_order_acquire)) {
+      wait_for_change(state_, now);
+    }
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  /// Starts the missing helpers, or fewer if the system cannot provide as many threads.
+  void add_helpers() {
+    try {
+      while (helpers_->size() < wanted_) {
+        helpers_->emplace_back([this, member = helpers_->size() + 1] { help(member); });
+      }
+    } catch (const std::system_error&) {
+    }
+  }
+
+  void help(size_t member) {
+    g_is_member = true;
+    uint32_t done = kRun;  // the last run that this helper took part in, or one before it was started
+    for (uint32_t now = state_.load(std::memory_order_acquire); now != kEnd;
+         now = state_.load(std::memory_order_acquire)) {
+      const uint32_t run = now & ~(kMembers | kOpen);
+      if ((now & kOpen) == 0 || run == done || member > wanted_) {
+        wait_for_change(state_, now);
+      } else if (state_.compare_exchange_weak(now, now + 1, std::memory_order_acq_rel)) {
+        call(member);
+        done = run;
+        const uint32_t left = state_.fetch_sub(1, std::memory_order_acq_rel) - 1;
+        if ((left & (kMembers | kOpen)) == 0) state_.notify_all();
+      }
+    }
+  }
+
+  void call(size_t member) {
+    const bool was_member = std::exchange(g_is_member, true);
+    try {
+      (*body_)(member);
+    } catch (...) {
+      const std::lock_guard lock(failing_);
+      failure_ = std::current_exception();
+    }
+    g_is_member = was_member;
+  }
+
+  pid_t owner_ = ::getpid();
+  std::atomic<uint32_t> state_ = kRun;  // closed; kEnd is set only by the destructor
+  std::atomic<size_t> wanted_ = 0;      // changes only while no helper may begin
+  const std::function<void(size_t)>* body_ = nullptr;
+  std::mutex failing_;
+  std::exception_ptr failure_;
+  std::unique_ptr<std::vector<std::thread>> helpers_ = std::make_unique<std::vector<std::thread>>();
+};
+
+}  // namespace
+
+void run_team(size_t threads, const std::function<void(size_t)>& body) {
+  E2LF_REQUIRE(threads > 0, "a team has at least one thread");
+  if (threads == 1 || g_is_member) return body(0);
+  thread_local std::unique_ptr<Team> team;
+  if (team == nullptr || !team->is_of_this_process()) team = std::make_unique<Team>();
+  team->run(threads, body);
 }
 
 }  // namespace e2lf

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/calibrate/smooth.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 
 namespace e2lf::calibrate {
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "e2lf/base/isa.h"
+#include "e2lf/cameras/cameras.h"
 #include "e2lf/cli/features.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/formats/formats.h"
@@ -65,6 +66,7 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   e2lf::formats::add_formats();
+  e2lf::cameras::add_cameras();
   e2lf::geometry::add_operations();  // any model may have them
   e2lf::video::add_operations();
   return run_program("e2lf", argc, argv, run);

@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cycles/voxelise.h"
+#include "e2lf/cycles/event_windows.h"
 #include "e2lf/streams/event_stream.h"
 #include "e2lf/video/event_video.h"
 

@@ -55,10 +55,12 @@ Result<Beginning> read_beginning(recordings::RecordingReader& reader, const Cycl
     beginning.has_triggers = std::any_of(batch.triggers.begin(), batch.triggers.end(),
                                          [&](const recordings::Trigger& trigger) { return is_mark(trigger, options); });
     events += batch.events.size();
-    const std::optional<int64_t> last_us = batch.events.empty() ? std::nullopt : std::optional(batch.events.t.back());
-    if (!first_us && last_us) first_us = batch.events.t.front();
+    bool is_long = false;
+    if (!batch.events.empty()) {
+      if (!first_us) first_us = batch.events.t.front();
+      is_long = batch.events.t.back() - *first_us >= kCyclesAhead * options.schedule.cycle_us();
+    }
     beginning.batches.push_back(std::move(batch));
-    const bool is_long = last_us && *last_us - *first_us >= kCyclesAhead * options.schedule.cycle_us();
     if (is_long && (events >= kEventsAhead || reader.arrival())) break;
     if (events >= kMaxEventsAhead) break;
   }
@@ -288,7 +290,7 @@ Result<CycleReader> CycleReader::open(std::unique_ptr<recordings::RecordingReade
     return invalid("the tolerance of intervals must be between 0 and 0.5");
   }
   if (reader->info().width == 0 || reader->info().height == 0) {
-    Error error = invalid("the recording does not say how large the sensor is; give its width and height");
+    Error error = invalid("the recording does not state the size of the sensor; give its width and height");
     error.setting = Setting::kSensorSize;
     return error;
   }

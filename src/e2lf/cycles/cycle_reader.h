@@ -15,7 +15,6 @@
 #include "e2lf/cycles/pattern_tracker.h"
 #include "e2lf/cycles/pixel_filter.h"
 #include "e2lf/cycles/schedule.h"
-#include "e2lf/cycles/trigger_signs.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cycles {

@@ -9,7 +9,7 @@
 #include <sys/resource.h>
 
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cycles/shown_pattern.h"
+#include "e2lf/cycles/schedule.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "testing/chunked_source.h"

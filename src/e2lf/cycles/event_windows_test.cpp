@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/stop.h"
-#include "e2lf/cycles/voxelise.h"
 #include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::cycles {

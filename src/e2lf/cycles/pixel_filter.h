@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {

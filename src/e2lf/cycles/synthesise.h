@@ -5,7 +5,7 @@
 #include <functional>
 #include <optional>
 
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/recordings/recording.h"
 

@@ -9,7 +9,7 @@
 #include "e2lf/base/median.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/lightfield/shift_filter.h"
+#include "e2lf/lightfield/refocus.h"
 
 namespace e2lf::depth {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/crop.h"
-#include "e2lf/lightfield/orient.h"
 
 namespace e2lf::depth {
 namespace {

@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/team.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/pack.h"
 

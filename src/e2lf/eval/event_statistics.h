@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 
 namespace e2lf::eval {
 

@@ -12,7 +12,6 @@
 #include <thread>
 #include <unistd.h>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 

@@ -2,17 +2,278 @@
 #include "e2lf/files/npy.h"
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cstring>
 #include <functional>
 #include <numeric>
+#include <optional>
+#include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/npy_header.h"
 
 namespace e2lf {
+namespace {
+
+constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr size_t kMaxRank = 64;
+
+/// Reads the Python literals of which a header consists. A missing literal is returned as nullopt or false.
+class LiteralReader {
+ public:
+  explicit LiteralReader(std::string_view text) : text_(text) {}
+
+  bool accept(char wanted) {
+    skip_space();
+    if (position_ >= text_.size() || text_[position_] != wanted) return false;
+    ++position_;
+    return true;
+  }
+
+  std::optional<std::string> string() {
+    const char quote = accept('\'') ? '\'' : accept('"') ? '"' : '\0';
+    if (quote == '\0') return std::nullopt;
+    const size_t end = text_.find(quote, position_);
+    if (end == std::string_view::npos) return std::nullopt;
+    std::string value(text_.substr(position_, end - position_));
+    if (value.find('\\') != std::string::npos) return std::nullopt;
+    position_ = end + 1;
+    return value;
+  }
+
+  std::optional<bool> boolean() {
+    skip_space();
+    for (const auto& [word, value] : {std::pair<std::string_view, bool>{"True", true}, {"False", false}}) {
+      if (text_.substr(position_, word.size()) == word) {
+        position_ += word.size();
+        return value;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Reads a tuple such as "(720, 1280)", "(3,)" or "()".
+  std::optional<std::vector<size_t>> tuple() {
+    std::vector<size_t> numbers;
+    if (!accept('(')) return std::nullopt;
+    while (!accept(')')) {
+      skip_space();
+      size_t number = 0;
+      const auto [end, error] = std::from_chars(text_.data() + position_, text_.data() + text_.size(), number);
+      if (error != std::errc()) return std::nullopt;
+      position_ = static_cast<size_t>(end - text_.data());
+      numbers.push_back(number);
+      if (accept(',')) continue;
+      if (!accept(')')) return std::nullopt;
+      break;
+    }
+    return numbers;
+  }
+
+  bool at_end() {
+    skip_space();
+    return position_ == text_.size();
+  }
+
+ private:
+  void skip_space() {
+    while (position_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[position_])) != 0) ++position_;
+  }
+  std::string_view text_;
+  size_t position_ = 0;
+};
+
+Error malformed_npy(const std::string& location, const std::string& what) {
+  return {ErrorCode::kFormat, cat("not a numpy header (", what, "); save it again with numpy.save"), location};
+}
+
+struct ElementCode {
+  std::string type;  ///< without byte order
+  size_t size = 0;
+  bool big_endian = false;
+  bool padding = false;
+};
+
+/// Parses a type code such as "<i2", "|u1" or ">f4". "|V3" denotes padding, which is allowed within records only.
+Result<ElementCode> parse_code(const std::string& text, const std::string& location) {
+  const bool has_order = !text.empty() && std::strchr("<>|=", text[0]) != nullptr;
+  ElementCode code;
+  code.type = text.substr(has_order ? 1 : 0);
+  code.size = element_size(code.type);
+  code.big_endian = has_order && text[0] == '>' && code.size > 1;
+  if (code.size == 0 && code.type.size() > 1 && code.type[0] == 'V') {
+    const char* end = code.type.data() + code.type.size();
+    code.padding = std::from_chars(code.type.data() + 1, end, code.size).ptr == end;
+  }
+  if (code.size == 0 || code.type == "bf16") {
+    const bool is_object = code.type == "O";
+    return Error{ErrorCode::kUnsupported,
+                 is_object ? "the elements are Python objects, which are not read; save each array of numbers by its "
+                             "name with numpy.savez"
+                           : cat("elements of type \"", text, "\" are not supported; store plain numbers"),
+                 location};
+  }
+  return code;
+}
+
+void append_number(const ElementCode& code, NpyHeader& header) {
+  if (code.big_endian) header.big_endian.push_back({header.array.item_size, code.size});
+  header.array.item_size += code.size;
+}
+
+/// Parses [('x', '<u2'), ('', '|V2'), ...], whose opening bracket has already been read.
+Result<void> parse_record(LiteralReader& reader, NpyHeader& header, const std::string& location) {
+  while (!reader.accept(']')) {
+    if (!reader.accept('(')) return malformed_npy(location, "a field is not a tuple");
+    const bool has_title = reader.accept('(');  // (('title', 'x'), '<u2')
+    if (has_title && (!reader.string() || !reader.accept(','))) return malformed_npy(location, "a field has no title");
+    const auto field_name = reader.string();
+    const bool is_named = field_name && (!has_title || reader.accept(')')) && reader.accept(',');
+    if (!is_named) return malformed_npy(location, "a field has no plain name");
+    const auto field_type = reader.string();
+    if (!field_type) {
+      return Error{ErrorCode::kUnsupported, cat("field \"", *field_name, "\" is nested; store plain fields"), location};
+    }
+    reader.accept(',');
+    if (!reader.accept(')')) {
+      return Error{ErrorCode::kUnsupported, cat("field \"", *field_name, "\" is an array; store plain fields"),
+                   location};
+    }
+    reader.accept(',');
+    E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(*field_type, location));
+    size_t record_size = 0;
+    if (__builtin_add_overflow(header.array.item_size, code.size, &record_size)) {
+      return malformed_npy(location, "the record is larger than any memory");
+    }
+    if (!code.padding) header.array.fields.push_back({*field_name, code.type, header.array.item_size});
+    append_number(code, header);
+  }
+  if (header.array.fields.empty()) return malformed_npy(location, "a record without fields");
+  return {};
+}
+
+Result<void> parse_descr(LiteralReader& reader, NpyHeader& header, const std::string& location) {
+  if (header.array.item_size != 0) return malformed_npy(location, "\"descr\" is there twice");
+  if (reader.accept('[')) return parse_record(reader, header, location);
+  const auto text = reader.string();
+  if (!text) return malformed_npy(location, "\"descr\" is neither text nor a list");
+  E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(*text, location));
+  if (code.padding) {
+    return Error{ErrorCode::kUnsupported, cat("elements of type \"", *text, "\" are not numbers; store plain numbers"),
+                 location};
+  }
+  header.array.type = code.type;
+  append_number(code, header);
+  return {};
+}
+
+Result<void> parse_dictionary(std::string_view text, NpyHeader& header, const std::string& location) {
+  LiteralReader reader(text);
+  std::optional<bool> fortran_order;
+  std::optional<std::vector<size_t>> shape;
+  if (!reader.accept('{')) return malformed_npy(location, "no dictionary");
+  while (!reader.accept('}')) {
+    const auto key = reader.string();
+    if (!key || !reader.accept(':')) return malformed_npy(location, "a key is missing");
+    if (*key == "descr") {
+      E2LF_RETURN_IF_ERROR(parse_descr(reader, header, location));
+    } else if (*key == "fortran_order") {
+      fortran_order = reader.boolean();
+    } else if (*key == "shape") {
+      shape = reader.tuple();
+    } else {
+      return malformed_npy(location, cat("the key \"", *key, "\" is unknown"));
+    }
+    if (reader.accept(',')) continue;
+    if (!reader.accept('}')) return malformed_npy(location, cat("the value of \"", *key, "\" is damaged"));
+    break;
+  }
+  if (!reader.at_end()) return malformed_npy(location, "text after the dictionary");
+  if (header.array.item_size == 0) return malformed_npy(location, "\"descr\" is missing");
+  if (!fortran_order) return malformed_npy(location, "\"fortran_order\" is missing");
+  if (!shape || shape->size() > kMaxRank) return malformed_npy(location, "\"shape\" is missing or too long");
+  header.fortran_order = *fortran_order;
+  header.array.shape = std::move(*shape);
+  return {};
+}
+
+std::string quoted(const std::string& text) {
+  const char quote = text.find('\'') == std::string::npos ? '\'' : '"';
+  return cat(quote, text, quote);
+}
+
+std::string code_text(const std::string& type) {
+  return quoted((element_size(type) == 1 ? "|" : "<") + type);
+}
+
+std::string descr_text(const NpyArray& array) {
+  if (array.fields.empty()) return code_text(array.type);
+  std::string text;
+  size_t offset = 0;
+  const auto pad_to = [&](size_t end) {
+    if (end > offset) text += cat("('', '|V", end - offset, "'), ");
+  };
+  for (const NpyField& field : array.fields) {
+    pad_to(field.offset);
+    text += cat("(", quoted(field.name), ", ", code_text(field.type), "), ");
+    offset = field.offset + element_size(field.type);
+  }
+  pad_to(array.item_size);
+  text.resize(text.size() - 2);
+  return "[" + text + "]";
+}
+
+}  // namespace
+
+Result<NpyHeader> parse_npy_header(std::span<const uint8_t> bytes, const std::string& name) {
+  const Error truncated{ErrorCode::kTruncated, "the file ends within the numpy header; copy it again", name};
+  const std::string_view head(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kMagic.size()));
+  if (head != kMagic.substr(0, head.size())) return malformed_npy(name, "it does not begin with \\x93NUMPY");
+  if (bytes.size() < 10) return truncated;
+  const uint8_t version = bytes[6];
+  if (version < 1 || version > 3) {
+    return Error{ErrorCode::kUnsupported, cat("numpy format version ", int{version}, "; save it as version 1 to 3"),
+                 name};
+  }
+  const size_t length_size = version == 1 ? 2 : 4;
+  const size_t text_offset = kMagic.size() + 2 + length_size;
+  if (bytes.size() < text_offset) return truncated;
+  uint32_t length = 0;
+  std::memcpy(&length, bytes.data() + kMagic.size() + 2, length_size);
+  if (length > bytes.size() - text_offset) return truncated;
+
+  NpyHeader header;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()) + text_offset, length);
+  const std::string location = cat(name, ": byte ", text_offset);
+  E2LF_RETURN_IF_ERROR(parse_dictionary(text, header, location));
+  E2LF_ASSIGN_OR_RETURN(header.data_size, checked_byte_size(header.array.shape, header.array.item_size, location));
+  header.data_offset = text_offset + length;
+  return header;
+}
+
+std::vector<uint8_t> npy_header_bytes(const NpyArray& array) {
+  std::string shape;
+  for (const size_t extent : array.shape) shape += cat(shape.empty() ? "" : " ", extent, ",");
+  if (array.shape.size() > 1) shape.pop_back();
+  std::string text = cat("{'descr': ", descr_text(array), ", 'fortran_order': False, 'shape': (", shape, "), }");
+  // The data begin at a multiple of 64 bytes, and the text ends with a newline. Long record types need version 2.
+  const size_t version = text.size() + 80 > 0xFFFF ? 2 : 1;
+  const size_t length_size = version == 1 ? 2 : 4;
+  const size_t used = kMagic.size() + 2 + length_size + text.size() + 1;
+  text += std::string((64 - used % 64) % 64, ' ') + "\n";
+
+  std::vector<uint8_t> bytes(kMagic.begin(), kMagic.end());
+  bytes.push_back(static_cast<uint8_t>(version));
+  bytes.push_back(0);
+  for (size_t i = 0; i < length_size; ++i) bytes.push_back(static_cast<uint8_t>(text.size() >> (8 * i)));
+  bytes.insert(bytes.end(), text.begin(), text.end());
+  return bytes;
+}
+
 namespace {
 
 Error records_error(const std::string& name) {

@@ -4,7 +4,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
-#include "e2lf/files/npy_header.h"
 #include "e2lf/files/zip.h"
 
 namespace e2lf {

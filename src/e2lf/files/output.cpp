@@ -9,7 +9,6 @@
 #include <string>
 #include <string_view>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"

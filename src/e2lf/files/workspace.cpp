@@ -10,7 +10,6 @@
 #include <unistd.h>
 #include <vector>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"

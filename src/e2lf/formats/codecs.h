@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <hdf5.h>
 #include <span>
 
 #include "e2lf/recordings/recording.h"
@@ -109,3 +110,71 @@ namespace e2lf::recordings::rosbag {
 [[nodiscard]] Result<ReaderPtr> open_folder(const std::filesystem::path& path, const OpenOptions& options);
 
 }  // namespace e2lf::recordings::rosbag
+
+namespace e2lf::recordings::hdf5_events::dsec {
+
+/// The HDF5 layout of the DSEC data set: columns events/x, y (u2), p (u1), t (u4, us after t_offset), ms_to_idx (u8:
+/// index of the first event at or after each millisecond after t_offset) and t_offset (i8, us). It has no place for
+/// triggers.
+
+/// Opens the table of events in an HDF5 file that is not Metavision's, with columns of any numeric type. If there are
+/// several tables, options.stream selects one by its number or name. Fails with kNotFound if the file contains no
+/// table, and with kShape if columns differ in length.
+[[nodiscard]] Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource& source,
+                                             const OpenOptions& options);
+
+/// Creates a recording in the layout of DSEC, uncompressed. Its write() fails with kInvalidValue for times more than 71
+/// minutes after the first event.
+[[nodiscard]] Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info);
+
+}  // namespace e2lf::recordings::hdf5_events::dsec
+
+namespace e2lf::recordings::numpy {
+
+/// Events as numpy arrays, in any order of time. A .npy file is an array of records with the fields x, y, p, t in any
+/// order and of any numeric type, or an array [events, 4]. It is streamed. Written are OpenEB's records {x u2, y u2, p
+/// i2, t i8}, 16 bytes. An .npz file contains the columns x, y, p, t as arrays of equal length, or one array of records
+/// or rows, and optionally trigger_p, trigger_id, trigger_t, and size = [width, height]. It is read and written as a
+/// whole, in memory. table/layout.h describes columns, names, units and polarities.
+
+[[nodiscard]] bool detect_npy(std::span<const uint8_t> head);
+[[nodiscard]] Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options);
+[[nodiscard]] Result<WriterPtr> create_npy_file(const std::filesystem::path& path, const RecordingInfo& info);
+/// Corrects the number of events in a file whose create_npy_file() writer was killed. Fails with kFormat (not such a
+/// file) and kIo.
+[[nodiscard]] Result<void> recover_npy(const std::filesystem::path& path);
+
+[[nodiscard]] bool detect_npz(std::span<const uint8_t> head);
+[[nodiscard]] Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options);
+[[nodiscard]] Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info);
+
+/// Opens an array [4, events], or one of [events, 4] in Fortran order, which is read as a whole, in memory.
+[[nodiscard]] Result<ReaderPtr> open_npy_columns(SourcePtr source, const OpenOptions& options);
+
+/// A folder with a .npy file for each field of an event, as those of EVREAL (events_ts, events_xy [events, 2],
+/// events_p) and EV-IMO have, and optionally metadata.json with sensor_resolution = [height, width]. It is read as a
+/// whole, in memory.
+[[nodiscard]] bool is_event_folder(const std::filesystem::path& path);
+[[nodiscard]] Result<ReaderPtr> open_event_folder(const std::filesystem::path& path, const OpenOptions& options);
+
+}  // namespace e2lf::recordings::numpy
+
+namespace e2lf::recordings::text {
+
+/// Events as lines of text. Two orders are written:
+///   csv: x,y,p,t   t in integral microseconds; first line "%geometry:W,H" if the size is known
+///   txt: t x y p   t in seconds with six decimals; first line "W H" if the size is known
+/// If the size of a .csv is not known, its first line is "%x,y,p,t". Readers accept columns with names in any order and
+/// unit (table/layout.h), other separators and comments. Lines that are not events are dropped (kBadRecord); if most
+/// are not, opening or reading fails with kFormat.
+
+/// Returns whether the first lines are rows of numbers.
+[[nodiscard]] bool detect(std::span<const uint8_t> head);
+
+[[nodiscard]] Result<ReaderPtr> open_csv(SourcePtr source, const OpenOptions& options);
+[[nodiscard]] Result<ReaderPtr> open_txt(SourcePtr source, const OpenOptions& options);
+
+[[nodiscard]] Result<WriterPtr> create_csv(SinkPtr sink, const RecordingInfo& info);
+[[nodiscard]] Result<WriterPtr> create_txt(SinkPtr sink, const RecordingInfo& info);
+
+}  // namespace e2lf::recordings::text

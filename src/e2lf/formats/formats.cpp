@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "e2lf/formats/codecs.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/open/registry.h"
+#include "e2lf/recordings/side_triggers.h"
 
 namespace e2lf::formats {
 namespace {
@@ -14,7 +16,11 @@ using recordings::Codec;
 namespace aedat = recordings::aedat;
 namespace aedat4 = recordings::aedat4;
 namespace dat = recordings::dat;
+namespace dsec = recordings::hdf5_events::dsec;
+namespace hdf5_events = recordings::hdf5_events;
+namespace numpy = recordings::numpy;
 namespace rosbag = recordings::rosbag;
+namespace text = recordings::text;
 
 std::vector<Codec> all_formats() {
   return {
@@ -50,6 +56,48 @@ std::vector<Codec> all_formats() {
        .description = "ROS 2 bag, stored as MCAP",
        .detect = rosbag::detect_mcap,
        .open = rosbag::open_mcap},
+      {.name = "dsec",
+       .extensions = {".h5"},
+       .description = "HDF5 with columns as in the DSEC data set",
+       .is_table = true,
+       .open = hdf5_events::open,
+       .create_file = dsec::create_file,
+       .side_file = recordings::side_trigger_path,
+       .recover = hdf5_events::recover},
+      {.name = "npy",
+       .extensions = {".npy"},
+       .description = "numpy array of records x, y, p, t",
+       .is_table = true,
+       .detect = numpy::detect_npy,
+       .open = numpy::open_npy,
+       .create_file = numpy::create_npy_file,
+       .side_file = recordings::side_trigger_path,
+       .recover = numpy::recover_npy},
+      {.name = "npz",
+       .extensions = {".npz"},
+       .description = "numpy arrays x, y, p, t, held in memory",
+       .is_table = true,
+       .detect = numpy::detect_npz,
+       .open = numpy::open_npz,
+       .create = numpy::create_npz,
+       .is_folder = numpy::is_event_folder,
+       .open_folder = numpy::open_event_folder,
+       .is_written_at_end = true},
+      {.name = "csv",
+       .extensions = {".csv"},
+       .description = "text, x,y,p,t with t in microseconds",
+       .is_table = true,
+       .detect = text::detect,
+       .open = text::open_csv,
+       .create = text::create_csv,
+       .side_file = recordings::side_trigger_path},
+      {.name = "txt",
+       .extensions = {".txt"},
+       .description = "text, t x y p with t in seconds",
+       .is_table = true,
+       .open = text::open_txt,
+       .create = text::create_txt,
+       .side_file = recordings::side_trigger_path},
   };
 }
 
@@ -60,6 +108,7 @@ void add_formats() {
   std::call_once(once, [] {
     std::vector<Codec> formats = all_formats();
     // Each one is placed before those that were added earlier.
+    hdf5_events::add_layout(dsec::open_columns);
     for (auto format = formats.rbegin(); format != formats.rend(); ++format) recordings::add_codec(std::move(*format));
   });
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/hdf5/bytes_driver.h"
-
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <numeric>

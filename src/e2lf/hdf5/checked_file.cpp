@@ -147,11 +147,6 @@ hid_t register_driver() {
   return H5FDregister(&driver);
 }
 
-Error write_error(const std::string& name, int error_number) {
-  const char* remedy = error_number == ENOSPC ? "free some disk space" : "check the disk and the folder's permissions";
-  return {ErrorCode::kIo, cat("cannot write (", std::strerror(error_number), "); ", remedy), name};
-}
-
 }  // namespace
 
 Result<CheckedFile> CheckedFile::create(const std::filesystem::path& path, const std::string& name) {
@@ -166,12 +161,12 @@ Result<CheckedFile> CheckedFile::create(const std::filesystem::path& path, const
   }
   error_number_to_use() = nullptr;
   E2LF_RETURN_IF_ERROR(file.check());
-  if (!file.file_.valid()) return write_error(name, EIO);
+  if (!file.file_.valid()) return fail_to("write", name, EIO);
   return file;
 }
 
 Result<void> CheckedFile::check() const {
-  if (*error_number_ != 0) return write_error(name_, *error_number_);
+  if (*error_number_ != 0) return fail_to("write", name_, *error_number_);
   return {};
 }
 

@@ -1,9 +1,234 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/hdf5/library.h"
 
-#include "e2lf/hdf5/bytes_driver.h"
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <iterator>
+#include <memory>
+#include <new>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
 
 namespace e2lf::hdf5 {
+namespace {
+
+using Bytes = std::span<const uint8_t>;
+
+constexpr uint16_t kLayoutMessage = 8;
+constexpr uint8_t kChunked = 2;
+
+size_t u16(Bytes bytes, size_t at) {
+  return static_cast<size_t>(bytes[at] | (bytes[at + 1] << 8));
+}
+
+bool layout_is_usable(Bytes layout) {
+  if (layout.size() < 4) return true;
+  switch (layout[0]) {
+    case 1:
+    case 2:
+      return layout[2] != kChunked || layout[1] > 0;
+    case 3:
+      return layout[1] != kChunked || layout[2] > 0;
+    case 4:
+      return layout[1] != kChunked || layout[3] > 0;
+    default:
+      return true;
+  }
+}
+
+/// Checks messages of version 1: type and size (2 bytes each), flags, three reserved bytes, then the data, in multiples
+/// of eight bytes.
+bool v1_layouts_are_usable(Bytes messages) {
+  constexpr size_t kHead = 8;
+  while (messages.size() >= kHead) {
+    const size_t type = u16(messages, 0), size = u16(messages, 2);
+    if (size % 8 != 0 || size > messages.size() - kHead) break;
+    if (type == kLayoutMessage && !layout_is_usable(messages.subspan(kHead, size))) return false;
+    messages = messages.subspan(kHead + size);
+  }
+  return true;
+}
+
+/// Checks messages of version 2: type, size (2 bytes), flags and, in some headers, 2 more bytes.
+bool v2_layouts_are_usable(Bytes messages, size_t head) {
+  while (messages.size() >= head) {
+    const size_t type = messages[0], size = u16(messages, 1);
+    if (size > messages.size() - head) break;
+    if (type == kLayoutMessage && !layout_is_usable(messages.subspan(head, size))) return false;
+    messages = messages.subspan(head + size);
+  }
+  return true;
+}
+
+bool begins_with(Bytes piece, const char (&signature)[5]) {
+  return piece.size() >= 4 && std::memcmp(piece.data(), signature, 4) == 0;
+}
+
+/// Returns the offset of the messages in a version 2 header, after signature, version, flags, times, limits and size.
+size_t v2_prefix(Bytes piece) {
+  if (piece.size() < 6) return piece.size();
+  const unsigned flags = piece[5];
+  return 6 + ((flags & 0x20) != 0 ? 16 : 0) + ((flags & 0x10) != 0 ? 4 : 0) + (size_t{1} << (flags & 3));
+}
+
+Bytes after(Bytes piece, size_t count) {
+  return count < piece.size() ? piece.subspan(count) : Bytes{};
+}
+
+}  // namespace
+
+bool chunks_have_dimensions(Bytes piece) {
+  if (begins_with(piece, "OHDR") || begins_with(piece, "OCHK")) {
+    const auto messages = after(piece, piece[1] == 'H' ? v2_prefix(piece) : 4);
+    // A continuation does not state how long the heads of its messages are, so both lengths are tried.
+    return v2_layouts_are_usable(messages, 4) && v2_layouts_are_usable(messages, 6);
+  }
+  // A piece of version 1 does not state whether it begins with the prefix of 16 bytes, so both cases are tried.
+  return v1_layouts_are_usable(piece) && v1_layouts_are_usable(after(piece, 16));
+}
+
+namespace {
+
+/// The source of a file's data: bytes in memory or a descriptor.
+class Contents {
+ public:
+  explicit Contents(std::vector<uint8_t> bytes) : bytes_(std::move(bytes)), size_(bytes_.size()) {}
+  explicit Contents(const std::filesystem::path& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    struct stat info {};
+    if (descriptor_ >= 0 && ::fstat(descriptor_, &info) == 0 && S_ISREG(info.st_mode)) {
+      size_ = static_cast<uint64_t>(info.st_size);
+    }
+  }
+  Contents(const Contents&) = delete;
+  Contents& operator=(const Contents&) = delete;
+  ~Contents() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  [[nodiscard]] uint64_t size() const { return size_; }
+
+  /// Returns false if the range does not lie entirely within the file or cannot be read; `out` is then unspecified.
+  [[nodiscard]] bool read(uint64_t begin, size_t count, uint8_t* out) const {
+    if (begin > size_ || count > size_ - begin) return false;
+    if (descriptor_ < 0) {
+      if (count > 0) std::memcpy(out, bytes_.data() + begin, count);
+      return true;
+    }
+    while (count > 0) {
+      const ssize_t read = ::pread(descriptor_, out, count, static_cast<off_t>(begin));
+      if (read < 0 && errno == EINTR) continue;
+      if (read <= 0) return false;
+      out += read;
+      begin += static_cast<uint64_t>(read);
+      count -= static_cast<size_t>(read);
+    }
+    return true;
+  }
+
+ private:
+  std::vector<uint8_t> bytes_;
+  int descriptor_ = -1;
+  uint64_t size_ = 0;
+};
+
+/// An open file as the library sees it.
+struct DriverFile : H5FD_t {
+  std::shared_ptr<const Contents> contents;
+  haddr_t end_of_addresses = 0;
+};
+
+const DriverFile& of(const H5FD_t* file) {
+  return *static_cast<const DriverFile*>(file);
+}
+
+/// The contents for the H5Fopen() in progress; null if the library opens a file that another one refers to.
+std::shared_ptr<const Contents>& contents_to_open() {
+  static std::shared_ptr<const Contents> contents;
+  return contents;
+}
+
+H5FD_t* open_file(const char*, unsigned flags, hid_t, haddr_t) {
+  if (contents_to_open() == nullptr || (flags & H5F_ACC_RDWR) != 0) return nullptr;
+  auto* const file = new (std::nothrow) DriverFile();
+  if (file != nullptr) file->contents = contents_to_open();
+  return file;
+}
+
+herr_t close_file(H5FD_t* file) {
+  delete static_cast<DriverFile*>(file);
+  return 0;
+}
+
+herr_t read_file(H5FD_t* file, H5FD_mem_t kind, hid_t, haddr_t begin, size_t count, void* out) {
+  auto* const bytes = static_cast<uint8_t*>(out);
+  if (!of(file).contents->read(begin, count, bytes)) return -1;
+  return kind != H5FD_MEM_OHDR || chunks_have_dimensions({bytes, count}) ? 0 : -1;
+}
+
+herr_t refuse_to_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, size_t, const void*) {
+  return -1;
+}
+
+haddr_t end_of_addresses(const H5FD_t* file, H5FD_mem_t) {
+  return of(file).end_of_addresses;
+}
+
+herr_t set_end_of_addresses(H5FD_t* file, H5FD_mem_t, haddr_t end) {
+  static_cast<DriverFile*>(file)->end_of_addresses = end;
+  return 0;
+}
+
+haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) {
+  return of(file).contents->size();
+}
+
+/// Reports no features, because each of them enables one of the library's buffers.
+herr_t query(const H5FD_t*, unsigned long* features) {  // NOLINT(google-runtime-int): the library's type
+  if (features != nullptr) *features = 0;
+  return 0;
+}
+
+hid_t register_driver() {
+  H5FD_class_t driver{};
+  driver.name = "e2lf";
+  driver.maxaddr = INT64_MAX;
+  driver.fc_degree = H5F_CLOSE_WEAK;
+  driver.open = open_file;
+  driver.close = close_file;
+  driver.query = query;
+  driver.get_eoa = end_of_addresses;
+  driver.set_eoa = set_end_of_addresses;
+  driver.get_eof = end_of_file;
+  driver.read = read_file;
+  driver.write = refuse_to_write;
+  constexpr H5FD_mem_t kOneKind[] = H5FD_FLMAP_SINGLE;
+  std::copy(std::begin(kOneKind), std::end(kOneKind), driver.fl_map);
+  return H5FDregister(&driver);
+}
+
+hid_t open_to_read(std::shared_ptr<const Contents> contents, const char* name) {
+  static const hid_t driver = register_driver();
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  if (H5Pset_driver(access.get(), driver, nullptr) < 0) return -1;
+  contents_to_open() = std::move(contents);
+  const hid_t file = H5Fopen(name, H5F_ACC_RDONLY, access.get());
+  contents_to_open() = nullptr;
+  return file;
+}
+
+}  // namespace
+
+hid_t open_path_to_read(const std::filesystem::path& path) {
+  return open_to_read(std::make_shared<const Contents>(path), path.c_str());
+}
+
+hid_t open_bytes_to_read(std::vector<uint8_t> bytes) {
+  return open_to_read(std::make_shared<const Contents>(std::move(bytes)), "in memory");
+}
+
 namespace {
 
 std::recursive_mutex& library_mutex() {

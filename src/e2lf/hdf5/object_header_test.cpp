@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/hdf5/object_header.h"
-
 #include <gtest/gtest.h>
 #include <vector>
 
 #include "e2lf/files/file.h"
-#include "e2lf/hdf5/bytes_driver.h"
 #include "e2lf/hdf5/library.h"
 #include "testing/test_files.h"
 

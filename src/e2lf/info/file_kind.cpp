@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/measurement_io.h"
 #include "e2lf/files/bundled_files.h"

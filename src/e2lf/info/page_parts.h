@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/pattern_tracker.h"

@@ -10,7 +10,7 @@
 #include <zlib.h>
 
 #include "e2lf/files/file.h"
-#include "e2lf/lightfield/formats/raw_image.h"
+#include "e2lf/lightfield/formats/readers.h"
 #include "testing/test_files.h"
 #include "testing/test_jpeg.h"
 

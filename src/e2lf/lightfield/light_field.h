@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/uninitialised.h"
 
 namespace e2lf::lightfield {
 
@@ -18,23 +19,6 @@ struct Shape {
   [[nodiscard]] size_t view_size() const { return height * width * channels; }
   [[nodiscard]] size_t size() const { return num_views() * view_size(); }
   bool operator==(const Shape&) const = default;
-};
-
-/// Lets a vector leave its values unset if they are about to be overwritten.
-template <typename T>
-struct UnsetAllocator : std::allocator<T> {
-  template <typename Other>
-  struct rebind {
-    using other = UnsetAllocator<Other>;
-  };
-  template <typename Value>
-  void construct(Value* place) {
-    ::new (static_cast<void*>(place)) Value;
-  }
-  template <typename Value, typename From>
-  void construct(Value* place, From&& from) {
-    ::new (static_cast<void*>(place)) Value(std::forward<From>(from));
-  }
 };
 
 /// A 4-D light field: float32 [view_y, view_x, y, x] (grey) or [view_y, view_x, y, x, channel], row-major, with values
@@ -80,7 +64,7 @@ class LightField {
     return (view_y * shape_.views_x + view_x) * shape_.view_size();
   }
   Shape shape_;
-  std::vector<float, UnsetAllocator<float>> data_;
+  UninitialisedVector<float> data_;
 };
 
 }  // namespace e2lf::lightfield

@@ -4,14 +4,19 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <mutex>
 #include <span>
 #include <string_view>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/lightfield/formats/raw_image.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/files/result_folder.h"
+#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/formats/readers.h"
-#include "e2lf/lightfield/orient.h"
+#include "e2lf/lightfield/image.h"
 
 namespace e2lf::lightfield {
 namespace fs = std::filesystem;
@@ -162,7 +167,7 @@ Result<LightFieldKind> detect_kind(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const bool holds, holds_light_field(kind, path));
   if (holds) return kind;
   return Error{ErrorCode::kUnsupported,
-               cat("an ", kind_name(kind), " that does not contain a light field; check what it is"), path.string()};
+               cat("an ", kind_name(kind), " that does not contain a light field; check the file"), path.string()};
 }
 
 Result<LightField> read_light_field(const fs::path& path, const ReadOptions& options, const ProgressFn& progress) {
@@ -174,6 +179,102 @@ Result<LightField> read_light_field(const fs::path& path, const ReadOptions& opt
   }
   orient(light_field, stored + options.orientation);
   return light_field;
+}
+
+namespace {
+
+struct FormatWord {
+  const char* word;
+  LightFieldFormat format;
+};
+constexpr FormatWord kFormatWords[] = {{"png", LightFieldFormat::kPng8}, {"png16", LightFieldFormat::kPng16},
+                                       {"hci", LightFieldFormat::kHci},  {"stanford", LightFieldFormat::kStanford},
+                                       {"npy", LightFieldFormat::kNpy},  {"lenslet", LightFieldFormat::kLenslet},
+                                       {"mat", LightFieldFormat::kMat},  {"h5", LightFieldFormat::kHdf5}};
+
+LightFieldKind kind_of_folder(LightFieldFormat format) {
+  if (format == LightFieldFormat::kHci) return LightFieldKind::kHciFolder;
+  return format == LightFieldFormat::kStanford ? LightFieldKind::kStanfordFolder : LightFieldKind::kViewFolder;
+}
+
+Image view_to_write(const LightField& light_field, size_t view_y, size_t view_x) {
+  const Shape& shape = light_field.shape();
+  Image image(shape.width, shape.height, shape.channels);
+  const std::span<const float> view = light_field.view(view_y, view_x);
+  std::copy(view.begin(), view.end(), image.pixels.begin());
+  return image;
+}
+
+Result<void> write_folder(const fs::path& path, const LightField& light_field, const WriteOptions& options,
+                          const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, ResultFolder::create(path, options.overwrite));
+  E2LF_RETURN_IF_ERROR(write_views(folder.path(), light_field, options.format, progress));
+  return folder.commit();
+}
+
+}  // namespace
+
+Result<LightFieldFormat> parse_format(const std::string& word) {
+  std::vector<std::string> words;
+  for (const FormatWord& known : kFormatWords) {
+    if (word == known.word) return known.format;
+    words.emplace_back(known.word);
+  }
+  return Error{ErrorCode::kInvalidValue,
+               cat("no light-field format is called \"", word, "\"; use one of ", join(words)), ""};
+}
+
+bool is_folder_format(LightFieldFormat format) {
+  return format == LightFieldFormat::kPng8 || format == LightFieldFormat::kPng16 || format == LightFieldFormat::kHci ||
+         format == LightFieldFormat::kStanford;
+}
+
+LightFieldFormat format_of_path(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".npy") return LightFieldFormat::kNpy;
+  if (extension == ".mat") return LightFieldFormat::kMat;
+  if (extension == ".h5" || extension == ".hdf5") return LightFieldFormat::kHdf5;
+  if (extension == ".png") return LightFieldFormat::kLenslet;
+  return LightFieldFormat::kPng8;
+}
+
+Result<void> write_views(const fs::path& folder, const LightField& light_field, LightFieldFormat format,
+                         const ProgressFn& progress) {
+  E2LF_REQUIRE(is_folder_format(format), "views are written in a folder format");
+  const Shape& shape = light_field.shape();
+  if (format == LightFieldFormat::kHci && shape.views_x > kHciColumns) {
+    return Error{ErrorCode::kShape, cat("HCI names number at most 9 view columns, not ", shape.views_x, "; write png"),
+                 folder.string()};
+  }
+  const LightFieldKind kind = kind_of_folder(format);
+  const PngDepth depth = format == LightFieldFormat::kPng16 ? PngDepth::k16 : PngDepth::k8;
+  std::mutex mutex;
+  std::optional<Error> error;
+  size_t done = 0;
+  parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
+    for (size_t view = begin; view < end; ++view) {
+      const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
+      const Result<void> status = write_png(folder / written_view_name(kind, view_y, view_x),
+                                            view_to_write(light_field, view_y, view_x), depth);
+      const std::lock_guard lock(mutex);
+      if (!status.ok() && !error) error = status.error();
+      ++done;
+      if (progress) progress(done, shape.num_views());
+    }
+  });
+  if (error) return *error;
+  return {};
+}
+
+Result<void> write_light_field(const fs::path& path, const LightField& light_field, const WriteOptions& options,
+                               const ProgressFn& progress) {
+  E2LF_REQUIRE(light_field.shape().size() > 0, "a light field to write has samples");
+  if (is_folder_format(options.format)) return write_folder(path, light_field, options, progress);
+  E2LF_RETURN_IF_ERROR(check_output(path, options.overwrite));
+  if (options.format == LightFieldFormat::kNpy) return write_npy_light_field(path, light_field);
+  if (options.format == LightFieldFormat::kLenslet) return write_lenslet(path, light_field);
+  if (options.format == LightFieldFormat::kMat) return write_mat(path, light_field);
+  return write_hdf5(path, light_field);
 }
 
 }  // namespace e2lf::lightfield

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/lightfield/orient.h"
-
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 
+#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/light_field_io.h"
 
 namespace e2lf::lightfield {

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/lightfield/shift_filter.h"
 
 namespace e2lf::lightfield {
 namespace {

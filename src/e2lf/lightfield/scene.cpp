@@ -6,7 +6,6 @@
 
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/scene_rays.h"
-#include "e2lf/lightfield/scene_texture.h"
 
 namespace e2lf::lightfield {
 namespace {

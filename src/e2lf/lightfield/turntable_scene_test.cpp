@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/lightfield/turntable_scene.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
+
+#include "e2lf/lightfield/demo_scene.h"
 
 namespace e2lf::lightfield {
 namespace {

@@ -6,7 +6,7 @@
 #include <deque>
 #include <vector>
 
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 
 namespace e2lf::live {
 

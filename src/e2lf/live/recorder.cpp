@@ -8,7 +8,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/io/byte_sink.h"
+#include "e2lf/recordings/io/bytes.h"
 
 namespace e2lf::live {
 namespace fs = std::filesystem;

@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "e2lf/base/clock.h"
-#include "e2lf/lightfield/orient.h"
+#include "e2lf/lightfield/crop.h"
 #include "e2lf/live/event_sums.h"
 #include "e2lf/pipeline/event_depth.h"
-#include "e2lf/recon/gain.h"
+#include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::live {
 

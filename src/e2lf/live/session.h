@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/profile/orientation.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/live/field_maker.h"
 #include "e2lf/live/live_reader.h"

@@ -24,7 +24,7 @@ Result<void> check(const CycleInputOptions& options) {
 Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions& options) {
   const capture::MeasurementKind measured = file.cycles.front().kind;
   const auto useless = [](std::string why, const char* option) {
-    return Error{ErrorCode::kInvalidValue, std::move(why) + "; leave it out", option};
+    return Error{ErrorCode::kInvalidValue, std::move(why) + "; omit this setting", option};
   };
   if (options.cycles_per_field > 1 && measured != capture::MeasurementKind::kEventImages) {
     return useless(

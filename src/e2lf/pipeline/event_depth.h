@@ -3,7 +3,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/capture/profile/orientation.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/pipeline/method.h"
 

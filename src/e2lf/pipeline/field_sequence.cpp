@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "e2lf/base/text.h"
-#include "e2lf/recon/gain.h"
+#include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
 
 namespace e2lf::pipeline {

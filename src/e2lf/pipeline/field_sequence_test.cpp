@@ -4,7 +4,7 @@
 #include <array>
 #include <gtest/gtest.h>
 
-#include "e2lf/recon/gain.h"
+#include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
 
 namespace e2lf::pipeline {

@@ -33,7 +33,7 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
   if (!known) {
     return Error{ErrorCode::kInvalidValue,
-                 "nothing says which patterns the camera showed; give the model that was trained for them", ""};
+                 "the patterns that the camera showed are unknown; give the model that was trained for them", ""};
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
                         choice.algorithm == kDepth ? first_for(known->codes, {"e2lf-n4-depth", "e2lf-n4-cycle-depth"})
@@ -95,17 +95,18 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(check_output(choice.algorithm, model));
   E2LF_RETURN_IF_ERROR(check_transitions(choice.transitions, model));
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
-  const bool is_told = model::is_conditioned_on_camera(model);
-  if (!is_told && choice.camera) {
-    return Error{ErrorCode::kInvalidValue, cat(model.name, " works for one camera only; leave it out"), "camera"};
+  const bool is_conditioned = model::is_conditioned_on_camera(model);
+  if (!is_conditioned && choice.camera) {
+    return Error{ErrorCode::kInvalidValue, cat(model.name, " was trained for a single camera; omit the camera"),
+                 "camera"};
   }
-  const bool has_pixels = is_told && model.camera && model.camera->is_pixel();
+  const bool has_pixels = is_conditioned && model.camera && model.camera->is_pixel();
   if (has_pixels && choice.camera && capture::to_json(*model.camera) != capture::to_json(*choice.camera)) {
     opened.models_camera = model.camera;
   }
-  if (is_told && opened.camera) {
+  if (is_conditioned && opened.camera) {
     model.camera = opened.camera;
-  } else if (is_told && model.camera) {
+  } else if (is_conditioned && model.camera) {
     opened.camera = model.camera;
     opened.camera_stated_by = StatedBy::kModel;
   }
@@ -182,13 +183,16 @@ Tone OpenedMethod::complete(Tone tone) const {
 
 Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   if (!network && use.passes > 1) {
-    return Error{ErrorCode::kInvalidValue, cat("the method ", algorithm, " makes one pass; leave it out"), "passes"};
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the method ", algorithm, " supports a single pass; omit the number of passes"), "passes"};
   }
   if (use.cycles > 1 && !takes_sums()) {
     return Error{ErrorCode::kInvalidValue,
-                 network ? cat(network->model().name, " takes one cycle for each light field; leave it out, or use a ",
+                 network ? cat(network->model().name,
+                               " reconstructs each light field from one cycle; omit the number of cycles, or use a ",
                                "model that is conditioned on the sensor profile")
-                         : cat("the method ", algorithm, " takes one cycle for each light field; leave it out"),
+                         : cat("the method ", algorithm,
+                               " reconstructs each light field from one cycle; omit the number of cycles"),
                  "cycles"};
   }
   recon::Method method = method_of(network, use);

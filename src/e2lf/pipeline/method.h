@@ -7,7 +7,6 @@
 #include <string>
 
 #include "e2lf/pipeline/field_sequence.h"
-#include "e2lf/pipeline/patterns.h"
 #include "e2lf/pipeline/recorded_setup.h"
 
 namespace e2lf::pipeline {

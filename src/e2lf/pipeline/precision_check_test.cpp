@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/pipeline/precision_check.h"
-
 #include <gtest/gtest.h>
 
 #include "e2lf/base/isa.h"
 #include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/recon/reconstruct.h"
 #include "testing/test_networks.h"
 

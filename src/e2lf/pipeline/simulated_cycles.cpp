@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/pipeline/simulated_cycles.h"
 
+#include <cmath>
+
+#include "e2lf/recon/reconstruct.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/intensity_images.h"
 #include "e2lf/sensor/pixel_model.h"
@@ -26,6 +29,50 @@ Result<capture::Measurement> simulate_cycle(const SimulatedCamera& camera, const
   E2LF_ASSIGN_OR_RETURN(measured.images, sensor::measure_images(measured.kind, camera.codes, scene,
                                                                 {profile.constants.sigma_i, camera.gain, seed}));
   return measured;
+}
+
+namespace {
+
+using engine::Precision;
+
+/// Returns the sum of squared errors over all scenes.
+Result<double> squared_error(const recon::Reconstructor& network, const SimulatedCamera& camera,
+                             std::span<const lightfield::LightField> scenes) {
+  double sum = 0.0;
+  for (const lightfield::LightField& truth : scenes) {
+    E2LF_ASSIGN_OR_RETURN(const capture::Measurement measurement, simulate_cycle(camera, truth, 0));
+    E2LF_ASSIGN_OR_RETURN(const lightfield::LightField field, network.reconstruct(measurement));
+    for (size_t i = 0; i < field.data().size(); ++i) {
+      const double error = static_cast<double>(field.data()[i]) - truth.data()[i];
+      sum += error * error;
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+Result<model::PrecisionLoss> measure_precision_loss(const model::Model& model,
+                                                    std::span<const lightfield::LightField> scenes) {
+  if (!model.codes) {
+    return Error{ErrorCode::kInvalidValue, "the model has no patterns to simulate; store them in it", model.name};
+  }
+  SimulatedCamera camera{.measurement = model.measurement(), .codes = *model.codes};
+  camera.profile.event_model = model.event_model;
+  camera.profile.constants = model.constants;
+  if (model.camera) camera.profile = *model.camera;
+  E2LF_ASSIGN_OR_RETURN(const auto exact, recon::Reconstructor::create(model, {.precision = Precision::kFloat32}));
+  E2LF_ASSIGN_OR_RETURN(const double exact_error, squared_error(exact, camera, scenes));
+  model::PrecisionLoss loss;
+  for (const auto& [precision, loss_db] :
+       {std::pair(Precision::kBfloat16, &loss.bfloat16_db), std::pair(Precision::kInt16, &loss.int16_db)}) {
+    const auto rounded = recon::Reconstructor::create(model, {.precision = precision});
+    if (!rounded && rounded.error().code == ErrorCode::kUnsupported) continue;
+    if (!rounded) return rounded.error();
+    E2LF_ASSIGN_OR_RETURN(const double error, squared_error(*rounded, camera, scenes));
+    *loss_db = std::round(1e4 * 10.0 * std::log10(error / exact_error)) / 1e4;
+  }
+  return loss;
 }
 
 }  // namespace e2lf::pipeline

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"
+#include "e2lf/model/model.h"
 
 namespace e2lf::pipeline {
 
@@ -30,5 +32,11 @@ struct SimulatedCamera {
 /// sensor::simulate_events(), sensor::simulate_pixel_events() and sensor::measure_images() do.
 [[nodiscard]] Result<capture::Measurement> simulate_cycle(const SimulatedCamera& camera,
                                                           const lightfield::LightField& scene, uint64_t cycle);
+
+/// Measures what a network loses on `scenes` in each arithmetic that this CPU supports; the others are
+/// absent. The camera that the model was trained for is simulated. The loss is that of the mean squared error over all
+/// scenes. Fails with kInvalidValue if the model has no codes, and as simulate_cycle() and recon::Reconstructor do.
+[[nodiscard]] Result<model::PrecisionLoss> measure_precision_loss(const model::Model& model,
+                                                                  std::span<const lightfield::LightField> scenes);
 
 }  // namespace e2lf::pipeline

@@ -11,7 +11,7 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/model/model.h"
-#include "e2lf/pipeline/patterns.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/program/run_record.h"
 
 namespace e2lf::program {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "e2lf/capture/measurement/colour_filter.h"
-#include "e2lf/capture/profile/orientation.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field_io.h"
 
 namespace e2lf::program {

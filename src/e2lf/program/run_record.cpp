@@ -15,8 +15,8 @@
 #include "e2lf/info/version.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/verb.h"
-#include "e2lf/recordings/live/cameras.h"
-#include "e2lf/recordings/open/output_rules.h"
+#include "e2lf/recordings/live/camera.h"
+#include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::program {

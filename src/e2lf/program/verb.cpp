@@ -15,7 +15,6 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/printable.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
@@ -301,7 +300,7 @@ Result<void> Verb::refuse_options(const std::string& group, const std::string& w
     if (option->get_group() != group || option->count() == 0) continue;
     // A run that is repeated from its record also repeats the defaults.
     if (join(option->results()) == option->get_default_str()) continue;
-    return Error{ErrorCode::kInvalidValue, cat("does nothing for ", what, "; leave it out"), option->get_name()};
+    return Error{ErrorCode::kInvalidValue, cat("has no effect on ", what, "; omit it"), option->get_name()};
   }
   return {};
 }

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_constants.h"
 #include "e2lf/capture/profile/sensor_profile.h"

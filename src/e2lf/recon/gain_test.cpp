@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recon/gain.h"
-
 #include <gtest/gtest.h>
 #include <limits>
+
+#include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::recon {
 namespace {

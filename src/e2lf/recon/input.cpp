@@ -6,7 +6,6 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/recon/intensity_table.h"
 
 namespace e2lf::recon {
 namespace {

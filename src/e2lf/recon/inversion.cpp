@@ -7,7 +7,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/recon/intensity_table.h"
+#include "e2lf/recon/input.h"
 
 namespace e2lf::recon {
 namespace {

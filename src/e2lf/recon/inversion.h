@@ -5,8 +5,7 @@
 #include <span>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/coded_intensities.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/profile/sensor_constants.h"
 
 namespace e2lf::recon {

@@ -5,12 +5,11 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/coded_intensities.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_constants.h"
 #include "e2lf/lightfield/light_field.h"
-#include "e2lf/recon/coded_disparity.h"
+#include "e2lf/recon/placed_images.h"
 
 namespace e2lf::recon {
 

@@ -2,16 +2,111 @@
 #include "e2lf/recon/reconstruct.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/model/constant_inputs.h"
 #include "e2lf/model/depth_network.h"
-#include "e2lf/recon/grid_shift.h"
 
 namespace e2lf::recon {
+namespace {
+
+constexpr size_t kSamples = 1 << 18;
+constexpr double kBrightQuantile = 0.995, kDarkQuantile = 0.005;
+constexpr float kMostBlack = 0.15F;  ///< relative to the bright level; keeps the contrast of scenes without black
+
+/// Returns a quantile of the finite values, or 0 if there are none.
+float level_of(std::span<const float> values, double quantile) {
+  // An odd stride visits the columns of an image evenly even if its width is a power of two.
+  const size_t stride = values.size() / kSamples | 1;
+  std::vector<float> samples;
+  samples.reserve(values.size() / stride + 1);
+  for (size_t i = 0; i < values.size(); i += stride) {
+    if (std::isfinite(values[i])) samples.push_back(values[i]);
+  }
+  if (samples.empty()) return 0;
+  const auto rank = static_cast<ptrdiff_t>(quantile * static_cast<double>(samples.size() - 1));
+  std::nth_element(samples.begin(), samples.begin() + rank, samples.end());
+  return samples[static_cast<size_t>(rank)];
+}
+
+}  // namespace
+
+float auto_gain(const lightfield::LightField& light_field, float black) {
+  const float level = level_of(light_field.data(), kBrightQuantile) - black;
+  if (level <= 0 || (level >= 0.7F && level <= 1.0F)) return 1;
+  return std::clamp(0.9F / level, 0.25F, 64.0F);
+}
+
+float auto_black(const lightfield::LightField& light_field) {
+  const float bright = std::max(0.0F, level_of(light_field.data(), kBrightQuantile));
+  return std::clamp(level_of(light_field.data(), kDarkQuantile), 0.0F, kMostBlack * bright);
+}
+
+void apply_tone(lightfield::LightField& light_field, float black, float gain) {
+  if (black == 0.0F && gain == 1.0F) return;
+  for (float& value : light_field.data()) value = gain * (value - black);
+}
+
+std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple) {
+  const size_t side = std::bit_ceil(size_multiple);
+  std::vector<GridShift> shifts;
+  for (size_t i = 0; i < side * side && shifts.size() < count; ++i) {
+    // The bits of i alternate between both coordinates: four shifts cover the finest grid, and sixteen the next coarser
+    // one. The odd factors separate shifts that are neighbours in this order.
+    size_t y = 0, both = 0;
+    for (size_t bit = 0; (size_t{1} << bit) < side; ++bit) {
+      y |= (i >> (2 * bit) & 1U) << bit;
+      both |= (i >> (2 * bit + 1) & 1U) << bit;
+    }
+    const GridShift shift{3 * y % side, 5 * (both ^ y) % side};
+    if (std::max(shift.y, shift.x) < size_multiple) shifts.push_back(shift);
+  }
+  return shifts;
+}
+
+namespace {
+
+template <typename Value>
+void extend_image(std::span<const Value> from, size_t width, const GridShift& shift, std::span<Value> to) {
+  const size_t wider = width + shift.x, higher = to.size() / wider;
+  for (size_t y = 0; y < higher; ++y) {
+    const auto from_row = from.subspan((y - std::min(y, shift.y)) * width, width);
+    const auto to_row = to.subspan(y * wider, wider);
+    std::fill_n(to_row.begin(), shift.x, from_row.front());
+    std::copy(from_row.begin(), from_row.end(), to_row.begin() + static_cast<std::ptrdiff_t>(shift.x));
+  }
+}
+
+}  // namespace
+
+capture::Measurement extend(const capture::Measurement& measurement, const GridShift& shift) {
+  const capture::EventImages& events = measurement.events;
+  const capture::CodedIntensities& images = measurement.images;
+  E2LF_REQUIRE(measurement.height() > 0 && measurement.width() > 0, "images must not be empty");
+  E2LF_REQUIRE(measurement.kind != capture::MeasurementKind::kLensArray || shift == GridShift(),
+               "lenses cannot be shifted");
+  capture::Measurement extended;
+  extended.kind = measurement.kind;
+  if (events.count > 0) {
+    extended.events = capture::EventImages(events.count, events.height + shift.y, events.width + shift.x);
+  }
+  if (images.count > 0) {
+    extended.images = capture::CodedIntensities(images.count, images.height + shift.y, images.width + shift.x);
+  }
+  for (size_t k = 0; k < events.count; ++k) {
+    extend_image(events.image(k), events.width, shift, extended.events.image(k));
+  }
+  for (size_t n = 0; n < images.count; ++n) {
+    extend_image(images.image(n), images.width, shift, extended.images.image(n));
+  }
+  return extended;
+}
 
 namespace {
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
@@ -11,10 +13,40 @@
 #include "e2lf/engine/engine.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/model/model.h"
-#include "e2lf/recon/gain.h"
 #include "e2lf/recon/input.h"
 
 namespace e2lf::recon {
+
+/// Returns the factor that makes a light field well exposed: it maps a robust bright level (the 99.5 % quantile of
+/// all views; large light fields are sampled at regular intervals) to 0.9. Real scenes can be far darker relative to
+/// the sensor's dark level than the training data of the model. The gain is 1 if the level is already bright (0.7..1)
+/// or if there is no light. It is always in [0.25, 64]. Brightness is measured above `black`, which the caller
+/// subtracts afterwards.
+[[nodiscard]] float auto_gain(const lightfield::LightField& light_field, float black = 0.0F);
+
+/// Returns the brightness that should become black: the 0.5 % quantile over the views, limited to between 0 and 0.15 of
+/// the bright level. It is meant for cameras whose events determine brightness only up to a constant: if the
+/// photoreceptor lags, a dark level of the scene cannot be distinguished from a slower receptor
+/// (docs/experiments/camera-fit.md).
+[[nodiscard]] float auto_black(const lightfield::LightField& light_field);
+
+/// Subtracts `black` and multiplies by `gain`, in place.
+void apply_tone(lightfield::LightField& light_field, float black, float gain);
+
+/// The position of the upper left pixel of an image on the grid of a network.
+struct GridShift {
+  size_t y = 0, x = 0;
+  bool operator==(const GridShift&) const = default;
+};
+
+/// Returns the first `count` distinct shifts on the grid of a network with `size_multiple`, or all size_multiple^2 of
+/// them if `count` is larger. The first one is zero. If the multiple is even, the first four cover all four positions
+/// on a 2x2 grid.
+[[nodiscard]] std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple);
+
+/// Extends images at the top and on the left by repeating their first rows and columns. The images must not be empty.
+/// The image behind a lens array can only be extended by whole lenses and therefore allows no shift.
+[[nodiscard]] capture::Measurement extend(const capture::Measurement& measurement, const GridShift& shift);
 
 /// A method that reconstructs a light field from a measurement: a network or the inversion.
 using Method =

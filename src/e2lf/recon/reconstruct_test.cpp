@@ -9,8 +9,6 @@
 #include <numeric>
 #include <set>
 
-#include "e2lf/recon/grid_shift.h"
-
 namespace e2lf::recon {
 namespace {
 

@@ -3,11 +3,11 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_constants.h"
 #include "e2lf/lightfield/light_field.h"
-#include "e2lf/recon/coded_disparity.h"
+#include "e2lf/recon/placed_images.h"
 
 namespace e2lf::recon {
 

@@ -144,5 +144,14 @@ Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, 
   return apply(options.height, info.height, "height");
 }
 
+Result<void> refuse_table_options(const OpenOptions& options, const std::string& format, const std::string& name) {
+  const bool has_unit = options.time_unit != TimeUnit::kAuto;
+  if (!has_unit && options.columns.empty() && options.polarities.empty()) return {};
+  return Error{
+      ErrorCode::kInvalidValue,
+      cat("the format ", format, " defines what its numbers mean; leave columns, time unit and polarities out"), name,
+      has_unit ? Setting::kTimeUnit : Setting::kColumns};
+}
+
 }  // namespace e2lf::recordings
 #endif

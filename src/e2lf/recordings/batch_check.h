@@ -36,4 +36,8 @@ class BatchCheck {
 /// and differ; `name` is the location.
 [[nodiscard]] Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, const std::string& name);
 
+/// Fails with kInvalidValue if options for tables are given although the format fixes what they specify.
+[[nodiscard]] Result<void> refuse_table_options(const OpenOptions& options, const std::string& format,
+                                                const std::string& name);
+
 }  // namespace e2lf::recordings

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/convert.h"
 
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/read_ahead.h"
 #include "e2lf/recordings/side_triggers.h"
 
 namespace e2lf::recordings {
@@ -29,6 +35,90 @@ Error nothing_to_convert(const RecordingReader& reader) {
   }
   return {ErrorCode::kInvalidValue, message + "; `e2lf info` shows the content and the time range of the recording",
           reader.name()};
+}
+
+/// Reads the next batch of a recording in a separate thread while the caller processes the previous one. If only one
+/// thread is permitted (num_threads()), reads on request. The reader must not be used otherwise during the lifetime of
+/// this object.
+class ReadAhead {
+ public:
+  explicit ReadAhead(RecordingReader& reader);
+  ReadAhead(const ReadAhead&) = delete;
+  ReadAhead& operator=(const ReadAhead&) = delete;
+  ~ReadAhead();
+
+  /// Reads a batch as RecordingReader::read() does; exceptions of the reader are rethrown here.
+  [[nodiscard]] Result<bool> read(EventBatch& batch);
+
+ private:
+  void run();
+
+  RecordingReader& reader_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  EventBatch next_;
+  Result<bool> more_ = true;      ///< result of the last read; nothing follows an end or an error
+  std::exception_ptr exception_;  ///< exception of the last read
+  bool is_read_ = false;          ///< whether next_, more_ and exception_ are ready
+  bool is_stopped_ = false;
+  std::thread thread_;
+};
+
+ReadAhead::ReadAhead(RecordingReader& reader) : reader_(reader) {
+  const int threads = num_threads();
+  if (threads == 1) return;
+  thread_ = std::thread([this, threads] {
+    set_num_threads(threads);  // each thread has its own setting
+    run();
+  });
+}
+
+ReadAhead::~ReadAhead() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    is_stopped_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void ReadAhead::run() {
+  EventBatch batch;
+  for (bool goes_on = true; goes_on;) {
+    Result<bool> more = false;
+    std::exception_ptr exception;
+    try {
+      more = reader_.read(batch);
+    } catch (...) {
+      exception = std::current_exception();
+    }
+    goes_on = !exception && more && *more;
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !is_read_ || is_stopped_; });
+    if (is_stopped_) return;
+    std::swap(next_, batch);
+    more_ = std::move(more);
+    exception_ = exception;
+    is_read_ = true;
+    changed_.notify_all();
+  }
+}
+
+Result<bool> ReadAhead::read(EventBatch& batch) {
+  if (!thread_.joinable()) return reader_.read(batch);
+  std::unique_lock lock(mutex_);
+  const bool has_ended = !is_read_ && (exception_ || !more_ || !*more_);
+  if (!has_ended) {
+    changed_.wait(lock, [this] { return is_read_; });
+    std::swap(batch, next_);
+    is_read_ = false;
+    changed_.notify_all();
+  } else {
+    batch.clear();
+  }
+  if (exception_) std::rethrow_exception(exception_);
+  return more_;
 }
 
 }  // namespace

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "e2lf/base/median.h"
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/decode_summary.h"
@@ -77,5 +81,131 @@ struct OpenOptions;
 [[nodiscard]] std::unique_ptr<RecordingReader> make_block_reader(BlocksPtr blocks, RecordingInfo info,
                                                                  const std::string& name, const OpenOptions& options,
                                                                  TriggersPtr triggers = {});
+
+/// A batch that is returned in pieces, in an order in which everything that was returned is sorted.
+class PendingBatch {
+ public:
+  /// Clears the batch and returns it for filling; memory is kept.
+  EventBatch& refill() {
+    batch_.clear();
+    event_ = trigger_ = 0;
+    return batch_;
+  }
+
+  [[nodiscard]] bool empty() const { return event_ == batch_.events.size() && trigger_ == batch_.triggers.size(); }
+  [[nodiscard]] const EventBatch& batch() const { return batch_; }
+
+  /// Return the index of the first event or trigger that was not returned yet.
+  [[nodiscard]] size_t event() const { return event_; }
+  [[nodiscard]] size_t trigger() const { return trigger_; }
+
+  /// Skips the events and triggers before these indices.
+  void skip_to(size_t event, size_t trigger) {
+    event_ = event;
+    trigger_ = trigger;
+  }
+
+  /// Appends at most `max_events` events and as many triggers to `out`. A complete batch is moved to an empty one
+  /// without copying.
+  void take(EventBatch& out, size_t max_events) {
+    if (out.empty() && event_ == 0 && trigger_ == 0 && batch_.events.size() <= max_events &&
+        batch_.triggers.size() <= max_events) {
+      std::swap(out, batch_);
+      refill();
+      return;
+    }
+    const size_t event_end = std::min(batch_.events.size(), event_ + max_events);
+    size_t trigger_end = batch_.triggers.size();
+    if (event_end < batch_.events.size()) trigger_end = first_trigger(batch_.events.t[event_end]);
+    trigger_end = std::min(trigger_end, trigger_ + max_events);
+    out.events.append(batch_.events, event_, event_end);
+    out.triggers.insert(out.triggers.end(), batch_.triggers.begin() + static_cast<ptrdiff_t>(trigger_),
+                        batch_.triggers.begin() + static_cast<ptrdiff_t>(trigger_end));
+    skip_to(event_end, trigger_end);
+  }
+
+  /// Return the index of the first remaining event or trigger at or after a time. Times need not be sorted.
+  [[nodiscard]] size_t first_event(int64_t t_us) const {
+    size_t i = event_;
+    while (i < batch_.events.size() && batch_.events.t[i] < t_us) ++i;
+    return i;
+  }
+  [[nodiscard]] size_t first_trigger(int64_t t_us) const {
+    size_t i = trigger_;
+    while (i < batch_.triggers.size() && batch_.triggers[i].t < t_us) ++i;
+    return i;
+  }
+
+ private:
+  EventBatch batch_;
+  size_t event_ = 0;
+  size_t trigger_ = 0;
+};
+
+/// Number of neighbouring times that are inspected for one, so that a single damaged time does not mislead the search.
+inline constexpr size_t kTimesPerProbe = 5;
+
+/// Number of evenly spaced positions that show whether times rise from one to the next.
+inline constexpr uint64_t kRiseProbes = 64;
+
+/// Finds a position in [0, count) after which no event at or after t_us is missed, near the first of them, by bisecting
+/// positions with time_at(position), which returns a Result<int64_t>, or INT64_MAX for a position without a time. If
+/// the clock starts again between some of kRiseProbes positions, only the first part could be bisected, and the result
+/// is 0. Meant for positions that are looked up one by one in a file.
+template <typename TimeAt>
+[[nodiscard]] Result<uint64_t> find_place_before(uint64_t count, int64_t t_us, const TimeAt& time_at) {
+  int64_t last_us = INT64_MIN;
+  for (uint64_t i = 0; i < kRiseProbes && count > kRiseProbes; ++i) {
+    E2LF_ASSIGN_OR_RETURN(const int64_t probe_us, time_at(i * (count - 1) / (kRiseProbes - 1)));
+    if (probe_us < last_us && last_us - probe_us > kDisorderUs) return 0;
+    if (probe_us != INT64_MAX) last_us = probe_us;
+  }
+  uint64_t low = 0, high = count;  // time_at(low) < t_us or low = 0; time_at(high) >= t_us or high = count
+  while (high - low > 1) {
+    const uint64_t middle = low + (high - low) / 2;
+    E2LF_ASSIGN_OR_RETURN(const int64_t middle_us, time_at(middle));
+    (middle_us < t_us ? low : high) = middle;
+  }
+  // A median also inspects positions after its own.
+  return low - std::min<uint64_t>(low, kTimesPerProbe);
+}
+
+/// Computes full times from the low kBits bits in records. A forward step of less than a quarter of the range (with 32
+/// bits, 17 minutes) may wrap the clock; a backward step of this size is a late event, possibly from before the wrap;
+/// larger steps are damage. If kMaxOdd records in a row contradict this, they are correct: there was a pause, or the
+/// step before them was the damage.
+template <int kBits>
+class TimeUnwrapper {
+ public:
+  TimeUnwrapper() = default;
+  /// Continues after a record with this time.
+  explicit TimeUnwrapper(int64_t t_us) : base_us_(t_us & ~kMask), last_us_(t_us & kMask), has_begun_(true) {}
+
+  int64_t operator()(int64_t low_us) {
+    if (!has_begun_) {
+      has_begun_ = true;
+      last_us_ = low_us;
+    }
+    const int64_t ahead_us = (low_us - last_us_) & kMask;
+    if (ahead_us < kQuarter) [[likely]] {
+      if (low_us < last_us_) base_us_ += kMask + 1;
+      last_us_ = low_us;
+      num_odd_ = 0;
+      return base_us_ + low_us;
+    }
+    const bool is_before_wrap = ahead_us >= 3 * kQuarter && low_us > last_us_ && base_us_ > 0;
+    const int64_t base_us = is_before_wrap ? base_us_ - kMask - 1 : base_us_;
+    if (++num_odd_ == kMaxOdd) *this = TimeUnwrapper(base_us + low_us);
+    return base_us + low_us;
+  }
+
+ private:
+  static constexpr int64_t kMask = (int64_t{1} << kBits) - 1;
+  static constexpr int64_t kQuarter = int64_t{1} << (kBits - 2);
+  static constexpr int kMaxOdd = 16;
+  int64_t base_us_ = 0, last_us_ = 0;
+  int num_odd_ = 0;  ///< number of consecutive records that do not continue from last_us_
+  bool has_begun_ = false;
+};
 
 }  // namespace e2lf::recordings

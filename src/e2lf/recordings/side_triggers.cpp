@@ -8,10 +8,9 @@
 #include <string_view>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/decompress.h"
 #include "e2lf/recordings/io/header_text.h"
-#include "e2lf/recordings/io/unpacked_source.h"
 
 namespace e2lf::recordings {
 namespace {

@@ -8,8 +8,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/io/byte_sink.h"
-#include "e2lf/recordings/io/byte_source.h"
+#include "e2lf/recordings/io/bytes.h"
 
 namespace e2lf::recordings {
 

@@ -8,6 +8,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 #include "e2lf/recordings/recording.h"
 #include "testing/chunked_source.h"
 #include "testing/test_aedat.h"
@@ -154,12 +155,68 @@ Bytes as_aedat4(const EventColumns& events) {
   return aedat4::make_file(packets, aedat4::Compression::kLz4);
 }
 
-Bytes as_mcap(const EventColumns& events) {
+rosbag::TestMessages messages_of(const EventColumns& events, size_t events_each) {
   rosbag::TestMessages messages;
-  for (size_t i = 0; i < events.size(); i += 100) {
-    messages.emplace_back(0, rosbag::list_message(columns_of(slice_of(events, i, i + 100))));
+  for (size_t i = 0; i < events.size(); i += events_each) {
+    messages.emplace_back(0, rosbag::list_message(columns_of(slice_of(events, i, i + events_each))));
   }
-  return rosbag::mcap_file({{"/cam/events", rosbag::kListType}}, messages);
+  return messages;
+}
+
+Bytes as_mcap(const EventColumns& events) {
+  return rosbag::mcap_file({{"/cam/events", rosbag::kListType}}, messages_of(events, 100));
+}
+
+#ifdef E2LF_HAVE_SQLITE
+Bytes as_sqlite(const EventColumns& events) {
+  return rosbag::sqlite_file({{"/cam/events", rosbag::kListType}}, messages_of(events, 100));
+}
+#endif
+
+/// Returns the bytes of an HDF5 file that `fill` fills.
+template <typename Fill>
+Bytes hdf5_bytes(const Fill& fill) {
+  const hdf5_events::LibraryLock lock;
+  const hdf5_events::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access.get(), size_t{1} << 20, 0);
+  const hdf5_events::Handle file(H5Fcreate("memory.hdf5", H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
+  fill(file.get());
+  H5Fflush(file.get(), H5F_SCOPE_GLOBAL);
+  Bytes bytes(static_cast<size_t>(H5Fget_file_image(file.get(), nullptr, 0)));
+  H5Fget_file_image(file.get(), bytes.data(), bytes.size());
+  return bytes;
+}
+
+/// Adds a data set in chunks, with the groups of its path.
+void put_dataset(hid_t file, const char* path, hid_t type, size_t count, const void* values) {
+  const hsize_t length = count, chunk = 256;
+  const hdf5_events::Handle space(H5Screate_simple(1, &length, nullptr), H5Sclose);
+  const hdf5_events::Handle groups(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(groups.get(), 1);
+  const hdf5_events::Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(layout.get(), 1, &chunk);
+  const hdf5_events::Handle set(H5Dcreate2(file, path, type, space.get(), groups.get(), layout.get(), H5P_DEFAULT),
+                                H5Dclose);
+  ASSERT_GE(H5Dwrite(set.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0) << path;
+}
+
+Bytes as_hdf5(const EventColumns& events) {
+  std::vector<hdf5_events::EventRecord> records;
+  for (size_t i = 0; i < events.size(); ++i) {
+    records.push_back({events.x[i], events.y[i], static_cast<int16_t>(events.p[i]), events.t[i]});
+  }
+  return hdf5_bytes([&](hid_t file) {
+    put_dataset(file, "CD/events", hdf5_events::event_type().get(), records.size(), records.data());
+  });
+}
+
+Bytes as_dsec(const EventColumns& events) {
+  return hdf5_bytes([&](hid_t file) {
+    put_dataset(file, "events/x", H5T_NATIVE_UINT16, events.size(), events.x.data());
+    put_dataset(file, "events/y", H5T_NATIVE_UINT16, events.size(), events.y.data());
+    put_dataset(file, "events/p", H5T_NATIVE_UINT8, events.size(), events.p.data());
+    put_dataset(file, "events/t", H5T_NATIVE_INT64, events.size(), events.t.data());
+  });
 }
 
 Bytes as_evt4(const EventColumns& events) {
@@ -177,6 +234,11 @@ TEST(Disorder, OfNeighbouringPairsIsSortedInEveryFormat) {
                                                  {"aedat3", as_aedat3(events)},
                                                  {"aedat4", as_aedat4(events)},
                                                  {"mcap", as_mcap(events)},
+#ifdef E2LF_HAVE_SQLITE
+                                                 {"rosbag", as_sqlite(events)},
+#endif
+                                                 {"hdf5", as_hdf5(events)},
+                                                 {"dsec", as_dsec(events)},
                                                  {"evt4", as_evt4(events)}};
   for (const auto& [format, bytes] : files) {
     SCOPED_TRACE(format);
@@ -213,11 +275,7 @@ TEST(Disorder, OfInterleavedPacketsOfABagIsSorted) {
       events.push_back({static_cast<uint16_t>(i), static_cast<uint16_t>(packet % 48), 1, 4000 * packet + 400 * i});
     }
   }
-  rosbag::TestMessages messages;
-  for (size_t i = 0; i < events.size(); i += 20) {
-    messages.emplace_back(0, rosbag::list_message(columns_of(slice_of(events, i, i + 20))));
-  }
-  const Decoded bag = decoded(rosbag::mcap_file({{"/cam/events", rosbag::kListType}}, messages));
+  const Decoded bag = decoded(rosbag::mcap_file({{"/cam/events", rosbag::kListType}}, messages_of(events, 20)));
   EXPECT_EQ(bag.batch.events, in_order(events));
   EXPECT_EQ(bag.summary.num_violations(), 0U);
 }

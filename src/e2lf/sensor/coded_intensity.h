@@ -2,8 +2,8 @@
 #pragma once
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/coded_intensities.h"
 #include "e2lf/capture/measurement/colour_filter.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/lightfield/light_field.h"
 

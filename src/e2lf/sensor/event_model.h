@@ -6,7 +6,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_constants.h"
 #include "e2lf/lightfield/light_field.h"

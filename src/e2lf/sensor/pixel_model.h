@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"

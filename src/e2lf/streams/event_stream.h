@@ -4,8 +4,6 @@
 #include <memory>
 
 #include "e2lf/recordings/event.h"
-#include "e2lf/streams/light_segment.h"
-#include "e2lf/streams/stream_options.h"
 #include "e2lf/streams/stream_pixels.h"
 
 namespace e2lf::streams {

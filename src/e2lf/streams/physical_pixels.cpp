@@ -6,7 +6,6 @@
 
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/pixel_model.h"
-#include "e2lf/streams/crossing.h"
 #include "e2lf/streams/receptor.h"
 #include "e2lf/streams/stream_pixels.h"
 

@@ -9,7 +9,7 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
-#include "e2lf/streams/stream_options.h"
+#include "e2lf/streams/event_stream.h"
 #include "testing/test_light.h"
 
 namespace e2lf::streams {

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/measurement/recorded_setup.h"
 
 namespace e2lf::capture {

@@ -1,11 +1,78 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/capture/measurement/recorded_setup.h"
 
+#include <algorithm>
+
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
-#include "e2lf/capture/profile/profile_record.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::capture {
+namespace {
+
+constexpr const char *kCameraKey = "e2lf_camera", *kViewsKey = "e2lf_views";
+
+/// Returns the value of the first line with this key, or null.
+const std::string* find_line(const HeaderLines& header, const char* key) {
+  const auto line = std::find_if(header.begin(), header.end(), [&](const auto& pair) { return pair.first == key; });
+  return line == header.end() ? nullptr : &line->second;
+}
+
+Result<SensorProfile> camera_from_text(const std::string& text, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(text, location));
+  return camera_from_json(json, location);
+}
+
+}  // namespace
+
+NpyArray text_to_npy(const std::string& text) {
+  return make_npy<uint8_t>({text.size()}, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
+Result<std::string> text_from_npy(const NpyArray& array, const char* what, const std::string& location) {
+  if (array.shape.size() == 1 && array.item_size == 1) return std::string(array.bytes.begin(), array.bytes.end());
+  return Error{ErrorCode::kShape, cat(what, " is not text; write it as an array of bytes, or leave it out"), location};
+}
+
+HeaderLines camera_to_header(const SensorProfile& camera) {
+  return {{kCameraKey, json_line(to_json(camera))}};
+}
+
+Result<std::optional<SensorProfile>> camera_from_header(const HeaderLines& header, const std::string& location) {
+  const std::string* const line = find_line(header, kCameraKey);
+  if (line == nullptr) return std::optional<SensorProfile>();
+  E2LF_ASSIGN_OR_RETURN(SensorProfile camera, camera_from_text(*line, cat(location, ": ", kCameraKey)));
+  return std::optional(std::move(camera));
+}
+
+NpyArray camera_to_npy(const SensorProfile& camera) {
+  return text_to_npy(json_line(to_json(camera)));
+}
+
+Result<SensorProfile> camera_from_npy(const NpyArray& array, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const std::string text, text_from_npy(array, "the camera", location));
+  return camera_from_text(text, location);
+}
+
+HeaderLines views_to_header(const Orientation& views) {
+  return {{kViewsKey, orientation_name(views)}};
+}
+
+Result<std::optional<Orientation>> views_from_header(const HeaderLines& header, const std::string& location) {
+  const std::string* const line = find_line(header, kViewsKey);
+  if (line == nullptr) return std::optional<Orientation>();
+  E2LF_ASSIGN_OR_RETURN(const Orientation views, orientation_from_name(*line, cat(location, ": ", kViewsKey)));
+  return std::optional(views);
+}
+
+NpyArray views_to_npy(const Orientation& views) {
+  return text_to_npy(orientation_name(views));
+}
+
+Result<Orientation> views_from_npy(const NpyArray& array, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(const std::string name, text_from_npy(array, "the orientation of the views", location));
+  return orientation_from_name(name, location);
+}
 
 void setup_to_arrays(const RecordedSetup& setup, NpzArrays& arrays) {
   if (setup.codes) arrays["codes"] = codes_to_npy(*setup.codes);

@@ -2,10 +2,15 @@
 #include "e2lf/capture/patterns/codes.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numeric>
+#include <sstream>
+#include <string_view>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::capture {
 
@@ -105,6 +110,212 @@ std::optional<Codes> codes_of_whole_cycle(const Codes& codes) {
   const bool is_whole = std::equal(codes.values.begin(), codes.values.end(), whole_cycle(shown).values.begin(),
                                    [](float value, float expected) { return std::abs(value - expected) <= kRounding; });
   return is_whole ? std::optional(std::move(shown)) : std::nullopt;
+}
+
+namespace {
+
+constexpr std::string_view kKey = "e2lf_pattern_";
+
+std::string row_text(const Json& row) {
+  if (row.is_string()) return row.get<std::string>();
+  std::vector<std::string> numbers;
+  for (const Json& value : row) numbers.push_back(json_line(value));
+  return join(numbers, ",");
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+/// Returns a row in the form that codes_from_json() reads.
+Result<Json> row_from(const std::string& text, const std::string& location) {
+  if (text.find_first_not_of("01") == std::string::npos) return Json(text);
+  Json row = Json::array();
+  for (const std::string& part : split(text, ',')) {
+    float value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc() || end != part.data() + part.size()) {
+      return Error{ErrorCode::kFormat,
+                   cat("\"", part, "\" is not a transmittance; repair the header, or give the patterns"), location};
+    }
+    row.push_back(value);
+  }
+  return row;
+}
+
+}  // namespace
+
+HeaderLines codes_to_header(const Codes& codes) {
+  const Json patterns = codes_to_json(codes)["patterns"];
+  HeaderLines header;
+  for (size_t n = 0; n < patterns.size(); ++n) {
+    std::vector<std::string> rows;
+    for (const Json& row : patterns[n]) rows.push_back(row_text(row));
+    header.emplace_back(cat(kKey, n + 1), join(rows, "/"));
+  }
+  return header;
+}
+
+Result<std::optional<Codes>> codes_from_header(const HeaderLines& header, const std::string& location) {
+  const auto count = static_cast<size_t>(
+      std::count_if(header.begin(), header.end(), [](const auto& line) { return line.first.starts_with(kKey); }));
+  if (count == 0) return std::optional<Codes>();
+  Json patterns = Json::array();
+  for (size_t n = 1; n <= count; ++n) {
+    const std::string key = cat(kKey, n), at = cat(location, ": ", key);
+    const auto line = std::find_if(header.begin(), header.end(), [&](const auto& pair) { return pair.first == key; });
+    if (line == header.end()) {
+      return Error{ErrorCode::kFormat, "this pattern is missing in the header; give the patterns", at, Setting::kCodes};
+    }
+    Json rows = Json::array();
+    for (const std::string& text : split(line->second, '/')) {
+      E2LF_ASSIGN_OR_RETURN(Json row, row_from(text, at));
+      rows.push_back(std::move(row));
+    }
+    patterns.push_back(std::move(rows));
+  }
+  E2LF_ASSIGN_OR_RETURN(Codes codes, codes_from_json(Json{{"patterns", std::move(patterns)}}, location));
+  return std::optional(std::move(codes));
+}
+
+namespace {
+
+Result<std::vector<float>> read_row(const Json& row, const std::string& location) {
+  std::vector<float> values;
+  if (row.is_string()) {
+    for (const char digit : row.get_ref<const std::string&>()) {
+      if (digit != '0' && digit != '1') {
+        return Error{ErrorCode::kInvalidValue, cat("\"", digit, "\" in a row of text; use only 0 and 1, or numbers"),
+                     location};
+      }
+      values.push_back(digit == '1' ? 1.0F : 0.0F);
+    }
+    return values;
+  }
+  if (!row.is_array())
+    return Error{ErrorCode::kFormat, "a row must be a list of numbers or a string of digits 0 and 1", location};
+  for (const Json& value : row) {
+    if (!value.is_number()) {
+      return Error{ErrorCode::kFormat, cat("a ", value.type_name(), " in a row; give numbers in [0, 1]"), location};
+    }
+    values.push_back(value.get<float>());
+  }
+  return values;
+}
+
+/// Appends one pattern; the first row of the first pattern sets the sizes.
+Result<void> read_pattern(const Json& pattern, const std::string& location, Codes& codes) {
+  if (!pattern.is_array()) return Error{ErrorCode::kFormat, "a pattern must be a list of rows", location};
+  if (codes.num_patterns == 0) codes.views_y = pattern.size();
+  if (pattern.size() != codes.views_y) {
+    return Error{ErrorCode::kShape,
+                 cat(pattern.size(), " rows, the first pattern has ", codes.views_y, "; make them equal"), location};
+  }
+  for (size_t row = 0; row < pattern.size(); ++row) {
+    const std::string row_location = cat(location, "[", row, "]");
+    E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, read_row(pattern[row], row_location));
+    if (codes.values.empty()) codes.views_x = values.size();
+    if (values.size() != codes.views_x) {
+      return Error{ErrorCode::kShape,
+                   cat(values.size(), " cells, the first row has ", codes.views_x, "; make them equal"), row_location};
+    }
+    codes.values.insert(codes.values.end(), values.begin(), values.end());
+  }
+  ++codes.num_patterns;
+  return {};
+}
+
+}  // namespace
+
+Result<Codes> codes_from_json(const Json& json, const std::string& location) {
+  OptionReader reader(json, location + ": $");
+  const Json& patterns = reader.child("patterns");
+  const std::string patterns_location = reader.child_location("patterns");
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  if (!patterns.is_array()) {
+    return Error{ErrorCode::kFormat, "expected a list of patterns; write {\"patterns\": [...]}", patterns_location};
+  }
+  Codes codes;
+  for (size_t n = 0; n < patterns.size(); ++n) {
+    E2LF_RETURN_IF_ERROR(read_pattern(patterns[n], cat(patterns_location, "[", n, "]"), codes));
+  }
+  E2LF_RETURN_IF_ERROR(validate(codes, location));
+  return codes;
+}
+
+Json codes_to_json(const Codes& codes) {
+  const bool binary = is_binary(codes);
+  Json patterns = Json::array();
+  for (size_t n = 0; n < codes.num_patterns; ++n) {
+    Json rows = Json::array();
+    for (size_t view_y = 0; view_y < codes.views_y; ++view_y) {
+      const auto row = codes.pattern(n).subspan(view_y * codes.views_x, codes.views_x);
+      std::string text;
+      for (const float value : row) text += value == 1.0F ? '1' : '0';
+      Json numbers = Json::array();
+      for (const float value : row) numbers.push_back(json_number(value));
+      rows.push_back(binary ? Json(text) : std::move(numbers));
+    }
+    patterns.push_back(std::move(rows));
+  }
+  return {{"patterns", std::move(patterns)}};
+}
+
+namespace {
+
+constexpr size_t kPatternsPerLine = 4;
+constexpr size_t kGap = 3;  // spaces between patterns
+
+/// Appends `text` and pads it to `width`.
+void append_padded(std::string& line, std::string text, size_t width) {
+  text.resize(std::max(width, text.size()), ' ');
+  line += text;
+}
+
+/// Returns a row of cells separated by spaces, which makes them approximately square.
+std::string row_text(std::span<const float> row) {
+  constexpr std::string_view kLevels = ".:-=+*#";
+  std::string text;
+  for (const float value : row) {
+    text += kLevels[static_cast<size_t>(std::lround(value * static_cast<float>(kLevels.size() - 1)))];
+    text += ' ';
+  }
+  text.pop_back();
+  return text;
+}
+
+void append_line(std::string& text, std::string line) {
+  line.resize(line.find_last_not_of(' ') + 1);
+  text += line + '\n';
+}
+
+}  // namespace
+
+std::string codes_text(const Codes& codes) {
+  E2LF_REQUIRE(validate(codes, "").ok(), "the patterns are not valid");
+  const std::vector<float> efficiency = light_efficiency(codes);
+  const size_t width = std::max<size_t>(2 * codes.views_x - 1, 9) + kGap;
+  std::string text;
+  for (size_t begin = 0; begin < codes.num_patterns; begin += kPatternsPerLine) {
+    const size_t end = std::min(begin + kPatternsPerLine, codes.num_patterns);
+    if (begin > 0) text += '\n';
+    std::string title;
+    for (size_t n = begin; n < end; ++n) {
+      append_padded(title, cat(n + 1, ": ", std::lround(efficiency[n] * 100.0F), " %"), width);
+    }
+    append_line(text, title);
+    for (size_t view_y = 0; view_y < codes.views_y; ++view_y) {
+      std::string line;
+      for (size_t n = begin; n < end; ++n) {
+        append_padded(line, row_text(codes.pattern(n).subspan(view_y * codes.views_x, codes.views_x)), width);
+      }
+      append_line(text, line);
+    }
+  }
+  return text;
 }
 
 }  // namespace e2lf::capture

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "e2lf/base/result.h"
@@ -69,5 +70,17 @@ struct Codes {
 /// Returns the patterns a_1 to a_N from which whole_cycle() made `codes`, for N of at least 2; nothing if `codes` do
 /// not have this form.
 [[nodiscard]] std::optional<Codes> codes_of_whole_cycle(const Codes& codes);
+
+/// Lines of a recording's header, each a key and its value.
+using HeaderLines = std::vector<std::pair<std::string, std::string>>;
+
+/// Formats the patterns as header lines "e2lf_pattern_1 00000000/00111000/...", one per pattern, numbered from 1. Rows
+/// are separated by "/". A row of a binary pattern consists of digits 0 and 1, a row of any other pattern of numbers
+/// separated by ",".
+[[nodiscard]] HeaderLines codes_to_header(const Codes& codes);
+
+/// Reads the patterns from the lines of a header, which may be in any order and among other lines. Returns nothing if
+/// there are none. Fails with kFormat (a missing pattern, or a malformed row) and as codes_from_json() does.
+[[nodiscard]] Result<std::optional<Codes>> codes_from_header(const HeaderLines& header, const std::string& location);
 
 }  // namespace e2lf::capture

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/patterns/codes_header.h"
-
 #include <algorithm>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "e2lf/capture/patterns/codes.h"
 
 namespace e2lf::capture {
 namespace {

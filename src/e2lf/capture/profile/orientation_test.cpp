@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/profile/orientation.h"
-
 #include <gtest/gtest.h>
+
+#include "e2lf/capture/profile/sensor_profile.h"
 
 namespace e2lf::capture {
 namespace {

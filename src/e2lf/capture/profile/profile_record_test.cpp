@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/profile/profile_record.h"
-
 #include <gtest/gtest.h>
+
+#include "e2lf/capture/measurement/recorded_setup.h"
 
 namespace e2lf::capture {
 namespace {

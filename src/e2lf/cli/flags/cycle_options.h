@@ -12,7 +12,7 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/diagnose/rig.h"
-#include "e2lf/info/cycle_report.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/method.h"
 #include "e2lf/program/option_values.h"

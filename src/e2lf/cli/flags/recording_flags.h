@@ -11,7 +11,6 @@
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/info/recording_report.h"
-#include "e2lf/recordings/camera_setup.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {

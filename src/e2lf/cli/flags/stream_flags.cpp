@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "e2lf/base/text.h"
-#include "e2lf/lightfield/orient.h"
-#include "e2lf/lightfield/turntable_scene.h"
+#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/program/option_values.h"
-#include "e2lf/streams/stream_options.h"
+#include "e2lf/streams/event_stream.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

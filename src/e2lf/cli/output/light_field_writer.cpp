@@ -8,11 +8,11 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/event_images.h"
-#include "e2lf/info/cycle_report.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/lightfield/orient.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {

@@ -8,7 +8,7 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/field_check.h"
 #include "e2lf/files/options.h"
-#include "e2lf/info/cycle_report.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/field_sequence.h"

@@ -16,7 +16,7 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
-#include "e2lf/info/cycle_report.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/model/model.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"

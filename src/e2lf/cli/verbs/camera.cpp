@@ -4,8 +4,8 @@
 
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/printable.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cameras/cameras.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/rig.h"
@@ -13,7 +13,6 @@
 #include "e2lf/info/describe.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/program/option_values.h"
-#include "e2lf/recordings/live/usb_cameras.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
 namespace e2lf::cli {

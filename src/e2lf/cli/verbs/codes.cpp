@@ -11,7 +11,7 @@
 #include "e2lf/files/csv.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/lightfield/formats/bitmap.h"
+#include "e2lf/lightfield/image.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
 

@@ -17,7 +17,6 @@
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/open/open_named_recording.h"
-#include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 

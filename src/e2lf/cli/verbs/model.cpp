@@ -13,7 +13,7 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/onnx/onnx_export.h"
 #include "e2lf/model/summary.h"
-#include "e2lf/pipeline/precision_check.h"
+#include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"

@@ -9,9 +9,8 @@
 #include "e2lf/files/options.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/program/run_record.h"
-#include "e2lf/recordings/io/byte_sink.h"
+#include "e2lf/recordings/io/bytes.h"
 #include "e2lf/recordings/open/open_named_recording.h"
-#include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {

@@ -12,7 +12,6 @@
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"
-#include "e2lf/recordings/time_unwrapper.h"
 
 namespace e2lf::recordings::aedat {
 namespace {

@@ -12,7 +12,6 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/stream_choice.h"
-#include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::aedat4 {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/header_text.h"
-#include "e2lf/recordings/time_search.h"
 
 namespace e2lf::recordings::dat {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <string>
 
-#include "e2lf/recordings/io/byte_source.h"
+#include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/bytes.h"
 #include "e2lf/recordings/recording.h"
-#include "e2lf/recordings/time_unwrapper.h"
 
 namespace e2lf::recordings::dat {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "e2lf/recordings/event.h"
-#include "e2lf/recordings/io/byte_source.h"
+#include "e2lf/recordings/io/bytes.h"
 
 namespace e2lf::recordings::rosbag {
 

@@ -4,7 +4,7 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/formats/rosbag/bag.h"
-#include "e2lf/recordings/time_unwrapper.h"
+#include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings::rosbag {
 namespace {

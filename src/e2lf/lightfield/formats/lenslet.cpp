@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads lenslet mosaics; declared in readers.h.
+// Reads and writes lenslet mosaics; declared in readers.h.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -10,9 +10,9 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
 #include "e2lf/lightfield/axes.h"
-#include "e2lf/lightfield/formats/raw_image.h"
 #include "e2lf/lightfield/formats/readers.h"
 
 namespace e2lf::lightfield {
@@ -165,6 +165,25 @@ Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOpt
   array.type = mosaic.sample_bytes == 2 ? SampleType::kUint16 : SampleType::kUint8;
   array.bytes = mosaic.samples;
   return from_stored(array, options, location);
+}
+
+Result<void> write_lenslet(const std::filesystem::path& path, const LightField& light_field) {
+  const Shape& shape = light_field.shape();
+  const AxisStrides strides = huwvc_strides(shape);
+  Image mosaic(shape.width * shape.views_x, shape.height * shape.views_y, shape.channels);
+  parallel_for(shape.height, 8, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) {
+      for (size_t view = 0; view < shape.num_views(); ++view) {
+        const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
+        const float* row = light_field.view(view_y, view_x).data() + y * shape.width * shape.channels;
+        float* out = mosaic.pixels.data() + view_y * strides.view_y + view_x * strides.view_x + y * strides.y;
+        for (size_t x = 0; x < shape.width; ++x) {
+          std::copy_n(row + x * shape.channels, shape.channels, out + x * strides.x);
+        }
+      }
+    }
+  });
+  return write_png(path, mosaic, PngDepth::k16, cat(shape.views_y, "x", shape.views_x));
 }
 
 }  // namespace e2lf::lightfield

@@ -9,7 +9,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/hdf5/storage.h"
-#include "e2lf/recordings/io/byte_source.h"
+#include "e2lf/recordings/io/bytes.h"
 
 namespace e2lf::recordings::hdf5_events {
 

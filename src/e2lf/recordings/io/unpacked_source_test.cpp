@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/io/unpacked_source.h"
-
 #include <gtest/gtest.h>
 
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/io/decompress.h"
 #include "e2lf/recordings/recording.h"
 #include "testing/chunked_source.h"
 #include "testing/test_gzip.h"

@@ -2,14 +2,15 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/recordings/camera_setup.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
@@ -63,6 +64,10 @@ class Camera {
 
 using CameraPtr = std::unique_ptr<Camera>;
 
+/// Number of bytes that may wait between a camera and its reader. Camera::keeps_unread() describes what happens to
+/// more.
+inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
+
 /// The bytes of a live input.
 class LiveSource : public ByteSource {
  public:
@@ -82,16 +87,35 @@ struct CameraPlugin {
   std::function<Result<std::vector<std::string>>()> list = {};
 };
 
-/// Returns all plugins of this build, those that were added, and those of the files and folders in the environment
-/// variable E2LF_CAMERA_PLUGINS (camera_plugin.h). The list only grows.
+/// Returns all plugins that were added. The list only grows.
 [[nodiscard]] std::vector<CameraPlugin> camera_plugins();
 
 /// Adds a plugin for this process, replacing any of the same name.
 void add_camera_plugin(const CameraPlugin& plugin);
 
+/// Adds a function that is called once, when the list of all plugins is needed or a name is unknown, and returns more
+/// plugins. Those whose names are known are left out with a warning.
+void add_camera_plugins(std::function<std::vector<CameraPlugin>()> load);
+
+/// Returns the plugin with this name; `location` is that of errors. Fails with kNotFound, listing those that exist.
+[[nodiscard]] Result<CameraPlugin> find_camera_plugin(const std::string& name, const std::string& location);
+
 /// Returns whether a name has the form camera://NAME[/ADDRESS], replay:FILE or tcp://ADDRESS:PORT (the latter two
 /// abbreviate camera://replay/FILE and camera://tcp/ADDRESS:PORT).
 [[nodiscard]] bool is_camera_name(const std::string& name);
+
+/// Returns the length of the path at the beginning of such an address.
+[[nodiscard]] size_t replay_path_size(const std::string& address);
+
+/// Returns the path that the name of a camera contains: that of a replayed recording or of a named pipe. Returns an
+/// empty path for all other cameras.
+[[nodiscard]] std::filesystem::path path_of_camera(const std::string& name);
+
+/// Applies the settings to a camera, and starts it and a thread that reads its bytes. The source ends with the camera,
+/// and stops it when it is destroyed. If the camera fails after its first bytes, the source ends there with a warning,
+/// and LiveBacklog::failure contains the reason. Fails as Camera::set_up() and Camera::start() do.
+[[nodiscard]] Result<std::unique_ptr<LiveSource>> start_camera_source(CameraPtr camera, std::string name,
+                                                                      const CameraSetup& setup = {});
 
 /// Opens a camera, applies the settings and starts it. A separate thread reads its bytes and buffers up to 64 MiB, so
 /// that a slow reader loses nothing for a while. If the reader falls behind, this is logged once and counted in

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/open/foreign_file.h"
-
 #include <gtest/gtest.h>
 #include <string_view>
 

@@ -10,7 +10,7 @@
 
 namespace e2lf::recordings {
 
-/// A format: how it is detected, opened and created. registry.cpp contains the table of RAW, HDF5 and tables;
+/// A format: how it is detected, opened and created. registry.cpp contains the table of RAW and HDF5;
 /// formats::add_formats() adds the others as a program adds its own.
 struct Codec {
   std::string name = {};  ///< OpenOptions::format and RecordingInfo::format

@@ -1,20 +1,269 @@
 // SPDX-License-Identifier: MIT
 // Reads Metavision HDF5; declared in codecs.h.
+
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <cstring>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/dsec/event_places.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/ecf.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/side_triggers.h"
-#include "e2lf/recordings/table/layout.h"
-#include "e2lf/recordings/table/table_reader.h"
 
 namespace e2lf::recordings::hdf5_events {
+namespace {
+
+constexpr uint64_t kBlockEvents = 8 * kChunkEvents;
+constexpr size_t kMaxChunkBytes = size_t{1} << 26;
+
+bool has_vendor_layout(hid_t dataset) {
+  const Handle stored(H5Dget_type(dataset), H5Tclose);
+  return H5Tequal(stored.get(), event_type().get()) > 0;
+}
+
+/// Reads /CD/events in blocks. ECF chunks are fetched in their stored form and decoded here, several in parallel; all
+/// others are decoded by the HDF5 library.
+class EventChunks final : public EventBlocks {
+ public:
+  static Result<BlocksPtr> open(hid_t file, const std::string& location, int threads) {
+    const LibraryLock lock;
+    auto chunks = std::make_unique<EventChunks>();
+    E2LF_ASSIGN_OR_RETURN(chunks->shape_, open_dataset(file, "CD/events", location));
+    const DatasetShape& shape = chunks->shape_;
+    chunks->is_cut_uncounted_ = shape.is_cut;
+    chunks->location_ = location + ": CD/events";
+    chunks->threads_ = threads;
+    const bool is_ecf = shape.storage.filters.size() == 1 && shape.storage.filters[0] == kEcfFilter;
+    chunks->is_direct_ = is_ecf && shape.chunk_length != 0 && has_vendor_layout(shape.dataset.get());
+    if (!chunks->is_direct_) E2LF_RETURN_IF_ERROR(e2lf::hdf5::check_filters(shape.storage, chunks->location_));
+    return BlocksPtr(std::move(chunks));
+  }
+
+  /// Reads the next block. A chunk that cannot be decoded is counted as kBadRecord and skipped. In a damaged chunk,
+  /// events that are later than the first time of the next chunk are dropped (kTimeJump).
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    const LibraryLock lock;
+    block.clear();
+    EventColumns& events = block.events;
+    if (next_event_ >= shape_.length && std::exchange(is_cut_uncounted_, false)) summary.add(Violation::kTruncated, 0);
+    if (!is_direct_) return next_records(events);
+    E2LF_ASSIGN_OR_RETURN(std::vector<Chunk> chunks, fetch_block());
+    std::vector<size_t> begins = {0};
+    for (const Chunk& chunk : chunks) begins.push_back(begins.back() + chunk.count);
+    events.resize(begins.back());
+    decode_block(chunks, begins, events);
+    // From the last chunk to the first, so that the positions of earlier ones do not change.
+    for (size_t i = chunks.size(); i-- > 0;) {
+      const Chunk* const after = i + 1 < chunks.size() ? &chunks[i + 1] : ahead_ ? &*ahead_ : nullptr;
+      keep_plausible(chunks[i], after, begins[i], begins[i + 1], events, summary);
+    }
+    return !chunks.empty();
+  }
+
+  /// Seeks to the last chunk whose first event is before t_us.
+  Result<void> seek_before(int64_t t_us) override {
+    const LibraryLock lock;
+    ahead_.reset();
+    next_event_ = 0;
+    is_cut_uncounted_ = shape_.is_cut;
+    if (!is_direct_ || shape_.length == 0) return {};
+    uint64_t low = 0, high = (shape_.length - 1) / shape_.chunk_length;
+    while (low < high) {
+      const uint64_t middle = low + (high - low + 1) / 2;
+      E2LF_ASSIGN_OR_RETURN(const Chunk chunk, fetch(middle));
+      if (chunk.first_us && *chunk.first_us < t_us) {
+        low = middle;
+      } else {
+        high = middle - 1;
+      }
+    }
+    next_event_ = low * shape_.chunk_length;
+    return {};
+  }
+
+ private:
+  struct Chunk {
+    uint64_t index = 0;
+    size_t count = 0;  ///< expected number of events
+    bool is_stored_raw = false;
+    std::vector<uint8_t> bytes;
+    std::optional<int64_t> first_us;  ///< empty if the chunk is too short to have one
+    std::optional<Error> error;
+  };
+
+  Result<bool> next_records(EventColumns& events) {
+    const uint64_t count = std::min(kBlockEvents, shape_.length - next_event_);
+    if (count == 0) return false;
+    records_.resize(count);
+    E2LF_RETURN_IF_ERROR(read_elements(shape_, event_type().get(), next_event_, count, records_.data(), location_));
+    next_event_ += count;
+    events.resize(count);
+    columns_from_records(records_.data(), count, events, 0);
+    return true;
+  }
+
+  Result<Chunk> fetch(uint64_t index) const {
+    Chunk chunk;
+    const hsize_t offset = index * shape_.chunk_length;
+    chunk.index = index;
+    chunk.count = std::min<uint64_t>(shape_.chunk_length, shape_.length - offset);
+    hsize_t size = 0;
+    uint32_t filter_mask = 0;
+    if (H5Dget_chunk_storage_size(shape_.dataset.get(), &offset, &size) < 0 || size == 0 || size > kMaxChunkBytes) {
+      chunk.error = Error{ErrorCode::kTruncated, "a chunk of events is missing", location_};
+      return chunk;
+    }
+    chunk.bytes.resize(size);
+    if (H5Dread_chunk(shape_.dataset.get(), H5P_DEFAULT, &offset, &filter_mask, chunk.bytes.data()) < 0) {
+      chunk.error = Error{ErrorCode::kTruncated, "a chunk of events cannot be read", location_};
+      return chunk;
+    }
+    chunk.is_stored_raw = (filter_mask & 1) != 0;
+    const size_t time_at = chunk.is_stored_raw ? offsetof(EventRecord, t) : 4;
+    if (size >= time_at + 8) chunk.first_us = load_le<int64_t>(&chunk.bytes[time_at]);
+    return chunk;
+  }
+
+  /// Writes the events of a chunk from `begin` on, where there is room for chunk.count events, and sets chunk.count to
+  /// their number.
+  static void decode(Chunk& chunk, EventColumns& events, size_t begin) {
+    const size_t wanted = std::exchange(chunk.count, 0);
+    if (chunk.error) return;
+    if (chunk.is_stored_raw) {
+      const size_t count = std::min(wanted, chunk.bytes.size() / sizeof(EventRecord));
+      std::vector<EventRecord> records(count);
+      std::copy_n(chunk.bytes.data(), count * sizeof(EventRecord), reinterpret_cast<uint8_t*>(records.data()));
+      columns_from_records(records.data(), count, events, begin);
+      chunk.count = count;
+      return;
+    }
+    const auto stored = ecf::event_count(chunk.bytes);
+    if (!stored) {
+      chunk.error = stored.error();
+      return;
+    }
+    const auto decode_into = [&](EventColumns& out, size_t at) -> Result<void> {
+      return ecf::decode(chunk.bytes, {std::span(out.x).subspan(at, *stored), std::span(out.y).subspan(at, *stored),
+                                       std::span(out.p).subspan(at, *stored), std::span(out.t).subspan(at, *stored)});
+    };
+    if (*stored <= wanted) {
+      if (const auto done = decode_into(events, begin); !done) chunk.error = done.error();
+      chunk.count = chunk.error ? 0 : *stored;
+      return;
+    }
+    // The last chunk of a file may be stored at full length, with padding after its events.
+    EventColumns full;
+    full.resize(*stored);
+    if (const auto done = decode_into(full, 0); !done) {
+      chunk.error = done.error();
+      return;
+    }
+    for (size_t i = 0; i < wanted; ++i) events.set(begin + i, full[i]);
+    chunk.count = wanted;
+  }
+
+  Result<std::vector<Chunk>> fetch_block() {
+    std::vector<Chunk> chunks;
+    const uint64_t chunks_per_block = std::max<uint64_t>(1, kBlockEvents / shape_.chunk_length);
+    while (next_event_ < shape_.length && chunks.size() < chunks_per_block) {
+      const uint64_t index = next_event_ / shape_.chunk_length;
+      if (ahead_ && ahead_->index == index) {
+        chunks.push_back(*std::exchange(ahead_, std::nullopt));
+      } else {
+        E2LF_ASSIGN_OR_RETURN(Chunk chunk, fetch(index));
+        chunks.push_back(std::move(chunk));
+      }
+      next_event_ = (index + 1) * shape_.chunk_length;
+    }
+    if (next_event_ < shape_.length) {
+      E2LF_ASSIGN_OR_RETURN(ahead_, fetch(next_event_ / shape_.chunk_length));
+    }
+    return chunks;
+  }
+
+  void decode_block(std::vector<Chunk>& chunks, const std::vector<size_t>& begins, EventColumns& events) const {
+    const auto decode_range = [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) decode(chunks[i], events, begins[i]);
+    };
+    if (threads_ == 1) {
+      decode_range(0, chunks.size());
+    } else {
+      parallel_for(chunks.size(), 1, decode_range);
+    }
+  }
+
+  /// Reduces [begin, end), the room of a chunk, to the events that were decoded and are plausible.
+  void keep_plausible(const Chunk& chunk, const Chunk* after, size_t begin, size_t end, EventColumns& events,
+                      DecodeSummary& summary) const {
+    const uint64_t first_event = chunk.index * shape_.chunk_length;
+    size_t kept = chunk.count;
+    if (begin + kept < end) summary.add(Violation::kBadRecord, first_event);
+    if (kept > 0 && after != nullptr && after->first_us && *after->first_us >= events.t[begin]) {
+      const auto from = events.t.begin() + static_cast<ptrdiff_t>(begin);
+      const auto is_late = [&](int64_t t) { return t > *after->first_us; };
+      kept = static_cast<size_t>(std::find_if(from, from + static_cast<ptrdiff_t>(kept), is_late) - from);
+      if (kept < chunk.count) summary.add(Violation::kTimeJump, first_event);
+    }
+    if (begin + kept == end) return;
+    summary.dropped_words += end - begin - kept;
+    events.erase(begin + kept, end);
+  }
+
+  DatasetShape shape_;
+  std::string location_;
+  int threads_ = 1;
+  bool is_direct_ = false;  ///< whether chunks are ECF or uncompressed records
+  bool is_cut_uncounted_ = false;
+  uint64_t next_event_ = 0;
+  std::optional<Chunk> ahead_;  ///< fetched in advance for its first time
+  std::vector<EventRecord> records_;
+};
+
+}  // namespace
+
+Handle event_type() {
+  const LibraryLock lock;
+  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(EventRecord)), H5Tclose);
+  H5Tinsert(type.get(), "x", offsetof(EventRecord, x), H5T_STD_U16LE);
+  H5Tinsert(type.get(), "y", offsetof(EventRecord, y), H5T_STD_U16LE);
+  H5Tinsert(type.get(), "p", offsetof(EventRecord, p), H5T_STD_I16LE);
+  H5Tinsert(type.get(), "t", offsetof(EventRecord, t), H5T_STD_I64LE);
+  return type;
+}
+
+Handle trigger_type() {
+  const LibraryLock lock;
+  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(TriggerRecord)), H5Tclose);
+  H5Tinsert(type.get(), "p", offsetof(TriggerRecord, p), H5T_STD_I16LE);
+  H5Tinsert(type.get(), "t", offsetof(TriggerRecord, t), H5T_STD_I64LE);
+  H5Tinsert(type.get(), "id", offsetof(TriggerRecord, id), H5T_STD_I16LE);
+  return type;
+}
+
+Handle index_type() {
+  const LibraryLock lock;
+  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(IndexRecord)), H5Tclose);
+  H5Tinsert(type.get(), "id", offsetof(IndexRecord, id), H5T_STD_U64LE);
+  H5Tinsert(type.get(), "ts", offsetof(IndexRecord, ts), H5T_STD_I64LE);
+  return type;
+}
+
+void columns_from_records(const EventRecord* records, size_t count, EventColumns& events, size_t begin) {
+  for (size_t i = 0; i < count; ++i) {
+    const EventRecord& record = records[i];
+    events.set(begin + i, {record.x, record.y, static_cast<uint8_t>(record.p > 0), record.t});
+  }
+}
+
+Result<BlocksPtr> open_event_chunks(hid_t file, const std::string& location, int threads) {
+  return EventChunks::open(file, location, threads);
+}
+
 namespace {
 
 constexpr uint64_t kTriggerBlock = 4096;
@@ -66,7 +315,16 @@ RecordingInfo read_info(hid_t file) {
   return info;
 }
 
+std::atomic<OpenLayout>& other_layout() {
+  static std::atomic<OpenLayout> layout = nullptr;
+  return layout;
+}
+
 }  // namespace
+
+void add_layout(OpenLayout open) {
+  other_layout() = open;
+}
 
 bool detect(std::span<const uint8_t> head) {
   constexpr uint8_t kMagic[] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
@@ -86,20 +344,16 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   RecordingInfo info = read_info(file.get());
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
-  BlocksPtr blocks;
+  if (H5Lexists(file.get(), "CD", H5P_DEFAULT) <= 0) {
+    if (const OpenLayout open_other = other_layout()) return open_other(file.get(), std::move(info), *source, options);
+    return Error{ErrorCode::kNotFound, "the file has no events in CD/events (Metavision); check what it contains",
+                 name};
+  }
+  E2LF_RETURN_IF_ERROR(refuse_table_options(options, "hdf5", name));
+  E2LF_ASSIGN_OR_RETURN(BlocksPtr blocks, open_event_chunks(file.get(), name, options.threads));
   TriggersPtr triggers;
-  if (H5Lexists(file.get(), "CD", H5P_DEFAULT) > 0) {
-    E2LF_RETURN_IF_ERROR(table::refuse_table_options(options, "hdf5", name));
-    E2LF_ASSIGN_OR_RETURN(blocks, open_event_chunks(file.get(), name, options.threads));
-    if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
-      triggers = std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events");
-    }
-  } else {
-    info.format = "dsec";
-    E2LF_ASSIGN_OR_RETURN(TableOfEvents events, open_columns(file.get(), options, name, info));
-    E2LF_ASSIGN_OR_RETURN(triggers, open_side_triggers(source->logical_path()));
-    return table::make_table_reader(std::move(events.blocks), events.unit, std::move(info), name, options,
-                                    std::move(triggers), events.zero_us);
+  if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
+    triggers = std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events");
   }
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }

@@ -9,7 +9,7 @@
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/metavision_hdf5/ecf/ecf_chunk.h"
+#include "e2lf/recordings/codecs/metavision_hdf5/ecf.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 
 namespace e2lf::recordings::hdf5_events {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_skip.h"
-
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 
 namespace e2lf::recordings::evt3 {
 namespace {

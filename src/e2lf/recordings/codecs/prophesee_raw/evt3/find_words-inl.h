@@ -9,7 +9,7 @@
 
 #include <hwy/highway.h>
 
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_skip.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::recordings::evt3 {

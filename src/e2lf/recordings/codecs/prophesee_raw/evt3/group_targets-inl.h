@@ -14,7 +14,7 @@
 
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/lane_groups-inl.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/expand-inl.h"
-#include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::recordings::evt3 {

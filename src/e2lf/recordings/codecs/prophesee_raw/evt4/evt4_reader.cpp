@@ -7,7 +7,6 @@
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/recording.h"
-#include "e2lf/recordings/time_unwrapper.h"
 
 namespace e2lf::recordings::evt4 {
 namespace {

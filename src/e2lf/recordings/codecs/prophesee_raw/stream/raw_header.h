@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "e2lf/base/result.h"
-#include "e2lf/recordings/io/byte_source.h"
+#include "e2lf/recordings/io/bytes.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_damage.h"
 
 namespace e2lf::recordings {

@@ -7,7 +7,6 @@
 #include <cstdint>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/codecs/prophesee_raw/stream/sinks.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
 #include "e2lf/recordings/io/decode_summary.h"
 

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/cameras/cameras.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <filesystem>
+#include <mutex>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
+#include "e2lf/recordings/live/camera_plugin.h"
+#include "e2lf/recordings/stream_choice.h"
+
+namespace e2lf::recordings {
+namespace fs = std::filesystem;
+namespace {
+
+/// The buffer for the error message of a plugin.
+class PluginError {
+ public:
+  char* buffer() {
+    text_.fill('\0');
+    return text_.data();
+  }
+  [[nodiscard]] Error error(ErrorCode code, const std::string& name) const {
+    const std::string said(text_.data(), std::find(text_.begin(), text_.end() - 1, '\0'));
+    return {code, said.empty() ? "the plugin failed without a message; report this to its author" : one_line(said),
+            name};
+  }
+
+ private:
+  std::array<char, E2LF_CAMERA_ERROR_SIZE> text_{};
+};
+
+class PluginCamera final : public Camera {
+ public:
+  PluginCamera(const e2lf_camera_functions& functions, e2lf_camera* camera, std::string name)
+      : functions_(functions), camera_(camera), name_(std::move(name)) {}
+  PluginCamera(const PluginCamera&) = delete;
+  PluginCamera& operator=(const PluginCamera&) = delete;
+  ~PluginCamera() override { functions_.close(camera_); }
+
+  Result<void> set_up(const CameraSetup& setup) override {
+    if (!setup.encoding.empty()) E2LF_RETURN_IF_ERROR(set("encoding", setup.encoding));
+    if (!setup.biases.empty()) E2LF_RETURN_IF_ERROR(load_biases(setup.biases));
+    if (setup.max_events_per_s) E2LF_RETURN_IF_ERROR(set("max-event-rate", cat(*setup.max_events_per_s)));
+    std::vector<std::string> regions;
+    for (const SensorRegion& one : setup.regions) {
+      regions.push_back(cat(one.x, ",", one.y, ",", one.width, ",", one.height));
+    }
+    if (!regions.empty()) E2LF_RETURN_IF_ERROR(set("roi", join(regions, " ")));
+    if (setup.switches_filters_off) E2LF_RETURN_IF_ERROR(set("sensor-filters", "off"));
+    return switch_on_triggers(setup.trigger_channels);
+  }
+
+  Result<void> start() override {
+    E2LF_RETURN_IF_ERROR(taken(functions_.start(camera_, said_.buffer()), ErrorCode::kIo));
+    if (functions_.save_biases == nullptr) return {};
+    const char* const biases = functions_.save_biases(camera_, said_.buffer());
+    if (biases == nullptr) return said_.error(ErrorCode::kIo, name_);
+    biases_ = biases;
+    return {};
+  }
+
+  Result<bool> read(std::vector<uint8_t>& bytes) override {
+    bytes.clear();
+    lost_ = 0;
+    while (bytes.empty()) {
+      if (is_stopped_ && Clock::now() > stop_time_.load() + kLongestDrain) return false;
+      e2lf_camera_buffer buffer{};
+      const e2lf_camera_state state = functions_.next(camera_, &buffer, said_.buffer());
+      if (state == E2LF_CAMERA_ENDED) return false;
+      if (state != E2LF_CAMERA_RUNS) return said_.error(ErrorCode::kIo, name_);
+      if (buffer.size > 0 && buffer.bytes == nullptr) {
+        return Error{ErrorCode::kIo, "the plugin returned a buffer without memory; report this to its author", name_};
+      }
+      lost_ += buffer.lost;
+      if (buffer.size > 0) bytes.assign(buffer.bytes, buffer.bytes + buffer.size);
+    }
+    return true;
+  }
+
+  uint64_t lost_buffers() override { return lost_; }
+
+  void stop() override {
+    stop_time_ = Clock::now();
+    if (!is_stopped_.exchange(true)) functions_.stop(camera_);
+  }
+
+  std::string bias_file_text() const override { return biases_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr auto kLongestDrain = std::chrono::seconds(1);  ///< because a camera continues to send
+
+  [[nodiscard]] Error has_no(const char* what) const {
+    return {ErrorCode::kUnsupported, cat("the camera has no ", what, "; leave the option out"), name_};
+  }
+
+  [[nodiscard]] Result<void> taken(int result, ErrorCode code = ErrorCode::kInvalidValue) const {
+    if (result < 0) return said_.error(code, name_);
+    return {};
+  }
+
+  Result<void> set(const char* setting, const std::string& value) {
+    if (functions_.set == nullptr) return has_no(setting);
+    return taken(functions_.set(camera_, setting, value.c_str(), said_.buffer()));
+  }
+
+  Result<void> load_biases(const fs::path& file) {
+    if (functions_.load_biases == nullptr) return has_no("biases");
+    constexpr size_t kMostBytes = size_t{1} << 20;
+    E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_head(file, kMostBytes));
+    const std::string text(bytes.begin(), bytes.end());
+    return taken(functions_.load_biases(camera_, text.c_str(), said_.buffer()));
+  }
+
+  Result<void> switch_on_triggers(const std::vector<std::string>& inputs) {
+    if (inputs == std::vector<std::string>{"none"}) return {};
+    if (functions_.triggers_on == nullptr) return inputs.empty() ? Result<void>() : has_no("trigger inputs");
+    std::vector<const char*> names;
+    for (const std::string& input : inputs) names.push_back(input.c_str());
+    return taken(functions_.triggers_on(camera_, names.data(), names.size(), said_.buffer()));
+  }
+
+  const e2lf_camera_functions& functions_;
+  e2lf_camera* camera_;
+  std::string name_, biases_;
+  PluginError said_;
+  uint64_t lost_ = 0;
+  std::atomic<bool> is_stopped_ = false;
+  std::atomic<Clock::time_point> stop_time_;
+};
+
+Result<std::vector<std::string>> list_cameras_of(const e2lf_camera_functions& functions) {
+  std::vector<std::string> addresses;
+  const auto add = [](void* list, const char* address) {
+    if (address != nullptr) static_cast<std::vector<std::string>*>(list)->push_back(one_line(address));
+  };
+  PluginError said;
+  if (functions.list(add, &addresses, said.buffer()) < 0) {
+    return said.error(ErrorCode::kIo, cat("camera://", functions.name));
+  }
+  return addresses;
+}
+
+bool is_plugin_name(const char* name) {
+  if (name == nullptr || *name == '\0') return false;
+  return std::string_view(name).find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") == std::string_view::npos;
+}
+
+Result<CameraPlugin> load_plugin(const fs::path& file) {
+  // Libraries stay loaded, because their threads and texts may be in use until the process ends.
+  void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    const char* const reason = ::dlerror();
+    return Error{ErrorCode::kIo, cat("cannot be loaded (", reason == nullptr ? "" : one_line(reason), ")"),
+                 file.string()};
+  }
+  const auto function = reinterpret_cast<e2lf_camera_plugin_function>(::dlsym(library, E2LF_CAMERA_PLUGIN_FUNCTION));
+  if (function == nullptr) {
+    return Error{ErrorCode::kFormat, cat("is not a camera plugin: it does not export ", E2LF_CAMERA_PLUGIN_FUNCTION),
+                 file.string()};
+  }
+  return plugin_of_functions(function(), file.string());
+}
+
+/// Returns the files at a place. A place that does not exist fails when it is loaded.
+std::vector<fs::path> plugin_files(const fs::path& place) {
+  std::error_code error;
+  if (!fs::is_directory(place, error)) return {fs::absolute(place, error)};  // dlopen() would search for a bare name
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(place, error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->path().extension() == ".so") files.push_back(fs::absolute(entry->path(), error));
+  }
+  if (error) log_warning(cat("the folder of camera plugins ", place.string(), " cannot be read: ", error.message()));
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions, const std::string& location) {
+  if (functions == nullptr) return Error{ErrorCode::kFormat, "the camera plugin returns no functions", location};
+  if (functions->version != E2LF_CAMERA_PLUGIN_VERSION) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("the camera plugin has version ", functions->version, " of the interface, and this program has ",
+                     E2LF_CAMERA_PLUGIN_VERSION, "; build it again with this camera_plugin.h"),
+                 location};
+  }
+  if (!is_plugin_name(functions->name)) {
+    return Error{ErrorCode::kFormat, "the name of a camera plugin consists of lower-case letters, digits, - and _",
+                 location};
+  }
+  if (functions->open == nullptr || functions->close == nullptr || functions->start == nullptr ||
+      functions->next == nullptr || functions->stop == nullptr) {
+    return Error{ErrorCode::kFormat, "the camera plugin lacks one of open, close, start, next and stop", location};
+  }
+  CameraPlugin plugin{functions->name, functions->description == nullptr ? "" : one_line(functions->description)};
+  plugin.open = [functions](const std::string& address) -> Result<CameraPtr> {
+    const std::string name = cat("camera://", functions->name, address.empty() ? "" : "/", address);
+    PluginError said;
+    e2lf_camera* const opened = functions->open(address.c_str(), said.buffer());
+    if (opened == nullptr) return said.error(ErrorCode::kNotFound, name);
+    return CameraPtr(std::make_unique<PluginCamera>(*functions, opened, name));
+  };
+  if (functions->list != nullptr) plugin.list = [functions] { return list_cameras_of(*functions); };
+  return plugin;
+}
+
+std::vector<CameraPlugin> load_camera_plugins(const std::string& places) {
+  std::vector<CameraPlugin> plugins;
+  for (size_t begin = 0; begin < places.size();) {
+    const size_t end = std::min(places.find(':', begin), places.size());
+    const std::string place = places.substr(begin, end - begin);
+    begin = end + 1;
+    if (place.empty()) continue;
+    for (const fs::path& file : plugin_files(place)) {
+      auto plugin = load_plugin(file);
+      if (plugin) plugins.push_back(std::move(*plugin));
+      if (!plugin) log_warning(cat("a camera plugin is left out: ", plugin.error().text()));
+    }
+  }
+  return plugins;
+}
+
+}  // namespace e2lf::recordings
+
+namespace e2lf::cameras {
+namespace {
+
+using recordings::CameraPlugin;
+
+std::vector<CameraPlugin> plugins_of_environment() {
+  const char* const places = std::getenv("E2LF_CAMERA_PLUGINS");
+  return places == nullptr ? std::vector<CameraPlugin>() : recordings::load_camera_plugins(places);
+}
+
+}  // namespace
+
+void add_cameras() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    for (const CameraPlugin& plugin : {
+             CameraPlugin{"replay",
+                          "a recording at the speed it was recorded with; ADDRESS is its path, or "
+                          "PATH?speed=S&repeat=N",
+                          recordings::open_replay_camera},
+             CameraPlugin{"pipe", "standard input; ADDRESS is the path of a named pipe or nothing",
+                          recordings::open_pipe_camera},
+             CameraPlugin{"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", recordings::open_tcp_camera},
+             CameraPlugin{"v4l2", "an event sensor behind a Linux driver; ADDRESS is its device, e.g. video0",
+                          recordings::open_v4l2_camera, recordings::list_v4l2_cameras},
+#ifdef E2LF_HAVE_METAVISION_HAL
+             CameraPlugin{"metavision", "a camera of the vendor's open HAL; ADDRESS is a serial number or nothing",
+                          recordings::open_metavision_camera, recordings::list_metavision_cameras},
+#endif
+         }) {
+      recordings::add_camera_plugin(plugin);
+    }
+    recordings::add_camera_plugins(plugins_of_environment);
+  });
+}
+
+}  // namespace e2lf::cameras

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <sys/types.h>
+#include <vector>
+
+#include "e2lf/base/result.h"
+#include "e2lf/recordings/live/camera.h"
+
+struct e2lf_camera_functions;
+
+namespace e2lf::cameras {
+
+/// Registers the cameras of this library with recordings::add_camera_plugin(), as a program does with its own: replayed
+/// recordings, pipes, TCP, Linux drivers, the vendor's HAL if the build has it, and the plugins in the environment
+/// variable E2LF_CAMERA_PLUGINS. Further calls do nothing.
+void add_cameras();
+
+}  // namespace e2lf::cameras
+
+// The functions that cameras.cpp registers.
+namespace e2lf::recordings {
+
+/// Opens a recording of any readable format and delivers it as EVT3 words at the times of its events, as a camera
+/// would. A RAW recording in EVT3 is delivered byte for byte. `address` is FILE or FILE?speed=S&repeat=N. Fails as
+/// open_recording() does, with kInvalidValue (another key, a speed that is not above 0 and at most 1000, a number of
+/// repeats that is not 1 to 1,000,000, or a sensor that is too large for EVT3), and with kUnsupported (another format
+/// is to be repeated).
+[[nodiscard]] Result<CameraPtr> open_replay_camera(const std::string& address);
+
+/// Opens the named pipe at `address`, or standard input if it is empty, and waits for the first byte. Fails with
+/// kCancelled if a stop is requested before, and with kNotFound or kIo if it cannot be opened.
+[[nodiscard]] Result<CameraPtr> open_pipe_camera(const std::string& address);
+
+/// Connects to a sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.
+[[nodiscard]] Result<CameraPtr> open_tcp_camera(const std::string& address);
+
+/// Creates a camera of a Linux driver (V4L2), which start() opens by its device ("video0" or "/dev/video0"), or the
+/// first one that list_v4l2_cameras() finds if `address` is empty.
+[[nodiscard]] Result<CameraPtr> open_v4l2_camera(const std::string& address);
+
+/// Returns the devices in /dev that send events.
+[[nodiscard]] Result<std::vector<std::string>> list_v4l2_cameras();
+
+/// Returns the plugin with these functions, which must be valid until the process ends. Fails with kUnsupported
+/// (another version) and kFormat (a missing function, or an invalid name).
+[[nodiscard]] Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions,
+                                                       const std::string& location);
+
+/// Loads plugins from files and folders, separated by colons; of a folder, all .so files in the order of their names.
+/// Plugins that cannot be loaded are left out with a warning. Libraries stay loaded until the process ends.
+[[nodiscard]] std::vector<CameraPlugin> load_camera_plugins(const std::string& places);
+
+/// Creates a camera of Prophesee's open hardware layer (OpenEB's HAL), which start() opens by serial number or full
+/// name, or the first one if `address` is empty. Only in builds that found the HAL. This code is tested with a
+/// simulated HAL of the same interface, but has not been run with a camera.
+[[nodiscard]] Result<CameraPtr> open_metavision_camera(const std::string& address);
+
+/// Returns the full names of the cameras that the HAL finds. Fails with kIo.
+[[nodiscard]] Result<std::vector<std::string>> list_metavision_cameras();
+
+/// Whether this process can use a USB device.
+enum class UsbAccess {
+  kFree,
+  kInUse,      ///< another process has its device node open
+  kForbidden,  ///< the permissions of its device node do not allow it
+  kHidden,     ///< there is no device node, for example in a container without access to it
+};
+
+/// A USB device that may be an event camera.
+struct UsbCamera {
+  std::string name;            ///< vendor, product and device name, e.g. "04b4:00f4 EVK"
+  std::filesystem::path node;  ///< "/dev/bus/usb/002/003"
+  UsbAccess access = UsbAccess::kFree;
+  std::string user;  ///< "NAME (process 123)" of the process that uses it, if known
+};
+
+/// The folders in which Linux describes USB devices and processes.
+struct UsbFolders {
+  std::filesystem::path devices = "/sys/bus/usb/devices", nodes = "/dev/bus/usb", processes = "/proc";
+};
+
+/// Returns the devices whose vendor number is that of a manufacturer of event cameras or of their USB chips.
+[[nodiscard]] std::vector<UsbCamera> find_usb_cameras(const UsbFolders& folders = {});
+
+/// Returns the reason why no camera could be opened, which the HAL does not report: there is none (kNotFound), another
+/// program uses it, or permissions are missing (kIo). `address` is the requested camera, empty = any; `listed` contains
+/// the cameras that the HAL lists.
+[[nodiscard]] Error unopened_error(const std::string& address, const std::vector<std::string>& listed,
+                                   const std::vector<UsbCamera>& usb);
+
+/// The system calls of a V4L2 camera, which tests replace. Like those of the C library, they return -1 and set errno on
+/// failure.
+class V4l2System {
+ public:
+  virtual ~V4l2System() = default;
+  virtual int open(const std::string& path);
+  virtual int close(int descriptor);
+  virtual int control(int descriptor, unsigned long request, void* argument);  ///< ioctl()
+  virtual void* map(size_t length, int descriptor, off_t offset);              ///< null on failure
+  virtual void unmap(void* memory, size_t length);
+  /// Waits for data. Returns 1 if they can be read, 0 after the timeout, and -1 if the device failed.
+  virtual int wait(int descriptor, int timeout_ms);
+};
+
+/// Returns the devices of a folder that send events, by their file names ("video0").
+[[nodiscard]] std::vector<std::string> find_v4l2_devices(V4l2System& system, const std::string& folder);
+
+/// Creates the camera of open_v4l2_camera(), whose devices are in `folder`. `system` must outlive it.
+[[nodiscard]] CameraPtr make_v4l2_camera(V4l2System& system, const std::string& folder, const std::string& address);
+
+}  // namespace e2lf::recordings

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+// Compiled only if the vendor's open HAL is found. Its exceptions are caught here.
+
+#include <atomic>
+#include <cctype>
+#include <chrono>
+#include <cstdlib>
+#include <metavision/hal/device/device_discovery.h>
+#include <metavision/hal/facilities/i_events_stream.h>
+#include <metavision/hal/facilities/i_hw_identification.h>
+#include <metavision/hal/utils/device_config.h>
+#include <metavision/hal/utils/hal_connection_exception.h>
+#include <metavision/sdk/base/utils/log.h>
+#include <mutex>
+#include <ostream>
+#include <streambuf>
+#include <thread>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cameras/cameras.h"
+#include "e2lf/cameras/metavision_device.h"
+#include "e2lf/recordings/stream_choice.h"
+
+namespace e2lf::recordings {
+namespace {
+
+/// Forwards the messages of the HAL to our log line by line. The HAL writes from several threads.
+class HalLog final : public std::streambuf {
+ protected:
+  int overflow(int character) override {
+    if (character == traits_type::eof()) return 0;
+    const char one = static_cast<char>(character);
+    xsputn(&one, 1);
+    return character;
+  }
+  std::streamsize xsputn(const char* text, std::streamsize count) override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const char c : std::string_view(text, static_cast<size_t>(count))) {
+      if (c != '\n') {
+        line_ += c;
+      } else if (const std::string said = std::exchange(line_, {}); !said.empty()) {
+        log_info("the camera's HAL: " + one_line(said));
+      }
+    }
+    return count;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string line_;
+};
+
+/// Redirects the output of the HAL from stderr, and limits the memory of its USB plugin, which has no limit by default.
+void prepare_hal() {
+  static const bool is_prepared = [] {
+    static auto* const log = new std::ostream(new HalLog);  // the HAL's threads may outlive static objects
+    Metavision::setLogStream(*log);
+    ::setenv("MV_PSEE_PLUGIN_DATA_TRANSFER_BUFFER_POOL_BYTE_SIZE", "134217728", /*overwrite=*/0);
+    return true;
+  }();
+  static_cast<void>(is_prepared);
+}
+
+std::string hal_encoding(const std::string& encoding) {
+  if (encoding == "evt2") return "EVT2";
+  return encoding == "evt2.1" ? "EVT21" : "EVT3";
+}
+
+/// Returns "EVT3" for "EVT3;height=720;width=1280".
+std::string bare_format(const std::string& format) {
+  return format.substr(0, format.find(';'));
+}
+
+}  // namespace
+
+std::string hal_text(const std::exception& error) {
+  std::string text;
+  for (const char c : std::string(error.what())) {
+    const bool is_space = std::isspace(static_cast<unsigned char>(c)) != 0;
+    const bool is_rule = c == '-' && (text.empty() || text.ends_with('-'));  // the HAL frames its messages
+    if (!is_space && !is_rule) text += c;
+    if (is_space && !text.empty() && text.back() != ' ') text += ' ';
+  }
+  while (text.ends_with(' ') || text.ends_with('-')) text.pop_back();
+  return one_line(text);
+}
+
+Result<std::vector<std::string>> list_metavision_cameras() try {
+  prepare_hal();
+  // A plugin that the HAL finds in two folders lists its cameras twice.
+  auto names = Metavision::DeviceDiscovery::list();
+  names.sort();
+  names.unique();
+  return std::vector<std::string>(names.begin(), names.end());
+} catch (const std::exception& error) {
+  return Error{ErrorCode::kIo, cat("the HAL cannot list cameras (", hal_text(error), "); check its plugins"), ""};
+}
+
+Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& address, const std::string& encoding) {
+  prepare_hal();
+  Metavision::DeviceConfig config;
+  if (!encoding.empty()) config.set_format(hal_encoding(encoding));
+  std::string reason;
+  std::unique_ptr<Metavision::Device> device;
+  try {
+    device = Metavision::DeviceDiscovery::open(address, config);
+  } catch (const std::exception& error) {
+    reason = cat(" (the HAL reports: ", hal_text(error), ")");
+  }
+  if (device == nullptr) {
+    E2LF_ASSIGN_OR_RETURN(const std::vector<std::string> listed, list_metavision_cameras());
+    Error error = unopened_error(address, listed, find_usb_cameras());
+    error.message += reason;
+    return error;
+  }
+  const auto* const identity = device->get_facility<Metavision::I_HW_Identification>();
+  if (identity == nullptr) return Error{ErrorCode::kUnsupported, "the camera does not state its encoding", address};
+  const std::string format = bare_format(identity->get_current_data_encoding_format());
+  const bool is_read = format == "EVT2" || format == "EVT21" || format == "EVT2.1" || format == "EVT3";
+  if (is_read && (encoding.empty() || format == hal_encoding(encoding))) return device;
+  const std::vector<std::string> offered = identity->get_available_data_encoding_formats();
+  return Error{ErrorCode::kUnsupported,
+               cat("the camera sends ", one_line(format), is_read ? "" : ", which e2lf cannot read", "; it offers ",
+                   one_line(join(offered)), ", of which e2lf reads the encodings evt2, evt2.1 and evt3"),
+               "camera://metavision"};
+}
+
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Returns the next bytes of a stream, which are a pointer and a length before OpenEB 4.6, a shared pointer from then
+/// on, and a buffer since OpenEB 5.
+template <typename Stream>
+void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
+  if constexpr (requires(long count) { stream.get_latest_raw_data(count); }) {
+    long count = 0;
+    const auto* data = stream.get_latest_raw_data(count);
+    bytes.assign(data, data + count);
+  } else {
+    const auto buffer = stream.get_latest_raw_data();
+    if constexpr (requires { buffer->data(); }) {
+      if (buffer != nullptr) bytes.assign(buffer->data(), buffer->data() + buffer->size());
+    } else {
+      if (buffer.size() > 0) bytes.assign(buffer.data(), buffer.data() + buffer.size());
+    }
+  }
+}
+
+/// The HAL discards the content of its queue when it is stopped or when the camera is unplugged. The queue is therefore
+/// emptied as soon as the HAL reports data, and the HAL is stopped only when it is empty.
+class MetavisionCamera final : public Camera {
+ public:
+  explicit MetavisionCamera(std::string address) : address_(std::move(address)) {}
+  MetavisionCamera(const MetavisionCamera&) = delete;
+  MetavisionCamera& operator=(const MetavisionCamera&) = delete;
+  ~MetavisionCamera() override { end_stream(); }
+
+  Result<void> set_up(const CameraSetup& setup) override {
+    setup_ = setup;
+    return {};
+  }
+
+  Result<void> start() override try {
+    E2LF_ASSIGN_OR_RETURN(device_, open_device(address_, setup_.encoding));
+    stream_ = device_->get_facility<Metavision::I_EventsStream>();
+    if (stream_ == nullptr) return Error{ErrorCode::kUnsupported, "the camera provides no stream of events", name()};
+    E2LF_RETURN_IF_ERROR(set_up_device(*device_, setup_));
+    header_ = device_header(*device_);
+    biases_ = device_biases(*device_);
+    stream_->start();
+    return {};
+  } catch (const std::exception& error) {
+    return failure(error);
+  }
+
+  Result<bool> read(std::vector<uint8_t>& bytes) override try {
+    bytes.clear();
+    if (!header_.empty()) {
+      bytes.assign(header_.begin(), header_.end());
+      header_.clear();
+      return true;
+    }
+    while (bytes.empty()) {
+      is_waiting_ = true;  // before the test of is_stopped_, as stop() sets and tests them in the opposite order
+      const short state = is_stopped_ ? stream_->poll_buffer() : stream_->wait_next_buffer();
+      is_waiting_ = false;
+      const bool is_late = is_stopped_ && Clock::now() > stop_time_.load() + kLongestDrain;
+      if (is_stopped_ && (state <= 0 || is_late)) {
+        end_stream();
+        return false;
+      }
+      if (state < 0) return Error{ErrorCode::kIo, "the stream of the camera ended by itself; start it again", name()};
+      copy_latest(*stream_, bytes);
+    }
+    return true;
+  } catch (const Metavision::HalConnectionException& error) {
+    return Error{ErrorCode::kIo, cat("the connection to the camera is lost (", hal_text(error), "); check its cable"),
+                 name()};
+  } catch (const std::exception& error) {
+    return failure(error);
+  }
+
+  void stop() override {
+    stop_time_ = Clock::now();
+    is_stopped_ = true;
+    // If the camera sends nothing, only the end of the HAL ends the wait of read(); its queue is empty then.
+    while (is_waiting_ && Clock::now() < stop_time_.load() + kLongestWait) std::this_thread::sleep_for(1ms);
+    if (is_waiting_) end_stream();
+  }
+
+  std::string bias_file_text() const override { return biases_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr auto kLongestWait = 50ms;
+  static constexpr auto kLongestDrain = 1s;  ///< limited because a camera continues to send
+
+  [[nodiscard]] std::string name() const { return "camera://metavision" + (address_.empty() ? "" : "/" + address_); }
+
+  [[nodiscard]] Error failure(const std::exception& error) const {
+    return {ErrorCode::kIo, cat("the camera's driver failed (", hal_text(error), "); check its connection"), name()};
+  }
+
+  void end_stream() {
+    if (stream_ == nullptr) return;
+    std::call_once(end_, [this] {
+      try {
+        stream_->stop();
+      } catch (const std::exception&) {  // NOLINT: an unplugged camera has stopped
+      }
+    });
+  }
+
+  std::string address_;
+  CameraSetup setup_;
+  std::unique_ptr<Metavision::Device> device_;
+  Metavision::I_EventsStream* stream_ = nullptr;
+  std::string header_, biases_;
+  std::atomic<bool> is_stopped_ = false;
+  std::atomic<bool> is_waiting_ = false;  ///< whether read() waits for data
+  std::once_flag end_;
+  std::atomic<Clock::time_point> stop_time_;
+};
+
+}  // namespace
+
+Result<CameraPtr> open_metavision_camera(const std::string& address) {
+  return CameraPtr(std::make_unique<MetavisionCamera>(address));
+}
+
+}  // namespace e2lf::recordings

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: MIT
+// Reads and writes DAT; declared in codecs.h.
+
+#include <algorithm>
+#include <vector>
+
+#include "e2lf/base/little_endian.h"
+#include "e2lf/base/text.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/formats/dat/dat_format.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/decompress.h"
+#include "e2lf/recordings/io/header_text.h"
+
+namespace e2lf::recordings::dat {
+namespace {
+
+constexpr size_t kTriggerBlock = 4096;
+
+/// The layout of x, y and p in the second word of a record.
+struct PlaceBits {
+  uint32_t x_mask, y_shift, y_mask, p_shift, p_mask;
+};
+constexpr PlaceBits kVersion1 = {0x1FF, 9, 0xFF, 17, 0x1};
+constexpr PlaceBits kVersion2 = {0x3FFF, 14, 0x3FFF, 28, 0xF};
+
+/// Appends the records as events, except those with p > 1, and returns the number of these.
+size_t append_events(std::span<const uint8_t> records, const PlaceBits& bits, TimeUnwrapper<32>& unwrap,
+                     EventColumns& out) {
+  const size_t begin = out.size(), count = records.size() / kRecordBytes;
+  out.resize(begin + count);
+  size_t next = begin;
+  for (size_t i = 0; i < count; ++i) {
+    const auto place = load_le<uint32_t>(&records[i * kRecordBytes + 4]);
+    const uint32_t p = place >> bits.p_shift & bits.p_mask;
+    out.x[next] = static_cast<uint16_t>(place & bits.x_mask);
+    out.y[next] = static_cast<uint16_t>(place >> bits.y_shift & bits.y_mask);
+    out.p[next] = static_cast<uint8_t>(p);
+    out.t[next] = unwrap(load_le<uint32_t>(&records[i * kRecordBytes]));
+    next += p <= 1;
+  }
+  out.resize(next);
+  return begin + count - next;
+}
+
+Trigger trigger_of_record(const uint8_t* record, TimeUnwrapper<32>& unwrap) {
+  const auto word = load_le<uint32_t>(record + 4);
+  return {unwrap(load_le<uint32_t>(record)), static_cast<uint16_t>(word >> 26 & 0x3F),
+          static_cast<uint8_t>(word & 0xF ? 1 : 0)};
+}
+
+Result<Header> read_header(ByteSource& source) {
+  E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
+  std::optional<Header> header = parse_header(head.first(std::min(head.size(), kDetectBytes)));
+  if (!header) {
+    return Error{ErrorCode::kFormat, "this is not a DAT recording, which has a header of % lines and 8-byte records",
+                 source.name()};
+  }
+  source.consume(header->bytes);
+  return *std::move(header);
+}
+
+/// The records of a _trigger.dat file.
+class TriggerFile final : public TriggerSource {
+ public:
+  /// `header_bytes` is the offset of the records and the position of the source.
+  TriggerFile(SourcePtr source, size_t header_bytes) : source_(std::move(source)), header_bytes_(header_bytes) {}
+
+  Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kRecordBytes));
+    const size_t count = std::min(bytes.size() / kRecordBytes, kTriggerBlock);
+    if (count == 0 && !bytes.empty()) summary.add(Violation::kTruncated, source_->position());
+    for (size_t i = 0; i < count; ++i) block.push_back(trigger_of_record(&bytes[i * kRecordBytes], unwrap_));
+    source_->consume(count * kRecordBytes);
+    return count > 0;
+  }
+
+  Result<void> rewind() override {
+    unwrap_ = {};
+    return source_->seek(header_bytes_);
+  }
+
+ private:
+  SourcePtr source_;
+  size_t header_bytes_;
+  TimeUnwrapper<32> unwrap_;
+};
+
+/// Returns the index of the first record that is the text "% ...", with which a header begins, or their number if there
+/// is none.
+size_t find_text(std::span<const uint8_t> records) {
+  const auto is_printable = [](uint8_t byte) { return byte >= ' ' && byte <= '~'; };
+  size_t at = 0;
+  for (; at < records.size(); at += kRecordBytes) {
+    const auto record = records.subspan(at, kRecordBytes);
+    if (record[0] == '%' && record[1] == ' ' && std::all_of(record.begin(), record.end(), is_printable)) break;
+  }
+  return at / kRecordBytes;
+}
+
+/// The records of a file of events.
+class DatBlocks final : public EventBlocks {
+ public:
+  DatBlocks(SourcePtr source, const Header& header)
+      : source_(std::move(source)), header_bytes_(header.bytes), bits_(header.version == 1 ? kVersion1 : kVersion2) {}
+
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
+    begins_recording_ = false;
+    E2LF_ASSIGN_OR_RETURN(const auto bytes,
+                          source_->fetch(source_->seekable() ? kBlockRecords * kRecordBytes : kRecordBytes));
+    size_t count = std::min(bytes.size() / kRecordBytes, kBlockRecords);
+    byte_ = source_->position();
+    if (count == 0 && !bytes.empty()) summary.add(Violation::kTruncated, byte_);
+    const TimeUnwrapper<32> clock = unwrap_;
+    size_t bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
+    if (const size_t text = bad > 0 ? find_text(bytes.first(count * kRecordBytes)) : count; text < count) {
+      // A recording that was appended with its header.
+      if (text == 0) {
+        E2LF_ASSIGN_OR_RETURN(const auto head, source_->fetch(kDetectBytes));
+        if (const auto header = parse_header(head.first(std::min(head.size(), kDetectBytes)))) {
+          block.clear();
+          unwrap_ = {};
+          begins_recording_ = true;
+          source_->consume(header->bytes);
+          byte_ = source_->position();
+          return true;
+        }
+      }
+      if (text > 0) {
+        block.clear();
+        unwrap_ = clock;
+        count = text;
+        bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
+      }
+    }
+    summary.add_dropped(Violation::kBadRecord, byte_, bad);
+    source_->consume(count == 0 ? bytes.size() : count * kRecordBytes);
+    return count > 0;
+  }
+
+  uint64_t block_byte() const override { return byte_; }
+  bool begins_recording() const override { return begins_recording_; }
+  size_t event_bytes() const override { return kRecordBytes; }
+
+  Result<void> seek_before(int64_t t_us) override {
+    E2LF_ASSIGN_OR_RETURN(const Place place, find_place_before(*source_, header_bytes_, t_us));
+    unwrap_ = place.clock;
+    return source_->seek(header_bytes_ + place.record * kRecordBytes);
+  }
+
+ private:
+  /// Few enough to stay in the cache until they are used.
+  static constexpr size_t kBlockRecords = size_t{1} << 15;
+
+  SourcePtr source_;
+  size_t header_bytes_;
+  PlaceBits bits_;
+  uint64_t byte_ = 0;
+  bool begins_recording_ = false;
+  TimeUnwrapper<32> unwrap_;
+};
+
+}  // namespace
+
+bool detect(std::span<const uint8_t> head) {
+  return parse_header(head).has_value();
+}
+
+std::filesystem::path trigger_path(const std::filesystem::path& path) {
+  std::string stem = path.stem().string();
+  if (stem.ends_with("_cd")) stem.resize(stem.size() - 3);
+  return path.parent_path() / (stem + "_trigger" + path.extension().string());
+}
+
+bool is_trigger_file(const std::filesystem::path& path) {
+  const auto source = open_file_source(path);
+  if (!source) return false;
+  const auto header = read_header(**source);
+  return header && header->type == kTypeTrigger;
+}
+
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(Header header, read_header(*source));
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, header.info, source->name()));
+  if (header.type == kTypeTrigger) {
+    const std::string name = source->name();
+    return make_block_reader(nullptr, std::move(header.info), name, options,
+                             std::make_unique<TriggerFile>(std::move(source), header.bytes));
+  }
+  TriggersPtr triggers;
+  SourcePtr trigger_source;
+  if (const std::filesystem::path path = source->logical_path(); !path.empty()) {
+    E2LF_ASSIGN_OR_RETURN(trigger_source, open_file_beside(trigger_path(path)));
+  }
+  if (trigger_source != nullptr) {
+    E2LF_ASSIGN_OR_RETURN(const Header trigger_header, read_header(*trigger_source));
+    if (trigger_header.type == kTypeTrigger) {
+      triggers = std::make_unique<TriggerFile>(std::move(trigger_source), trigger_header.bytes);
+    }
+  }
+  const std::string name = source->name();
+  auto blocks = std::make_unique<DatBlocks>(std::move(source), header);
+  return make_block_reader(std::move(blocks), std::move(header.info), name, options, std::move(triggers));
+}
+
+namespace {
+
+constexpr uint16_t kMaxCoordinate = 0x3FFF;
+constexpr uint16_t kMaxTriggerId = 0x3F;
+
+class DatWriter final : public RecordingWriter {
+ public:
+  /// If `trigger_file` is empty, triggers are dropped.
+  DatWriter(SinkPtr sink, const RecordingInfo& info, std::filesystem::path trigger_file)
+      : sink_(std::move(sink)),
+        info_(info),
+        trigger_file_(std::move(trigger_file)),
+        check_(most_pixels(info.width), most_pixels(info.height), sink_->name()) {}
+
+  Result<void> begin() { return sink_->write(as_bytes(make_header(info_, kTypeCd))); }
+
+  bool holds_triggers() const override { return !trigger_file_.empty(); }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    const EventColumns& events = batch.events;
+    buffer_.resize(events.size() * kRecordBytes);
+    for (size_t i = 0; i < events.size(); ++i) {
+      E2LF_RETURN_IF_ERROR(check_time(events.t[i], unwrap_event_));
+      const uint32_t place = static_cast<uint32_t>(events.p[i]) << 28 | static_cast<uint32_t>(events.y[i]) << 14 |
+                             static_cast<uint32_t>(events.x[i]);
+      store_le(&buffer_[i * kRecordBytes], static_cast<uint32_t>(events.t[i]));
+      store_le(&buffer_[i * kRecordBytes + 4], place);
+    }
+    E2LF_RETURN_IF_ERROR(sink_->write(buffer_));
+    return holds_triggers() ? write_triggers(batch.triggers) : Result<void>{};
+  }
+
+  Result<void> finish() override {
+    if (trigger_sink_) E2LF_RETURN_IF_ERROR(trigger_sink_->commit());
+    return sink_->commit();
+  }
+
+ private:
+  /// Limits the sensor's size to the coordinates of the format; 0 = unknown.
+  static size_t most_pixels(size_t size) {
+    constexpr size_t kMost = kMaxCoordinate + size_t{1};
+    return size == 0 ? kMost : std::min(size, kMost);
+  }
+
+  Result<void> write_triggers(const std::vector<Trigger>& triggers) {
+    if (triggers.empty()) return {};
+    if (!trigger_sink_) {
+      E2LF_ASSIGN_OR_RETURN(trigger_sink_, open_file_sink(trigger_file_));
+      E2LF_RETURN_IF_ERROR(trigger_sink_->write(as_bytes(make_header(info_, kTypeTrigger))));
+    }
+    buffer_.resize(triggers.size() * kRecordBytes);
+    for (size_t i = 0; i < triggers.size(); ++i) {
+      const Trigger& trigger = triggers[i];
+      E2LF_RETURN_IF_ERROR(check_time(trigger.t, unwrap_trigger_));
+      if (trigger.id > kMaxTriggerId) {
+        return Error{ErrorCode::kInvalidValue,
+                     cat("trigger id ", trigger.id, " does not fit into DAT; write HDF5 instead"), sink_->name()};
+      }
+      store_le(&buffer_[i * kRecordBytes], static_cast<uint32_t>(trigger.t));
+      store_le(&buffer_[i * kRecordBytes + 4], static_cast<uint32_t>(trigger.id) << 26 | trigger.p);
+    }
+    return trigger_sink_->write(buffer_);
+  }
+
+  /// Checks that a reader of the low 32 bits will obtain the same time.
+  Result<void> check_time(int64_t t_us, TimeUnwrapper<32>& unwrap) const {
+    if (unwrap(static_cast<uint32_t>(t_us)) == t_us) [[likely]] {
+      return {};
+    }
+    return Error{ErrorCode::kInvalidValue,
+                 cat("time ", t_us,
+                     " us cannot be recovered from its low 32 bits; begin at zero or write another format, e.g. .hdf5"),
+                 sink_->name(), Setting::kShiftTime};
+  }
+
+  SinkPtr sink_;
+  RecordingInfo info_;
+  std::filesystem::path trigger_file_;
+  BatchCheck check_;
+  SinkPtr trigger_sink_;
+  std::vector<uint8_t> buffer_;
+  TimeUnwrapper<32> unwrap_event_, unwrap_trigger_;
+};
+
+Result<WriterPtr> start(SinkPtr sink, const RecordingInfo& info, std::filesystem::path trigger_file) {
+  auto writer = std::make_unique<DatWriter>(std::move(sink), info, std::move(trigger_file));
+  E2LF_RETURN_IF_ERROR(writer->begin());
+  return WriterPtr(std::move(writer));
+}
+
+}  // namespace
+
+Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info) {
+  return start(std::move(sink), info, {});
+}
+
+Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(auto sink, open_file_sink(path));
+  return start(std::move(sink), info, trigger_path(path));
+}
+
+}  // namespace e2lf::recordings::dat

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: MIT
+// Reads HDF5 files with columns of events; declared in codecs.h.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "e2lf/base/text.h"
+#include "e2lf/files/elements.h"
+#include "e2lf/files/file.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/formats/dsec/event_places.h"
+#include "e2lf/formats/table/layout.h"
+#include "e2lf/formats/table/table_reader.h"
+#include "e2lf/hdf5/checked_file.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/side_triggers.h"
+#include "e2lf/recordings/stream_choice.h"
+
+namespace e2lf::recordings::hdf5_events::dsec {
+using e2lf::hdf5::CheckedFile;
+using table::Field;
+
+namespace {
+
+constexpr uint64_t kBlock = uint64_t{1} << 17;
+constexpr uint64_t kColumnChunk = uint64_t{1} << 15;
+
+struct KnownNumber {
+  const char* type;  ///< numpy code
+  H5T_class_t kind;
+  H5T_sign_t sign;
+  size_t bytes;
+};
+constexpr KnownNumber kNumbers[] = {{"u1", H5T_INTEGER, H5T_SGN_NONE, 1}, {"u2", H5T_INTEGER, H5T_SGN_NONE, 2},
+                                    {"u4", H5T_INTEGER, H5T_SGN_NONE, 4}, {"u8", H5T_INTEGER, H5T_SGN_NONE, 8},
+                                    {"i1", H5T_INTEGER, H5T_SGN_2, 1},    {"i2", H5T_INTEGER, H5T_SGN_2, 2},
+                                    {"i4", H5T_INTEGER, H5T_SGN_2, 4},    {"i8", H5T_INTEGER, H5T_SGN_2, 8},
+                                    {"f4", H5T_FLOAT, H5T_SGN_ERROR, 4},  {"f8", H5T_FLOAT, H5T_SGN_ERROR, 8}};
+
+/// Returns the numpy code of a type that represents all values of an HDF5 type; empty if that is not numeric.
+std::string number_code(hid_t type) {
+  for (const KnownNumber& known : kNumbers) {
+    const bool has_sign = known.kind != H5T_INTEGER || H5Tget_sign(type) == known.sign;
+    if (H5Tget_class(type) == known.kind && H5Tget_size(type) == known.bytes && has_sign) return known.type;
+  }
+  if (H5Tget_class(type) == H5T_FLOAT && H5Tget_size(type) == 2) return "f4";
+  return H5Tget_class(type) == H5T_ENUM ? "i1" : "";  // numpy's bool
+}
+
+/// Returns the same for the elements of a data set, or for a field of its records.
+std::string number_type(hid_t dataset, const std::string& field = "") {
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  if (!type.valid()) return "";
+  if (field.empty()) return number_code(type.get());
+  const int member = H5Tget_member_index(type.get(), field.c_str());
+  if (member < 0) return "";
+  const Handle member_type(H5Tget_member_type(type.get(), static_cast<unsigned>(member)), H5Tclose);
+  return number_code(member_type.get());
+}
+
+hid_t memory_type(const std::string& type) {
+  if (type == "u1") return H5T_NATIVE_UINT8;
+  if (type == "u2") return H5T_NATIVE_UINT16;
+  if (type == "u4") return H5T_NATIVE_UINT32;
+  if (type == "u8") return H5T_NATIVE_UINT64;
+  if (type == "i1") return H5T_NATIVE_INT8;
+  if (type == "i2") return H5T_NATIVE_INT16;
+  if (type == "i4") return H5T_NATIVE_INT32;
+  if (type == "i8") return H5T_NATIVE_INT64;
+  return type == "f4" ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
+}
+
+/// Returns the unit in an attribute unit or units of the times; kAuto if there is none. Fails with kInvalidValue for
+/// one in which times are not read.
+Result<TimeUnit> unit_of_attributes(hid_t times, const OpenOptions& options, const std::string& location) {
+  for (const auto& [name, text] : read_text_attributes(times)) {
+    if ((name != "unit" && name != "units") || options.time_unit != TimeUnit::kAuto) continue;
+    const TimeUnit unit = table::parse_time_unit(lower_case(text));
+    if (unit != TimeUnit::kAuto) return unit;
+    return Error{ErrorCode::kInvalidValue,
+                 cat("the times are in \"", printable(text), "\"; convert them, or state their unit"), location,
+                 Setting::kTimeUnit};
+  }
+  return TimeUnit::kAuto;
+}
+
+/// Returns the offset of the times of a file in microseconds; 0 if there is no t_offset. Its unit is that of the times
+/// if that was named or if both are integers, and seconds if it has a fraction.
+Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit unit, const std::string& location) {
+  const Handle offset(H5Dopen2(file, "t_offset", H5P_DEFAULT), H5Dclose);
+  if (!offset.valid()) return 0;
+  const std::string place = location + ": t_offset";
+  E2LF_ASSIGN_OR_RETURN(const Storage storage, e2lf::hdf5::inspect_storage(offset.get(), place));
+  const std::string type = number_type(offset.get());
+  std::array<uint8_t, 8> bytes{};
+  const Error damaged{ErrorCode::kFormat, "not one time; the file is damaged", place};
+  if (type.empty() || storage.claimed_elements() != 1 || !e2lf::hdf5::chunks_are_whole(offset.get(), storage) ||
+      H5Dread(offset.get(), memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
+    return damaged;
+  }
+  const table::NumberField field{type, 0, element_size(type)};
+  const double value = table::to_doubles(bytes.data(), field, 1)[0];
+  const bool is_whole = value == std::trunc(value);
+  if (options.time_unit == TimeUnit::kAuto && unit == TimeUnit::kSeconds && is_whole && value != 0) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        cat("the times are seconds, and the offset ", value, " does not state its unit; give the unit of both"), place,
+        Setting::kTimeUnit};
+  }
+  if (options.time_unit == TimeUnit::kAuto && !is_whole) unit = TimeUnit::kSeconds;
+  int64_t offset_us = 0;
+  uint8_t bad = 0;
+  table::to_times(bytes.data(), field, unit, 1, &offset_us, &bad);
+  if (bad != 0 || !is_time(offset_us)) return damaged;
+  return offset_us;
+}
+
+/// Events in the columns x, y, p and t: data sets, fields of a data set of records, or a data set [events, 4] or [4,
+/// events]. Numbers are read in their own type.
+class ColumnBlocks final : public EventBlocks {
+ public:
+  Result<void> open(hid_t file, const EventPlace& place, const OpenOptions& options, const std::string& name,
+                    RecordingInfo& info) {
+    table::TableSample sample;
+    sample.is_ordered = !place.rows.empty() && place.fields[0].empty();
+    location_ = cat(name, ": ", place.rows.empty() ? place.name : place.rows);
+    if (sample.is_ordered) {
+      E2LF_RETURN_IF_ERROR(add_rows(file, place.rows, name));
+    } else {
+      for (size_t i = 0; i < table::kNumFields; ++i) {
+        const std::string& dataset = place.rows.empty() ? place.columns[i] : place.rows;
+        E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_dataset(file, dataset, name));
+        E2LF_RETURN_IF_ERROR(add_part(std::move(shape), place.fields[i], cat(name, ": ", dataset)));
+      }
+    }
+    length_ = parts_[0].shape.length;
+    for (const Part& part : parts_) {
+      is_cut_ |= part.shape.is_cut;
+      if (part.shape.length == length_) continue;
+      return Error{ErrorCode::kShape, "the columns of events differ in length; the file is damaged", name};
+    }
+    const uint64_t count = std::min<uint64_t>(length_, table::kSampledRows);
+    E2LF_RETURN_IF_ERROR(read(0, count));
+    for (size_t i = 0; i < columns_.size(); ++i) {
+      const std::string& dataset = place.columns[i];
+      const std::string field = !place.fields[i].empty() ? place.fields[i] : dataset.substr(dataset.rfind('/') + 1);
+      const NumberColumn& column = columns_[i];
+      sample.columns.push_back(table::sample_of(sample.is_ordered ? "" : field, numbers(column), column.field, count));
+    }
+    if (place.rows.empty()) {
+      const hid_t times = parts_.back().shape.dataset.get();
+      E2LF_ASSIGN_OR_RETURN(sample.columns.back().unit, unit_of_attributes(times, options, name));
+    }
+    E2LF_ASSIGN_OR_RETURN(layout_, decide_layout(sample, options, name, info));
+    E2LF_ASSIGN_OR_RETURN(offset_us_, read_offset(file, options, layout_.unit, name));
+    return {};
+  }
+
+  [[nodiscard]] TimeUnit unit() const { return layout_.unit; }
+  [[nodiscard]] int64_t zero_us() const { return offset_us_; }
+
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    const LibraryLock lock;
+    block.clear();
+    const uint64_t count = std::min(kBlock, length_ - next_);
+    if (count == 0) {
+      if (is_cut_) summary.add(Violation::kTruncated, 0);
+      is_cut_ = false;
+      return false;
+    }
+    E2LF_RETURN_IF_ERROR(read(next_, count));
+    const NumberColumn &x = column(Field::kX), &y = column(Field::kY), &p = column(Field::kP), &t = column(Field::kT);
+    const table::RecordFields fields = {x.field, y.field, p.field, t.field, layout_.unit, layout_.polarity};
+    const size_t num_bad =
+        table::to_events({numbers(x), numbers(y), numbers(p), numbers(t)}, fields, count, block.events);
+    for (int64_t& t_us : block.events.t) {
+      // An invalid time stays invalid, and Timeline drops it.
+      t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
+    }
+    summary.add_dropped(Violation::kBadRecord, 0, num_bad);
+    next_ += count;
+    return true;
+  }
+
+  Result<void> seek_before(int64_t t_us) override {
+    const LibraryLock lock;
+    const auto time_at = [&](uint64_t i) -> Result<int64_t> {
+      const auto count = std::min<uint64_t>(kTimesPerProbe, length_ - i);
+      Column<uint8_t> bad(count);
+      std::vector<int64_t> times_us(count);
+      E2LF_RETURN_IF_ERROR(read(parts_[column(Field::kT).part], i, count));
+      table::to_times(numbers(column(Field::kT)), column(Field::kT).field, layout_.unit, count, times_us.data(),
+                      bad.data());
+      const int64_t since_us = median(std::move(times_us));
+      return is_time(since_us) ? since_us + offset_us_ : since_us;
+    };
+    E2LF_ASSIGN_OR_RETURN(next_, find_place_before(length_, t_us, time_at));
+    return {};
+  }
+
+ private:
+  /// What is read at once: a data set, a row of it, or one field of its records.
+  struct Part {
+    DatasetShape shape;
+    std::string member = {};  ///< field of the records; empty = not records
+    std::string type = {};
+    std::vector<uint8_t> numbers = {};  ///< the rows that were read last
+  };
+  struct NumberColumn {
+    size_t part = 0;
+    table::NumberField field = {};
+  };
+
+  /// Adds the columns of a data set [events, 4] or [4, events].
+  Result<void> add_rows(hid_t file, const std::string& dataset, const std::string& name) {
+    E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_matrix(file, dataset, name));
+    if (shape.columns == table::kNumFields) return add_part(std::move(shape), "", location_);
+    if (shape.storage.extents[0] != table::kNumFields) {
+      return Error{ErrorCode::kShape, cat("the data set has ", shape.columns, " columns; store t, x, y, p"), location_};
+    }
+    for (size_t row = 0; row < table::kNumFields; ++row) {
+      E2LF_ASSIGN_OR_RETURN(DatasetShape part, open_row(file, dataset, row, name));
+      E2LF_RETURN_IF_ERROR(add_part(std::move(part), "", location_));
+    }
+    return {};
+  }
+
+  Result<void> add_part(DatasetShape shape, const std::string& member, const std::string& place) {
+    const std::string type = number_type(shape.dataset.get(), member);
+    if (type.empty()) {
+      return Error{ErrorCode::kUnsupported, "these are not numbers; store x, y, p and t as numbers",
+                   member.empty() ? place : cat(place, ": ", member)};
+    }
+    const size_t item = element_size(type), columns = shape.columns;
+    for (size_t i = 0; i < columns; ++i) columns_.push_back({parts_.size(), {type, i * item, columns * item}});
+    parts_.push_back({std::move(shape), member, type});
+    return {};
+  }
+
+  Result<void> read(Part& part, uint64_t begin, uint64_t count) const {
+    part.numbers.resize(count * part.shape.columns * element_size(part.type));
+    Handle record;
+    if (!part.member.empty()) {
+      record = Handle(H5Tcreate(H5T_COMPOUND, element_size(part.type)), H5Tclose);
+      H5Tinsert(record.get(), part.member.c_str(), 0, memory_type(part.type));
+    }
+    const hid_t memory = part.member.empty() ? memory_type(part.type) : record.get();
+    return read_elements(part.shape, memory, begin, count, part.numbers.data(), location_);
+  }
+  Result<void> read(uint64_t begin, uint64_t count) {
+    for (Part& part : parts_) E2LF_RETURN_IF_ERROR(read(part, begin, count));
+    return {};
+  }
+
+  [[nodiscard]] const NumberColumn& column(Field field) const { return columns_[layout_.columns[table::of(field)]]; }
+  [[nodiscard]] const uint8_t* numbers(const NumberColumn& column) const { return parts_[column.part].numbers.data(); }
+  [[nodiscard]] std::vector<double> values(const NumberColumn& column, uint64_t count) const {
+    return table::to_doubles(numbers(column), column.field, count);
+  }
+
+  std::string location_;
+  std::vector<Part> parts_;
+  std::vector<NumberColumn> columns_;
+  table::TableLayout layout_;
+  int64_t offset_us_ = 0;
+  uint64_t length_ = 0, next_ = 0;
+  bool is_cut_ = false;
+};
+
+class DsecWriter final : public RecordingWriter {
+ public:
+  DsecWriter(AtomicFile file, const RecordingInfo& info)
+      : file_(std::move(file)), name_(file_.target().string()), check_(info.width, info.height, name_) {}
+
+  Result<void> begin(const RecordingInfo& info) {
+    const LibraryLock lock;
+    E2LF_ASSIGN_OR_RETURN(hdf5_file_, CheckedFile::create(file_.path(), name_));
+    const hid_t file = hdf5_file_.get();
+    if (info.width != 0 && info.height != 0) {
+      E2LF_RETURN_IF_ERROR(write_text_attribute(file, "geometry", cat(info.width, "x", info.height)));
+    }
+    const Handle group(H5Gcreate2(file, "events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+    E2LF_ASSIGN_OR_RETURN(x_, GrowingDataset::create(group.get(), "x", H5T_STD_U16LE, kColumnChunk));
+    E2LF_ASSIGN_OR_RETURN(y_, GrowingDataset::create(group.get(), "y", H5T_STD_U16LE, kColumnChunk));
+    E2LF_ASSIGN_OR_RETURN(p_, GrowingDataset::create(group.get(), "p", H5T_STD_U8LE, kColumnChunk));
+    E2LF_ASSIGN_OR_RETURN(t_, GrowingDataset::create(group.get(), "t", H5T_STD_U32LE, kColumnChunk));
+    E2LF_ASSIGN_OR_RETURN(ms_to_idx_, GrowingDataset::create(file, "ms_to_idx", H5T_STD_U64LE, kColumnChunk));
+    return {};
+  }
+
+  bool holds_triggers() const override { return false; }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    const EventColumns& events = batch.events;
+    const size_t count = events.size();
+    if (count == 0) return {};
+    if (t_.length() == 0) {
+      offset_us_ = events.t.front();
+      E2LF_RETURN_IF_ERROR(write_offset());
+    }
+    if (events.t.back() - offset_us_ > UINT32_MAX) {
+      return Error{ErrorCode::kInvalidValue,
+                   "the recording is longer than the 71 minutes that this layout holds; write HDF5 with ECF", name_};
+    }
+    std::vector<uint32_t> times(count);
+    std::vector<uint64_t> milliseconds;
+    for (size_t i = 0; i < count; ++i) {
+      times[i] = static_cast<uint32_t>(events.t[i] - offset_us_);
+      while (next_ms_ * 1000 <= times[i]) {
+        milliseconds.push_back(t_.length() + i);
+        ++next_ms_;
+      }
+    }
+    const LibraryLock lock;
+    E2LF_RETURN_IF_ERROR(ms_to_idx_.append(H5T_NATIVE_UINT64, milliseconds.data(), milliseconds.size()));
+    E2LF_RETURN_IF_ERROR(x_.append(H5T_NATIVE_UINT16, events.x.data(), count));
+    E2LF_RETURN_IF_ERROR(y_.append(H5T_NATIVE_UINT16, events.y.data(), count));
+    E2LF_RETURN_IF_ERROR(p_.append(H5T_NATIVE_UINT8, events.p.data(), count));
+    E2LF_RETURN_IF_ERROR(t_.append(H5T_NATIVE_UINT32, times.data(), count));
+    if (hdf5_file_.is_behind()) hdf5_file_.keep_up();
+    return hdf5_file_.check();
+  }
+
+  Result<void> finish() override {
+    const LibraryLock lock;
+    // One more entry after the last event, so that every event has a following millisecond.
+    const uint64_t end = t_.length();
+    E2LF_RETURN_IF_ERROR(ms_to_idx_.append(H5T_NATIVE_UINT64, &end, 1));
+    if (end == 0) E2LF_RETURN_IF_ERROR(write_offset());
+    for (GrowingDataset* column : {&x_, &y_, &p_, &t_, &ms_to_idx_}) *column = {};
+    E2LF_RETURN_IF_ERROR(hdf5_file_.close());
+    return file_.commit();
+  }
+
+ private:
+  Result<void> write_offset() {
+    const LibraryLock lock;
+    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Handle offset(
+        H5Dcreate2(hdf5_file_.get(), "t_offset", H5T_STD_I64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose);
+    if (!offset.valid() || H5Dwrite(offset.get(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &offset_us_) < 0) {
+      return Error{ErrorCode::kIo, "the HDF5 library could not write t_offset; check the disk's free space", name_};
+    }
+    return {};
+  }
+
+  AtomicFile file_;
+  std::string name_;
+  BatchCheck check_;
+  CheckedFile hdf5_file_;
+  GrowingDataset x_, y_, p_, t_, ms_to_idx_;
+  int64_t offset_us_ = 0;
+  uint64_t next_ms_ = 0;
+};
+
+}  // namespace
+
+Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource& source, const OpenOptions& options) {
+  const LibraryLock lock;
+  const std::string name = source.name();
+  info.format = "dsec";
+  const std::vector<EventPlace> places = find_event_places(file);
+  if (places.empty()) {
+    return Error{
+        ErrorCode::kNotFound,
+        "the file has no events: neither CD/events (Metavision), nor a group with the columns x, y, p, t or xs, ys, "
+        "ps, ts, nor records with such fields, nor a data set events [events, 4]; if it is a recording, write it as "
+        "one of them",
+        name};
+  }
+  std::vector<NamedStream> streams;
+  for (const EventPlace& place : places) streams.push_back({cat(streams.size()), place.name, ""});
+  size_t chosen = 0;
+  if (places.size() > 1) {
+    E2LF_ASSIGN_OR_RETURN(chosen, choose_stream(streams, options, name, info));
+  }
+  if (info.width == 0) read_sensor_size(file, places[chosen].name, info);
+  auto columns = std::make_unique<ColumnBlocks>();
+  E2LF_RETURN_IF_ERROR(columns->open(file, places[chosen], options, name, info));
+  const TimeUnit unit = columns->unit();
+  const int64_t zero_us = columns->zero_us();
+  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source.logical_path()));
+  return table::make_table_reader(std::move(columns), unit, std::move(info), name, options, std::move(triggers),
+                                  zero_us);
+}
+
+Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
+  E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
+  auto writer = std::make_unique<DsecWriter>(std::move(file), info);
+  E2LF_RETURN_IF_ERROR(writer->begin(info));
+  return WriterPtr(std::move(writer));
+}
+
+}  // namespace e2lf::recordings::hdf5_events::dsec

@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: MIT
+// Reads and writes events in .npz files; declared in codecs.h.
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "e2lf/base/little_endian.h"
+#include "e2lf/base/memory.h"
+#include "e2lf/base/text.h"
+#include "e2lf/files/npy.h"
+#include "e2lf/files/options.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/formats/table/layout.h"
+#include "e2lf/formats/table/table_reader.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/event_blocks.h"
+
+namespace e2lf::recordings::numpy {
+using table::Field;
+using table::kSampledRows;
+using table::NumberField;
+
+namespace {
+
+constexpr size_t kBlockEvents = size_t{1} << 17;
+constexpr uint64_t kEventBytes = 13;  // of its columns x, y, p, t
+constexpr const char* kReadRemedy =
+    "an .npz file is read as a whole: store the events as .npy, .csv or .hdf5, or in parts";
+
+/// Returns a column of the archive, after checking that it is one-dimensional and numeric.
+Result<const NpyArray*> find_column(const NpzArrays& arrays, const std::string& key, const std::string& name) {
+  const auto found = arrays.find(key);
+  if (found == arrays.end()) {
+    return Error{ErrorCode::kNotFound, cat("the archive has no array \"", key, "\"; store all columns"), name};
+  }
+  const NpyArray& array = found->second;
+  if (array.shape.size() == 1 && table::is_number_type(array.type)) return &array;
+  return Error{ErrorCode::kShape, cat("array \"", key, "\" is not a column of numbers; store x, y, p, t"), name};
+}
+
+/// Returns the triggers, sorted. Their times are in `unit` if they are floating-point numbers. Adds the number of
+/// unreadable ones to `num_bad`.
+Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::string& name, TimeUnit unit,
+                                           size_t& num_bad) {
+  std::vector<Trigger> triggers;
+  if (!arrays.contains("trigger_t")) return triggers;
+  std::array<const NpyArray*, 3> columns{};
+  for (size_t i = 0; i < columns.size(); ++i) {
+    constexpr const char* kKeys[] = {"trigger_t", "trigger_p", "trigger_id"};
+    E2LF_ASSIGN_OR_RETURN(columns[i], find_column(arrays, kKeys[i], name));
+    if (columns[i]->shape == columns[0]->shape) continue;
+    return Error{ErrorCode::kShape, cat("array \"", kKeys[i], "\" has a different length; store all of it"), name};
+  }
+  const auto [t, p, id] = columns;
+  const size_t count = t->shape[0];
+  Column<uint8_t> bad(count, 0), polarities(count);
+  Column<int64_t> times_us(count);
+  Column<uint16_t> ids(count);
+  if (t->type[0] != 'f' && unit == TimeUnit::kSeconds) unit = TimeUnit::kMicroseconds;
+  const auto field_of = [](const NpyArray& array) { return NumberField{array.type, 0, array.item_size}; };
+  table::to_times(t->bytes.data(), field_of(*t), unit, count, times_us.data(), bad.data());
+  table::to_column(p->bytes.data(), field_of(*p), count, polarities.data(), bad.data());
+  table::to_column(id->bytes.data(), field_of(*id), count, ids.data(), bad.data());
+  for (size_t i = 0; i < count; ++i) {
+    if (bad[i] == 0 && is_time(times_us[i])) {
+      triggers.push_back({times_us[i], ids[i], static_cast<uint8_t>(polarities[i] != 0)});
+    } else {
+      ++num_bad;
+    }
+  }
+  std::stable_sort(triggers.begin(), triggers.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
+  return triggers;
+}
+
+/// Fails if there is not enough memory for the events of an archive: its arrays, their columns, and these again if they
+/// are sorted.
+Result<void> check_memory(std::span<const uint8_t> archive, const std::string& name) {
+  E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, peek_npz(archive, name));
+  uint64_t bytes = 0, most_rows = 0;
+  for (const auto& [key, array] : arrays) {
+    bytes += static_cast<uint64_t>(array.num_elements()) * array.item_size;
+    if (!array.shape.empty()) most_rows = std::max<uint64_t>(most_rows, array.shape[0]);
+  }
+  return require_memory(bytes + 2 * kEventBytes * most_rows, kReadRemedy, name);
+}
+
+/// A complete recording in memory, which is returned in blocks.
+class MemoryBlocks final : public EventBlocks {
+ public:
+  MemoryBlocks(EventBatch all, size_t bad) : all_(std::move(all)), bad_(bad) {}
+
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
+    if (!std::exchange(has_begun_, true)) {
+      block.triggers = all_.triggers;
+      summary.add_dropped(Violation::kBadRecord, 0, bad_);
+    }
+    const size_t end = std::min(all_.events.size(), next_ + kBlockEvents);
+    block.events.append(all_.events, next_, end);
+    const bool more = next_ < end;
+    next_ = end;
+    return more;
+  }
+
+  Result<void> seek_before(int64_t t_us) override {
+    const auto time_at = [&](uint64_t i) -> Result<int64_t> {
+      const auto begin = all_.events.t.begin() + static_cast<ptrdiff_t>(i);
+      const size_t count = std::min<size_t>(kTimesPerProbe, all_.events.size() - i);
+      return median<int64_t>({begin, begin + static_cast<ptrdiff_t>(count)});
+    };
+    E2LF_ASSIGN_OR_RETURN(next_, find_place_before(all_.events.size(), t_us, time_at));
+    has_begun_ = false;
+    return {};
+  }
+
+ private:
+  EventBatch all_;
+  size_t bad_;
+  bool has_begun_ = false;  ///< whether triggers and damage were returned
+  size_t next_ = 0;
+};
+
+class NpzWriter final : public RecordingWriter {
+ public:
+  NpzWriter(SinkPtr sink, const RecordingInfo& info)
+      : sink_(std::move(sink)), info_(info), check_(info.width, info.height, sink_->name()) {}
+
+  bool holds_triggers() const override { return true; }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    E2LF_RETURN_IF_ERROR(check_room(batch.events.size()));
+    all_.append(batch);
+    return {};
+  }
+
+  Result<void> finish() override {
+    NpzArrays arrays;
+    const auto put = [&arrays](const char* key, const auto& column) {
+      arrays.emplace(key, make_npy({column.size()}, std::span(std::as_const(column))));
+    };
+    put("x", all_.events.x);
+    put("y", all_.events.y);
+    put("p", all_.events.p);
+    put("t", all_.events.t);
+    std::vector<int64_t> t;
+    std::vector<uint8_t> p;
+    std::vector<uint16_t> id;
+    for (const Trigger& trigger : all_.triggers) {
+      t.push_back(trigger.t);
+      p.push_back(trigger.p);
+      id.push_back(trigger.id);
+    }
+    put("trigger_t", t);
+    put("trigger_p", p);
+    put("trigger_id", id);
+    put("size", std::vector<int64_t>{static_cast<int64_t>(info_.width), static_cast<int64_t>(info_.height)});
+    // Uncompressed, because deflate takes longer than everything else together and saves little on such columns.
+    E2LF_RETURN_IF_ERROR(sink_->write(encode_npz(arrays, /*compress=*/false)));
+    return sink_->commit();
+  }
+
+ private:
+  /// Checks before the columns double in size that there is memory for them beside the old ones, or for the archive at
+  /// the end.
+  Result<void> check_room(size_t more) {
+    const size_t count = all_.events.size() + more;
+    if (count <= room_) return {};
+    room_ = std::max(2 * count, kBlockEvents);
+    return require_memory(2 * kEventBytes * room_,
+                          "an .npz file is written as a whole: write .raw, .npy or .hdf5 instead", sink_->name());
+  }
+
+  SinkPtr sink_;
+  RecordingInfo info_;
+  BatchCheck check_;
+  EventBatch all_;
+  size_t room_ = 0;  ///< number of events for which there is memory
+};
+
+/// Reads the size of the sensor: size [width, height], sensor_resolution [height, width], or width and height.
+void read_size(const NpzArrays& arrays, RecordingInfo& info) {
+  const auto numbers = [&](const char* key) {
+    const auto found = arrays.find(key);
+    const auto values =
+        found == arrays.end() ? Result<std::vector<int32_t>>(std::vector<int32_t>()) : found->second.to_int32(key);
+    return values.ok() ? *values : std::vector<int32_t>();
+  };
+  std::vector<int32_t> size = numbers("size");
+  if (size.size() != 2) {
+    size = numbers("sensor_resolution");
+    std::reverse(size.begin(), size.end());
+  }
+  if (size.size() != 2) {
+    size = numbers("width");
+    for (const int32_t height : numbers("height")) size.push_back(height);
+  }
+  if (size.size() != 2 || size[0] < 0 || size[1] < 0) return;
+  info.width = static_cast<size_t>(size[0]);
+  info.height = static_cast<size_t>(size[1]);
+}
+
+/// One column of the events of an archive, as a separate array or as part of rows.
+struct NpzColumn {
+  std::string name;
+  const NpyArray* array = nullptr;
+  NumberField field;
+};
+
+/// Returns the columns of the rows of an array: its fields, or four without names.
+std::vector<NpzColumn> columns_of_rows(const NpyArray& array) {
+  std::vector<NpzColumn> columns;
+  for (const NpyField& field : array.fields) {
+    if (table::is_number_type(field.type)) {
+      columns.push_back({field.name, &array, {field.type, field.offset, array.item_size}});
+    }
+  }
+  for (size_t i = 0; array.fields.empty() && i < 4; ++i) {
+    columns.push_back({"", &array, {array.type, i * array.item_size, 4 * array.item_size}});
+  }
+  return columns;
+}
+
+/// Returns the arrays whose names denote the fields of an event. An array "xy" contains both coordinates.
+Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std::string& name) {
+  std::vector<std::string> keys;
+  std::vector<NpzColumn> columns;
+  for (const auto& [key, array] : arrays) {
+    keys.push_back(key);
+    if (table::parse_column_name(key).is_xy && columns.empty() && array.shape.size() == 2 && array.shape[1] == 2 &&
+        table::is_number_type(array.type)) {
+      columns.push_back({"x", &array, {array.type, 0, 2 * array.item_size}});
+      columns.push_back({"y", &array, {array.type, array.item_size, 2 * array.item_size}});
+    }
+  }
+  const table::KnownColumns known = table::find_fields(keys);
+  for (size_t field = columns.size(); field < table::kNumFields; ++field) {
+    if (!known[field]) {
+      return Error{ErrorCode::kNotFound,
+                   cat("the names of the arrays (", join(keys), ") do not state once each which are x, y, p and t; ",
+                       "store the columns x, y, p, t, or events as [events, 4]"),
+                   name};
+    }
+    const std::string& key = keys[*known[field]];
+    E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, key, name));
+    columns.push_back({key, array, {array->type, 0, array->item_size}});
+  }
+  return columns;
+}
+
+Result<void> check_lengths(const std::vector<NpzColumn>& columns, const std::string& name) {
+  for (const NpzColumn& column : columns) {
+    if (column.array->shape[0] == columns[0].array->shape[0]) continue;
+    return Error{ErrorCode::kShape, cat("array \"", column.name, "\" has a different length; store all of it"), name};
+  }
+  return {};
+}
+
+/// Converts an array [4, events] to [events, 4].
+void transpose(NpyArray& array) {
+  const size_t count = array.shape[1], item = array.item_size;
+  std::vector<uint8_t> rows(array.bytes.size());
+  for (size_t column = 0; column < 4; ++column) {
+    for (size_t i = 0; i < count; ++i) {
+      std::copy_n(&array.bytes[(column * count + i) * item], item, &rows[(4 * i + column) * item]);
+    }
+  }
+  array.bytes = std::move(rows);
+  array.shape = {count, 4};
+}
+
+/// Converts arrays [n, 1] and [1, n] to columns, and arrays [4, n] to rows.
+void simplify(NpzArrays& arrays) {
+  for (auto& [key, array] : arrays) {
+    const std::vector<size_t>& shape = array.shape;
+    const bool is_event = shape == std::vector<size_t>{1, 4};
+    if (array.fields.empty() && shape.size() == 2 && std::min(shape[0], shape[1]) == 1 && !is_event) {
+      array.shape = {array.num_elements()};
+    }
+    const bool is_flat = array.fields.empty() && shape.size() == 2 && shape[0] == 4 && shape[1] > 4;
+    if (is_flat && array.bytes.size() == 4 * shape[1] * array.item_size) transpose(array);
+  }
+}
+
+/// Reads the events from columns and adds how to `info`. Adds the number of rows that are not events to `num_bad`.
+Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is_ordered, const OpenOptions& options,
+                                  const std::string& name, RecordingInfo& info, TimeUnit& unit, size_t& num_bad) {
+  const size_t count = columns.empty() ? 0 : columns[0].array->shape[0];
+  const size_t sampled = std::min(count, kSampledRows);
+  table::TableSample sample{.is_ordered = is_ordered};
+  for (const NpzColumn& column : columns) {
+    sample.columns.push_back(table::sample_of(column.name, column.array->bytes.data(), column.field, sampled));
+  }
+  E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(sample, options, name, info));
+  unit = layout.unit;
+  const auto [x, y, p, t] = layout.columns;
+  const auto bytes_of = [&](size_t column) { return columns[column].array->bytes.data(); };
+  const table::RecordFields fields = {columns[x].field, columns[y].field, columns[p].field,
+                                      columns[t].field, layout.unit,      layout.polarity};
+  EventColumns events;
+  num_bad = table::to_events({bytes_of(x), bytes_of(y), bytes_of(p), bytes_of(t)}, fields, count, events);
+  return events;
+}
+
+bool are_rows_of_events(const NpyArray& array) {
+  const bool are_rows =
+      array.fields.empty() && array.shape.size() == 2 && array.shape[1] == 4 && table::is_number_type(array.type);
+  const bool are_records = !array.fields.empty() && array.shape.size() == 1;
+  return are_rows || are_records;
+}
+
+/// Returns the array [events, 4] or of records of an archive that is named events or is the only one, or null.
+const NpyArray* find_rows(const NpzArrays& arrays) {
+  const auto named = arrays.find("events");
+  if (named != arrays.end() && are_rows_of_events(named->second)) return &named->second;
+  const auto are_rows = [](const auto& entry) { return are_rows_of_events(entry.second); };
+  const auto first = std::find_if(arrays.begin(), arrays.end(), are_rows);
+  return std::count_if(arrays.begin(), arrays.end(), are_rows) == 1 ? &first->second : nullptr;
+}
+
+/// Creates a reader of decoded arrays; `info` contains format and size.
+Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
+                              const OpenOptions& options) {
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+  simplify(arrays);
+  const NpyArray* const rows = find_rows(arrays);
+  std::vector<NpzColumn> columns;
+  if (rows != nullptr) {
+    columns = columns_of_rows(*rows);
+  } else {
+    E2LF_ASSIGN_OR_RETURN(columns, named_columns(arrays, name));
+  }
+  E2LF_RETURN_IF_ERROR(check_lengths(columns, name));
+  TimeUnit unit = TimeUnit::kMicroseconds;
+  size_t num_bad = 0;
+  EventBatch all;
+  E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, rows != nullptr, options, name, info, unit, num_bad));
+  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
+  E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "", name));
+  auto blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
+  return table::make_table_reader(std::move(blocks), unit, std::move(info), name, options);
+}
+
+}  // namespace
+
+bool detect_npz(std::span<const uint8_t> head) {
+  constexpr size_t kLocalHeader = 30;
+  if (head.size() < kLocalHeader + 5 || load_le<uint32_t>(head.data()) != 0x04034B50) return false;
+  const std::string_view first(reinterpret_cast<const char*>(&head[kLocalHeader]), 5);
+  constexpr std::string_view kColumns[] = {"x.npy", "y.npy", "p.npy", "t.npy", "xs.np", "ys.np", "ps.np", "ts.np"};
+  return std::find(std::begin(kColumns), std::end(kColumns), first) != std::end(kColumns);
+}
+
+Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options) {
+  const std::string name = source->name();
+  E2LF_RETURN_IF_ERROR(require_memory(source->size().value_or(0), kReadRemedy, name));
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
+  E2LF_RETURN_IF_ERROR(check_memory(bytes, name));
+  E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, decode_npz(bytes, name));
+  RecordingInfo info{.format = "npz"};
+  if (options.width == 0 || options.height == 0) read_size(arrays, info);
+  return open_arrays(std::move(arrays), std::move(info), name, options);
+}
+
+Result<ReaderPtr> open_npy_columns(SourcePtr source, const OpenOptions& options) {
+  const std::string name = source->name();
+  E2LF_RETURN_IF_ERROR(require_memory(3 * source->size().value_or(0), "store the events as [events, 4]", name));
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
+  NpzArrays arrays;
+  E2LF_ASSIGN_OR_RETURN(arrays["events"], decode_npy(bytes, name));
+  RecordingInfo info{.format = "npy"};
+  return open_arrays(std::move(arrays), std::move(info), name, options);
+}
+
+namespace {
+
+/// Returns the .npy files of a folder whose names denote fields of an event, "events_t" or "x", if they are complete.
+std::vector<std::string> field_files(const std::filesystem::path& path) {
+  std::vector<std::string> files;
+  bool has_xy = false;
+  std::error_code error;
+  for (auto entry = std::filesystem::directory_iterator(path, error);
+       !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    const std::filesystem::path& file = entry->path();
+    const table::ColumnName known = table::parse_column_name(file.stem().string());
+    if (file.extension() != ".npy" || (!known.is_xy && !known.field)) continue;
+    has_xy = has_xy || known.is_xy;
+    files.push_back(file.stem().string());
+  }
+  const table::KnownColumns known = table::find_fields(files);
+  for (const Field field : {Field::kX, Field::kY, Field::kP, Field::kT}) {
+    const bool is_in_xy = has_xy && (field == Field::kX || field == Field::kY);
+    if (!known[table::of(field)] && !is_in_xy) return {};
+  }
+  return files;
+}
+
+}  // namespace
+
+bool is_event_folder(const std::filesystem::path& path) {
+  return !field_files(path).empty();
+}
+
+Result<ReaderPtr> open_event_folder(const std::filesystem::path& path, const OpenOptions& options) {
+  NpzArrays arrays;
+  for (const std::string& key : field_files(path)) {
+    const std::filesystem::path file = path / cat(key, ".npy");
+    std::error_code error;
+    const uintmax_t bytes = std::filesystem::file_size(file, error);
+    if (!error) E2LF_RETURN_IF_ERROR(require_memory(3 * bytes, "store the events as .raw or .hdf5", file.string()));
+    E2LF_ASSIGN_OR_RETURN(arrays[key], read_npy(file));
+  }
+  RecordingInfo info{.format = "evreal"};
+  if (const auto metadata = read_json(path / "metadata.json"); metadata && metadata->is_object()) {
+    Json size = metadata->value("sensor_resolution", Json());
+    if (!size.is_array()) size = {metadata->value("height", Json()), metadata->value("width", Json())};
+    const auto is_size = [](const Json& value) { return value.is_number_unsigned() && value.get<uint64_t>() <= 65536; };
+    if (size.size() == 2 && is_size(size[0]) && is_size(size[1])) {
+      info.height = size[0].get<size_t>();
+      info.width = size[1].get<size_t>();
+    }
+  }
+  return open_arrays(std::move(arrays), std::move(info), path.string(), options);
+}
+
+Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info) {
+  return WriterPtr(std::make_unique<NpzWriter>(std::move(sink), info));
+}
+
+}  // namespace e2lf::recordings::numpy

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/formats/table/layout.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "e2lf/base/log.h"
+#include "e2lf/base/median.h"
+#include "e2lf/base/text.h"
+
+namespace e2lf::recordings::table {
+namespace {
+
+constexpr std::pair<std::string_view, Field> kNames[] = {
+    {"t", Field::kT},         {"ts", Field::kT},         {"time", Field::kT},      {"times", Field::kT},
+    {"timestamp", Field::kT}, {"timestamps", Field::kT}, {"x", Field::kX},         {"xs", Field::kX},
+    {"col", Field::kX},       {"column", Field::kX},     {"y", Field::kY},         {"ys", Field::kY},
+    {"row", Field::kY},       {"p", Field::kP},          {"ps", Field::kP},        {"pol", Field::kP},
+    {"pols", Field::kP},      {"polarity", Field::kP},   {"polarities", Field::kP}};
+
+/// Words that leave the meaning of a name unchanged: "event_x", "dataset_events_t", "x [px]", "time in us".
+constexpr std::string_view kFillers[] = {"event", "events", "dataset", "px", "pixel", "pixels", "in"};
+
+/// The name of a unit and its duration in microseconds, by TimeUnit.
+constexpr std::pair<const char*, double> kUnits[] = {{"us", 1}, {"s", 1e6}, {"ms", 1e3}, {"us", 1}, {"ns", 1e-3}};
+
+constexpr std::pair<std::string_view, TimeUnit> kUnitWords[] = {
+    {"s", TimeUnit::kSeconds},       {"sec", TimeUnit::kSeconds},       {"second", TimeUnit::kSeconds},
+    {"ms", TimeUnit::kMilliseconds}, {"msec", TimeUnit::kMilliseconds}, {"millisecond", TimeUnit::kMilliseconds},
+    {"us", TimeUnit::kMicroseconds}, {"usec", TimeUnit::kMicroseconds}, {"microsecond", TimeUnit::kMicroseconds},
+    {"ns", TimeUnit::kNanoseconds},  {"nsec", TimeUnit::kNanoseconds},  {"nanosecond", TimeUnit::kNanoseconds},
+};
+
+/// Returns the words of a name in lower case. A capital after a small letter begins a word ("timestampNs"), and the
+/// Greek letter of "us" is replaced by a Latin one.
+std::vector<std::string> words_of(std::string_view text) {
+  std::vector<std::string> words(1);
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const std::string_view pair = text.substr(i, 2);
+    const bool is_hump = i > 0 && std::isupper(byte) != 0 && std::islower(static_cast<unsigned char>(text[i - 1])) != 0;
+    if (is_hump && !words.back().empty()) words.emplace_back();
+    if (pair == "\xC2\xB5" || pair == "\xCE\xBC") {
+      words.back() += 'u';
+      ++i;
+    } else if (byte >= 0x80 || std::isalnum(byte) != 0) {
+      words.back() += static_cast<char>(byte < 0x80 ? std::tolower(byte) : byte);
+    } else if (!words.back().empty()) {
+      words.emplace_back();
+    }
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+}  // namespace
+
+ColumnName parse_column_name(std::string_view name) {
+  std::vector<std::string> words = words_of(name);
+  std::erase_if(words, [](const std::string& word) {
+    return std::find(std::begin(kFillers), std::end(kFillers), word) != std::end(kFillers);
+  });
+  ColumnName result;
+  if (words.size() > 1) result.unit = parse_time_unit(words.back());
+  if (result.unit != TimeUnit::kAuto) words.pop_back();
+  std::string joined;  // "time stamp"
+  for (const std::string& word : words) joined += word;
+  result.is_xy = joined == "xy";
+  const auto known =
+      std::find_if(std::begin(kNames), std::end(kNames), [&](const auto& k) { return k.first == joined; });
+  if (known == std::end(kNames)) return result;
+  if (known->second == Field::kT || result.unit == TimeUnit::kAuto) result.field = known->second;
+  return result;
+}
+
+KnownColumns find_fields(std::span<const std::string> names) {
+  KnownColumns columns;
+  std::array<size_t, kNumFields> counts{};
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto field = parse_column_name(names[i]).field;
+    if (!field) continue;
+    columns[of(*field)] = i;
+    ++counts[of(*field)];
+  }
+  for (size_t field = 0; field < kNumFields; ++field) {
+    if (counts[field] > 1) columns[field].reset();
+  }
+  return columns;
+}
+
+bool are_complete(const KnownColumns& columns) {
+  return std::all_of(columns.begin(), columns.end(), [](const auto& column) { return column.has_value(); });
+}
+
+TimeUnit parse_time_unit(std::string_view word) {
+  if (word.size() > 2 && word.ends_with('s')) word.remove_suffix(1);  // "secs"
+  const auto known =
+      std::find_if(std::begin(kUnitWords), std::end(kUnitWords), [&](const auto& k) { return k.first == word; });
+  return known == std::end(kUnitWords) ? TimeUnit::kAuto : known->second;
+}
+
+double us_per(TimeUnit unit) {
+  return kUnits[static_cast<size_t>(unit)].second;
+}
+
+const char* time_unit_name(TimeUnit unit) {
+  return kUnits[static_cast<size_t>(unit)].first;
+}
+
+namespace {
+
+/// Share of the values of a column that may be damaged.
+constexpr double kMostDamaged = 0.1;
+/// No sensor is wider (px).
+constexpr double kWidestSensor = 8192;
+
+Error undecided(std::string message, const std::string& location, Setting setting) {
+  return {ErrorCode::kInvalidValue, std::move(message), location, setting};
+}
+
+template <typename Test>
+double share_of(const std::vector<double>& values, const Test& test) {
+  if (values.empty()) return 0;
+  return static_cast<double>(std::count_if(values.begin(), values.end(), test)) / static_cast<double>(values.size());
+}
+
+bool are_fractions(const TableSample::Column& column) {
+  const auto is_fraction = [](double value) { return value != std::trunc(value); };
+  return column.is_fraction || share_of(column.values, is_fraction) >= kMostDamaged;
+}
+
+/// Returns the columns of an order such as "txyp" or "t-xyp", or nothing if it is not one of `count` columns.
+std::optional<ColumnsOfFields> columns_of_order(const std::string& order, size_t count) {
+  ColumnsOfFields columns = {};
+  bool fits = order.size() == count && order.find_first_not_of("xypt-") == std::string::npos;
+  for (size_t field = 0; field < kNumFields; ++field) {
+    columns[field] = order.find(kFieldLetters[field]);
+    fits = fits && columns[field] != std::string::npos && columns[field] == order.rfind(kFieldLetters[field]);
+  }
+  return fits ? std::optional(columns) : std::nullopt;
+}
+
+Result<ColumnsOfFields> columns_of_option(const std::string& order, const TableSample& sample,
+                                          const std::string& location) {
+  if (!sample.is_ordered) {
+    return undecided("the columns are identified by names, so they have no order; leave the option out", location,
+                     Setting::kColumns);
+  }
+  if (const auto columns = columns_of_order(order, sample.columns.size())) return *columns;
+  return undecided(cat("\"", order, "\" is not an order of the ", sample.columns.size(),
+                       " columns; write each of t, x, y, p once, e.g. txyp, and - for a column to skip"),
+                   location, Setting::kColumns);
+}
+
+std::string names_text(const std::vector<std::string>& names) {
+  constexpr size_t kMost = 10;
+  std::vector<std::string> texts;
+  for (size_t i = 0; i < std::min(kMost, names.size()); ++i) texts.push_back(printable(names[i]));
+  return join(texts) + (names.size() > kMost ? ", ..." : "");
+}
+
+Result<ColumnsOfFields> columns_of(const TableSample& sample, const OpenOptions& options, const std::string& location) {
+  if (!options.columns.empty()) return columns_of_option(options.columns, sample, location);
+  std::vector<std::string> names;
+  for (const TableSample::Column& column : sample.columns) names.push_back(column.name);
+  const size_t count = names.size();
+  if (const KnownColumns named = find_fields(names); are_complete(named)) {
+    return ColumnsOfFields{*named[0], *named[1], *named[2], *named[3]};
+  }
+  if (std::any_of(names.begin(), names.end(), [](const std::string& name) { return !name.empty(); })) {
+    return undecided(
+        cat("the names of the columns (", names_text(names), ") do not state once each which are t, x, y ",
+            "and p; state their order, e.g. ", std::string("txyp-----").substr(0, std::max(count, kNumFields)),
+            ", or check whether these are events"),
+        location, Setting::kColumns);
+  }
+  const bool is_empty = count == kNumFields && sample.columns[0].values.empty();
+  const bool begins_with_seconds = count == kNumFields && are_fractions(sample.columns[0]);
+  const std::string order = !sample.order.empty() ? sample.order : is_empty || begins_with_seconds ? "txyp" : "";
+  if (const auto columns = columns_of_order(order, count)) return *columns;
+  return undecided(
+      cat("the ", count, " columns have no names; state their order, txyp or xypt for example, and the unit ",
+          "of the times, or check whether these are events"),
+      location, Setting::kColumns);
+}
+
+/// Returns the distance of the numbers in which the largest of the times are stored.
+double step_of(const TableSample::Column& times) {
+  const double last = *std::max_element(times.values.begin(), times.values.end());
+  return std::ldexp(1.0, std::ilogb(std::max(last, 1e-9)) - times.mantissa_bits);
+}
+
+Result<TimeUnit> unit_of(const TableSample::Column& times, const TableSample& sample, const OpenOptions& options,
+                         const std::string& location) {
+  constexpr double kLatestUs = 1e17;      // 3,000 years
+  constexpr double kRarestEvents_hz = 1;  // more likely ms or us with fractions
+  const auto refuse = [&](const char* why) {
+    return undecided(cat("the times ", why, "; state their unit"), location, Setting::kTimeUnit);
+  };
+  if (options.time_unit != TimeUnit::kAuto) return options.time_unit;
+  const ColumnName name = parse_column_name(times.name);
+  if (!name.field && times.name.find_first_of("0123456789") != std::string::npos) {  // "t (100 ns)"
+    return refuse("count something else than s, ms, us or ns");
+  }
+  for (const TimeUnit unit : {times.unit, name.unit, sample.unit}) {
+    if (unit != TimeUnit::kAuto) return unit;
+  }
+  const std::vector<double>& values = times.values;
+  if (values.empty()) return TimeUnit::kMicroseconds;
+  if (!are_fractions(times)) {
+    if (times.mantissa_bits > 0 && step_of(times) > 1) return refuse("have too few digits to distinguish microseconds from seconds");
+    if (median(values) >= kLatestUs) return refuse("are too large to be microseconds");
+    return TimeUnit::kMicroseconds;
+  }
+  const double span_s = std::fabs(values.back() - values.front());
+  if (kRarestEvents_hz * span_s <= static_cast<double>(values.size())) return TimeUnit::kSeconds;
+  return refuse("have fractions, but are too far apart to be seconds");
+}
+
+std::string values_text(std::vector<double> values) {
+  constexpr size_t kMost = 4;
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  std::vector<std::string> texts;
+  for (size_t i = 0; i < std::min(kMost, values.size()); ++i) texts.push_back(cat(values[i]));
+  return join(texts) + (values.size() > kMost ? ", ..." : "");
+}
+
+Result<PolarityCode> polarity_of(const std::vector<double>& values, const OpenOptions& options,
+                                 const std::string& location) {
+  PolarityCode code;
+  const auto has = [&](double value) { return std::find(values.begin(), values.end(), value) != values.end(); };
+  if (!options.polarities.empty()) {
+    int length = 0;
+    const int found = std::sscanf(options.polarities.c_str(), "%lf,%lf%n", &code.off, &code.on, &length);
+    if (found != 2 || static_cast<size_t>(length) != options.polarities.size() || code.off == code.on) {
+      return undecided(cat("\"", options.polarities,
+                           "\" is not a pair of polarities; write the number of OFF and that of ON, e.g. 1,2"),
+                       location, Setting::kNone);
+    }
+    code.off_too = code.off;
+  } else if (has(-1) != has(0)) {
+    code.off = code.off_too = has(-1) ? -1 : 0;
+  }
+  const bool is_ambiguous = options.polarities.empty() && has(-1) && has(0);
+  const auto is_other = [&](double value) { return code.of(value) == PolarityCode::kNone; };
+  if (!is_ambiguous && share_of(values, is_other) <= kMostDamaged) return code;
+  return undecided(cat("the polarities are ", values_text(values),
+                       " and neither 0 and 1 nor -1 and 1; state the numbers of OFF and ON as ",
+                       "the setting polarities, e.g. 1,2, or check which column contains them"),
+                   location, Setting::kNone);
+}
+
+/// Refuses coordinates that are not those of pixels.
+Result<void> check_coordinates(const TableSample& sample, const ColumnsOfFields& columns, const RecordingInfo& info,
+                               const std::string& location) {
+  for (const Field field : {Field::kX, Field::kY}) {
+    const TableSample::Column& column = sample.columns[columns[of(field)]];
+    if (are_fractions(column)) {
+      return Error{ErrorCode::kUnsupported,
+                   cat("the coordinates ", kFieldLetters[of(field)], " are fractions of pixels, e.g. ",
+                       values_text(column.values), "; round them to the pixels of the sensor"),
+                   location};
+    }
+    const auto is_beyond = [](double value) { return value >= kWidestSensor; };
+    if (info.width == 0 && share_of(column.values, is_beyond) > kMostDamaged) {
+      return undecided(
+          cat("the coordinates ", kFieldLetters[of(field)], " reach ",
+              *std::max_element(column.values.begin(), column.values.end()),
+              " px, more than any sensor has; divide them if they are fractions of pixels (BS-ERGB stores ",
+              "1/32 px), or state the size of the sensor"),
+          location, Setting::kSensorSize);
+    }
+  }
+  return {};
+}
+
+/// Refuses or doubts times that are stored too coarsely.
+Result<void> check_resolution(const TableSample::Column& times, TimeUnit unit, const std::string& location) {
+  constexpr double kCoarseUs = 10, kTooCoarseUs = 1000;
+  if (times.mantissa_bits == 0 || times.values.empty()) return {};
+  const double step_us = step_of(times) * us_per(unit);
+  if (step_us <= kCoarseUs) return {};
+  const std::string text = cat("the times are floating-point numbers that are ", step_us,
+                               " us apart; store them as integers or with 64 bits");
+  if (step_us > kTooCoarseUs) return Error{ErrorCode::kInvalidValue, text, location};
+  log_warning(cat(location, ": ", text));
+  return {};
+}
+
+std::string columns_text(const TableSample& sample, const ColumnsOfFields& columns) {
+  std::array<std::pair<size_t, std::string>, kNumFields> parts;
+  for (size_t field = 0; field < kNumFields; ++field) {
+    parts[field] = {sample.is_ordered ? columns[field] : field, std::string(1, kFieldLetters[field])};
+  }
+  std::sort(parts.begin(), parts.end());
+  return join({parts[0].second, parts[1].second, parts[2].second, parts[3].second});
+}
+
+}  // namespace
+
+Result<TableLayout> decide_layout(const TableSample& sample, const OpenOptions& options, const std::string& location,
+                                  RecordingInfo& info) {
+  TableLayout layout;
+  E2LF_ASSIGN_OR_RETURN(layout.columns, columns_of(sample, options, location));
+  const TableSample::Column& times = sample.columns[layout.columns[of(Field::kT)]];
+  E2LF_ASSIGN_OR_RETURN(layout.unit, unit_of(times, sample, options, location));
+  const TableSample::Column& polarities = sample.columns[layout.columns[of(Field::kP)]];
+  E2LF_ASSIGN_OR_RETURN(layout.polarity, polarity_of(polarities.values, options, location));
+  E2LF_RETURN_IF_ERROR(check_coordinates(sample, layout.columns, info, location));
+  E2LF_RETURN_IF_ERROR(check_resolution(times, layout.unit, location));
+  info.table = TableReading{columns_text(sample, layout.columns), time_unit_name(layout.unit),
+                            cat(layout.polarity.off, " = OFF, ", layout.polarity.on, " = ON")};
+  return layout;
+}
+
+Result<void> require_mostly_events(uint64_t events, uint64_t bad, const RecordingInfo& info,
+                                   const std::string& first_bad, const std::string& location) {
+  if (bad <= events) return {};
+  const std::string columns = info.table ? info.table->columns : "t, x, y, p";
+  return Error{ErrorCode::kFormat,
+               cat(bad, " of ", bad + events, " rows cannot be read as ", columns, first_bad,
+                   "; state the order of the columns or correct the file"),
+               location, Setting::kColumns};
+}
+
+}  // namespace e2lf::recordings::table

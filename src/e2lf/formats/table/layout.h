@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "e2lf/recordings/recording.h"
+
+namespace e2lf::recordings::table {
+
+/// The fields of an event.
+enum class Field : size_t { kX, kY, kP, kT };
+inline constexpr size_t kNumFields = 4;
+
+/// Returns the index of a field, below kNumFields.
+constexpr size_t of(Field field) {
+  return static_cast<size_t>(field);
+}
+
+/// The letters of the fields in column orders.
+inline constexpr std::string_view kFieldLetters = "xypt";
+
+/// The meaning of a column's name.
+struct ColumnName {
+  std::optional<Field> field = {};  ///< empty if the name is unknown
+  TimeUnit unit = TimeUnit::kAuto;  ///< unit of times: "t_ns", "t (ns)", "timestampNs"
+  bool is_xy = false;               ///< "xy": the column contains both coordinates
+};
+
+/// Parses a name in any case: "x", "xs", "event_timestamps", "Timestamp [us]", "polarity". A name with further words is
+/// unknown: "t_offset", "t (100 ns)".
+[[nodiscard]] ColumnName parse_column_name(std::string_view name);
+
+/// The index of the column of each field, by Field, as far as it is known.
+using KnownColumns = std::array<std::optional<size_t>, kNumFields>;
+
+/// Returns for each field the column that its name denotes, or nothing if no name or several do.
+[[nodiscard]] KnownColumns find_fields(std::span<const std::string> names);
+
+/// Returns whether all fields have a column.
+[[nodiscard]] bool are_complete(const KnownColumns& columns);
+
+/// Parses "us", "usec", "microseconds" and the like in lower case; returns kAuto for other words.
+[[nodiscard]] TimeUnit parse_time_unit(std::string_view word);
+
+/// Returns the duration of a unit in microseconds; kAuto is microseconds.
+[[nodiscard]] double us_per(TimeUnit unit);
+
+/// Returns "s", "ms", "us" or "ns".
+[[nodiscard]] const char* time_unit_name(TimeUnit unit);
+
+/// The first rows of a table, and what its format states.
+struct TableSample {
+  struct Column {
+    std::string name = {};            ///< as in the file; empty = none
+    std::vector<double> values = {};  ///< equally many in all columns
+    TimeUnit unit = TimeUnit::kAuto;  ///< if the file states it apart from the name
+    bool is_fraction = false;         ///< whether the values are known to be fractions, however they look
+    int mantissa_bits = 0;            ///< of numbers that are stored as floating-point numbers; 0 = others
+  };
+  std::vector<Column> columns = {};
+  bool is_ordered = true;           ///< whether the columns have an order that an option can name
+  std::string order = {};           ///< order that the format defines for columns without names, e.g. "xypt"
+  TimeUnit unit = TimeUnit::kAuto;  ///< unit that the format defines
+};
+
+/// The index of the column of each field, by Field.
+using ColumnsOfFields = std::array<size_t, kNumFields>;
+
+/// The code of polarities in a table.
+struct PolarityCode {
+  double off = 0, off_too = -1, on = 1;
+
+  static constexpr uint8_t kNone = 2;
+  /// Returns 1 (ON), 0 (OFF), or kNone for a value that is neither.
+  [[nodiscard]] uint8_t of(double value) const {
+    return value == on ? 1 : value == off || value == off_too ? 0 : kNone;
+  }
+};
+
+/// How to read the rows of a table.
+struct TableLayout {
+  ColumnsOfFields columns = {};
+  TimeUnit unit = TimeUnit::kMicroseconds;
+  PolarityCode polarity;
+};
+
+/// Determines the columns, the unit of the times and the code of the polarities, and adds them to `info`:
+/// - the columns from the options, from their names, or as the format defines them. Four columns without names are t,
+///   x, y, p if the first contains fractions.
+/// - the unit from the options, from the file, or as the format defines it. Whole numbers without a unit are
+///   microseconds, and fractions are seconds.
+/// - the polarities from the options, or 0/1 or -1/1.
+/// Fails with kInvalidValue or kUnsupported and names the setting if that does not suffice, if coordinates are
+/// fractions or larger than any sensor, or if the times are stored too coarsely.
+[[nodiscard]] Result<TableLayout> decide_layout(const TableSample& sample, const OpenOptions& options,
+                                                const std::string& location, RecordingInfo& info);
+
+/// Fails with kFormat if most rows were not events, in which case the table was misunderstood or is none. `first_bad`
+/// describes the position and content of the first such row.
+[[nodiscard]] Result<void> require_mostly_events(uint64_t events, uint64_t bad, const RecordingInfo& info,
+                                                 const std::string& first_bad, const std::string& location);
+
+}  // namespace e2lf::recordings::table

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: MIT
+// Reads text tables; declared in codecs.h.
+#include <algorithm>
+#include <cstring>
+
+#include "e2lf/base/stop.h"
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/formats/table/table_reader.h"
+#include "e2lf/formats/text/csv_layout.h"
+#include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
+#include "e2lf/recordings/side_triggers.h"
+
+namespace e2lf::recordings::text {
+namespace {
+
+constexpr size_t kBlockBytes = size_t{1} << 20;
+constexpr size_t kHeadBytes = size_t{1} << 14;  // from which the columns are determined
+constexpr size_t kLongestHead = size_t{1} << 20;
+constexpr size_t kLongestLine = 4096;
+constexpr size_t kSeekBytes = 16384;  // distance of the positions that a seek inspects; more than several lines
+constexpr size_t kShortestLine = 8;   // "0,0,0,0\n"
+
+/// The layout of a text.
+struct Layout {
+  LineLayout line;
+  size_t header_bytes = 0;
+  std::string header_line;  ///< may be repeated where files were concatenated
+};
+
+/// Lines that are not events.
+struct BadLines {
+  size_t count = 0;
+  size_t first_byte = 0;   ///< offset of the first one in the text
+  std::string first = {};  ///< content of the first one
+
+  /// Adds the bad lines of a text that begins at offset `byte` of this one.
+  void append(const BadLines& later, size_t byte) {
+    if (count == 0 && later.count > 0) {
+      first_byte = byte + later.first_byte;
+      first = later.first;
+    }
+    count += later.count;
+  }
+};
+
+bool is_remark(std::string_view line, const Layout& layout) {
+  return line.find_first_not_of(" \t\r\n,;") == std::string_view::npos || is_comment(line) ||
+         line == layout.header_line;
+}
+
+/// Parses a line that is not simply an event, which may follow a byte order mark.
+void parse_odd_line(std::string_view line, size_t byte, const Layout& layout, EventColumns& events, BadLines& bad) {
+  line = without_mark(line);
+  Event event;
+  if (line.size() <= kLongestLine && parse_line(line, layout.line, event)) {
+    events.push_back(event);
+  } else if (!is_remark(line, layout) && bad.count++ == 0) {
+    bad.first_byte = byte;
+    bad.first = quoted(line);
+  }
+}
+
+/// Appends the events of complete lines, and returns the lines that are not events.
+BadLines parse_lines(std::string_view text, const Layout& layout, EventColumns& events) {
+  BadLines bad;
+  Event event;
+  for (size_t begin = 0; begin < text.size();) {
+    const void* const found = std::memchr(text.data() + begin, '\n', text.size() - begin);
+    const size_t end =
+        found == nullptr ? text.size() : static_cast<size_t>(static_cast<const char*>(found) - text.data());
+    const std::string_view line = text.substr(begin, end - begin);
+    if (line.size() <= kLongestLine && parse_line(line, layout.line, event)) {
+      events.push_back(event);
+    } else {
+      parse_odd_line(line, begin, layout, events, bad);
+    }
+    begin = end + 1;
+  }
+  return bad;
+}
+
+class CsvBlocks final : public EventBlocks {
+ public:
+  CsvBlocks(SourcePtr source, Layout layout, RecordingInfo info, int threads)
+      : source_(std::move(source)),
+        layout_(std::move(layout)),
+        info_(std::move(info)),
+        threads_(threads == 0 ? num_threads() : threads) {}
+
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
+    E2LF_ASSIGN_OR_RETURN(const std::string_view text, fetch_lines());
+    if (text.empty()) {
+      E2LF_RETURN_IF_ERROR(table::require_mostly_events(events_, bad_, info_, first_bad_, source_->name()));
+      return false;
+    }
+    const BadLines bad = threads_ == 1 ? parse_lines(text, layout_, block.events) : parse_parallel(text, block.events);
+    const uint64_t first_byte = source_->position() + bad.first_byte;
+    summary.add_dropped(Violation::kBadRecord, first_byte, bad.count);
+    if (bad_ == 0 && bad.count > 0) first_bad_ = cat(" (the first at byte ", first_byte, ": ", bad.first, ")");
+    events_ += block.events.size();
+    bad_ += bad.count;
+    is_within_line_ = text.back() != '\n';
+    source_->consume(text.size());
+    return true;
+  }
+
+  Result<void> seek_before(int64_t t_us) override {
+    is_within_line_ = false;
+    events_ = bad_ = 0;
+    E2LF_RETURN_IF_ERROR(source_->seek(layout_.header_bytes));
+    const uint64_t bytes = source_->size().value_or(0);
+    const uint64_t places = bytes < layout_.header_bytes ? 0 : (bytes - layout_.header_bytes) / kSeekBytes;
+    const auto place_of = [&](uint64_t i) { return layout_.header_bytes + i * kSeekBytes; };
+    const auto time_at = [&](uint64_t i) { return time_behind(place_of(i)); };
+    E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(places, t_us, time_at));
+    if (place == 0) return source_->seek(layout_.header_bytes);
+    E2LF_ASSIGN_OR_RETURN(const uint64_t line, line_behind(place_of(place)));
+    return source_->seek(line);
+  }
+
+ private:
+  /// Returns the start of the first line that begins at or after a byte.
+  Result<uint64_t> line_behind(uint64_t byte) {
+    E2LF_RETURN_IF_ERROR(source_->seek(byte - 1));
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
+    const auto newline = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'});
+    return byte - 1 + static_cast<uint64_t>(newline - bytes.begin()) + (newline == bytes.end() ? 0 : 1);
+  }
+
+  /// Returns the time of the lines after a byte, or INT64_MAX if none of them can be read.
+  Result<int64_t> time_behind(uint64_t byte) {
+    E2LF_ASSIGN_OR_RETURN(const uint64_t line, line_behind(byte));
+    E2LF_RETURN_IF_ERROR(source_->seek(line));
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
+    std::string_view text = as_text(bytes).substr(0, kLongestLine);
+    text = text.substr(0, text.rfind('\n') + 1);
+    EventColumns events;
+    parse_lines(text, layout_, events);
+    if (events.empty()) return INT64_MAX;
+    const size_t count = std::min(kTimesPerProbe, events.size());
+    return median<int64_t>({events.t.begin(), events.t.begin() + static_cast<ptrdiff_t>(count)});
+  }
+
+  /// Returns the complete lines that are available; empty at the end.
+  Result<std::string_view> fetch_lines() {
+    const size_t block = kBlockBytes * static_cast<size_t>(threads_);
+    if (is_within_line_) E2LF_RETURN_IF_ERROR(skip_line());
+    size_t wanted = source_->seekable() ? block : 1;
+    for (;;) {
+      E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(wanted));
+      const std::string_view text = as_text(bytes).substr(0, block);
+      const size_t newline = text.rfind('\n');
+      if (newline != std::string_view::npos) return text.substr(0, newline + 1);
+      // A number that is cut off by a stop request has another value.
+      if (bytes.size() < wanted && stop_requested() && !source_->seekable()) return std::string_view();
+      // The last line may lack its line ending; a line that is too long is returned and counted as bad once.
+      if (bytes.size() < wanted || text.size() > kLongestLine) return text;
+      wanted = text.size() + 1;
+    }
+  }
+
+  /// Skips the rest of a line whose beginning was returned.
+  Result<void> skip_line() {
+    for (;;) {
+      E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(1));
+      const auto newline = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'});
+      const bool is_found = newline != bytes.end();
+      source_->consume(static_cast<size_t>(newline - bytes.begin()) + (is_found ? 1 : 0));
+      if (is_found || bytes.empty()) return {};
+    }
+  }
+
+  BadLines parse_parallel(std::string_view text, EventColumns& events) {
+    const auto parts = static_cast<size_t>(threads_);
+    std::vector<size_t> begins = {0};
+    for (size_t i = 1; i < parts; ++i) {
+      const size_t newline = text.find('\n', std::max(begins.back(), text.size() * i / parts));
+      begins.push_back(newline == std::string_view::npos ? text.size() : newline + 1);
+    }
+    begins.push_back(text.size());
+    parts_.resize(parts);
+    std::vector<BadLines> bad(parts);
+    parallel_for(parts, 1, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) {
+        parts_[i].clear();
+        parts_[i].reserve((begins[i + 1] - begins[i]) / kShortestLine);
+        bad[i] = parse_lines(text.substr(begins[i], begins[i + 1] - begins[i]), layout_, parts_[i]);
+      }
+    });
+    BadLines all_bad;
+    for (size_t i = 0; i < parts; ++i) {
+      events.append(parts_[i]);
+      all_bad.append(bad[i], begins[i]);
+    }
+    return all_bad;
+  }
+
+  SourcePtr source_;
+  Layout layout_;
+  RecordingInfo info_;
+  int threads_;
+  uint64_t events_ = 0, bad_ = 0;
+  std::string first_bad_;
+  bool is_within_line_ = false;  ///< whether the current line is too long and was counted
+  std::vector<EventColumns> parts_;
+};
+
+/// Parses the first lines, or more if the header is longer.
+Result<TextHead> fetch_head(ByteSource& source, const std::string& name) {
+  for (size_t wanted = kHeadBytes;; wanted *= 4) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source.fetch(wanted));
+    const bool is_whole = bytes.size() < wanted;
+    E2LF_ASSIGN_OR_RETURN(TextHead head, read_head(bytes.first(std::min(bytes.size(), wanted)), is_whole, name));
+    if (head.lines > 0 || !head.first_bad.empty() || is_whole || wanted >= kLongestHead) return head;
+  }
+}
+
+/// Fails if most of the first lines are not rows of numbers.
+Result<void> check_head(const TextHead& head, const std::string& name) {
+  const bool has_rows = !head.sample.columns.empty();
+  if (head.first_bad.empty() || (has_rows && 2 * head.bad_lines <= head.lines)) return {};
+  return Error{
+      ErrorCode::kFormat,
+      cat(head.first_bad,
+          has_rows ? cat(" and ", head.bad_lines - 1, " of the first ", head.lines, " lines are no") : " is no",
+          " event, that is, a line with the numbers t, x, y and p; is this a recording?"),
+      cat(name, ": line ", head.first_bad_number)};
+}
+
+/// Determines the layout, and leaves the source at the first event.
+Result<Layout> decide(ByteSource& source, const OpenOptions& options, const TextHead& head, RecordingInfo& info) {
+  source.consume(head.header_bytes);
+  Layout layout{{}, head.header_bytes, head.header_line};
+  if (head.sample.columns.empty()) {
+    layout.line.columns = {table::Field::kX, table::Field::kY, table::Field::kP, table::Field::kT};
+    return layout;
+  }
+  E2LF_ASSIGN_OR_RETURN(const table::TableLayout decided, decide_layout(head.sample, options, source.name(), info));
+  layout.line.columns.resize(head.sample.columns.size());
+  for (size_t field = 0; field < table::kNumFields; ++field) {
+    layout.line.columns[decided.columns[field]] = static_cast<table::Field>(field);
+  }
+  layout.line.unit = decided.unit;
+  layout.line.polarity = decided.polarity;
+  return layout;
+}
+
+/// Opens a text. If the format was given, it defines the order of columns without names.
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char* format, const char* order) {
+  const std::string name = source->name();
+  E2LF_ASSIGN_OR_RETURN(TextHead head, fetch_head(*source, name));
+  E2LF_RETURN_IF_ERROR(check_head(head, name));
+  if (!options.format.empty()) head.sample.order = order;
+  RecordingInfo info;
+  if (options.width == 0 || options.height == 0) {
+    info.width = head.width;
+    info.height = head.height;
+  }
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
+  E2LF_ASSIGN_OR_RETURN(Layout layout, decide(*source, options, head, info));
+  const TimeUnit unit = layout.line.unit;
+  info.format = !options.format.empty() || !info.table ? format : unit == TimeUnit::kSeconds ? "txt" : "csv";
+  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->logical_path()));
+  auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
+  return table::make_table_reader(std::move(lines), unit, std::move(info), name, options, std::move(triggers));
+}
+
+}  // namespace
+
+bool detect(std::span<const uint8_t> head) {
+  // An archive may contain a text without compression.
+  if (std::find(head.begin(), head.end(), uint8_t{0}) != head.end()) return false;
+  // A list of lists in JSON is a line of many numbers.
+  const std::string_view begin = as_text(head).substr(0, 2);
+  if (begin == "[[" || begin == "[{") return false;
+  const auto read = read_head(head.first(std::min(head.size(), kDetectBytes)), head.size() < kDetectBytes, "");
+  return read.ok() && !read->sample.columns.empty() && 2 * read->bad_lines <= read->lines;
+}
+
+Result<ReaderPtr> open_csv(SourcePtr source, const OpenOptions& options) {
+  return open(std::move(source), options, "csv", "xypt");
+}
+
+Result<ReaderPtr> open_txt(SourcePtr source, const OpenOptions& options) {
+  return open(std::move(source), options, "txt", "txyp");
+}
+
+}  // namespace e2lf::recordings::text

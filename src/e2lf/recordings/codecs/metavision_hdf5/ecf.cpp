@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recordings/codecs/metavision_hdf5/ecf.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::recordings::ecf {
+namespace {
+
+constexpr uint64_t kTimeLimit = uint64_t{1} << 62;
+
+Error truncated(size_t byte) {
+  return {ErrorCode::kTruncated, "an ECF chunk ends early; the file is damaged", cat("chunk byte ", byte)};
+}
+
+Error overrun(const char* what) {
+  return {ErrorCode::kFormat, cat("an ECF chunk has ", what, "; the file is damaged"), ""};
+}
+
+/// Reads little-endian values and stores whether the chunk was long enough.
+class Cursor {
+ public:
+  explicit Cursor(std::span<const uint8_t> bytes) : next_(bytes.data()), begin_(next_), end_(next_ + bytes.size()) {}
+
+  bool u8(uint32_t& value) {
+    if (next_ == end_) return false;
+    value = *next_++;
+    return true;
+  }
+  bool u16(uint32_t& value) {
+    if (end_ - next_ < 2) return false;
+    value = static_cast<uint32_t>(next_[0] | next_[1] << 8);
+    next_ += 2;
+    return true;
+  }
+  bool u64(uint64_t& value) {
+    if (end_ - next_ < 8) return false;
+    value = 0;
+    for (int i = 7; i >= 0; --i) value = value << 8 | next_[i];
+    next_ += 8;
+    return true;
+  }
+  /// Returns the next `count` bytes, or null.
+  const uint8_t* take(size_t count) {
+    if (static_cast<size_t>(end_ - next_) < count) return nullptr;
+    next_ += count;
+    return next_ - count;
+  }
+  [[nodiscard]] Error error() const { return truncated(static_cast<size_t>(next_ - begin_)); }
+
+ private:
+  const uint8_t *next_, *begin_, *end_;
+};
+
+/// Writes a run of equal values at `done` and advances it; returns false if the run does not fit.
+template <typename T>
+bool fill_run(std::span<T> column, size_t& done, size_t count, T value) {
+  if (count > column.size() - done) return false;
+  T* const out = column.data() + done;
+  for (size_t i = 0; i < count; ++i) out[i] = value;
+  done += count;
+  return true;
+}
+
+Result<void> read_times(Cursor& in, std::span<int64_t> t) {
+  uint64_t now = 0, gap = 0;
+  uint32_t digits = 0, byte = 0;
+  if (!in.u64(now)) return in.error();
+  for (size_t done = 0; done < t.size();) {
+    if (!in.u8(byte)) return in.error();
+    uint32_t count = byte & 15;
+    if (byte >= 0xF0) {
+      if (digits == 16) return overrun("a time gap of more than 64 bits");
+      gap |= static_cast<uint64_t>(count) << (4 * digits++);
+      continue;
+    }
+    if (now >= kTimeLimit || gap >= kTimeLimit) return overrun("a time beyond 2^62 us");
+    now += gap + (byte >> 4);
+    gap = digits = 0;
+    if (now >= kTimeLimit) return overrun("a time beyond 2^62 us");
+    if (count == 15 && !in.u16(count)) return in.error();
+    if (!fill_run(t, done, count, static_cast<int64_t>(now))) return overrun("a run of times longer than itself");
+  }
+  return {};
+}
+
+Result<void> read_y_runs(Cursor& in, std::span<uint16_t> y) {
+  uint32_t word = 0;
+  for (size_t done = 0; done < y.size();) {
+    if (!in.u16(word)) return in.error();
+    uint32_t count = word & 31;
+    if (count == 31 && !in.u16(count)) return in.error();
+    if (!fill_run(y, done, count, static_cast<uint16_t>(word >> 5))) return overrun("a row run longer than itself");
+  }
+  return {};
+}
+
+Result<void> read_p_runs(Cursor& in, std::span<uint8_t> p) {
+  uint32_t byte = 0;
+  for (size_t done = 0; done < p.size();) {
+    if (!in.u8(byte)) return in.error();
+    uint32_t count = byte & 127;
+    if (count == 127 && !in.u16(count)) return in.error();
+    if (!fill_run(p, done, count, static_cast<uint8_t>(byte >> 7))) return overrun("a polarity run longer than itself");
+  }
+  return {};
+}
+
+Result<void> read_x_groups(Cursor& in, std::span<uint16_t> x) {
+  uint32_t word = 0;
+  for (size_t done = 0; done < x.size();) {
+    if (!in.u16(word)) return in.error();
+    const uint32_t base = word >> 5;
+    x[done++] = static_cast<uint16_t>(base);
+    for (uint32_t step = 1; step <= 5; ++step) {
+      if ((word >> (5 - step) & 1) == 0) continue;
+      if (done == x.size()) return overrun("a column group longer than itself");
+      x[done++] = static_cast<uint16_t>(base + step);
+    }
+  }
+  return {};
+}
+
+void unpack_xp(uint32_t value, const MutableChunkColumns& e, size_t i) {
+  e.x[i] = static_cast<uint16_t>(value >> 1 & kMaxCoordinate);
+  e.p[i] = static_cast<uint8_t>(value & 1);
+}
+
+void unpack_yxp(uint32_t value, const MutableChunkColumns& e, size_t i) {
+  e.y[i] = static_cast<uint16_t>(value >> 12 & kMaxCoordinate);
+  unpack_xp(value, e, i);
+}
+
+/// Calls set(i, value) for the `count` values of `width` bits (12 or 24), of which four are packed in three words of
+/// type Word.
+template <typename Word, typename Set>
+void for_each_packed(const uint8_t* bytes, size_t count, Set&& set) {
+  constexpr unsigned kBits = sizeof(Word) * 8, kQuarter = kBits / 4;
+  constexpr Word kLow1 = static_cast<Word>((Word{1} << kQuarter) - 1);
+  constexpr Word kLow2 = static_cast<Word>((Word{1} << 2 * kQuarter) - 1);
+  constexpr Word kLow3 = static_cast<Word>((Word{1} << 3 * kQuarter) - 1);
+  for (size_t i = 0; i < count; i += 4, bytes += 3 * sizeof(Word)) {
+    Word w[3];
+    std::memcpy(w, bytes, sizeof(w));
+    const uint32_t values[4] = {
+        static_cast<uint32_t>(w[0] >> kQuarter),
+        static_cast<uint32_t>((w[0] & kLow1) | static_cast<uint32_t>(w[1] >> 2 * kQuarter) << kQuarter),
+        static_cast<uint32_t>((w[1] & kLow2) | static_cast<uint32_t>(w[2] >> 3 * kQuarter) << 2 * kQuarter),
+        static_cast<uint32_t>(w[2] & kLow3)};
+    for (size_t j = 0; j < std::min<size_t>(4, count - i); ++j) set(i + j, values[j]);
+  }
+}
+
+}  // namespace
+
+Result<size_t> event_count(std::span<const uint8_t> chunk) {
+  if (chunk.size() < 12) return truncated(chunk.size());
+  uint32_t header = 0;
+  std::memcpy(&header, chunk.data(), sizeof(header));
+  const size_t count = header >> 2;
+  if (count > kMaxChunkEvents) return overrun("a count of more than 65535 events");
+  return count;
+}
+
+Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& e) {
+  E2LF_ASSIGN_OR_RETURN(const size_t n, event_count(chunk));
+  E2LF_REQUIRE(e.x.size() == n && e.y.size() == n && e.p.size() == n && e.t.size() == n,
+               "columns must have the chunk's number of events");
+  const uint32_t layout = chunk[0] & 3;
+  Cursor in(chunk.subspan(4));
+  E2LF_RETURN_IF_ERROR(read_times(in, e.t));
+  const size_t quads = (n + 3) / 4;
+  if (layout & 2) {
+    const uint8_t* packed = in.take(quads * 12);
+    if (packed == nullptr) return in.error();
+    for_each_packed<uint32_t>(packed, n, [&](size_t i, uint32_t value) { unpack_yxp(value, e, i); });
+    return {};
+  }
+  E2LF_RETURN_IF_ERROR(read_y_runs(in, e.y));
+  if (layout & 1) {
+    const uint8_t* packed = in.take(quads * 6);
+    if (packed == nullptr) return in.error();
+    for_each_packed<uint16_t>(packed, n, [&](size_t i, uint32_t value) { unpack_xp(value, e, i); });
+    return {};
+  }
+  E2LF_RETURN_IF_ERROR(read_x_groups(in, e.x));
+  return read_p_runs(in, e.p);
+}
+
+namespace {
+
+constexpr size_t kTimeBytesPerEvent = 17;  // 16 digits of a gap and the run
+constexpr size_t kPlaceBytesPerEvent = 6;  // u16 y run, u16 x group, u8 p run, rounded up
+
+uint8_t* put_u16(uint8_t* out, uint32_t value) {
+  out[0] = static_cast<uint8_t>(value);
+  out[1] = static_cast<uint8_t>(value >> 8);
+  return out + 2;
+}
+
+uint8_t* put_u32(uint8_t* out, uint32_t value) {
+  return put_u16(put_u16(out, value), value >> 16);
+}
+
+/// Sets bit i if values[begin + i] differs from the value before it; begin > 0.
+template <typename T>
+uint64_t changes_at(std::span<const T> values, size_t begin) {
+  std::array<uint8_t, 64> differs{};
+  const T* const before = values.data() + begin - 1;
+  const size_t count = std::min(differs.size(), values.size() - begin);
+  for (size_t i = 0; i < count; ++i) differs[i] = before[i + 1] != before[i] ? 1 : 0;
+  uint64_t changes = 0;
+  for (size_t i = 0; i < 64; i += 8) {
+    uint64_t bytes = 0;
+    std::memcpy(&bytes, &differs[i], 8);
+    // Gathers the lowest bits of eight bytes.
+    changes |= (bytes * 0x0102040810204080) >> 56 << i;
+  }
+  return changes;
+}
+
+/// Calls visit(begin, end) for each run of equal values. The ends of runs are found for 64 values at a time, because
+/// processors cannot predict the end of a short run.
+template <typename T, typename Visit>
+void for_each_run(std::span<const T> values, const Visit& visit) {
+  size_t begin = 0;
+  for (size_t block = 1; block < values.size(); block += 64) {
+    for (uint64_t changes = changes_at(values, block); changes != 0; changes &= changes - 1) {
+      const size_t end = block + static_cast<size_t>(std::countr_zero(changes));
+      visit(begin, end);
+      begin = end;
+    }
+  }
+  visit(begin, values.size());
+}
+
+uint8_t* put_times(std::span<const int64_t> t, uint8_t* out) {
+  const auto first = static_cast<uint64_t>(t[0]);
+  out = put_u32(put_u32(out, static_cast<uint32_t>(first)), static_cast<uint32_t>(first >> 32));
+  int64_t last = t[0];
+  for_each_run(t, [&](size_t begin, size_t end) {
+    auto gap = static_cast<uint64_t>(t[begin] - last);
+    last = t[begin];
+    if (gap >= 15) {
+      for (; gap > 0; gap >>= 4) *out++ = static_cast<uint8_t>(0xF0 | (gap & 15));
+    }
+    const size_t count = end - begin;
+    *out++ = static_cast<uint8_t>(gap << 4 | std::min<size_t>(count, 15));
+    if (count >= 15) out = put_u16(out, static_cast<uint32_t>(count));
+  });
+  return out;
+}
+
+uint8_t* put_y_runs(std::span<const uint16_t> y, uint8_t* out) {
+  for_each_run(y, [&](size_t begin, size_t end) {
+    const auto count = static_cast<uint32_t>(end - begin);
+    out = put_u16(out, static_cast<uint32_t>(y[begin]) << 5 | std::min(count, 31u));
+    if (count >= 31) out = put_u16(out, count);
+  });
+  return out;
+}
+
+uint8_t* put_p_runs(std::span<const uint8_t> p, uint8_t* out) {
+  for_each_run(p, [&](size_t begin, size_t end) {
+    const auto count = static_cast<uint32_t>(end - begin);
+    *out++ = static_cast<uint8_t>(p[begin] << 7 | std::min(count, 127u));
+    if (count >= 127) out = put_u16(out, count);
+  });
+  return out;
+}
+
+uint8_t* put_x_groups(std::span<const uint16_t> x, uint8_t* out) {
+  for (size_t i = 0; i < x.size();) {
+    const uint32_t base = x[i++];
+    uint32_t mask = 0;
+    for (uint32_t last = 0; i < x.size(); ++i) {
+      const uint32_t step = x[i] - base;  // wraps to a large number if x decreases
+      if (step <= last || step > 5) break;
+      mask |= 1u << (5 - step);
+      last = step;
+    }
+    out = put_u16(out, base << 5 | mask);
+  }
+  return out;
+}
+
+/// Returns the minimum size of the output of put_x_groups() and put_p_runs(): a step that does not fit in a group
+/// begins the next one.
+size_t min_size_of_runs(const ChunkColumns& e) {
+  const size_t n = e.x.size();
+  uint32_t groups = 1, runs = 1;
+  for (size_t i = 1; i < n; ++i) groups += static_cast<uint16_t>(e.x[i] - e.x[i - 1] - 1) > 4 ? 1 : 0;
+  for (size_t i = 1; i < n; ++i) runs += e.p[i] != e.p[i - 1] ? 1 : 0;
+  return size_t{2} * groups + runs;
+}
+
+uint8_t* put_xp_packed(const ChunkColumns& e, uint8_t* out) {
+  const size_t n = e.x.size();
+  const auto value = [&](size_t i) { return i < n ? static_cast<uint32_t>(e.x[i]) << 1 | e.p[i] : 0u; };
+  for (size_t i = 0; i < n; i += 4) {
+    const uint32_t v1 = value(i + 1), v2 = value(i + 2);
+    out = put_u16(out, value(i) << 4 | (v1 & 0xF));
+    out = put_u16(out, (v1 >> 4) << 8 | (v2 & 0xFF));
+    out = put_u16(out, (v2 >> 8) << 12 | value(i + 3));
+  }
+  return out;
+}
+
+uint8_t* put_yxp_packed(const ChunkColumns& e, uint8_t* out) {
+  const size_t n = e.x.size();
+  const auto value = [&](size_t i) {
+    return i < n ? static_cast<uint32_t>(e.y[i]) << 12 | static_cast<uint32_t>(e.x[i]) << 1 | e.p[i] : 0u;
+  };
+  for (size_t i = 0; i < n; i += 4) {
+    const uint32_t v1 = value(i + 1), v2 = value(i + 2);
+    out = put_u32(out, value(i) << 8 | (v1 & 0xFF));
+    out = put_u32(out, (v1 >> 8) << 16 | (v2 & 0xFFFF));
+    out = put_u32(out, (v2 >> 16) << 24 | value(i + 3));
+  }
+  return out;
+}
+
+}  // namespace
+
+bool can_encode(const ChunkColumns& e) {
+  if (e.x.empty() || e.x.size() > kMaxChunkEvents) return false;
+  uint32_t coordinates = 0, polarities = 0;
+  for (size_t i = 0; i < e.x.size(); ++i) {
+    coordinates |= static_cast<uint32_t>(e.x[i] | e.y[i]);
+    polarities |= e.p[i];
+  }
+  int64_t falls = e.t[0] < 0;
+  for (size_t i = 1; i < e.t.size(); ++i) falls |= e.t[i] < e.t[i - 1];
+  return coordinates <= kMaxCoordinate && polarities <= 1 && falls == 0 && e.t.back() < kEndOfTime;
+}
+
+size_t max_encoded_size(size_t events) {
+  return 12 + events * (kTimeBytesPerEvent + kPlaceBytesPerEvent) + 12;
+}
+
+size_t encode(const ChunkColumns& e, std::span<uint8_t> out) {
+  const size_t n = e.x.size();
+  E2LF_ASSERT(can_encode(e));
+  E2LF_REQUIRE(out.size() >= max_encoded_size(n), "the output is too small for an ECF chunk");
+  uint8_t* const places = put_times(e.t, out.data() + 4);
+  const size_t quads = (n + 3) / 4;
+
+  // Encodes runs of y, then x groups with runs of p, and abandons each if its packed form is smaller. If this can be
+  // determined in advance, groups are not formed, because processors cannot predict where they end.
+  uint32_t layout = 0;
+  uint8_t* const after_y = put_y_runs(e.y, places);
+  uint8_t* end = nullptr;
+  if (after_y + quads * 6 >= places + quads * 12) {
+    layout = 2;
+    end = put_yxp_packed(e, places);
+  } else {
+    const bool may_group = min_size_of_runs(e) <= quads * 6;
+    if (may_group) end = put_p_runs(e.p, put_x_groups(e.x, after_y));
+    if (!may_group || end > after_y + quads * 6) {
+      layout = 1;
+      end = put_xp_packed(e, after_y);
+    }
+  }
+  put_u32(out.data(), static_cast<uint32_t>(n) << 2 | layout);
+  return static_cast<size_t>(end - out.data());
+}
+
+}  // namespace e2lf::recordings::ecf
