@@ -24,14 +24,8 @@ class Error(Exception):
 
 class CameraSetup:
     def __init__(
-        self,
-        *,
-        trigger_channels: Sequence[str] = [],
-        biases: Path = "",
-        max_events_per_s: Optional[int] = None,
-        regions: Sequence[Tuple[int, int, int, int]] = [],
-        encoding: str = "",
-    ) -> None: ...
+            self, *, trigger_channels: Sequence[str] = [], biases: Path = "", max_events_per_s: Optional[int] = None,
+            regions: Sequence[Tuple[int, int, int, int]] = [], encoding: str = "") -> None: ...
 
 class Slice(NamedTuple):
     events: Array
@@ -90,8 +84,8 @@ class Camera:
 
 class ScheduledPattern:
     def __init__(
-        self, name: str, duration_us: int = 10000, overhead_us: int = 0, image: Optional[int] = None, sign: str = "any"
-    ) -> None: ...
+            self, name: str, duration_us: int = 10000, overhead_us: int = 0, image: Optional[int] = None,
+            sign: str = "any") -> None: ...
     @property
     def name(self) -> str: ...
     @property
@@ -153,8 +147,8 @@ class Recording:
     def __iter__(self) -> Iterator[Slice]: ...
     def __enter__(self) -> Recording: ...
     def __exit__(
-        self, type: Optional[Type[BaseException]], value: Optional[BaseException], traceback: Optional[TracebackType]
-    ) -> None: ...
+            self, type: Optional[Type[BaseException]], value: Optional[BaseException],
+            traceback: Optional[TracebackType]) -> None: ...
 
 class RecordingWriter:
     @property
@@ -163,8 +157,8 @@ class RecordingWriter:
     def finish(self) -> None: ...
     def __enter__(self) -> RecordingWriter: ...
     def __exit__(
-        self, type: Optional[Type[BaseException]], value: Optional[BaseException], traceback: Optional[TracebackType]
-    ) -> None: ...
+            self, type: Optional[Type[BaseException]], value: Optional[BaseException],
+            traceback: Optional[TracebackType]) -> None: ...
 
 class Cycles:
     @property
@@ -222,28 +216,12 @@ class VideoModel:
 class Reconstructor:
     def __init__(self, model: Model, *, precision: str = "auto", camera: Optional[Camera] = None) -> None: ...
     def reconstruct(
-        self,
-        images: Array,
-        *,
-        gain: Union[float, str] = "auto",
-        passes: int = 1,
-        cycles: int = 1,
-        colour_filter: str = "",
-        turn_views: bool = False,
-        flip_x: bool = False,
-        flip_y: bool = False,
-        progress: Optional[Progress] = None,
-    ) -> Floats: ...
+            self, images: Array, *, gain: Union[float, str] = "auto", passes: int = 1, cycles: int = 1,
+            colour_filter: str = "", turn_views: bool = False, flip_x: bool = False, flip_y: bool = False,
+            progress: Optional[Progress] = None) -> Floats: ...
     def depth(
-        self,
-        images: Array,
-        *,
-        cycles: int = 1,
-        turn_views: bool = False,
-        flip_x: bool = False,
-        flip_y: bool = False,
-        progress: Optional[Progress] = None,
-    ) -> DisparityMap: ...
+            self, images: Array, *, cycles: int = 1, turn_views: bool = False, flip_x: bool = False,
+            flip_y: bool = False, progress: Optional[Progress] = None) -> DisparityMap: ...
     @property
     def precision(self) -> str: ...
     @property
@@ -266,88 +244,27 @@ def instruction_set() -> str: ...
 
 # Recordings
 def open_recording(
-    path: Path,
-    *,
-    format: str = "",
-    width: int = 0,
-    height: int = 0,
-    stream: str = "",
-    columns: str = "",
-    time_unit: str = "auto",
-    polarities: str = "",
-    from_us: Optional[int] = None,
-    to_us: Optional[int] = None,
-    relative: bool = False,
-    shift_time: bool = False,
-    strict: bool = False,
-    threads: int = 0,
-    restart: str = "continue",
-    camera_setup: Optional[CameraSetup] = None,
-) -> Recording: ...
+        path: Path, *, format: str = "", width: int = 0, height: int = 0, stream: str = "", columns: str = "",
+        time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None, to_us: Optional[int] = None,
+        relative: bool = False, shift_time: bool = False, strict: bool = False, threads: int = 0,
+        restart: str = "continue", camera_setup: Optional[CameraSetup] = None) -> Recording: ...
 def read_events(
-    path: Path,
-    *,
-    format: str = "",
-    width: int = 0,
-    height: int = 0,
-    stream: str = "",
-    columns: str = "",
-    time_unit: str = "auto",
-    polarities: str = "",
-    from_us: Optional[int] = None,
-    to_us: Optional[int] = None,
-    relative: bool = False,
-    shift_time: bool = False,
-    strict: bool = False,
-    threads: int = 0,
-    restart: str = "continue",
-    camera_setup: Optional[CameraSetup] = None,
-) -> Tuple[Array, Array]: ...
+        path: Path, *, format: str = "", width: int = 0, height: int = 0, stream: str = "", columns: str = "",
+        time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None, to_us: Optional[int] = None,
+        relative: bool = False, shift_time: bool = False, strict: bool = False, threads: int = 0,
+        restart: str = "continue", camera_setup: Optional[CameraSetup] = None) -> Tuple[Array, Array]: ...
 def info(
-    path: Path,
-    *,
-    format: str = "",
-    width: int = 0,
-    height: int = 0,
-    stream: str = "",
-    columns: str = "",
-    time_unit: str = "auto",
-    polarities: str = "",
-    progress: Optional[Progress] = None,
-) -> Dict[str, Any]: ...
+        path: Path, *, format: str = "", width: int = 0, height: int = 0, stream: str = "", columns: str = "",
+        time_unit: str = "auto", polarities: str = "", progress: Optional[Progress] = None) -> Dict[str, Any]: ...
 def create_recording(
-    path: Path,
-    width: int,
-    height: int,
-    *,
-    format: str = "",
-    header: Mapping[str, str] = {},
-    codes: Optional[Array] = None,
-    overwrite: bool = False,
-) -> RecordingWriter: ...
+        path: Path, width: int, height: int, *, format: str = "", header: Mapping[str, str] = {},
+        codes: Optional[Array] = None, overwrite: bool = False) -> RecordingWriter: ...
 def convert(
-    path: Path,
-    output: Path,
-    *,
-    output_format: str = "",
-    overwrite: bool = False,
-    progress: Optional[Progress] = None,
-    format: str = "",
-    width: int = 0,
-    height: int = 0,
-    stream: str = "",
-    columns: str = "",
-    time_unit: str = "auto",
-    polarities: str = "",
-    from_us: Optional[int] = None,
-    to_us: Optional[int] = None,
-    relative: bool = False,
-    shift_time: bool = False,
-    strict: bool = False,
-    threads: int = 0,
-    restart: str = "continue",
-    camera_setup: Optional[CameraSetup] = None,
-) -> Dict[str, Any]: ...
+        path: Path, output: Path, *, output_format: str = "", overwrite: bool = False,
+        progress: Optional[Progress] = None, format: str = "", width: int = 0, height: int = 0, stream: str = "",
+        columns: str = "", time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None,
+        to_us: Optional[int] = None, relative: bool = False, shift_time: bool = False, strict: bool = False,
+        threads: int = 0, restart: str = "continue", camera_setup: Optional[CameraSetup] = None) -> Dict[str, Any]: ...
 
 def find_cameras() -> List[str]: ...
 
@@ -359,90 +276,38 @@ def read_schedule(path: Path) -> Schedule: ...
 def paper_schedule(num_codes: int = 4) -> Schedule: ...
 def plain_schedule(num_codes: int, duration_us: int) -> Schedule: ...
 def accumulate(
-    path: Path,
-    *,
-    source: str = "auto",
-    schedule: Union[Schedule, Path, None] = None,
-    num_codes: int = 4,
-    edge: str = "rising",
-    channel: Optional[int] = None,
-    first_pattern: Optional[int] = None,
-    one_trigger_per_cycle: bool = False,
-    origin_us: Optional[int] = None,
-    filter_pixels: bool = False,
-    transitions: str = "lit",
-    invert_polarity: bool = False,
-    format: str = "",
-    width: int = 0,
-    height: int = 0,
-    stream: str = "",
-    columns: str = "",
-    time_unit: str = "auto",
-    polarities: str = "",
-    from_us: Optional[int] = None,
-    to_us: Optional[int] = None,
-    relative: bool = False,
-    shift_time: bool = False,
-    strict: bool = False,
-    threads: int = 0,
-    restart: str = "continue",
-    camera_setup: Optional[CameraSetup] = None,
-) -> Cycles: ...
+        path: Path, *, source: str = "auto", schedule: Union[Schedule, Path, None] = None, num_codes: int = 4,
+        edge: str = "rising", channel: Optional[int] = None, first_pattern: Optional[int] = None,
+        one_trigger_per_cycle: bool = False, origin_us: Optional[int] = None, filter_pixels: bool = False,
+        transitions: str = "lit", invert_polarity: bool = False, format: str = "", width: int = 0, height: int = 0,
+        stream: str = "", columns: str = "", time_unit: str = "auto", polarities: str = "",
+        from_us: Optional[int] = None, to_us: Optional[int] = None, relative: bool = False, shift_time: bool = False,
+        strict: bool = False, threads: int = 0, restart: str = "continue",
+        camera_setup: Optional[CameraSetup] = None) -> Cycles: ...
 def event_images(events: Array, times_us: Sequence[int], width: int, height: int) -> Counts: ...
 def voxel_grid(events: Array, bins: int, width: int, height: int) -> Floats: ...
 def synthesise_recording(
-    path: Path,
-    cycles: Union[Sequence[Array], Array],
-    codes: Optional[Array] = None,
-    *,
-    schedule: Union[Schedule, Path, None] = None,
-    triggers: bool = True,
-    begin_us: int = 100000,
-    seed: int = 1,
-    camera: Optional[Camera] = None,
-    overwrite: bool = False,
-) -> None: ...
+        path: Path, cycles: Union[Sequence[Array], Array], codes: Optional[Array] = None, *,
+        schedule: Union[Schedule, Path, None] = None, triggers: bool = True, begin_us: int = 100000, seed: int = 1,
+        camera: Optional[Camera] = None, overwrite: bool = False) -> None: ...
 def read_event_images(path: Path) -> EventImageFile: ...
 def write_event_images(
-    path: Path,
-    cycles: Union[Sequence[Array], Array],
-    codes: Optional[Array] = None,
-    *,
-    camera: Optional[Camera] = None,
-    views: Optional[str] = None,
-    overwrite: bool = False,
-) -> None: ...
+        path: Path, cycles: Union[Sequence[Array], Array], codes: Optional[Array] = None, *,
+        camera: Optional[Camera] = None, views: Optional[str] = None, overwrite: bool = False) -> None: ...
 def event_picture(images: Array) -> Floats: ...
 
 # Light fields and pictures
 def read_light_field(
-    path: Path,
-    *,
-    views: int = 8,
-    step: int = 1,
-    colour: bool = False,
-    reverse_rows: bool = False,
-    range: str = "refuse",
-    white: float = 0.0,
-    view_columns: int = 0,
-    lenslet_views: int = 0,
-    turn_views: bool = False,
-    flip_x: bool = False,
-    flip_y: bool = False,
-    progress: Optional[Progress] = None,
-) -> Floats: ...
+        path: Path, *, views: int = 8, step: int = 1, colour: bool = False, reverse_rows: bool = False,
+        range: str = "refuse", white: float = 0.0, view_columns: int = 0, lenslet_views: int = 0,
+        turn_views: bool = False, flip_x: bool = False, flip_y: bool = False,
+        progress: Optional[Progress] = None) -> Floats: ...
 def write_light_field(
-    path: Path, light_field: Array, *, format: str = "", overwrite: bool = False, progress: Optional[Progress] = None
-) -> None: ...
+        path: Path, light_field: Array, *, format: str = "", overwrite: bool = False,
+        progress: Optional[Progress] = None) -> None: ...
 def refocus(
-    light_field: Array,
-    disparity: float,
-    *,
-    radius: Optional[float] = None,
-    centre_y: float = 0.0,
-    centre_x: float = 0.0,
-    weights: Optional[Array] = None,
-) -> Floats: ...
+        light_field: Array, disparity: float, *, radius: Optional[float] = None, centre_y: float = 0.0,
+        centre_x: float = 0.0, weights: Optional[Array] = None) -> Floats: ...
 def horizontal_epi(light_field: Array, view_y: int, y: int) -> Floats: ...
 def vertical_epi(light_field: Array, view_x: int, x: int) -> Floats: ...
 def epi_picture(light_field: Array, *, y: Optional[int] = None, x: Optional[int] = None) -> Floats: ...
@@ -454,71 +319,35 @@ def turntable_scene(turn: float, width: int = 512, height: int = 384, *, views: 
 
 # Simulation and reconstruction
 def simulate(
-    light_field: Array,
-    codes: Array,
-    *,
-    camera: Optional[Camera] = None,
-    constants: Optional[SensorConstants] = None,
-    event_model: str = "",
-    scene_gain: float = 1.0,
-    residue: float = 0.0,
-    seed: int = 1,
-    map_seed: Optional[int] = None,
-    colour_filter: str = "",
-) -> Counts: ...
+        light_field: Array, codes: Array, *, camera: Optional[Camera] = None,
+        constants: Optional[SensorConstants] = None, event_model: str = "", scene_gain: float = 1.0,
+        residue: float = 0.0, seed: int = 1, map_seed: Optional[int] = None, colour_filter: str = "") -> Counts: ...
 def coded_intensities(light_field: Array, codes: Array) -> Floats: ...
 def read_model(path: Path) -> Model: ...
 def write_model(path: Path, model: Model, *, overwrite: bool = False) -> None: ...
 def invert(
-    images: Array,
-    codes: Array,
-    *,
-    constants: Optional[SensorConstants] = None,
-    gain: Union[float, str] = "auto",
-    colour_filter: str = "",
-    turn_views: bool = False,
-    flip_x: bool = False,
-    flip_y: bool = False,
-) -> Floats: ...
+        images: Array, codes: Array, *, constants: Optional[SensorConstants] = None, gain: Union[float, str] = "auto",
+        colour_filter: str = "", turn_views: bool = False, flip_x: bool = False, flip_y: bool = False) -> Floats: ...
 def auto_gain(light_field: Array) -> float: ...
 def event_error(
-    light_field: Array,
-    images: Array,
-    codes: Array,
-    *,
-    gain: float = 1.0,
-    constants: Optional[SensorConstants] = None,
-    event_model: str = "reference-aware",
-    camera: Optional[Camera] = None,
-) -> Dict[str, float]: ...
+        light_field: Array, images: Array, codes: Array, *, gain: float = 1.0,
+        constants: Optional[SensorConstants] = None, event_model: str = "reference-aware",
+        camera: Optional[Camera] = None) -> Dict[str, float]: ...
 
 def calibrate(
-    scenes: Sequence[Union[Sequence[Array], Array]],
-    codes: Array,
-    start: Camera,
-    *,
-    held: Sequence[str] = [],
-    even: bool = False,
-    progress: Optional[Progress] = None,
-) -> Calibration: ...
+        scenes: Sequence[Union[Sequence[Array], Array]], codes: Array, start: Camera, *, held: Sequence[str] = [],
+        even: bool = False, progress: Optional[Progress] = None) -> Calibration: ...
 def depth(
-    light_field: Array,
-    *,
-    view: Optional[Tuple[int, int]] = None,
-    range_px: Optional[Tuple[float, float]] = None,
-    turn_views: bool = False,
-    flip_x: bool = False,
-    flip_y: bool = False,
-    progress: Optional[Progress] = None,
-) -> DisparityMap: ...
+        light_field: Array, *, view: Optional[Tuple[int, int]] = None, range_px: Optional[Tuple[float, float]] = None,
+        turn_views: bool = False, flip_x: bool = False, flip_y: bool = False,
+        progress: Optional[Progress] = None) -> DisparityMap: ...
 def compare_disparity(
-    truth: Array, estimate: Array, *, confidence: Optional[Array] = None, border: int = 15
-) -> Dict[str, Any]: ...
+        truth: Array, estimate: Array, *, confidence: Optional[Array] = None, border: int = 15) -> Dict[str, Any]: ...
 
 # Measures
 def psnr(a: Array, b: Array) -> float: ...
 def ssim(a: Array, b: Array, *, window: str = "uniform7") -> float: ...
 def compare(
-    truth: Array, reconstruction: Array, *, clamp: bool = True, fit: str = "none", progress: Optional[Progress] = None
-) -> Dict[str, Any]: ...
+        truth: Array, reconstruction: Array, *, clamp: bool = True, fit: str = "none",
+        progress: Optional[Progress] = None) -> Dict[str, Any]: ...
 def event_statistics(images: Array) -> Dict[str, Any]: ...
