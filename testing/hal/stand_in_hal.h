@@ -138,8 +138,15 @@ class I_TriggerIn {
   std::set<Channel> on_;
 };
 
+class LL_Bias_Info {
+ public:
+  std::pair<int, int> get_bias_range() const { return {-80, 140}; }
+};
+
 class I_LL_Biases {
  public:
+  bool set(const std::string& name, int value) { return (biases_.at(name) = value, true); }
+  bool get_bias_info(const std::string& name, LL_Bias_Info&) const { return biases_.count(name) == 1; }
   std::map<std::string, int> get_all_biases() const { return biases_; }
   void load_from_file(const std::filesystem::path& file);
   void save_to_file(const std::filesystem::path& file) const;

@@ -14,6 +14,12 @@ ln -s ../secret.txt linked/secret.txt
 "$E2LF" demo -o demo --width 64 --height 48 --quiet
 "$E2LF" depth demo/recon -o depth --quiet
 "$E2LF" view demo/recon --disparity depth --export depth.html --quiet
+"$E2LF" view depth --export depth_alone.html --quiet
+cp -r depth gone && sed -i 's/"demo.recon"/"nowhere"/' gone/run.json
+"$E2LF" view gone --export map_alone.html --quiet
+"$E2LF" view demo/scene demo/recon --export truth.html --quiet
+"$E2LF" eval demo/scene demo/recon --json >quality.json 2>eval.log
+"$E2LF" eval demo/scene demo/recon --fit-gain --json >fitted.json 2>eval.log
 "$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o capture.raw --quiet
 "$E2LF" view light.npy --export light.html --quiet
 exists light.html light.html.run.json

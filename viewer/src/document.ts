@@ -26,7 +26,7 @@ export interface LightFieldItem {
 export interface Disparity {
   view: [number, number]; // row, column: the view whose pixels they are
   range: [number, number]; // nearest and farthest, px per view
-  maps: number[]; // the part of each cycle: int16 [y, x], deflated, in thousandths of a px per view; -32768 = unknown
+  maps: number[]; // the part of each cycle, or one for all: int16 [y, x], deflated, in thousandths of a px per view; -32768 = unknown
 }
 
 export interface EventImagesItem {
@@ -74,7 +74,23 @@ export type Item = LiveItem | LightFieldItem | EventImagesItem | RecordingItem |
 export interface Comparison {
   first: number; // the truth, and the reconstruction: numbers of items
   second: number;
-  psnr_db: (number | null)[][]; // [cycle][view number]; null = equal
+  cycles: Quality[];
+}
+
+/** The figures of a reconstruction, as `e2lf eval` computes them. */
+export interface Quality {
+  psnr_db: (number | null)[]; // of each view; null = equal
+  tone: [gain: number, black: number]; // (value - black) * gain is most similar to the truth
+  toned_psnr_db: (number | null)[]; // with this tone
+  disparity?: DisparityError;
+}
+
+export interface DisparityError {
+  source: string; // of the true disparities
+  bad_07_percent: number; // off by more than 0.07 px per view
+  bad_20_percent: number; // off by more than 0.2 px per view
+  mean_absolute_px: number;
+  slope: number; // of the regression on the truth
 }
 
 export interface ViewDocument {

@@ -33,6 +33,15 @@ export function placeOn(target: HTMLElement, event: MouseEvent): { x: number; y:
   return { x: (event.clientX - box.left) / box.width, y: (event.clientY - box.top) / box.height };
 }
 
+/** A list of names and values, which show() replaces. */
+export class FigureList {
+  readonly root = element('dl', { class: 'list' });
+
+  show(rows: [name: string, value: string][]): void {
+    this.root.replaceChildren(...rows.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, value)]));
+  }
+}
+
 export interface SliderOptions {
   low: number;
   high: number;

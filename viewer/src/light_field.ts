@@ -100,13 +100,22 @@ export function lightFieldUniforms(first: LightFieldViews, second: LightFieldVie
     grid: [views[1], views[0]],
     gain: 1,
     power: 1,
+    secondTone: [1, 0],
   };
+}
+
+/** The same for one grey picture. */
+export function toneOfGrey(texture: WebGLTexture, size: [number, number]): Record<string, Uniform> {
+  return { first: texture, second: texture, firstIsGrey: true, secondIsGrey: true, size, gain: 1, power: 1, secondTone: [1, 0] };
 }
 
 /** Sets gain and gamma from the state. */
 export function toneUniforms(state: State): Record<string, Uniform> {
   return { gain: state.get('gain'), power: 1 / Math.max(state.get('gamma'), 0.05) };
 }
+
+/** Returns the offset of the middle view, that of depth::middle_view(), from the middle of the grid, in view steps. */
+export const middleOf = (count: number): number => Math.floor(count / 2) - (count - 1) / 2;
 
 /** Sets viewpoint, focus and aperture of the picture shader from the state. */
 export class Camera {

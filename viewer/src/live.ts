@@ -38,8 +38,18 @@ export interface Statistics {
   may_have_lost_events: boolean;
   sensor_dropped_share?: number;
   recording: { can_record: boolean; is_recording: boolean; file: string; bytes: number; error: string };
+  camera?: CameraControl[];
+  disparity_serial?: number; // of the newest map of askForPicture('depth'), if the source has disparities
   is_refining: boolean;
   refining_error: string;
+}
+
+/** A setting of the camera that can change while it runs. */
+export interface CameraControl {
+  name: string;
+  value: string;
+  least: number; // range of a number; equal = text
+  most: number;
 }
 
 /** A JSON header and the grey pixels after it. */
@@ -73,6 +83,7 @@ export async function command(path: string): Promise<{ name?: string }> {
 /** A control of a setting that the server keeps. It takes a value over when that has changed there, so that it does not
  *  move under the hand of whoever uses it. */
 export class SettingControl<Control extends HTMLInputElement | HTMLSelectElement> {
+  onShow: (value: string) => void = () => {};
   private known: string | null = null;
 
   constructor(readonly control: Control, tell: (value: string) => void) {
@@ -80,8 +91,9 @@ export class SettingControl<Control extends HTMLInputElement | HTMLSelectElement
   }
 
   show(value: string): void {
-    if (value !== this.known) this.control.value = value;
-    this.known = value;
+    if (value === this.known) return;
+    this.control.value = this.known = value;
+    this.onShow(value);
   }
 }
 
@@ -97,16 +109,17 @@ export function drawGrey(canvas: HTMLCanvasElement, width: number, height: numbe
   context2d(canvas).putImageData(image, 0, 0);
 }
 
-export const rest = (ms: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, ms));
-
-/** A list of names and values, which show() replaces. */
-export class FigureList {
-  readonly root = element('dl', { class: 'list' });
-
-  show(rows: [name: string, value: string][]): void {
-    this.root.replaceChildren(...rows.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, value)]));
-  }
+/** Draws the pixels that lie in a part of a picture, given in shares of its size. */
+export function drawPart(canvas: HTMLCanvasElement, width: number, height: number, grey: Uint8Array, part: { x: number; y: number; width: number; height: number }): void {
+  const [left, top] = [Math.floor(part.x * width), Math.floor(part.y * height)];
+  const [right, bottom] = [Math.min(Math.ceil((part.x + part.width) * width), width), Math.min(Math.ceil((part.y + part.height) * height), height)];
+  const rows = Array.from({ length: bottom - top }, (_, y) => grey.subarray((top + y) * width + left, (top + y) * width + right));
+  const pixels = new Uint8Array((right - left) * rows.length);
+  rows.forEach((row, y) => pixels.set(row, y * (right - left)));
+  drawGrey(canvas, right - left, rows.length, pixels);
 }
+
+export const rest = (ms: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** The findings with their remedies, the options spelled as on the command line. */
 export class FindingList {

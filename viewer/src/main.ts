@@ -178,9 +178,10 @@ class Page {
   private press(event: KeyboardEvent): void {
     if (event.ctrlKey || event.altKey || event.metaKey || document.querySelector('dialog[open]')) return;
     // Sliders and lists handle arrows and letters themselves.
-    if (event.target instanceof HTMLSelectElement || (event.target instanceof HTMLInputElement && event.key.startsWith('Arrow'))) return;
+    const isArrow = event.key.startsWith('Arrow');
+    if (event.target instanceof HTMLSelectElement || (event.target instanceof HTMLInputElement && isArrow)) return;
     if (event.target instanceof HTMLButtonElement && event.key === ' ') return;
-    if (this.screen?.press(event.key)) return event.preventDefault();
+    if (this.screen?.press(event.shiftKey && isArrow ? `Shift+${event.key}` : event.key)) return event.preventDefault();
     if (event.key === '?') showHelp(this.screen?.keys ?? []);
     else if (event.key === 's') this.save();
     else if (event.key === 't') this.nextTheme();

@@ -9,6 +9,16 @@ export interface Pictures {
   isGrey: boolean;
 }
 
+/** Triangles in place of one that covers everything. */
+export interface Mesh {
+  vertex: string; // the shader of their vertices
+  buffer: WebGLBuffer; // the numbers of their vertices: indices()
+  count: number; // of these numbers
+  ground: number[]; // the colour beside them, in 0..1
+}
+
+const wholePicture = [0, 0, 1, 1];
+
 interface Program {
   program: WebGLProgram;
   types: Map<string, { at: WebGLUniformLocation; type: number; unit: number }>;
@@ -47,6 +57,13 @@ export class Painter {
     return { texture, isGrey };
   }
 
+  /** Sets the only picture of an array to grey bytes [y, x]. */
+  putGrey(pictures: Pictures, width: number, height: number, grey: Uint8Array): void {
+    const gl = this.gl;
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, pictures.texture);
+    gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, 0, width, height, 1, gl.RED, gl.UNSIGNED_BYTE, grey);
+  }
+
   put(pictures: Pictures, number: number, bitmap: ImageBitmap): void {
     const gl = this.gl;
     const format = pictures.isGrey ? gl.RED : gl.RGBA;
@@ -76,9 +93,18 @@ export class Painter {
     return made;
   }
 
+  /** Uploads the numbers of the vertices of a mesh; replaces the content of `buffer`. */
+  indices(buffer: WebGLBuffer | null, numbers: Uint32Array): WebGLBuffer {
+    const gl = this.gl;
+    const made = buffer ?? gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, numbers, gl.STATIC_DRAW);
+    return made;
+  }
+
   /** Runs a program on width x height pixels and copies the picture to `target`, which is resized. */
-  paint(target: HTMLCanvasElement, width: number, height: number, shader: string, values: Record<string, Uniform>): void {
-    this.run(width, height, shader, values);
+  paint(target: HTMLCanvasElement, width: number, height: number, shader: string, values: Record<string, Uniform>, mesh?: Mesh): void {
+    this.run(width, height, shader, values, mesh);
     if (target.width !== width || target.height !== height) {
       target.width = width;
       target.height = height;
@@ -100,20 +126,31 @@ export class Painter {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
 
-  private run(width: number, height: number, shader: string, values: Record<string, Uniform>): void {
+  private run(width: number, height: number, shader: string, values: Record<string, Uniform>, mesh?: Mesh): void {
     const gl = this.gl;
     if (gl.isContextLost()) throw new Error('The graphics card was reset; reload the page.');
     // The canvas never shrinks, because a new size costs more than a picture.
     if (this.canvas.width < width) this.canvas.width = width;
     if (this.canvas.height < height) this.canvas.height = height;
-    const { program, types } = this.program(shader);
+    const { program, types } = this.program(shader, mesh?.vertex ?? vertexShader);
     gl.useProgram(program);
     gl.viewport(0, 0, width, height);
-    for (const [name, value] of Object.entries(values)) {
+    for (const [name, value] of Object.entries({ part: wholePicture, ...values })) {
       const uniform = types.get(name);
       if (uniform) this.setUniform(uniform, value);
     }
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    if (mesh) {
+      gl.enable(gl.DEPTH_TEST);
+      gl.clearColor(mesh.ground[0]!, mesh.ground[1]!, mesh.ground[2]!, 1);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    }
+    if (mesh) {
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.buffer);
+      gl.drawElements(gl.TRIANGLES, mesh.count, gl.UNSIGNED_INT, 0);
+    } else {
+      gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+    gl.disable(gl.DEPTH_TEST);
   }
 
   private setUniform(uniform: { at: WebGLUniformLocation; type: number; unit: number }, value: Uniform): void {
@@ -122,6 +159,7 @@ export class Painter {
       case gl.FLOAT: gl.uniform1f(uniform.at, value as number); break;
       case gl.FLOAT_VEC2: gl.uniform2fv(uniform.at, value as number[]); break;
       case gl.FLOAT_VEC3: gl.uniform3fv(uniform.at, value as number[]); break;
+      case gl.FLOAT_VEC4: gl.uniform4fv(uniform.at, value as number[]); break;
       case gl.INT: case gl.BOOL: gl.uniform1i(uniform.at, Number(value)); break;
       case gl.SAMPLER_2D: case gl.SAMPLER_2D_ARRAY:
         gl.activeTexture(gl.TEXTURE0 + uniform.unit);
@@ -132,12 +170,12 @@ export class Painter {
     }
   }
 
-  private program(shader: string): Program {
+  private program(shader: string, vertex: string): Program {
     const known = this.programs.get(shader);
     if (known) return known;
     const gl = this.gl;
     const program = gl.createProgram();
-    for (const [type, text] of [[gl.VERTEX_SHADER, vertexShader], [gl.FRAGMENT_SHADER, shader]] as const) {
+    for (const [type, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, shader]] as const) {
       const part = gl.createShader(type)!;
       gl.shaderSource(part, text);
       gl.compileShader(part);

@@ -1,16 +1,17 @@
 // One picture of a light field with its two EPIs: the row under the cursor in one row of views (below the picture), and
-// the column in one column of views (to its right). Dragging moves the viewpoint, the wheel and two fingers change the
-// focus, and a click focuses on the point.
+// the column in one column of views (to its right). Dragging moves the viewpoint, a click focuses on the point, and the
+// wheel with shift changes the focus. As a relief, which has no EPIs, dragging turns it.
 import { canvas, clamp, element, placeOn } from './dom';
 import { maxDisparity } from './light_field';
-import { followPinch } from './pinch';
+import { turnRelief } from './relief';
 import { fit, setSize } from './screen';
 import type { State } from './state';
+import { ZoomBox } from './zoom';
 
 const mostEpiPx = 72;
 const gapPx = 6;
+const captionPx = 22;
 const clickPx = 4; // a smaller motion of the pointer is a click
-const pinchSpeed = 2; // change of focus in px per view when the distance of the fingers doubles
 
 export interface PaneSize {
   width: number;
@@ -27,7 +28,8 @@ export class Pane {
   private readonly columnLine = element('div', { class: 'line column' });
   readonly splitLine = element('div', { class: 'split', hidden: '' });
   readonly caption = element('figcaption');
-  private readonly frame: HTMLElement;
+  readonly zoom: ZoomBox;
+  private isRelief = false;
 
   constructor(
     name: string,
@@ -38,17 +40,25 @@ export class Pane {
     this.picture = canvas(`${name}: drag to move the viewpoint, press on a point to focus on it`, 'picture');
     this.rowEpi = canvas(`${name}: EPI of the row under the cursor`, 'epi');
     this.columnEpi = canvas(`${name}: EPI of the column under the cursor`, 'epi');
-    this.frame = element('div', { class: 'frame' }, this.picture, this.rowLine, this.columnLine, this.splitLine);
+    this.zoom = new ZoomBox(state, size.width, this.picture, this.rowLine, this.columnLine, this.splitLine);
     this.caption.textContent = name;
-    this.root = element('figure', { class: 'pane' }, this.caption, this.frame, this.columnEpi, this.rowEpi);
+    this.root = element('figure', { class: 'pane' }, this.caption, this.zoom.root, this.columnEpi, this.rowEpi);
     this.listen();
   }
 
-  layout(boxWidth: number, boxHeight: number): void {
+  /** A single view has no EPIs. */
+  private hasEpis(): boolean {
+    return !this.isRelief && this.size.views[0] * this.size.views[1] > 1;
+  }
+
+  layout(boxWidth: number, boxHeight: number, isRelief: boolean): void {
+    this.isRelief = isRelief;
     const epiPx = clamp(Math.round(Math.min(boxWidth, boxHeight) / 6), mostEpiPx / 2, mostEpiPx);
-    const extra = epiPx + gapPx;
-    const [width, height] = fit(this.size.width, this.size.height, boxWidth - extra, boxHeight - extra - 22);
-    setSize(this.frame, width, height);
+    const extra = (this.hasEpis() ? epiPx : 0) + gapPx;
+    const [width, height] = fit(this.size.width, this.size.height, boxWidth - extra, boxHeight - extra - captionPx);
+    for (const part of [this.rowEpi, this.columnEpi]) part.hidden = !this.hasEpis();
+    for (const part of [this.rowLine, this.columnLine]) part.hidden = isRelief;
+    this.zoom.layout(width, height);
     setSize(this.rowEpi, width, epiPx);
     setSize(this.columnEpi, epiPx, height);
   }
@@ -61,6 +71,8 @@ export class Pane {
 
   drawLines(split: number | null): void {
     const { row, column } = this.cut();
+    if (this.isRelief) this.zoom.showWhole();
+    else this.zoom.show();
     this.rowLine.style.top = `${(100 * (row + 0.5)) / this.size.height}%`;
     this.columnLine.style.left = `${(100 * (column + 0.5)) / this.size.width}%`;
     this.splitLine.hidden = split === null;
@@ -68,23 +80,25 @@ export class Pane {
   }
 
   private listen(): void {
-    let from: { x: number; y: number; viewX: number; viewY: number; isDrag: boolean } | null = null;
-    const isPinching = followPinch(this.picture, (factor) => this.moveFocus(pinchSpeed * Math.log2(factor)));
+    let from: { x: number; y: number; first: [number, number]; isDrag: boolean } | null = null;
     this.picture.addEventListener('pointerdown', (event) => {
-      if (isPinching()) from = null;
-      if (isPinching() || event.button !== 0) return;
+      if (this.zoom.isPinching() || event.button !== 0) return;
       this.picture.setPointerCapture(event.pointerId);
-      from = { x: event.clientX, y: event.clientY, viewX: this.state.get('x'), viewY: this.state.get('y'), isDrag: false };
+      const first: [number, number] = this.isRelief ? [this.state.get('turn'), this.state.get('tip')] : [this.state.get('x'), this.state.get('y')];
+      from = { x: event.clientX, y: event.clientY, first, isDrag: false };
     });
     this.picture.addEventListener('pointermove', (event) => {
-      if (isPinching()) return;
+      if (this.zoom.isPinching()) {
+        from = null;
+        return;
+      }
       if (!from) return this.point(event);
       const [dx, dy] = [event.clientX - from.x, event.clientY - from.y];
       from.isDrag ||= Math.hypot(dx, dy) >= clickPx;
-      if (from.isDrag) this.turn(from.viewX, from.viewY, dx, dy);
+      if (from.isDrag) this.drag(from.first, dx, dy);
     });
     this.picture.addEventListener('pointerup', (event) => {
-      if (from && !from.isDrag) {
+      if (from && !from.isDrag && !this.isRelief) {
         this.point(event);
         const { x, y } = this.pixel(event);
         this.focusAt(x, y);
@@ -93,13 +107,13 @@ export class Pane {
     });
     this.picture.addEventListener('pointercancel', () => (from = null));
     this.picture.addEventListener('wheel', (event) => {
+      if (!event.shiftKey) return;
       event.preventDefault();
-      const step = event.shiftKey ? 0.01 : 0.05;
-      this.moveFocus(-Math.sign(event.deltaY || event.deltaX) * step);
+      this.moveFocus(-Math.sign(event.deltaY || event.deltaX) * 0.05);
     }, { passive: false });
     this.splitLine.addEventListener('pointerdown', (event) => this.splitLine.setPointerCapture(event.pointerId));
     this.splitLine.addEventListener('pointermove', (event) => {
-      if (this.splitLine.hasPointerCapture(event.pointerId)) this.state.set('split', clamp(placeOn(this.frame, event).x, 0, 1));
+      if (this.splitLine.hasPointerCapture(event.pointerId)) this.state.set('split', clamp(placeOn(this.picture, event).x, 0, 1));
     });
   }
 
@@ -107,13 +121,14 @@ export class Pane {
     this.state.set('focus', clamp(this.state.get('focus') + by, -maxDisparity, maxDisparity));
   }
 
-  /** Half the width of the picture corresponds to the whole grid. Points nearer than the focus follow the pointer. */
-  private turn(viewX: number, viewY: number, dx: number, dy: number): void {
+  /** Half the width of the box corresponds to the whole grid. Points nearer than the focus follow the pointer. */
+  private drag([first, second]: [number, number], dx: number, dy: number): void {
     const [rows, columns] = this.size.views;
-    const box = this.picture.getBoundingClientRect();
+    const box = this.zoom.root.getBoundingClientRect();
+    if (this.isRelief) return turnRelief(this.state, first + (3 * dx) / box.width, second + (3 * dy) / box.height);
     const moved = (value: number, share: number, count: number) => clamp(value + 2 * share * (count - 1), -(count - 1) / 2, (count - 1) / 2);
-    this.state.set('x', moved(viewX, dx / box.width, columns));
-    this.state.set('y', moved(viewY, dy / box.height, rows));
+    this.state.set('x', moved(first, dx / box.width, columns));
+    this.state.set('y', moved(second, dy / box.height, rows));
   }
 
   private pixel(event: MouseEvent): { x: number; y: number } {
@@ -122,6 +137,7 @@ export class Pane {
   }
 
   private point(event: MouseEvent): void {
+    if (this.isRelief) return;
     const { x, y } = this.pixel(event);
     this.state.set('column', clamp(Math.floor(x), 0, this.size.width - 1));
     this.state.set('row', clamp(Math.floor(y), 0, this.size.height - 1));

@@ -1,52 +1,72 @@
 // The fragment shaders. `place` is the position in the picture in 0..1, from the top left.
 import { nearToFar } from './colour_map';
 
+// A triangle that covers everything. `part` is what is painted of the whole: its left top corner and its size, in 0..1.
 export const vertexShader = `#version 300 es
+uniform vec4 part;
 out vec2 place;
 void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
-  place = vec2(corner.x, 1.0 - corner.y);
+  place = part.xy + part.zw * vec2(corner.x, 1.0 - corner.y);
   gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
 }`;
 
-const head = `#version 300 es
+const lightFields = `#version 300 es
 precision highp float;
 precision highp sampler2DArray;
-in vec2 place;
 out vec4 colour;
 uniform sampler2DArray first, second;
 uniform bool firstIsGrey, secondIsGrey;
 uniform vec2 size;    // of a view, px
 uniform float gain, power;
+uniform vec2 secondTone;    // gain and black level of the second light field
 
 vec3 sampled(bool isSecond, vec3 at) {
   vec3 value = isSecond ? texture(second, at).rgb : texture(first, at).rgb;
-  return (isSecond ? secondIsGrey : firstIsGrey) ? value.rrr : value;
+  value = (isSecond ? secondIsGrey : firstIsGrey) ? value.rrr : value;
+  return isSecond ? (value - secondTone.y) * secondTone.x : value;
 }
 vec4 shown(vec3 light) { return vec4(pow(clamp(gain * light, 0.0, 1.0), vec3(power)), 1.0); }
 `;
 
+const head = `${lightFields}in vec2 place;
+`;
+
+// Dark violet is far, yellow near.
+const colourOf = `uniform float overlay;    // opacity of the colours of a disparity map; 0 = no map
+uniform vec2 overlayRange;
+vec3 colourOf(float disparity) {
+  float share = clamp((disparity - overlayRange.x) / max(overlayRange.y - overlayRange.x, 1e-6), 0.0, 1.0) * 4.0;
+  vec3 stops[5] = vec3[5](${nearToFar.map((stop) => `vec3(${stop.map((value) => (value / 255).toFixed(4))})`).join(', ')});
+  int low = min(int(share), 3);
+  return mix(stops[low], stops[low + 1], share - float(low));
+}
+`;
+
+// The colours of a disparity map over the picture of its view.
+export const pictureOfMap = `${head}${colourOf}uniform highp sampler2D disparities;
+void main() {
+  vec3 picture = shown(sampled(false, vec3(place, 0.0))).rgb;
+  float disparity = texelFetch(disparities, ivec2(place * size), 0).r;
+  colour = vec4(disparity > 1e3 ? picture : mix(picture, colourOf(disparity), overlay), 1.0);
+}`;
+
+/** The beginning of the shader of reliefs; `layer` is the number of the view on it. */
+export const disparityColours = `${lightFields}${colourOf}uniform float layer;
+`;
+
 // sum_v w_v L_v(p + d (v - middle)) / sum_v w_v, as lightfield::refocus, with linear interpolation. `taps` holds, for each
 // view with some weight: its number, its offset from the middle of the grid (x, y) and its weight.
-export const pictureShader = `${head}
-uniform highp sampler2D taps;
+export const pictureShader = `${head}${colourOf}uniform highp sampler2D taps;
 uniform int numTaps;
 uniform vec3 focus;    // disparity in the middle, and its change over the width and the height
 uniform int mode;      // 0 first, 1 second, 2 swipe, 3 difference
 uniform float split, boost;
 uniform highp sampler2D disparities;    // px per view of the pixels of one view
-uniform float overlay;                  // opacity of their colours; 0 = no map
-uniform vec2 overlayRange, viewpoint, mapView;
+uniform vec2 viewpoint, mapView;
 
 float disparityAt(vec2 p) {
   return texelFetch(disparities, ivec2(clamp(p, vec2(0.0), size - 1.0)), 0).r;
-}
-// Red is near, dark blue far.
-vec3 colourOf(float disparity) {
-  float share = clamp((disparity - overlayRange.x) / max(overlayRange.y - overlayRange.x, 1e-6), 0.0, 1.0) * 4.0;
-  vec3 stops[5] = vec3[5](NEAR_TO_FAR);
-  int low = min(int(share), 3);
-  return mix(stops[low], stops[low + 1], share - float(low));
 }
 // The map follows the scene: from another viewpoint, each point of its view is shifted by its own disparity.
 vec3 overlaid(vec3 picture) {
@@ -84,7 +104,27 @@ void main() {
   }
   colour = shown(light(mode == 1 || (mode == 2 && place.x >= split)));
   if (overlay > 0.0) colour.rgb = overlaid(colour.rgb);
-}`.replace('NEAR_TO_FAR', nearToFar.map((stop) => `vec3(${stop.map((value) => (value / 255).toFixed(4))})`).join(', '));
+}`;
+
+// A picture enlarged by cubic interpolation (Catmull-Rom), which keeps edges sharper than a linear one.
+export const enlargeShader = `${head}
+uniform vec2 small;    // size of the picture, px
+float weight(float x) {
+  x = abs(x);
+  return x < 1.0 ? (1.5 * x - 2.5) * x * x + 1.0 : x < 2.0 ? ((-0.5 * x + 2.5) * x - 4.0) * x + 2.0 : 0.0;
+}
+void main() {
+  vec2 p = place * small - 0.5;
+  vec2 base = floor(p);
+  float sum = 0.0;
+  for (int y = -1; y <= 2; ++y) {
+    for (int x = -1; x <= 2; ++x) {
+      vec2 at = base + vec2(x, y);
+      sum += weight(p.x - at.x) * weight(p.y - at.y) * texture(first, vec3((at + 0.5) / small, 0.0)).r;
+    }
+  }
+  colour = vec4(vec3(clamp(sum, 0.0, 1.0)), 1.0);
+}`;
 
 // A slice of the light field: views along y and pixels along x, or vice versa.
 export const epiShader = `${head}
@@ -95,7 +135,8 @@ void main() {
   float along = isVertical ? place.y : place.x, across = isVertical ? place.x : place.y;
   float view = floor(across * (isVertical ? grid.y : grid.x));
   float number = isVertical ? view * grid.x + fixedView : fixedView * grid.x + view;
-  vec2 at = isVertical ? vec2((fixedPixel + 0.5) / size.x, along) : vec2(along, (fixedPixel + 0.5) / size.y);
+  vec2 pixel = floor(isVertical ? vec2(fixedPixel, along * size.y) : vec2(along * size.x, fixedPixel));
+  vec2 at = (pixel + 0.5) / size;
   colour = shown(sampled(isSecond, vec3(at, number)));
 }`;
 

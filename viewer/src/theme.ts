@@ -8,6 +8,11 @@ export function applyTheme(state: State): void {
   document.documentElement.dataset['theme'] = themes.includes(theme) ? theme : 'system';
 }
 
+/** Returns the colour of the ground of the page, in 0..1. */
+export function groundColour(): number[] {
+  return getComputedStyle(document.body).backgroundColor.match(/\d+/g)!.slice(0, 3).map((value) => Number(value) / 255);
+}
+
 /** Returns true if the page is dark. */
 export function isDark(): boolean {
   const theme = document.documentElement.dataset['theme'];

@@ -31,8 +31,8 @@ export class TimeAxis {
     this.lengthUs = Math.max((frames.at(-1)?.end_us ?? rate.begin_us + rate.bin_us * rate.on.length) - this.beginUs, 1);
     this.canvas = canvas('Event rate over time with triggers and cycles. Drag to choose a time, turn the wheel to zoom.', 'axis');
     const isPinching = followPinch(this.canvas, (factor, middle, moved) => {
-      this.zoom(1 / factor, middle);
-      this.move(-moved);
+      this.zoom(1 / factor, middle.x);
+      this.move(-moved.x);
     });
     this.canvas.addEventListener('pointerdown', (event) => {
       if (isPinching()) return;

@@ -1,6 +1,7 @@
 // Disparity maps over light fields.
 import assert from 'node:assert/strict';
-import { assertNear, look, rowOf, settle, withPage } from './browser.mjs';
+import { readFileSync } from 'node:fs';
+import { assertNear, look, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
 
 const row = 20;
 
@@ -41,13 +42,67 @@ export const tests = {
     const box = await page.locator('canvas.picture').boundingBox();
     await page.mouse.move(box.x + (32.5 / 64) * box.width, box.y + (10.5 / 48) * box.height);
     await settle(page);
-    assert.equal(await page.locator('#status').textContent(), 'x 32, y 10 of the map: 1.500 px per view');
+    assert.match(await page.locator('#status').textContent(), /^x 32, y 10: 0\.\d{3}; disparity 1\.500 px per view$/);
   }),
 
   'what e2lf depth writes is shown': ({ url }) => withPage(url('depth.html', 'x=0.5&y=0.5&overlay=1'), {}, async (page) => {
     const [red, blue] = [await rowOf(page, 'canvas.picture', 24, 0), await rowOf(page, 'canvas.picture', 24, 2)];
     assert.ok(Math.max(...red.map((value, i) => Math.abs(value - blue[i]))) > 60, 'colours');
   }),
+
+  'the folder of e2lf depth alone shows the light field with its map, or the map where that is gone': async ({ url }) => {
+    await withPage(url('depth_alone.html', ''), {}, async (page) => {
+      assert.equal(await page.locator('canvas.map').count(), 1, 'the views are there');
+      assert.equal(await page.locator('input[name=overlay]').count(), 1);
+    });
+    await withPage(url('map_alone.html', ''), {}, async (page) => {
+      assert.equal(await page.locator('canvas.map').count(), 0, 'a single picture');
+      const [red, blue] = [await rowOf(page, 'canvas.picture', 24, 0), await rowOf(page, 'canvas.picture', 24, 2)];
+      assert.ok(Math.max(...red.map((value, i) => Math.abs(value - blue[i]))) > 60, 'colours');
+    });
+  },
+
+  'a relief is turned by dragging, is open where nothing is known, and has the picture on it': ({ url, expected }) =>
+    withPage(url('disparity.html', 'show=relief&turn=0&tip=0&depth=0&overlay=0'), {}, async (page) => {
+      const [width, height] = await sizeOf(page, 'canvas.picture');
+      const y = Math.floor((0.5 + 0.85 * ((row + 0.5) / 48 - 0.5)) * height);
+      const middle = await rowOf(page, 'canvas.picture', y);
+      const ground = middle[0];
+      const seen = middle.flatMap((value, x) => (value === ground ? [] : [x]));
+      // A flat relief: 85 % of the width, without the last columns, which are not known.
+      assert.ok(Math.abs(seen[0] / width - 0.075) < 0.03 && Math.abs(seen.at(-1) / width - (0.075 + (0.85 * 59.5) / 64)) < 0.03, `${seen[0]} to ${seen.at(-1)} of ${width}`);
+      const at = Math.round((0.075 + (0.85 * 30.5) / 64) * width);
+      assert.ok(Math.abs(middle[at] - expected.views[4][4][30]) < 60, 'the picture of the view');
+      const box = await page.locator('canvas.picture').boundingBox();
+      await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+      await page.mouse.down();
+      await page.mouse.move(box.x + 0.7 * box.width, box.y + box.height / 2, { steps: 3 });
+      await page.mouse.up();
+      await settle(page);
+      const { turn, x } = await stateOf(page);
+      assert.ok(Math.abs(Number(turn) - 0.6) < 0.02, turn);
+      assert.equal(x, undefined, 'the viewpoint stays');
+      const turned = await rowOf(page, 'canvas.picture', y);
+      const last = turned.flatMap((value, i) => (value === ground ? [] : [i])).at(-1);
+      assert.ok(last < seen.at(-1) - 5, 'narrower');
+    }),
+
+  'true and reconstructed disparities are side by side in the same colours, with the figures of e2lf eval': ({ url }) =>
+    withPage(url('truth.html', 'show=disparity'), {}, async (page) => {
+      const { disparity, psnr_db: psnr } = JSON.parse(readFileSync('quality.json', 'utf8'));
+      const fitted = JSON.parse(readFileSync('fitted.json', 'utf8')).psnr_db;
+      const figures = await page.evaluate(() => Object.fromEntries([...document.querySelectorAll('dl dt')].map((name) => [name.textContent, name.nextSibling.textContent])));
+      assert.deepEqual(Object.values(figures).filter((_, i) => i !== 2), [`${psnr.toFixed(2)} dB`, `${fitted.toFixed(2)} dB`, `${disparity.bad_07_percent.toFixed(1)} %`,
+        `${disparity.bad_20_percent.toFixed(1)} %`, `${disparity.mean_absolute_px.toFixed(3)} px`, disparity.slope.toFixed(2)]);
+      assert.equal(await page.locator('.pane:visible').count(), 2);
+      const numbers = (await page.locator('.bar + .ends').first().locator('span').allTextContents()).map(Number);
+      assert.equal(numbers.length, 5);
+      assert.ok(numbers.every((value, i) => i === 0 || value > numbers[i - 1]), 'a legend with numbers');
+      for (const pane of [1, 2]) {
+        const [red, blue] = [await rowOf(page, `.pane:nth-of-type(${pane}) canvas.picture`, 24, 0), await rowOf(page, `.pane:nth-of-type(${pane}) canvas.picture`, 24, 2)];
+        assert.ok(Math.max(...red.map((value, i) => Math.abs(value - blue[i]))) > 60, `colours of ${pane}`);
+      }
+    }),
 
   'light fields without a map have no controls for one': ({ url }) => withPage(url('light.html', ''), {}, async (page) => {
     assert.equal(await page.locator('input[name=overlay]').count(), 0);

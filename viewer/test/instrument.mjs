@@ -141,6 +141,35 @@ export const tests = {
       assert.equal(await chosenTab(second), two);
     })), 'longer.raw'),
 
+  'disparities are shown in colours and as a relief if the server sends them': () => withInstrument((address) => withPage(`${address}#tab=1`, {}, async (page) => {
+    await page.route('**/statistics', async (route) => {
+      const answer = await route.fetch();
+      await route.fulfill({ response: answer, json: { ...(await answer.json()), disparity_serial: 1 } });
+    });
+    // A map of half the size: near on the left, far on the right, unknown at its top.
+    const [width, height] = [32, 24];
+    let serial = 0;
+    await page.route('**/depth?*', (route) => {
+      const header = Buffer.from(JSON.stringify({ serial: ++serial, width, height, range: [-1, 1] }));
+      const length = Buffer.alloc(4);
+      length.writeUInt32LE(header.length);
+      const map = Buffer.alloc(2 * width * height), picture = Buffer.alloc(width * height, 128);
+      for (let i = 0; i < width * height; ++i) map.writeInt16LE(i < width ? -32768 : i % width < 16 ? -1000 : 1000, 2 * i);
+      return route.fulfill({ body: Buffer.concat([length, header, map, picture]), contentType: 'application/octet-stream' });
+    });
+    await until('the choice is there', async () => page.locator('select[name=show]').isVisible());
+    await page.locator('select[name=show]').selectOption('disparity');
+    const colour = async (y) => Promise.all([0, 1, 2].map((channel) => rowOf(page, 'canvas.picture', y, channel)));
+    await until('the map is shown', async () => (await sizeOf(page, 'canvas.picture'))[0] === width);
+    const [red, green, blue] = await colour(12);
+    assertNear([red[4], green[4], blue[4]], [253, 231, 37], 1, 'near is yellow');
+    assertNear([red[28], green[28], blue[28]], [68, 1, 84], 1, 'far is violet');
+    assertNear((await colour(0)).map((row) => row[4]), [128, 128, 128], 1, 'the picture where nothing is known');
+    await page.locator('select[name=show]').selectOption('relief');
+    await until('a relief is shown', async () => (await sizeOf(page, 'canvas.picture'))[0] !== width);
+    await page.unrouteAll({ behavior: 'ignoreErrors' });
+  })),
+
   'the set-up: events, figures and recording': () => withInstrument((address, statistics) =>
     withPage(address, {}, async (page) => {
       await until('a picture of events comes', async () => (await page.locator('dl dt', { hasText: 'best so far' }).count()) === 1);

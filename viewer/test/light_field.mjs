@@ -15,6 +15,32 @@ export const tests = {
     assertNear(await rowOf(page, 'canvas.picture', row), between, 1, 'between two views');
   }),
 
+  'the first picture is that of the middle view': ({ url, expected }) => withPage(url('light.html', ''), {}, async (page) => {
+    assertNear(await rowOf(page, 'canvas.picture', row), expected.views[4][4], 0, 'view 4, 4');
+  }),
+
+  'the wheel zooms where the cursor is, keys move the part, and the value under the cursor is said': ({ url, expected }) => withPage(url('light.html', ''), {}, async (page) => {
+    const box = await page.locator('.frame').boundingBox();
+    const place = { x: box.x + ((column + 0.5) / 64) * box.width, y: box.y + ((row + 0.5) / 48) * box.height };
+    await page.mouse.move(place.x, place.y);
+    await settle(page);
+    const value = (expected.views[4][4][column] / 255).toFixed(3);
+    assert.equal(await page.locator('#status').textContent(), `x ${column}, y ${row}: ${value}`);
+    for (let i = 0; i < 20; ++i) await page.mouse.wheel(0, -100);
+    await page.waitForFunction((least) => document.querySelector('canvas.picture').clientWidth / 64 >= least, 47);
+    await page.mouse.move(place.x + 1, place.y);
+    await settle(page);
+    assert.equal(await page.locator('#status').textContent(), `x ${column}, y ${row}: ${value}`, 'still the same pixel');
+    assert.ok((await page.locator('canvas.picture').boundingBox()).width / 64 < 49, 'not more than 48 px for a pixel');
+    // The EPI shows the same columns.
+    const epi = await rowOf(page, '.pane > canvas:last-child', 4);
+    const under = Math.floor(((place.x - box.x) / box.width) * epi.length);
+    assert.ok(Math.abs(epi[under] - expected.views[4][4][column]) <= 1, `${epi[under]} at ${under}`);
+    const before = Number((await stateOf(page)).panx);
+    await page.keyboard.press('Shift+ArrowRight');
+    assert.ok(Number((await stateOf(page)).panx) > before, 'to the right');
+  }),
+
   'focus and aperture are those of lightfield::refocus': ({ url, expected }) => withPage(url('light.html', 'focus=2&size=3'), {}, async (page) => {
     assertNear(await rowOf(page, 'canvas.picture', row), expected.focused, 1, 'in focus');
     await look(page, 'focus=0&size=3');
@@ -56,14 +82,16 @@ export const tests = {
     assert.ok(Math.abs(Number(focus) - 2) < 0.05, `disparity 2, found ${focus}`);
   }),
 
-  'dragging moves the viewpoint, the wheel the focus': ({ url, expected }) => withPage(url('light.html', ''), {}, async (page) => {
+  'dragging moves the viewpoint, the wheel with shift the focus': ({ url, expected }) => withPage(url('light.html', ''), {}, async (page) => {
     const box = await page.locator('canvas.picture').boundingBox();
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down();
     await page.mouse.move(box.x + box.width, box.y + box.height / 2, { steps: 4 });
     await page.mouse.up();
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.keyboard.down('Shift');
     await page.mouse.wheel(0, -100);
+    await page.keyboard.up('Shift');
     await page.waitForFunction(() => Number(document.querySelector('input[name=focus]').value) !== 0);
     const state = await stateOf(page);
     assert.equal(Number(state.x), 3.5);
@@ -72,12 +100,14 @@ export const tests = {
     assertNear(await rowOf(page, 'canvas.picture', row), expected.views[4][7], 0, 'the last view of its row');
   }),
 
-  'two fingers move the focus, and nothing else': ({ url }) => withPage(url('light.html', ''), phone, async (page) => {
-    await pinch(page, 'canvas.picture', 50, 100);
-    // Twice as far apart: 2 px per view nearer. The point in their middle is not clicked, the viewpoint stays.
-    assert.deepEqual(await stateOf(page), { focus: '2' });
-    await pinch(page, 'canvas.picture', 100, 50);
-    assert.ok(Math.abs(Number((await stateOf(page)).focus ?? 0)) < 1e-3, 'and back');
+  'two fingers zoom, and nothing else': ({ url }) => withPage(url('light.html', ''), phone, async (page) => {
+    await pinch(page, '.frame', 50, 100);
+    // Twice as far apart. The point in their middle is not clicked, the viewpoint stays.
+    const { zoom, panx = '0.5', pany = '0.5', ...others } = await stateOf(page);
+    assertNear([Number(zoom), Number(panx), Number(pany)], [2, 0.5, 0.5], 0.01, 'the middle, twice as large');
+    assert.deepEqual(others, {});
+    await pinch(page, '.frame', 100, 50);
+    assert.ok(Math.abs(Number((await stateOf(page)).zoom ?? 1) - 1) < 1e-3, 'and back');
   }),
 
   'pictures that take long have fewer pixels while something moves': ({ url }) => withPage(url('light.html', ''), {}, async (page) => {

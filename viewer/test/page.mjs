@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { phone, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
 
-const pages = ['disparity.html', 'cycles.html', 'compare.html', 'events.html', 'recording.html', 'model.html'];
+const pages = ['disparity.html', 'cycles.html', 'compare.html', 'truth.html', 'events.html', 'recording.html', 'model.html'];
 
 /** Controls and pictures without a name that can be read aloud. */
 async function nameless(page) {
@@ -32,7 +32,7 @@ export const tests = {
     await page.keyboard.press('ArrowRight');
     await page.keyboard.press('+');
     await page.keyboard.press('t');
-    assert.deepEqual(await stateOf(page), { theme: 'dark', x: '0.5', focus: '0.05' });
+    assert.deepEqual(await stateOf(page), { theme: 'dark', x: '1', focus: '0.05' });
     await page.keyboard.press('2');
     await settle(page);
     assert.equal(await page.getByRole('tab', { selected: true }).count(), 1);

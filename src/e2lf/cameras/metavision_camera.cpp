@@ -212,6 +212,18 @@ class MetavisionCamera final : public Camera {
 
   std::string bias_file_text() const override { return biases_; }
 
+  std::vector<CameraControl> controls() override try {
+    return device_controls(*device_);
+  } catch (const std::exception&) {
+    return {};
+  }
+
+  Result<void> change(const std::string& setting, const std::string& value) override try {
+    return change_device(*device_, setting, value);
+  } catch (const std::exception& error) {
+    return failure(error);
+  }
+
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr auto kLongestWait = 50ms;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/recording.h"
 
 // The parts of metavision_camera.cpp. Only for builds that found the vendor's open HAL.
@@ -27,6 +28,12 @@ namespace e2lf::recordings {
 /// Returns the header of a RAW recording: the properties of the sensor, and the settings as read back from the camera:
 /// trigger_channels, biases, max_events_per_s, regions, anti_flicker, event_trail_filter.
 [[nodiscard]] std::string device_header(Metavision::Device& device);
+
+/// Returns the biases, the limit of the event rate and the regions that the camera has; see Camera::controls().
+[[nodiscard]] std::vector<CameraControl> device_controls(Metavision::Device& device);
+
+/// Changes one of them. Exceptions of the HAL propagate. Fails as Camera::change() does.
+[[nodiscard]] Result<void> change_device(Metavision::Device& device, const std::string& name, const std::string& value);
 
 /// Returns the text of a .bias file, or an empty string for a camera without biases.
 [[nodiscard]] std::string device_biases(Metavision::Device& device);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Compiled only where the vendor's open HAL is found.
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <map>
 #include <metavision/hal/facilities/i_antiflicker_module.h>
@@ -147,6 +148,32 @@ std::vector<std::pair<std::string, std::string>> settings_of(Metavision::Device&
   return settings;
 }
 
+template <typename Biases, typename Info>
+bool read_range(const Biases& biases, bool (Biases::*get)(const std::string&, Info&) const, const std::string& name,
+                std::pair<int, int>& range) {
+  Info info;
+  if (!(biases.*get)(name, info)) return false;
+  range = info.get_bias_range();
+  return true;
+}
+
+/// Returns the range of a bias, or that of all biases of current sensors if this version of the HAL states none.
+template <typename Biases>
+std::pair<int, int> bias_range(const Biases& biases, const std::string& name) {
+  std::pair<int, int> range{-100, 255};
+  if constexpr (requires { read_range(biases, &Biases::get_bias_info, name, range); }) {
+    (void)read_range(biases, &Biases::get_bias_info, name, range);
+  }
+  return range;
+}
+
+std::optional<int64_t> number_of(const std::string& text) {
+  int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
 std::string evt_version(const std::string& format) {
   if (format.starts_with("EVT3")) return "3.0";
   return format.starts_with("EVT21") || format.starts_with("EVT2.1") ? "2.1" : "2.0";
@@ -182,6 +209,45 @@ Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup)
     E2LF_RETURN_IF_ERROR(switch_off(device.get_facility<Metavision::I_EventTrailFilterModule>(), "event trail filter"));
   }
   return switch_on_triggers(device.get_facility<Metavision::I_TriggerIn>(), setup.trigger_channels);
+}
+
+std::vector<CameraControl> device_controls(Metavision::Device& device) {
+  std::vector<CameraControl> controls;
+  if (const auto* const biases = device.get_facility<Metavision::I_LL_Biases>()) {
+    for (const auto& [name, value] : biases->get_all_biases()) {
+      const auto [least, most] = bias_range(*biases, name);
+      controls.push_back({name, std::to_string(value), std::min(least, value), std::max(most, value)});
+    }
+  }
+  if (const auto* const controller = device.get_facility<Metavision::I_ErcModule>()) {
+    controls.push_back({"max-event-rate", controller->is_enabled() ? cat(controller->get_cd_event_rate()) : "0", 0,
+                        controller->get_max_supported_cd_event_rate()});
+  }
+  if (const auto* const roi = device.get_facility<Metavision::I_ROI>()) {
+    controls.push_back({"roi", regions_text(*roi)});
+  }
+  return controls;
+}
+
+Result<void> change_device(Metavision::Device& device, const std::string& name, const std::string& value) {
+  if (name == "roi") {
+    auto* const roi = device.get_facility<Metavision::I_ROI>();
+    E2LF_ASSIGN_OR_RETURN(const std::vector<SensorRegion> regions, parse_regions(value));
+    if (roi == nullptr || !regions.empty()) {
+      return limit_regions(roi, device.get_facility<Metavision::I_Geometry>(), regions);
+    }
+    return roi->enable(false) ? Result<void>() : refuses("to use its whole sensor; start it again");
+  }
+  const auto number = number_of(value);
+  if (name == "max-event-rate") {
+    if (!number || *number < 0 || *number > UINT32_MAX) return refuses(cat("\"", value, "\" events/s; give a number"));
+    return limit_events(device.get_facility<Metavision::I_ErcModule>(), static_cast<uint32_t>(*number));
+  }
+  auto* const biases = device.get_facility<Metavision::I_LL_Biases>();
+  if (biases == nullptr || !biases->get_all_biases().contains(name)) return has_no("bias " + name);
+  const auto [least, most] = bias_range(*biases, name);
+  if (number && *number >= least && *number <= most && biases->set(name, static_cast<int>(*number))) return {};
+  return refuses(cat(name, " ", value, "; give ", least, " to ", most));
 }
 
 std::string device_header(Metavision::Device& device) {

@@ -314,7 +314,7 @@ class V4l2Camera final : public Camera {
     encoding_ = setup.encoding;
     CameraSetup others = setup;
     others.encoding.clear();
-    if (others == CameraSetup()) return {};
+    if (!has_settings(others)) return {};
     return Error{ErrorCode::kUnsupported,
                  "the drivers of Linux have no common settings for trigger inputs, biases, event rate and regions; "
                  "leave the options out, and set the controls of the sensor with v4l2-ctl",

@@ -112,13 +112,12 @@ void add_quality(const eval::LightFieldMetrics& quality, Json& figures) {
 /// Finds the disparities of a result and compares them with the true ones.
 Result<void> add_disparity(const lightfield::Image& truth, Outcome& outcome) {
   if (truth.pixels.empty()) return {};
-  E2LF_ASSIGN_OR_RETURN(depth::DisparityMap map, depth::estimate_disparity(outcome.light_field));
-  E2LF_ASSIGN_OR_RETURN(const depth::DisparityError error, depth::compare(map.disparity, map.confidence, truth));
-  outcome.figures["bad_07_percent"] = error.bad_07_percent;
-  outcome.figures["bad_20_percent"] = error.bad_20_percent;
-  outcome.figures["disparity_error_px"] = error.mean_absolute_px;
-  outcome.figures["disparity_slope"] = error.slope;
-  outcome.disparity = std::move(map.disparity);
+  E2LF_ASSIGN_OR_RETURN(depth::FoundDisparity found, depth::judge_disparity(outcome.light_field, truth));
+  outcome.figures["bad_07_percent"] = found.error.bad_07_percent;
+  outcome.figures["bad_20_percent"] = found.error.bad_20_percent;
+  outcome.figures["disparity_error_px"] = found.error.mean_absolute_px;
+  outcome.figures["disparity_slope"] = found.error.slope;
+  outcome.disparity = std::move(found.disparity);
   return {};
 }
 

@@ -51,6 +51,13 @@ Result<TrueDisparity> true_disparity(const lightfield::LightField& true_views, c
                file->string()};
 }
 
+Result<FoundDisparity> judge_disparity(const lightfield::LightField& light_field, const Image& truth,
+                                       const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(DisparityMap map, estimate_disparity(light_field, {}, progress));
+  E2LF_ASSIGN_OR_RETURN(DisparityError error, compare(map.disparity, map.confidence, truth));
+  return FoundDisparity{std::move(map.disparity), std::move(error)};
+}
+
 bool has_comparable_disparity(const lightfield::Shape& shape) {
   return shape.num_views() > 1 && shape.height > 2 * kErrorBorderPx && shape.width > 2 * kErrorBorderPx;
 }

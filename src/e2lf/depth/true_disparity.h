@@ -19,6 +19,16 @@ struct TrueDisparity {
 
 inline constexpr const char* kDepthOfTrueViews = "depth of the true views";
 
+/// The disparities that estimate_disparity() finds in a light field, and their error.
+struct FoundDisparity {
+  lightfield::Image disparity;  ///< of middle_view(), px per view step, [y, x]
+  DisparityError error;
+};
+
+/// Judges a light field by its disparities. Fails as estimate_disparity() and compare() do.
+[[nodiscard]] Result<FoundDisparity> judge_disparity(const lightfield::LightField& light_field,
+                                                     const lightfield::Image& truth, const ProgressFn& progress = {});
+
 /// Reads a disparity map: .npy, [y, x], or .pfm with the sign of the benchmark. Fails with kUnsupported (another
 /// extension), kShape (not two axes) and as reading the file does.
 [[nodiscard]] Result<lightfield::Image> read_disparity(const std::filesystem::path& path);

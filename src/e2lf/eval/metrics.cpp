@@ -58,12 +58,18 @@ std::vector<float> take_channel(std::span<const float> view, size_t channel, siz
   return plane;
 }
 
-Metrics compare_views(std::span<const float> truth, std::span<const float> reconstruction, const Shape& shape,
-                      const MetricOptions& options) {
+/// Returns the values that are measured.
+std::vector<float> measured_values(std::span<const float> reconstruction, const MetricOptions& options) {
   std::vector<float> measured(reconstruction.begin(), reconstruction.end());
   if (options.clamp) {
     for (float& value : measured) value = std::clamp(value, 0.0F, 1.0F);
   }
+  return measured;
+}
+
+Metrics compare_views(std::span<const float> truth, std::span<const float> reconstruction, const Shape& shape,
+                      const MetricOptions& options) {
+  const std::vector<float> measured = measured_values(reconstruction, options);
   Metrics metrics;
   metrics.psnr_db = psnr_from_mse(mean_squared_error(truth, measured));
   for (size_t channel = 0; channel < shape.channels; ++channel) {
@@ -173,6 +179,21 @@ Result<LightFieldMetrics> compare(const LightField& truth, const LightField& rec
   result.mean = mean_of(result.views);
   result.epi = epi_error(truth, reconstruction, options.clamp);
   return result;
+}
+
+std::vector<double> psnr_of_views(const LightField& truth, const LightField& reconstruction,
+                                  const MetricOptions& options) {
+  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields of one shape are compared");
+  const Shape& shape = truth.shape();
+  std::vector<double> psnr_db(shape.num_views());
+  parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
+    for (size_t view = begin; view < end; ++view) {
+      const size_t y = view / shape.views_x, x = view % shape.views_x;
+      const std::vector<float> measured = measured_values(reconstruction.view(y, x), options);
+      psnr_db[view] = psnr_from_mse(mean_squared_error(truth.view(y, x), measured));
+    }
+  });
+  return psnr_db;
 }
 
 float best_gain(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {

@@ -64,6 +64,12 @@ struct LightFieldMetrics {
                                                 const lightfield::LightField& reconstruction,
                                                 const MetricOptions& options = {}, const ProgressFn& progress = {});
 
+/// Computes the PSNR of each view, in view order, as compare() does for any size of views. It is infinite for equal
+/// views. Different shapes break the contract.
+[[nodiscard]] std::vector<double> psnr_of_views(const lightfield::LightField& truth,
+                                                const lightfield::LightField& reconstruction,
+                                                const MetricOptions& options = {});
+
 /// Returns the factor g that minimises the squared error between the truth and g times the reconstruction, so that a
 /// method made for another brightness is not penalised for that alone. It is 0 for a black reconstruction. Different
 /// shapes break the contract.

@@ -2,6 +2,7 @@
 #include "e2lf/live/event_preview.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace e2lf::live {
 namespace {
@@ -22,7 +23,7 @@ int white_count(const std::vector<uint16_t>& all) {
 
 }  // namespace
 
-double sharpness_of(const std::vector<int16_t>& signed_counts, size_t width, uint64_t events) {
+double sharpness_of(std::span<const int16_t> signed_counts, size_t width, uint64_t events) {
   const size_t height = width == 0 ? 0 : signed_counts.size() / width;
   if (events == 0 || width < 2 || height < 2) return 0;
   int64_t sum = 0;
@@ -37,6 +38,20 @@ double sharpness_of(const std::vector<int16_t>& signed_counts, size_t width, uin
   const double product = static_cast<double>(sum) / static_cast<double>(2 * (width - 1) * (height - 1));
   const double mean = static_cast<double>(events) / static_cast<double>(signed_counts.size());
   return std::max(0.0, product / (mean * mean));
+}
+
+double sharpness_of(const capture::EventImages& images) {
+  const size_t pixels = images.height * images.width;
+  double sum = 0, weights = 0;
+  for (size_t i = 0; i < images.count; ++i) {
+    const auto image = std::span<const int16_t>(images.values).subspan(i * pixels, pixels);
+    uint64_t events = 0;
+    for (const int16_t count : image) events += static_cast<uint64_t>(std::abs(count));
+    const double weight = static_cast<double>(events) * static_cast<double>(events);
+    sum += weight * sharpness_of(image, images.width, events);
+    weights += weight;
+  }
+  return weights > 0 ? sum / weights : 0;
 }
 
 EventPreview::EventPreview(size_t width, size_t height) : width_(width), height_(height) {}
@@ -78,6 +93,13 @@ void EventPreview::finish() {
   events_ = 0;
 }
 
+void EventPreview::add_cycle(uint64_t number, const capture::EventImages& images) {
+  if (!is_asked()) return;
+  const CycleSharpness cycle{number, sharpness_of(images)};
+  const std::lock_guard lock(mutex_);
+  cycle_ = cycle;
+}
+
 bool EventPreview::is_asked(Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
   return is_asked_ && now - asked_ < kPatience;
@@ -89,6 +111,7 @@ std::optional<EventPicture> EventPreview::take(Clock::time_point now) {
   if (now - asked_ >= kPatience) finished_.reset();
   is_asked_ = true;
   asked_ = now;
+  if (finished_) finished_->cycle = cycle_;
   return std::exchange(finished_, std::nullopt);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "e2lf/capture/measurement/measurement.h"
+#include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::live {
 
@@ -31,5 +32,9 @@ class CycleSum {
   std::deque<capture::EventImages> last_;
   std::vector<int32_t> sum_;
 };
+
+/// Returns a light field whose pixels are repeated to blocks until it has this size, of which its own size is a part:
+/// the inverse of sum_blocks(). The last pixels also fill a rest.
+[[nodiscard]] lightfield::LightField enlarged(const lightfield::LightField& light_field, size_t height, size_t width);
 
 }  // namespace e2lf::live

@@ -98,6 +98,7 @@ Result<bool> LiveReader::next(LiveCycle& cycle) {
                     static_cast<double>(next->number - previous_->first);
   }
   previous_ = {next->number, next->begin_us};
+  preview_->add_cycle(next->number, next->images);
   cycle.counts = std::move(next->images);
   cycle.cycles = sum_.add(cycle.counts.events, average_);
   return true;

@@ -109,10 +109,14 @@ Answer depth_map(Session& session, const Parameters& parameters) {
 Answer events(Session& session) {
   const auto seen = session.reader().preview().take();
   if (!seen) return {204, "text/plain", ""};
-  const Json header = {{"width", seen->image.width},
-                       {"height", seen->image.height},
-                       {"events", seen->events},
-                       {"sharpness", seen->sharpness}};
+  Json header = {{"width", seen->image.width},
+                 {"height", seen->image.height},
+                 {"events", seen->events},
+                 {"sharpness", seen->sharpness}};
+  if (seen->cycle) {
+    header["cycle"] = seen->cycle->number;
+    header["cycle_sharpness"] = seen->cycle->sharpness;
+  }
   return framed(header, {&seen->image});
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <thread>
 
@@ -79,6 +80,13 @@ TEST(HalfSize, SumsBlocksOfTwoByTwoAndLeavesOutAnOddLastRowAndColumn) {
   EXPECT_EQ(half.values.data(), memory);
 }
 
+TEST(HalfSize, IsEnlargedByRepetition) {
+  lightfield::LightField small({1, 1, 2, 2, 1});
+  std::iota(small.data().begin(), small.data().end(), 1.0F);
+  const std::vector<float> expected = {1, 1, 2, 2, 2, 1, 1, 2, 2, 2, 3, 3, 4, 4, 4, 3, 3, 4, 4, 4};
+  EXPECT_TRUE(std::ranges::equal(enlarged(small, 4, 5).data(), expected));
+}
+
 TEST(CycleSum, SumsTheLastCyclesAndBeginsAnewWhenOneIsWanted) {
   CycleSum sum;
   const auto images = [](int16_t count) {
@@ -106,29 +114,30 @@ TEST(CycleSum, SumsTheLastCyclesAndBeginsAnewWhenOneIsWanted) {
   EXPECT_EQ(more.values[1], INT16_MIN);
 }
 
-TEST(Pace, TakesWhatKeepsPaceAndGoesBackWhenTheBetterOneWould) {
-  Pace pace({50, 10});
+TEST(Pace, BeginsSmallGrowsWhileItKeepsPaceAndGoesBackWhenTheBetterOneWould) {
   const QualityLevel full{1, PictureSize::kFull}, half{1, PictureSize::kHalf}, quarter{1, PictureSize::kQuarter};
-  EXPECT_EQ(pace.level(), full) << "the fastest network begins";
+  Pace pace({50, 10});
+  EXPECT_EQ(pace.level(), quarter);
   EXPECT_FALSE(pace.add(9.0, 0.1)) << "the first one prepares memory";
-  EXPECT_FALSE(pace.add(0.5, 0.1));
-  EXPECT_TRUE(pace.add(0.5, 0.1));
+  EXPECT_TRUE(pace.add(0.03, 0.1)) << "four times that is tried";
   EXPECT_EQ(pace.level(), half);
-  for (int i = 0; i < 100; ++i) EXPECT_FALSE(pace.add(0.05, 0.1)) << "four times that is no pace";
-  for (int i = 0; i < 100; ++i) pace.add(0.4, 0.1);
-  EXPECT_EQ(pace.level(), quarter) << "and nothing is faster";
-  Pace fast({50, 10});
-  for (int i = 0; i < 3; ++i) fast.add(0.5, 0.1);
-  ASSERT_EQ(fast.level(), half);
+  EXPECT_FALSE(pace.add(9.0, 0.1));
+  EXPECT_FALSE(pace.add(0.05, 0.1)) << "four times that is no pace";
+  EXPECT_TRUE(pace.add(0.4, 0.1));
+  EXPECT_EQ(pace.level(), quarter);
   int added = 0;
-  while (!fast.add(0.01, 0.1)) ASSERT_LT(++added, 100);
+  for (; !pace.add(0.01, 0.1); ++added) ASSERT_LT(added, 100);
+  EXPECT_GT(added, 10) << "after a step that was too slow, the next one is not tried at once";
+  EXPECT_EQ(pace.level(), half);
+  Pace fast({50, 10});
+  for (int i = 0; i < 4; ++i) fast.add(0.01, 0.1);
   EXPECT_EQ(fast.level(), full);
-  while (!fast.add(0.01, 0.1)) ASSERT_LT(++added, 100);
+  for (int i = 0; i < 2; ++i) fast.add(0.01, 0.1);
   EXPECT_EQ(fast.level(), (QualityLevel{0, PictureSize::kFull})) << "five times that is a pace, too";
 }
 
 TEST(Pace, KeepsANamedSizeAndAPaceThatHolds) {
-  Pace named({1}, PictureSize::kFull), keeps;
+  Pace named({1}, PictureSize::kFull), keeps({1}, PictureSize::kFull);
   for (int i = 0; i < 50; ++i) {
     EXPECT_FALSE(named.add(5, 0.1));
     EXPECT_FALSE(keeps.add(0.09, 0.1));
@@ -319,7 +328,26 @@ TEST(EventPreview, SharpnessFallsWithBlurAndNotWithTheRateOrNoise) {
   EXPECT_LT(sharpness_of(noise, kWidth, 5 * noise.size()), 0.06);
   EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 7), 10, 700), 0);
   EXPECT_EQ(sharpness_of(std::vector<int16_t>(100, 0), 10, 0), 0);
-  EXPECT_EQ(sharpness_of({1, 2, 3}, 3, 6), 0) << "a single row";
+  EXPECT_EQ(sharpness_of(std::vector<int16_t>{1, 2, 3}, 3, 6), 0) << "a single row";
+}
+
+TEST(EventPreview, PassesOnTheSharpnessOfTheWholeCycle) {
+  EventPreview preview(8, 4);
+  capture::EventImages images(2, 4, 8);
+  for (size_t y = 0; y < 4; ++y) {
+    for (size_t x = 4; x < 8; ++x) images.values[y * 8 + x] = 1;  // an edge; the second image has no events
+  }
+  const std::span<const int16_t> edge(images.values.data(), 32);
+  EXPECT_DOUBLE_EQ(sharpness_of(images), sharpness_of(edge, 8, 16));
+  const Clock::time_point now = Clock::now();
+  EXPECT_FALSE(preview.take(now).has_value());
+  preview.add_cycle(7, images);
+  preview.add(batch_of(100'000, 8, 4));
+  preview.add(batch_of(100'000 + EventPreview::kWindowUs, 8, 8));
+  const auto picture = preview.take(now);
+  ASSERT_TRUE(picture && picture->cycle);
+  EXPECT_EQ(picture->cycle->number, 7u);
+  EXPECT_DOUBLE_EQ(picture->cycle->sharpness, sharpness_of(images));
 }
 
 TEST(Recorder, WritesWhatCameBetweenOnAndOffAndNeverReplacesAFile) {

@@ -38,24 +38,27 @@ Pace::Pace(const std::vector<double>& macs_per_pixel, std::optional<PictureSize>
       steps_.push_back({{network, size}, macs_per_pixel[network] / (side * side)});
     }
   }
-  step_ = macs_per_pixel.size() - 1;
+  step_ = steps_.size() - 1;
 }
 
 bool Pace::add(double field_s, double cycle_s) {
   // The first field of a step also prepares its memory.
   constexpr size_t kFewest = 2, kBeforeRise = 20;
-  // A reserve, so that the step does not change to and fro.
-  constexpr double kReserve = 0.8;
+  // A reserve, so that the step does not change to and fro. At the start, steps are tried until one is too slow,
+  // because a field has costs that do not grow with its size.
+  constexpr double kReserve = 0.8, kTried = 1.5;
   constexpr int kMostFalls = 3;
   if (cycle_s <= 0 || measured_++ == 0) return false;
   sum_s_ += field_s;
   const double mean_s = sum_s_ / static_cast<double>(measured_ - 1);
   const auto rises = [&] {
-    if (step_ == 0 || measured_ <= kBeforeRise || steps_[step_ - 1].falls >= kMostFalls) return false;
-    return mean_s * steps_[step_ - 1].cost / steps_[step_].cost <= kReserve * cycle_s;
+    const size_t before = is_growing_ ? kFewest - 1 : kBeforeRise;
+    if (step_ == 0 || measured_ <= before || steps_[step_ - 1].falls >= kMostFalls) return false;
+    return mean_s * steps_[step_ - 1].cost / steps_[step_].cost <= (is_growing_ ? kTried : kReserve) * cycle_s;
   };
   if (measured_ > kFewest && mean_s > cycle_s && step_ + 1 < steps_.size()) {
     ++steps_[step_++].falls;
+    is_growing_ = false;
   } else if (rises()) {
     --step_;
   } else {

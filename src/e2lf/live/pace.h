@@ -33,7 +33,8 @@ struct QualityLevel {
 class Pace {
  public:
   /// `macs_per_pixel` are the multiply-adds of the networks, from the best one to the fastest. It begins with the
-  /// fastest one in the first size, and keeps a size that is named.
+  /// fastest one in the smallest size, from which it grows after every other light field while it keeps pace, and keeps
+  /// a size that is named.
   explicit Pace(const std::vector<double>& macs_per_pixel = {1}, std::optional<PictureSize> named = {});
 
   [[nodiscard]] QualityLevel level() const { return steps_[step_].level; }
@@ -49,7 +50,8 @@ class Pace {
   };
   std::vector<Step> steps_;  ///< ordered from the best one to the fastest
   size_t step_ = 0;
-  size_t measured_ = 0;  ///< light fields of this step
+  bool is_growing_ = true;  ///< no step was too slow so far
+  size_t measured_ = 0;     ///< light fields of this step
   double sum_s_ = 0;
 };
 

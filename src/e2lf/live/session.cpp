@@ -69,6 +69,7 @@ void Session::read() {
 void Session::reconstruct() {
   LiveCycle cycle;
   LiveField field;
+  prepare(field);
   while (slot_.take(cycle)) {
     const bool is_depth = wants_depth();
     if (is_depth) {
@@ -161,6 +162,21 @@ std::shared_ptr<const ShownDepth> Session::depth(uint64_t after, std::chrono::mi
   std::unique_lock lock(picture_mutex_);
   if (!has_ended_) picture_changed_.wait_for(lock, patience, is_wanted);
   return is_wanted() ? depth_ : nullptr;
+}
+
+/// Prepares the network and its memory before the first cycle, which is then not late. An error would also be that of
+/// the first cycle.
+void Session::prepare(LiveField& field) {
+  const cycles::CycleReader& cycles = reader_->cycles();
+  const recordings::RecordingInfo& info = cycles.recording().info();
+  LiveCycle dark;
+  dark.cycles = reader_->average();
+  dark.counts.events = capture::EventImages(cycles.schedule().num_images(), info.height, info.width);
+  {
+    const std::lock_guard lock(settings_mutex_);
+    field.level = pace_.level();
+  }
+  (void)make_views(dark, false, field);
 }
 
 Result<void> Session::make(LiveCycle& cycle, LiveField& field) {

@@ -113,6 +113,7 @@ class Session {
  private:
   void read();
   void reconstruct();
+  void prepare(LiveField& field);
   void show();
   [[nodiscard]] Result<void> make(LiveCycle& cycle, LiveField& field);
   [[nodiscard]] bool wants_depth() const;

@@ -257,7 +257,7 @@ TEST(Session, GivesDisparitiesOfTheFullSizeWhileTheyAreRequested) {
 TEST(LiveRequests, GiveThePictureThatIsAskedForAndHeedCommands) {
   const TestFolder folder;
   write_recording(folder / "a.raw", 1);
-  Session session(open_replay(folder / "a.raw"), one_maker(), {});
+  Session session(open_replay(folder / "a.raw"), one_maker(), {.size = PictureSize::kFull});
   EXPECT_EQ(answer(session, false, "picture", {})->status, 204) << "there is none yet";
   session.start();
   ASSERT_TRUE(session.wait().ok());

@@ -22,6 +22,8 @@
 
 namespace e2lf::recordings {
 
+class RunningCamera;
+
 /// A rectangle of the sensor, in pixels from its upper left corner.
 struct SensorRegion {
   int x = 0, y = 0, width = 0, height = 0;
@@ -38,6 +40,7 @@ struct CameraSetup {
   std::vector<SensorRegion> regions = {};         ///< the pixels that send events; empty = all
   std::string encoding = {};                      ///< "evt2", "evt2.1", "evt3"
   bool switches_filters_off = false;  ///< the anti-flicker and event trail filters of the sensor, which drop events
+  std::shared_ptr<RunningCamera> running = {};  ///< receives the camera when it has started
   bool operator==(const CameraSetup&) const = default;
 };
 

@@ -7,7 +7,7 @@
 #include <zlib.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/eval/metrics.h"
+#include "e2lf/eval/report.h"
 #include "e2lf/model/summary.h"
 
 namespace e2lf::view {
@@ -19,8 +19,12 @@ Json codes_json(const capture::Codes& codes) {
   return {{"views", {codes.views_y, codes.views_x}}, {"patterns", std::move(patterns)}};
 }
 
-Json number_or_null(double value) {
-  return std::isfinite(value) ? Json(std::round(value * 1000.0) / 1000.0) : Json();
+Json numbers_or_null(const std::vector<double>& values) {
+  Json numbers = Json::array();
+  for (const double value : values) {
+    numbers.push_back(std::isfinite(value) ? Json(std::round(value * 1000.0) / 1000.0) : Json());
+  }
+  return numbers;
 }
 
 constexpr int16_t kUnknownDisparity = -32768;
@@ -108,14 +112,17 @@ void Document::add_model(const model::Model& model) {
   add_item(std::move(item));
 }
 
-void Document::add_comparison(size_t first, size_t second, const std::vector<std::vector<double>>& psnr_db) {
-  Json cycles = Json::array();
-  for (const std::vector<double>& views : psnr_db) {
-    Json figures = Json::array();
-    for (const double value : views) figures.push_back(number_or_null(value));
-    cycles.push_back(std::move(figures));
+void Document::add_comparison(size_t first, size_t second, const std::vector<Quality>& cycles) {
+  Json described = Json::array();
+  for (const Quality& quality : cycles) {
+    described.push_back({{"psnr_db", numbers_or_null(quality.psnr_db)},
+                         {"tone", {quality.tone.gain, quality.tone.black}},
+                         {"toned_psnr_db", numbers_or_null(quality.toned_psnr_db)}});
+    if (!quality.disparity) continue;
+    described.back()["disparity"] = eval::to_json(*quality.disparity);
+    described.back()["disparity"]["source"] = quality.truth_source;
   }
-  comparisons_.push_back({{"first", first}, {"second", second}, {"psnr_db", std::move(cycles)}});
+  comparisons_.push_back({{"first", first}, {"second", second}, {"cycles", std::move(described)}});
 }
 
 std::string Document::description() const {
@@ -146,21 +153,12 @@ Part counts_part(std::span<const int16_t> counts) {
   return [bytes]() -> Result<std::vector<uint8_t>> { return *bytes; };
 }
 
-std::vector<double> psnr_of_views(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {
-  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields of one shape are compared");
-  const lightfield::Shape& shape = truth.shape();
-  const auto clamped = [](std::span<const float> values) {
-    std::vector<float> result(values.begin(), values.end());
-    for (float& value : result) value = std::clamp(value, 0.0F, 1.0F);
-    return result;
-  };
-  std::vector<double> psnr_db;
-  for (size_t view = 0; view < shape.num_views(); ++view) {
-    const size_t row = view / shape.views_x, column = view % shape.views_x;
-    psnr_db.push_back(eval::psnr_from_mse(
-        eval::mean_squared_error(clamped(truth.view(row, column)), clamped(reconstruction.view(row, column)))));
-  }
-  return psnr_db;
+Quality quality_of(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {
+  Quality quality{eval::psnr_of_views(truth, reconstruction), eval::best_tone(truth, reconstruction), {}};
+  lightfield::LightField toned = reconstruction;
+  for (float& value : toned.data()) value = (value - quality.tone.black) * quality.tone.gain;
+  quality.toned_psnr_db = eval::psnr_of_views(truth, toned);
+  return quality;
 }
 
 }  // namespace e2lf::view

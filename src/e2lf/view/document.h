@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,12 +12,26 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
+#include "e2lf/depth/disparity_error.h"
+#include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/model/model.h"
 #include "e2lf/view/light_field_cycles.h"
 
 namespace e2lf::view {
+
+/// The figures of a reconstruction, as `e2lf eval` computes them.
+struct Quality {
+  std::vector<double> psnr_db;        ///< eval::psnr_of_views()
+  eval::Tone tone;                    ///< eval::best_tone()
+  std::vector<double> toned_psnr_db;  ///< with this tone
+  std::optional<depth::DisparityError> disparity = {};
+  std::string truth_source = {};  ///< of the true disparities, in words
+};
+
+/// Computes the figures without those of the disparity. Different shapes break the contract.
+[[nodiscard]] Quality quality_of(const lightfield::LightField& truth, const lightfield::LightField& reconstruction);
 
 /// Makes the bytes of a part, which is a PNG or deflated int16. It may be called from any thread.
 using Part = std::function<Result<std::vector<uint8_t>>()>;
@@ -44,10 +59,9 @@ class Document {
 
   void add_model(const model::Model& model);
 
-  /// Adds the PSNR of each view of the second light field, clamped, for each cycle that both have. If the first one has
-  /// a single cycle, it is the truth for all. `first` and `second` are numbers of items, and `psnr_db` is
-  /// [cycle][view].
-  void add_comparison(size_t first, size_t second, const std::vector<std::vector<double>>& psnr_db);
+  /// Adds the figures of the second light field for each cycle that both have. If the first one has a single cycle, it
+  /// is the truth for all. `first` and `second` are numbers of items.
+  void add_comparison(size_t first, size_t second, const std::vector<Quality>& cycles);
 
   /// Adds any item in the form described in viewer/src/document.ts.
   void add_item(Json item) { items_.push_back(std::move(item)); }
@@ -68,10 +82,5 @@ class Document {
 
 /// Returns a part that holds these counts as int16, little-endian, deflated (zlib).
 [[nodiscard]] Part counts_part(std::span<const int16_t> counts);
-
-/// Computes the PSNR of each view, in view order, which is infinite for equal views. Different shapes break the
-/// contract.
-[[nodiscard]] std::vector<double> psnr_of_views(const lightfield::LightField& truth,
-                                                const lightfield::LightField& reconstruction);
 
 }  // namespace e2lf::view

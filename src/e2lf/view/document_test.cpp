@@ -67,15 +67,20 @@ TEST(Document, CodesOfAnotherNumberOfPatternsAreLeftOut) {
   EXPECT_EQ(document.parts().size(), 2U);
 }
 
-TEST(Document, PsnrIsOfClampedViews) {
+TEST(Document, QualityIsThatOfEvalAsStoredAndWithTheBestTone) {
   const lightfield::Shape shape{1, 2, 4, 4, 1};
   lightfield::LightField truth(shape), reconstruction(shape);
   for (float& value : truth.view(0, 0)) value = 1.0F;
   for (float& value : reconstruction.view(0, 0)) value = 1.5F;   // clamped: equal
   for (float& value : reconstruction.view(0, 1)) value = 0.01F;  // an error of 1/100: 40 dB
-  const std::vector<double> psnr_db = psnr_of_views(truth, reconstruction);
-  EXPECT_TRUE(std::isinf(psnr_db[0]));
-  EXPECT_NEAR(psnr_db[1], 40.0, 1e-4);
+  const Quality quality = quality_of(truth, reconstruction);
+  EXPECT_TRUE(std::isinf(quality.psnr_db[0]));
+  EXPECT_NEAR(quality.psnr_db[1], 40.0, 1e-4);
+  // Two values of the truth for two of the reconstruction: a line fits both.
+  EXPECT_NEAR(quality.tone.gain, 1 / 1.49, 1e-5);
+  EXPECT_NEAR(quality.tone.black, 0.01, 1e-5);
+  EXPECT_GT(quality.toned_psnr_db[0], 100);
+  EXPECT_GT(quality.toned_psnr_db[1], 100);
 }
 
 TEST(Page, HasAPlaceForData) {

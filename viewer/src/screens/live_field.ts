@@ -3,12 +3,18 @@
 import { apertureWeights } from '../aperture';
 import { ApertureMap } from '../aperture_map';
 import { fetchFile, type LiveItem } from '../document';
-import { element } from '../dom';
-import { maxDisparity } from '../light_field';
-import { askForPicture, command, drawGrey, FigureList, FindingList, followStatistics, rest, SettingControl, type Framed, type Statistics } from '../live';
+import { clamp, element, FigureList } from '../dom';
+import { maxDisparity, middleOf, toneOfGrey } from '../light_field';
+import { askForPicture, command, drawGrey, drawPart, FindingList, followStatistics, rest, SettingControl, type Framed, type Statistics } from '../live';
+import { LiveDepth } from '../live_depth';
 import { Pane } from '../pane';
+import type { Pictures } from '../painter';
+import { pressReliefKey } from '../relief';
 import { focusOn, type Context, type Screen } from '../screen';
+import { enlargeShader } from '../shaders';
+import type { Key } from '../state';
 import { pressViewKey, viewKeys } from '../view_keys';
+import { partOf, zoomKeys } from '../zoom';
 
 interface PictureHeader {
   serial: number;
@@ -27,7 +33,7 @@ interface PictureHeader {
 const rateWindowMs = 2000;
 
 export class LiveFieldScreen implements Screen {
-  readonly keys: [string, string][] = [...viewKeys, ['f', 'freeze']];
+  readonly keys: [string, string][] = [...viewKeys, ...zoomKeys, ['f', 'freeze']];
   private readonly pane: Pane;
   private readonly map: ApertureMap;
   private readonly figures = new FigureList();
@@ -36,6 +42,11 @@ export class LiveFieldScreen implements Screen {
   private readonly size: SettingControl<HTMLSelectElement>;
   private readonly findings = new FindingList();
   private readonly problem = element('p', { class: 'advice', role: 'status' });
+  private readonly depth: LiveDepth;
+  private readonly ways: HTMLElement; // to look at it, if there are several
+  private grey: { header: PictureHeader; pixels: Uint8Array } | null = null;
+  private small: { width: number; height: number; pictures: Pictures } | null = null;
+  private isAskingDepth = false;
   private serial = 0;
   private field = 0;
   private numPending = 0;
@@ -49,6 +60,8 @@ export class LiveFieldScreen implements Screen {
     const signed = (value: number) => (value > 0 ? '+' : '') + value.toFixed(2);
     this.pane = new Pane(item.name, item, state, (x, y) => this.focusAt(x, y));
     this.map = new ApertureMap(state, item.views, context.say);
+    this.depth = new LiveDepth(context.painter, item);
+    state.start({ x: middleOf(columns), y: middleOf(rows), overlay: 0.5 });
     this.fineButton = panel.button('Reconstruct this one well', () => this.tell('freeze', 'fine'));
     const average = element('input', { type: 'range', min: '1', max: '16', step: '1', name: 'average', 'aria-label': 'Cycles of a still scene' });
     this.average = new SettingControl(average, (cycles) => this.tell(`average?cycles=${cycles}`));
@@ -56,6 +69,9 @@ export class LiveFieldScreen implements Screen {
     this.size = new SettingControl(size, (to) => this.tell(`size?to=${to}`));
     panel.group('Light field', this.figures.root, this.findings.root, this.problem,
       panel.button('Freeze', () => this.tell('freeze')), this.fineButton, panel.button('Brightness anew', () => this.tell('brightness')));
+    this.ways = panel.group('Picture', panel.choice('show', 'Show', { picture: 'light field', disparity: 'disparity', relief: 'relief' }),
+      panel.slider('overlay', 'Colours on the relief', { low: 0, high: 1, step: 0.05 }), panel.slider('depth', 'Depth of the relief', { low: 0, high: 1.5, step: 0.05 }));
+    this.ways.hidden = true;
     panel.group('Pace',
       element('label', { class: 'choice' }, element('span', {}, 'Size'), size),
       element('label', { class: 'slider' }, element('span', {}, 'Cycles of a still scene'), average));
@@ -100,19 +116,75 @@ export class LiveFieldScreen implements Screen {
 
   private paint({ header, pixels }: Framed<PictureHeader>): void {
     this.serial = header.serial;
-    const numPixels = header.width * header.height;
-    const numOfRow = header.row_epi[0] * header.row_epi[1];
-    drawGrey(this.pane.picture, header.width, header.height, pixels);
-    drawGrey(this.pane.rowEpi, ...header.row_epi, pixels.subarray(numPixels, numPixels + numOfRow));
-    drawGrey(this.pane.columnEpi, ...header.column_epi, pixels.subarray(numPixels + numOfRow));
+    this.grey = { header, pixels };
+    this.draw();
     this.pane.root.dataset['cycle'] = String(header.cycle);
-    this.pane.drawLines(null);
     if (header.field === this.field) return;
     this.field = header.field;
     const now = performance.now();
     this.comings = [...this.comings.filter((time) => now - time < rateWindowMs), now];
     const summed = header.cycles > 1 ? `, sum of ${header.cycles}` : '';
     this.pane.caption.textContent = `cycle ${header.cycle}${summed}: ${header.size} size, ${Math.round(1000 * header.latency_s)} ms after its last event`;
+  }
+
+  /** Draws what has come. */
+  private draw(): void {
+    const show = this.way();
+    if (show !== 'picture') {
+      this.depth.paint(this.pane.picture, this.context.state, show === 'relief');
+    } else if (this.grey) {
+      const { header: { width, height, row_epi, column_epi }, pixels } = this.grey;
+      const numPixels = width * height, numOfRow = row_epi[0] * row_epi[1];
+      const part = partOf(this.context.state);
+      this.drawPicture(width, height, pixels.subarray(0, numPixels));
+      drawPart(this.pane.rowEpi, ...row_epi, pixels.subarray(numPixels, numPixels + numOfRow), { x: part.x, width: part.size, y: 0, height: 1 });
+      drawPart(this.pane.columnEpi, ...column_epi, pixels.subarray(numPixels + numOfRow), { x: 0, width: 1, y: part.y, height: part.size });
+    }
+    this.pane.drawLines(null);
+  }
+
+  /** Smaller light fields are enlarged to the size of the sensor. */
+  private drawPicture(width: number, height: number, grey: Uint8Array): void {
+    if (width === this.item.width || width * height === 0) return drawGrey(this.pane.picture, width, height, grey);
+    const { painter } = this.context;
+    if (this.small?.width !== width || this.small.height !== height) {
+      if (this.small) painter.gl.deleteTexture(this.small.pictures.texture);
+      this.small = { width, height, pictures: painter.pictures(width, height, 1, true) };
+    }
+    painter.putGrey(this.small.pictures, width, height, grey);
+    const side = Math.round(this.item.width / width);
+    painter.paint(this.pane.picture, side * width, side * height, enlargeShader, { ...toneOfGrey(this.small.pictures.texture, [width, height]), small: [width, height] });
+  }
+
+  /** Returns what is shown: the light field, or the disparity if the source has it. */
+  private way(): string {
+    const show = this.context.state.get('show');
+    return !this.ways.hidden && (show === 'disparity' || show === 'relief') ? show : 'picture';
+  }
+
+  /** Requests disparities while they are shown. */
+  private async followDepth(): Promise<void> {
+    if (this.isAskingDepth) return;
+    this.isAskingDepth = true;
+    try {
+      while (!this.isClosed && this.way() !== 'picture') {
+        if (await this.depth.ask()) this.draw();
+        else await rest(50);
+      }
+    } finally {
+      this.isAskingDepth = false;
+    }
+  }
+
+  /** States what is under the cursor. */
+  private point(): void {
+    if (!this.grey) return;
+    const { column, row } = this.pane.cut();
+    const { header: { width, height, size }, pixels } = this.grey;
+    const [x, y] = [clamp(Math.floor((column * width) / this.item.width), 0, width - 1), clamp(Math.floor((row * height) / this.item.height), 0, height - 1)];
+    const disparity = this.way() === 'picture' ? null : this.depth.at(column, row);
+    const value = `${(pixels[y * width + x]! / 255).toFixed(3)} (${size} size)`;
+    this.context.say(`x ${column}, y ${row}: ${disparity === null ? value : `disparity ${disparity.toFixed(3)} px per view`}`);
   }
 
   /** Returns the number of light fields per second that the page has shown. */
@@ -135,6 +207,10 @@ export class LiveFieldScreen implements Screen {
     ]);
     this.findings.show(now.findings);
     this.size.show(now.size_choice);
+    if (this.ways.hidden !== (now.disparity_serial === undefined)) {
+      this.ways.hidden = now.disparity_serial === undefined;
+      this.follow('show');
+    }
     this.average.show(String(now.average));
     this.average.control.setAttribute('aria-valuetext', `${now.average} cycles`);
     this.fineButton.toggleAttribute('disabled', now.is_refining);
@@ -164,8 +240,11 @@ export class LiveFieldScreen implements Screen {
     ask().catch((error: Error) => this.context.say(error.message));
   }
 
-  follow(): void {
-    this.pane.drawLines(null);
+  follow(key: Key): void {
+    if (key === 'show' || key === 'tab') this.layout();
+    if (this.way() !== 'picture') this.followDepth().catch((error) => this.isClosed || this.context.fail(error));
+    if (key === 'row' || key === 'column') this.point();
+    this.draw();
     this.map.draw(this.weights());
     this.askNext();
   }
@@ -177,10 +256,11 @@ export class LiveFieldScreen implements Screen {
 
   layout(): void {
     const { stage } = this.context;
-    this.pane.layout(stage.clientWidth - 16, stage.clientHeight - 16);
+    this.pane.layout(stage.clientWidth - 16, stage.clientHeight - 16, this.way() === 'relief');
   }
 
   press(key: string): boolean {
+    if (this.pane.zoom.press(key) || (this.way() === 'relief' && pressReliefKey(this.context.state, key))) return true;
     if (key === 'f') this.tell('freeze');
     return key === 'f' || pressViewKey(this.context.state, this.item.views, key);
   }
@@ -191,5 +271,7 @@ export class LiveFieldScreen implements Screen {
 
   close(): void {
     this.isClosed = true;
+    this.depth.close();
+    if (this.small) this.context.painter.gl.deleteTexture(this.small.pictures.texture);
   }
 }

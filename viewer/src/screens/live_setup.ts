@@ -1,8 +1,9 @@
 // The tab for the set-up of a live source: a picture of the events and its sharpness, rates, triggers, cycles, losses,
 // and the switch of the recording.
+import { CameraControls } from '../camera_controls';
 import type { LiveItem } from '../document';
-import { canvas, element } from '../dom';
-import { askForPicture, command, countText, drawGrey, FigureList, FindingList, followStatistics, rest, type Statistics } from '../live';
+import { canvas, element, FigureList } from '../dom';
+import { askForPicture, command, countText, drawGrey, FindingList, followStatistics, rest, type Statistics } from '../live';
 import { fit, setSize, type Context, type Screen } from '../screen';
 
 interface EventsHeader {
@@ -10,10 +11,12 @@ interface EventsHeader {
   height: number;
   events: number;
   sharpness: number;
+  cycle?: number; // the newest one, and the sharpness of its event images
+  cycle_sharpness?: number;
 }
 
 const pauseMs = 60; // between two pictures of events
-const smoothing = 0.1;
+const meanOf = 8; // cycles or, until there is one, pictures
 
 const sum = (counts: Record<string, number>): number => Object.values(counts).reduce((all, count) => all + count, 0);
 
@@ -35,8 +38,10 @@ export class LiveSetupScreen implements Screen {
   private readonly recordButton: HTMLElement;
   private isRecording = false;
   private sharpest = 0;
-  private mean = 0; // sharpness averaged over the last pictures
-  private numPictures = 0;
+  private last: number[] = []; // sharpness of the last cycles or pictures
+  private cycle = -1; // the last one of them; -1 = pictures
+  private readonly camera: CameraControls;
+  private readonly cameraGroup: HTMLElement;
   private isClosed = false;
 
   constructor(private readonly context: Context, private readonly item: LiveItem) {
@@ -46,6 +51,9 @@ export class LiveSetupScreen implements Screen {
     this.recordButton = panel.button('Record', () => this.switchRecording());
     panel.group('Findings', this.findings.root, this.problem);
     panel.group('Sharpness', this.sharpness.root, panel.button('Reset the best', () => (this.sharpest = 0)));
+    this.camera = new CameraControls(context.say);
+    this.cameraGroup = panel.group('Camera', this.camera.root);
+    this.cameraGroup.hidden = true;
     panel.group('Recording', this.recording.root, this.recordButton);
     panel.group('Events', this.events.root);
     panel.group('Triggers', this.triggers.root);
@@ -64,18 +72,30 @@ export class LiveSetupScreen implements Screen {
     }
   }
 
-  private showEvents({ width, height, events, sharpness }: EventsHeader, pixels: Uint8Array): void {
+  private showEvents(header: EventsHeader, pixels: Uint8Array): void {
+    const { width, height, events } = header;
     drawGrey(this.picture, width, height, pixels);
-    // The pictures show different patterns, so that a single one is not conclusive.
-    this.mean = this.numPictures++ === 0 ? sharpness : this.mean + smoothing * (sharpness - this.mean);
-    if (this.numPictures * smoothing >= 1) this.sharpest = Math.max(this.sharpest, this.mean);
-    const share = this.sharpest > 0 ? this.mean / this.sharpest : 0;
+    this.addSharpness(header);
+    const mean = this.last.reduce((sum, value) => sum + value, 0) / this.last.length;
+    if (this.last.length === meanOf) this.sharpest = Math.max(this.sharpest, mean);
+    const share = this.sharpest > 0 ? mean / this.sharpest : 0;
     this.sharpness.show([
-      ['now', this.mean.toFixed(3)],
+      ['now', mean.toFixed(3)],
       ['best so far', this.sharpest.toFixed(3)],
       ['share of the best', `${Math.round(100 * share)} %`],
       ['events in the picture', countText(events)],
     ]);
+  }
+
+  /** Whole cycles are compared, because the pictures show different patterns. */
+  private addSharpness({ sharpness, cycle = -1, cycle_sharpness = sharpness }: EventsHeader): void {
+    if (cycle >= 0 && cycle === this.cycle) return;
+    if (cycle < 0 !== this.cycle < 0) {
+      this.last = [];
+      this.sharpest = 0;
+    }
+    this.cycle = cycle;
+    this.last = [...this.last, cycle_sharpness].slice(-meanOf);
   }
 
   private show(now: Statistics): void {
@@ -91,6 +111,8 @@ export class LiveSetupScreen implements Screen {
       ['patterns of the schedule, per second', expected.toFixed(1)],
     ]);
     this.findings.show(now.findings);
+    this.camera.show(now.camera ?? []);
+    this.cameraGroup.hidden = !now.camera?.length;
     this.problem.textContent = now.error ?? (now.findings.length === 0 ? 'none so far' : '');
     this.cycles.show([
       ['complete', String(now.cycles)],

@@ -54,16 +54,12 @@ Result<recordings::CameraSetup> camera_setup(const CameraFlags& flags) {
                                 .max_events_per_s = flags.max_events_per_s,
                                 .regions = {},
                                 .encoding = flags.encoding,
-                                .switches_filters_off = flags.switches_filters_off};
+                                .switches_filters_off = flags.switches_filters_off,
+                                .running = flags.running};
   for (const std::string& text : flags.regions) {
-    recordings::SensorRegion region;
-    int length = 0;
-    const int found =
-        std::sscanf(text.c_str(), "%5d,%5d,%5d,%5d%n", &region.x, &region.y, &region.width, &region.height, &length);
-    if (found != 4 || static_cast<size_t>(length) != text.size()) {
-      return Error{ErrorCode::kInvalidValue, cat("\"", text, "\" is not a region; give X,Y,WIDTH,HEIGHT"), "--roi"};
-    }
-    setup.regions.push_back(region);
+    auto regions = recordings::parse_regions(text);
+    if (!regions) return Error{regions.error().code, regions.error().message, "--roi"};
+    setup.regions.insert(setup.regions.end(), regions->begin(), regions->end());
   }
   return setup;
 }

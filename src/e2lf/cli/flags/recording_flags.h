@@ -22,6 +22,7 @@ struct CameraFlags {
   std::optional<uint32_t> max_events_per_s;
   std::string encoding;
   bool switches_filters_off = false;
+  std::shared_ptr<recordings::RunningCamera> running;  ///< set by verbs that change settings while the camera runs
 };
 
 void add_camera_options(CLI::App& app, CameraFlags& flags);

@@ -84,16 +84,23 @@ Result<std::unique_ptr<LiveView>> start_live_view(const std::string& name, const
   return std::unique_ptr<LiveView>(std::make_unique<ServedLiveView>(name, folder, std::move(server)));
 }
 
-Result<void> write_comparison_page(const std::filesystem::path& path, const lightfield::LightField& truth,
-                                   const lightfield::LightField& reconstruction) {
+Result<void> write_comparison_page(const std::filesystem::path& path, const Shown& truth, const Shown& reconstruction,
+                                   const std::optional<depth::DisparityError>& error) {
   view::Document document;
-  for (const auto& [name, light_field] : {std::pair("scene", &truth), std::pair("reconstruction", &reconstruction)}) {
-    E2LF_RETURN_IF_ERROR(view::check_browser_memory(light_field->shape(), path));
+  for (const auto& [name, shown] : {std::pair("scene", &truth), std::pair("reconstruction", &reconstruction)}) {
+    const lightfield::Shape& shape = shown->light_field.shape();
+    E2LF_RETURN_IF_ERROR(view::check_browser_memory(shape, path));
     const auto cycles = std::make_shared<view::LightFieldCycles>();
-    cycles->add(name, *light_field);
+    cycles->add(name, shown->light_field);
     document.add_light_field(name, cycles);
+    if (!error) continue;
+    const depth::ViewIndex middle = depth::middle_view(shape);
+    document.add_disparity(document.num_items() - 1, {shown->disparity}, middle.y, middle.x);
   }
-  document.add_comparison(0, 1, {view::psnr_of_views(truth, reconstruction)});
+  view::Quality quality = view::quality_of(truth.light_field, reconstruction.light_field);
+  quality.disparity = error;
+  quality.truth_source = "those of the scene";
+  document.add_comparison(0, 1, {quality});
   return view::write_page(path, document);
 }
 

@@ -5,6 +5,7 @@
 #include "e2lf/cli/output/light_field_writer.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
+#include "e2lf/depth/true_disparity.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/npy.h"
@@ -46,12 +47,9 @@ Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, 
 }
 
 /// Writes the scene with the true disparities of its middle view.
-Result<void> write_scene(const fs::path& folder, uint64_t seed, const LightField& scene) {
-  const lightfield::Shape& shape = scene.shape();
-  const lightfield::Image disparity =
-      lightfield::render_disparity(lightfield::demo_scene(seed), {shape.height, shape.width, 0.5F, 0.5F});
+Result<void> write_scene(const fs::path& folder, const LightField& scene, const lightfield::Image& disparity) {
   E2LF_RETURN_IF_ERROR(lightfield::write_views(folder, scene, lightfield::LightFieldFormat::kPng8));
-  return write_npy(folder / "gt_disparity.npy", make_npy<float>({shape.height, shape.width}, disparity.pixels));
+  return write_npy(folder / "gt_disparity.npy", make_npy<float>({disparity.height, disparity.width}, disparity.pixels));
 }
 
 /// Writes images that are focused on the front and on the back of the scene.
@@ -86,6 +84,8 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const recon::Method reconstruct, method.ready());
   const lightfield::Shape shape{8, 8, arguments.height, arguments.width, 1};
   const LightField scene = lightfield::render_light_field(lightfield::demo_scene(common.seed), shape);
+  const lightfield::Image disparity =
+      lightfield::render_disparity(lightfield::demo_scene(common.seed), {shape.height, shape.width, 0.5F, 0.5F});
   record.end_step("render");
 
   pipeline::SimulatedCamera camera{.codes = method.codes->codes, .seed = common.seed};
@@ -104,19 +104,29 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   eval::EvalRow row{method.network ? method.network->model().name : method.algorithm, "demo scene", {}, {}};
   E2LF_ASSIGN_OR_RETURN(row.quality, eval::compare(scene, light_field));
   row.events = eval::event_statistics(images);
+  lightfield::Image found;
+  if (depth::has_comparable_disparity(shape)) {
+    ProgressBar bar("depth", common.quiet);
+    E2LF_ASSIGN_OR_RETURN(depth::FoundDisparity judged, depth::judge_disparity(light_field, disparity, bar.callback()));
+    found = std::move(judged.disparity);
+    row.disparity = std::move(judged.error);
+  }
   record.end_step("evaluate");
 
   const fs::path& folder = output.path();
   std::error_code ignored;
   fs::create_directory(folder / "scene", ignored);
-  E2LF_RETURN_IF_ERROR(write_scene(folder / "scene", common.seed, scene));
+  E2LF_RETURN_IF_ERROR(write_scene(folder / "scene", scene, disparity));
   E2LF_RETURN_IF_ERROR(
       capture::write_event_images(folder / "events.npz", {{images}, {camera.codes, camera.profile, {}}}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));
   fs::create_directory(folder / "recon", ignored);
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}, {}));
   E2LF_RETURN_IF_ERROR(write_refocused(folder, light_field));
-  if (has_viewer()) E2LF_RETURN_IF_ERROR(write_comparison_page(folder / "index.html", scene, light_field));
+  if (has_viewer()) {
+    E2LF_RETURN_IF_ERROR(
+        write_comparison_page(folder / "index.html", {scene, disparity}, {light_field, found}, row.disparity));
+  }
   record.end_step("write");
   record.note("quality", eval::to_json(row));
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));

@@ -9,6 +9,7 @@
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/compare/pictures.h"
+#include "e2lf/depth/colour_scale.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/true_disparity.h"
 #include "e2lf/eval/metrics.h"
@@ -138,12 +139,17 @@ std::string disparity_text(const Truth& truth) {
 Result<void> add_disparities(const std::vector<Compared>& all, const Truth& truth, report::Page& page) {
   page.heading("Disparity").paragraph(disparity_text(truth));
   const depth::DisparityRange range = depth::shown_range(truth.disparity->disparity);
-  std::vector<NamedImage> pictures = {{depth::colour_picture(truth.disparity->disparity, range),
-                                       cat("truth, from ", formatted("%.2f", range.most), " px (dark, far) to ",
-                                           formatted("%.2f", range.least), " px (bright, near) per view step")}};
+  std::vector<NamedImage> pictures = {{depth::picture_with_scale(truth.disparity->disparity, range),
+                                       "truth; the numbers are px per view step, and near is bright"}};
   report::LineChart chart{"the most certain pixels, %", "off by more than 0.2 px, %", {}};
   for (const Compared& compared : all) {
-    pictures.push_back({depth::colour_picture(compared.disparity, range), compared.row.method});
+    const depth::DisparityError& error = *compared.row.disparity;
+    pictures.push_back(
+        {depth::picture_with_scale(compared.disparity, range),
+         compared.row.method + formatted(": %.1f %% off by more than 0.07 px, %.1f %% by more than 0.2 px, mean error "
+                                         "%.3f px, slope %.2f",
+                                         error.bad_07_percent, error.bad_20_percent, error.mean_absolute_px,
+                                         error.slope)});
     report::Line& line = chart.lines.emplace_back();
     line.name = compared.row.method;
     for (const depth::ErrorPart& part : compared.row.disparity->most_certain) {
@@ -241,10 +247,10 @@ Result<Truth> read_truth(const EvalArguments& arguments, const lightfield::Shape
 Result<void> compare_disparity(const Truth& truth, Compared& compared, bool quiet) {
   if (!truth.disparity) return {};
   ProgressBar bar("depth", quiet);
-  E2LF_ASSIGN_OR_RETURN(depth::DisparityMap map, depth::estimate_disparity(compared.field, {}, bar.callback()));
-  E2LF_ASSIGN_OR_RETURN(compared.row.disparity,
-                        depth::compare(map.disparity, map.confidence, truth.disparity->disparity));
-  compared.disparity = std::move(map.disparity);
+  E2LF_ASSIGN_OR_RETURN(depth::FoundDisparity found,
+                        depth::judge_disparity(compared.field, truth.disparity->disparity, bar.callback()));
+  compared.row.disparity = std::move(found.error);
+  compared.disparity = std::move(found.disparity);
   return {};
 }
 

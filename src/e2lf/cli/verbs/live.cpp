@@ -252,7 +252,8 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   live::Session session(std::move(instrument.reader), std::move(instrument.makers), std::move(instrument.options));
   std::unique_ptr<LivePage> page;
   if (!arguments.has_no_page) {
-    E2LF_ASSIGN_OR_RETURN(page, start_live_page(session, std::move(instrument.fine), arguments.port));
+    E2LF_ASSIGN_OR_RETURN(page, start_live_page(session, std::move(instrument.fine),
+                                                arguments.cycles.recording.camera.running, arguments.port));
     if (common.json) {
       std::printf("%s\n", Json{{"url", page->url()}}.dump().c_str());
     } else {
@@ -325,6 +326,7 @@ int run_live(const std::vector<std::string>& arguments) {
             "cycle is always reconstructed next; cycles that arrive too fast are skipped and counted.",
             "e2lf live replay:capture.raw");
   LiveArguments live_arguments;
+  live_arguments.cycles.recording.camera.running = std::make_shared<recordings::RunningCamera>();
   CLI::App& app = verb.app();
   app.add_option("source", live_arguments.source,
                  "camera://NAME, - for standard input, the path of a named pipe, tcp://127.0.0.1:PORT, or replay:FILE "

@@ -8,6 +8,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_requests.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/server.h"
@@ -30,7 +31,8 @@ Kept keep(lightfield::LightField light_field) {
 
 class ServedLivePage : public LivePage {
  public:
-  ServedLivePage(live::Session& session, FineMethod fine) : session_(session), method_(std::move(fine)) {}
+  ServedLivePage(live::Session& session, FineMethod fine, std::shared_ptr<recordings::RunningCamera> camera)
+      : session_(session), method_(std::move(fine)), camera_(std::move(camera)) {}
   ~ServedLivePage() override {
     if (server_) server_->end();
     for (std::thread* thread : {&serving_, &refining_}) {
@@ -62,14 +64,29 @@ class ServedLivePage : public LivePage {
   std::optional<Answer> answer(const view::Question& asked) {
     if (asked.is_command && asked.name == "freeze") return freeze();
     if (asked.is_command && asked.name == "fine") return refine();
+    if (asked.is_command && asked.name == "camera") return change_camera(asked.parameters);
     if (!asked.is_command && asked.name == "statistics") return statistics();
     auto answered = live::answer(session_, asked.is_command, asked.name, asked.parameters);
     if (!answered) return std::nullopt;
     return Answer{answered->status, std::move(answered->type), std::move(answered->body)};
   }
 
+  Answer change_camera(const std::map<std::string, std::string>& parameters) {
+    const auto text = [&](const char* name) {
+      const auto found = parameters.find(name);
+      return found == parameters.end() ? std::string() : found->second;
+    };
+    const Result<void> changed = camera_->change(text("name"), text("value"));
+    return changed ? made(Json::object()) : refusal(changed.error().message);
+  }
+
   Answer statistics() {
     Json json = live::statistics(session_);
+    json["camera"] = Json::array();
+    for (const recordings::CameraControl& control : camera_->controls()) {
+      json["camera"].push_back(
+          {{"name", control.name}, {"value", control.value}, {"least", control.least}, {"most", control.most}});
+    }
     const std::lock_guard lock(mutex_);
     json["is_refining"] = is_refining_;
     json["refining_error"] = refining_error_;
@@ -120,9 +137,18 @@ class ServedLivePage : public LivePage {
         refining_error_ = "another light field was frozen in the meantime";
       if (!refining_error_.empty()) return;
       fine_ = keep(std::move(*refined));
+      enlarge_quick();
       server_->replace(document());
     });
     return made({{"name", name}});
+  }
+
+  /// Gives the frozen light field the size of the one that was reconstructed well, so that both are compared.
+  void enlarge_quick() {
+    const lightfield::Shape& size = fine_->shape();
+    const auto small = quick_->read(0);
+    if (quick_->shape() == size || !small) return;
+    quick_ = keep(live::enlarged(**small, size.height, size.width));
   }
 
   [[nodiscard]] std::string frozen_name() const { return cat("cycle ", frozen_.cycle.number); }
@@ -147,12 +173,13 @@ class ServedLivePage : public LivePage {
     document.add_light_field(fine_name(), fine_);
     if (!(fine_->shape() == quick_->shape())) return document;
     const auto fine = fine_->read(0), quick = quick_->read(0);
-    if (fine && quick) document.add_comparison(3, 2, {view::psnr_of_views(**fine, **quick)});
+    if (fine && quick) document.add_comparison(3, 2, {view::quality_of(**fine, **quick)});
     return document;
   }
 
   live::Session& session_;
   FineMethod method_;
+  std::shared_ptr<recordings::RunningCamera> camera_;
   std::mutex mutex_;
   live::LiveField frozen_;  ///< without its views
   Kept quick_, fine_;
@@ -165,8 +192,9 @@ class ServedLivePage : public LivePage {
 
 }  // namespace
 
-Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine, uint16_t port) {
-  auto page = std::make_unique<ServedLivePage>(session, std::move(fine));
+Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine,
+                                                  std::shared_ptr<recordings::RunningCamera> camera, uint16_t port) {
+  auto page = std::make_unique<ServedLivePage>(session, std::move(fine), std::move(camera));
   E2LF_RETURN_IF_ERROR(page->start(port));
   return std::unique_ptr<LivePage>(std::move(page));
 }

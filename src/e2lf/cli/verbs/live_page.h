@@ -9,6 +9,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/live/session.h"
+#include "e2lf/recordings/live/camera.h"
 
 namespace e2lf::cli {
 
@@ -18,7 +19,8 @@ using FineMethod = std::function<Result<lightfield::LightField>(const live::Live
 
 /// The page of `e2lf live`, served by a separate thread. Besides the requests of live_requests.h, it answers those for
 /// the views of the last frozen light field and of the same cycle reconstructed in the best quality. Its additional
-/// commands (POST) are freeze and fine; both return {"name"} of the light field that the page will contain.
+/// commands (POST) are freeze and fine, which return {"name"} of the light field that the page will contain, and
+/// camera?name=&value=, which changes a setting of the camera; the statistics list those settings as "camera".
 class LivePage {
  public:
   virtual ~LivePage() = default;
@@ -27,8 +29,10 @@ class LivePage {
   [[nodiscard]] virtual Result<void> finish() = 0;
 };
 
-/// Starts serving. `session` must outlive the page. Fails with kIo if the port is in use, and with kMissingDependency
-/// in a build without the viewer.
-[[nodiscard]] Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine, uint16_t port);
+/// Starts serving. `session` must outlive the page, which changes the settings of `camera`. Fails with kIo if the port
+/// is in use, and with kMissingDependency in a build without the viewer.
+[[nodiscard]] Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine,
+                                                                std::shared_ptr<recordings::RunningCamera> camera,
+                                                                uint16_t port);
 
 }  // namespace e2lf::cli

@@ -40,9 +40,10 @@ struct ViewArguments {
 };
 
 /// A light field of the document, for the comparison with others.
-struct Shown {
+struct ShownCycles {
   size_t item = 0;
   std::shared_ptr<view::LightFieldCycles> cycles;
+  fs::path path;
 };
 
 /// Returns the name of an item on its tab: the last part of its path, with the folder if that part alone is not
@@ -114,9 +115,29 @@ Result<DisparityMaps> read_disparity(const fs::path& path, const lightfield::Sha
   return found;
 }
 
+/// Returns whether `e2lf depth` wrote a folder.
+bool is_depth_folder(const fs::path& path) {
+  std::error_code error;
+  return is_our_record(path / "run.json") && fs::exists(files_of(path).front(), error);
+}
+
+/// Returns the light field of which the maps in a folder of `e2lf depth` are, or an empty path if it is not there.
+fs::path light_field_of(const fs::path& depth_folder) {
+  const auto record = read_json(depth_folder / "run.json");
+  const Json::json_pointer place("/inputs/0/path"), folder("/folder");
+  if (!record || !record->contains(place) || !record->at(place).is_string()) return {};
+  const Json& base = record->contains(folder) ? record->at(folder) : Json("");
+  const fs::path path =
+      fs::path(base.is_string() ? base.get<std::string>() : "") / record->at(place).get<std::string>();
+  std::error_code error;
+  if (!fs::exists(path, error)) return {};
+  const auto kind = file_kind(path);
+  return kind && (*kind == FileKind::kLightField || *kind == FileKind::kCycles) ? path : fs::path();
+}
+
 class DocumentMaker {
  public:
-  explicit DocumentMaker(const ViewArguments& arguments) : arguments_(arguments) {}
+  DocumentMaker(const ViewArguments& arguments, bool is_quiet) : arguments_(arguments), is_quiet_(is_quiet) {}
 
   Result<void> add(const fs::path& path) {
     if (is_live(path)) {
@@ -130,8 +151,9 @@ class DocumentMaker {
       return {};
     }
     if (kind == FileKind::kEventImages) return add_event_images(path);
-    if (kind == FileKind::kLightField || kind == FileKind::kCycles) return add_light_field(path);
+    if (kind == FileKind::kLightField || kind == FileKind::kCycles) return add_light_field(path, name_of(path));
     if (kind == FileKind::kRecording) return add_recording(path);
+    if (kind == FileKind::kResults && is_depth_folder(path)) return add_depth(path);
     if (kind != FileKind::kImages) return other_kind_error(path, kind, "something that the viewer can show");
     return Error{ErrorCode::kUnsupported,
                  "the viewer does not show measurements with intensity images; reconstruct a light field from it",
@@ -156,10 +178,7 @@ class DocumentMaker {
       return Error{ErrorCode::kInvalidValue, "a disparity map is shown over a light field; also give a light field",
                    "--disparity"};
     }
-    const Shown& shown = light_fields_.front();
-    E2LF_ASSIGN_OR_RETURN(const DisparityMaps found, read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
-    document_.add_disparity(shown.item, found.maps, found.view.y, found.view.x);
-    return {};
+    return add_disparity(path, light_fields_.front());
   }
 
   view::Document take() { return std::move(document_); }
@@ -172,11 +191,35 @@ class DocumentMaker {
     return {};
   }
 
-  Result<void> add_light_field(const fs::path& path) {
+  Result<void> add_light_field(const fs::path& path, const std::string& name) {
     E2LF_ASSIGN_OR_RETURN(auto cycles, view::LightFieldCycles::open(path, unchanged_options(arguments_.light_field)));
-    light_fields_.push_back({document_.num_items(), cycles});
-    document_.add_light_field(name_of(path), cycles);
+    light_fields_.push_back({document_.num_items(), cycles, path});
+    document_.add_light_field(name, cycles);
     return {};
+  }
+
+  Result<void> add_disparity(const fs::path& path, const ShownCycles& shown) {
+    E2LF_ASSIGN_OR_RETURN(const DisparityMaps found, read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
+    document_.add_disparity(shown.item, found.maps, found.view.y, found.view.x);
+    return {};
+  }
+
+  /// Adds the maps over the light field from which they were computed, or alone if that is not there.
+  Result<void> add_depth(const fs::path& path) {
+    const fs::path source = light_field_of(path);
+    if (!source.empty()) {
+      E2LF_RETURN_IF_ERROR(add_light_field(source, name_of(path)));
+      return add_disparity(path, light_fields_.back());
+    }
+    ShownCycles shown{document_.num_items(), std::make_shared<view::LightFieldCycles>(), path};
+    for (const fs::path& file : files_of(path)) {
+      E2LF_ASSIGN_OR_RETURN(const Image map, depth::read_disparity(file));
+      lightfield::LightField grey({1, 1, map.height, map.width, 1});
+      std::ranges::fill(grey.data(), 0.5F);
+      shown.cycles->add(file.parent_path().filename().string(), std::move(grey));
+    }
+    document_.add_light_field(name_of(path), shown.cycles);
+    return add_disparity(path, shown);
   }
 
   Result<void> add_recording(const fs::path& path) {
@@ -198,26 +241,53 @@ class DocumentMaker {
     return view::add_recording(document_, name_of(path), {open, open_its_cycles}, arguments_.frames);
   }
 
-  Result<void> compare(const Shown& first, const Shown& second) {
+  /// Compares the disparities of two single light fields, if those of the first one lie beside it.
+  Result<void> compare_disparity(const ShownCycles& first, const ShownCycles& second, view::Quality& quality) {
+    const auto file = depth::find_true_disparity(first.path);
+    const lightfield::Shape shape = first.cycles->shape();
+    const bool is_single = first.cycles->size() == 1 && second.cycles->size() == 1;
+    const LightFieldFlags& flags = arguments_.light_field;
+    const bool are_all_views = flags.views == 0 && flags.step == 1 && flags.orientation.value().is_upright();
+    if (!file || !is_single || !are_all_views || !arguments_.disparity.empty() ||
+        !depth::has_comparable_disparity(shape)) {
+      return {};
+    }
+    E2LF_ASSIGN_OR_RETURN(const auto scene, first.cycles->read(0));
+    E2LF_ASSIGN_OR_RETURN(const auto reconstruction, second.cycles->read(0));
+    E2LF_ASSIGN_OR_RETURN(const depth::TrueDisparity truth, depth::true_disparity(*scene, file));
+    ProgressBar bar("depth of " + name_of(second.path), is_quiet_);
+    E2LF_ASSIGN_OR_RETURN(depth::FoundDisparity found,
+                          depth::judge_disparity(*reconstruction, truth.disparity, bar.callback()));
+    const depth::ViewIndex view = depth::middle_view(shape);
+    document_.add_disparity(first.item, {truth.disparity}, view.y, view.x);
+    document_.add_disparity(second.item, {found.disparity}, view.y, view.x);
+    quality.disparity = std::move(found.error);
+    quality.truth_source = truth.source;
+    return {};
+  }
+
+  Result<void> compare(const ShownCycles& first, const ShownCycles& second) {
     const bool is_one_truth = first.cycles->size() == 1;
     const size_t count = is_one_truth ? second.cycles->size() : std::min(first.cycles->size(), second.cycles->size());
-    std::vector<std::vector<double>> psnr_db;
+    std::vector<view::Quality> cycles;
     for (size_t cycle = 0; cycle < count; ++cycle) {
       E2LF_ASSIGN_OR_RETURN(const auto truth, first.cycles->read(is_one_truth ? 0 : cycle));
       E2LF_ASSIGN_OR_RETURN(const auto reconstruction, second.cycles->read(cycle));
-      psnr_db.push_back(view::psnr_of_views(*truth, *reconstruction));
+      cycles.push_back(view::quality_of(*truth, *reconstruction));
     }
-    document_.add_comparison(first.item, second.item, psnr_db);
+    E2LF_RETURN_IF_ERROR(compare_disparity(first, second, cycles.front()));
+    document_.add_comparison(first.item, second.item, cycles);
     return {};
   }
 
   const ViewArguments& arguments_;
   view::Document document_;
-  std::vector<Shown> light_fields_;
+  bool is_quiet_;
+  std::vector<ShownCycles> light_fields_;
 };
 
-Result<view::Document> make_document(const ViewArguments& arguments) {
-  DocumentMaker maker(arguments);
+Result<view::Document> make_document(const ViewArguments& arguments, bool is_quiet) {
+  DocumentMaker maker(arguments, is_quiet);
   for (const fs::path& thing : arguments.things) E2LF_RETURN_IF_ERROR(maker.add(thing));
   if (!arguments.disparity.empty()) E2LF_RETURN_IF_ERROR(maker.add_disparity(arguments.disparity));
   E2LF_RETURN_IF_ERROR(maker.compare());
@@ -230,7 +300,7 @@ Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
   if (!arguments.disparity.empty()) inputs.push_back(arguments.disparity);
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.page, verb, inputs, ".html"));
   RunRecord record("view", inputs);
-  E2LF_ASSIGN_OR_RETURN(const view::Document document, make_document(arguments));
+  E2LF_ASSIGN_OR_RETURN(const view::Document document, make_document(arguments, common.quiet));
   record.end_step("read");
   {
     ProgressBar bar("write", common.quiet);
@@ -243,7 +313,7 @@ Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
 }
 
 Result<void> serve(const ViewArguments& arguments, const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(view::Document document, make_document(arguments));
+  E2LF_ASSIGN_OR_RETURN(view::Document document, make_document(arguments, verb.common().quiet));
   E2LF_ASSIGN_OR_RETURN(view::Server server, view::Server::create(std::move(document), arguments.port));
   if (verb.common().json) {
     std::printf("%s\n", Json{{"url", server.url()}}.dump().c_str());

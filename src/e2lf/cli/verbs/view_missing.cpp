@@ -19,8 +19,9 @@ bool has_viewer() {
   return false;
 }
 
-Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const lightfield::LightField& /*truth*/,
-                                   const lightfield::LightField& /*reconstruction*/) {
+Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const Shown& /*truth*/,
+                                   const Shown& /*reconstruction*/,
+                                   const std::optional<depth::DisparityError>& /*error*/) {
   return no_viewer();
 }
 
@@ -29,7 +30,9 @@ Result<std::unique_ptr<LiveView>> start_live_view(const std::string& /*name*/, c
   return no_viewer();
 }
 
-Result<std::unique_ptr<LivePage>> start_live_page(live::Session& /*session*/, FineMethod /*fine*/, uint16_t /*port*/) {
+Result<std::unique_ptr<LivePage>> start_live_page(live::Session& /*session*/, FineMethod /*fine*/,
+                                                  std::shared_ptr<recordings::RunningCamera> /*camera*/,
+                                                  uint16_t /*port*/) {
   return no_viewer();
 }
 

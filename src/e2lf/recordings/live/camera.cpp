@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <cstdio>
 #include <deque>
 #include <mutex>
+#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -111,7 +113,7 @@ std::filesystem::path path_of_camera(const std::string& name) {
 }
 
 Result<void> Camera::set_up(const CameraSetup& setup) {
-  if (setup == CameraSetup()) return {};
+  if (!has_settings(setup)) return {};
   return Error{ErrorCode::kUnsupported,
                "this input has no settings of a camera (trigger inputs, biases, event rate, regions, encoding); leave "
                "them out",
@@ -292,6 +294,7 @@ class CameraSource final : public LiveSource {
   }
   void end_at(Clock::time_point time) override { end_ = time; }
   std::string bias_file_text() const override { return intake_->camera->bias_file_text(); }
+  std::shared_ptr<Camera> camera() const { return {intake_, intake_->camera.get()}; }
 
  private:
   static constexpr auto kNap = std::chrono::milliseconds(50);
@@ -374,7 +377,53 @@ class CameraSource final : public LiveSource {
 Result<std::unique_ptr<LiveSource>> start_camera_source(CameraPtr camera, std::string name, const CameraSetup& setup) {
   E2LF_RETURN_IF_ERROR(camera->set_up(setup));
   E2LF_RETURN_IF_ERROR(camera->start());
-  return std::unique_ptr<LiveSource>(std::make_unique<CameraSource>(std::move(camera), std::move(name)));
+  auto source = std::make_unique<CameraSource>(std::move(camera), std::move(name));
+  if (setup.running) setup.running->set(source->camera());
+  return std::unique_ptr<LiveSource>(std::move(source));
+}
+
+bool has_settings(CameraSetup setup) {
+  setup.running = nullptr;
+  return setup != CameraSetup();
+}
+
+Result<void> Camera::change(const std::string& name, const std::string& /*value*/) {
+  return Error{ErrorCode::kUnsupported, cat("the camera cannot change ", name, " while it runs"), ""};
+}
+
+void RunningCamera::set(std::shared_ptr<Camera> camera) {
+  const std::lock_guard lock(mutex_);
+  camera_ = std::move(camera);
+  controls_ = camera_->controls();
+}
+
+std::vector<CameraControl> RunningCamera::controls() const {
+  const std::lock_guard lock(mutex_);
+  return controls_;
+}
+
+Result<void> RunningCamera::change(const std::string& name, const std::string& value) {
+  const std::lock_guard lock(mutex_);
+  if (!camera_) return Error{ErrorCode::kNotFound, "no camera runs", ""};
+  const Result<void> changed = camera_->change(name, value);
+  controls_ = camera_->controls();  // also after a refusal: the page shows what the camera has
+  return changed;
+}
+
+Result<std::vector<SensorRegion>> parse_regions(const std::string& text) {
+  std::vector<SensorRegion> regions;
+  std::istringstream words(text == "all" ? "" : text);
+  for (std::string word; words >> word;) {
+    SensorRegion region;
+    int length = 0;
+    const int found =
+        std::sscanf(word.c_str(), "%5d,%5d,%5d,%5d%n", &region.x, &region.y, &region.width, &region.height, &length);
+    if (found != 4 || static_cast<size_t>(length) != word.size()) {
+      return Error{ErrorCode::kInvalidValue, cat("\"", word, "\" is not a region; give X,Y,WIDTH,HEIGHT"), ""};
+    }
+    regions.push_back(region);
+  }
+  return regions;
 }
 
 }  // namespace e2lf::recordings

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,13 @@ struct CameraPatience {
   std::chrono::milliseconds end{3000};      ///< for its end after stop(); then the thread that reads it is left behind
   std::chrono::milliseconds silence{5000};  ///< for data that follow its first ones; then a warning is logged
   std::chrono::milliseconds reader{kBehindUs / 1000};  ///< for the reader to take data; then its delay is logged
+};
+
+/// A setting that can change while a camera runs.
+struct CameraControl {
+  std::string name;             ///< that of a bias, "max-event-rate" (events/s, 0 = no limit), or "roi"
+  std::string value;            ///< a number, or the regions: "X,Y,WIDTH,HEIGHT", several with spaces, or "all"
+  int64_t least = 0, most = 0;  ///< range of a number; equal = not a number
 };
 
 /// A source of live events, which camera plugins implement. The concatenated bytes of all reads are a recording. For a
@@ -57,6 +65,13 @@ class Camera {
   /// be called by any thread.
   [[nodiscard]] virtual DecodeSummary left_out() const { return {}; }
 
+  /// Returns the settings that change() accepts, with their present values. May be called by any thread after start().
+  [[nodiscard]] virtual std::vector<CameraControl> controls() { return {}; }
+
+  /// Changes a setting of the running camera. May be called by any thread after start(). Fails with kUnsupported (it
+  /// has no such setting) and kInvalidValue (it refuses the value).
+  [[nodiscard]] virtual Result<void> change(const std::string& name, const std::string& value);
+
   /// Returns the biases of the sensor in the form that the vendor's programs read (.bias), after the camera has
   /// started; empty if it has none.
   [[nodiscard]] virtual std::string bias_file_text() const { return {}; }
@@ -67,6 +82,29 @@ using CameraPtr = std::unique_ptr<Camera>;
 /// Number of bytes that may wait between a camera and its reader. Camera::keeps_unread() describes what happens to
 /// more.
 inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
+
+/// Returns whether anything is to be set.
+[[nodiscard]] bool has_settings(CameraSetup setup);
+
+/// Access to the settings of a camera while another thread reads it. All functions may be called by any thread.
+class RunningCamera {
+ public:
+  /// Called when the camera has started.
+  void set(std::shared_ptr<Camera> camera);
+  /// Returns Camera::controls() as of the last change; empty if no camera has started.
+  [[nodiscard]] std::vector<CameraControl> controls() const;
+  /// Calls Camera::change(). Fails as it does, and with kNotFound if no camera has started.
+  [[nodiscard]] Result<void> change(const std::string& name, const std::string& value);
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<Camera> camera_;
+  std::vector<CameraControl> controls_;
+};
+
+/// Parses regions, "X,Y,WIDTH,HEIGHT" with spaces between them; "all" and an empty text are none. Fails with
+/// kInvalidValue.
+[[nodiscard]] Result<std::vector<SensorRegion>> parse_regions(const std::string& text);
 
 /// The bytes of a live input.
 class LiveSource : public ByteSource {

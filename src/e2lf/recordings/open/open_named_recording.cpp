@@ -49,7 +49,7 @@ Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOption
     E2LF_ASSIGN_OR_RETURN(SourcePtr source, open_live_bytes(name, options.camera));
     return open_recording(std::move(source), options);
   }
-  if (options.camera != CameraSetup()) {
+  if (has_settings(options.camera)) {
     return Error{ErrorCode::kInvalidValue, "camera settings do not apply to a file; leave them out", name};
   }
   return open_recording(std::filesystem::path(name), options);
