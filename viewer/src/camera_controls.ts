@@ -1,6 +1,8 @@
 // The settings of a camera that can change while it runs: a slider for each number, a field for its regions.
 import { element } from './dom';
-import { command, SettingControl, type CameraControl } from './live';
+import { command, countText, SettingControl, type CameraControl } from './live';
+
+const rateText = (value: string): string => (value === '0' ? 'no limit' : `${countText(Number(value))} per s`);
 
 export class CameraControls {
   readonly root = element('div');
@@ -19,8 +21,9 @@ export class CameraControls {
     this.root.replaceChildren(...settings.map(({ name, least, most }) => {
       const { control } = this.controls.get(name)!;
       const output = element('output');
-      control.addEventListener('input', () => (output.textContent = control.value));
-      this.controls.get(name)!.onShow = (value) => (output.textContent = value);
+      const show = (value: string) => (output.textContent = name === 'max-event-rate' ? rateText(value) : value);
+      control.addEventListener('input', () => show(control.value));
+      this.controls.get(name)!.onShow = show;
       return element('label', { class: least < most ? 'slider' : 'choice' }, element('span', {}, name), control, ...(least < most ? [output] : []));
     }));
   }

@@ -41,18 +41,18 @@ export const tests = {
     assert.ok(Number((await stateOf(page)).panx) > before, 'to the right');
   }),
 
-  'focus and aperture are those of lightfield::refocus': ({ url, expected }) => withPage(url('light.html', 'focus=2&size=3'), {}, async (page) => {
+  'focus and aperture are those of lightfield::refocus': ({ url, expected }) => withPage(url('light.html', 'x=0&y=0&focus=2&size=3'), {}, async (page) => {
     assertNear(await rowOf(page, 'canvas.picture', row), expected.focused, 1, 'in focus');
-    await look(page, 'focus=0&size=3');
+    await look(page, 'x=0&y=0&focus=0&size=3');
     assertNear(await rowOf(page, 'canvas.picture', row), expected.defocused, 1, 'out of focus');
     await look(page, 'size=1&x=1.5&y=-0.5');
     assertNear(await rowOf(page, 'canvas.picture', row), expected.moved, 1, 'a small aperture off the middle');
-    await look(page, 'size=4&shape=row&y=0.5');
+    await look(page, 'x=0&size=4&shape=row&y=0.5');
     const mean = expected.views[4][0].map((_, x) => expected.views[4].reduce((sum, view) => sum + view[x], 0) / 8);
     assertNear(await rowOf(page, 'canvas.picture', row), mean, 1, 'a row of views');
   }),
 
-  'a tilted plane is in focus where it should be': ({ url, expected }) => withPage(url('light.html', 'focus=2&size=3&tiltx=4'), {}, async (page) => {
+  'a tilted plane is in focus where it should be': ({ url, expected }) => withPage(url('light.html', 'x=0&y=0&focus=2&size=3&tiltx=4'), {}, async (page) => {
     const got = await rowOf(page, 'canvas.picture', row);
     assertNear(got.slice(31, 33), expected.focused.slice(31, 33), 6, 'in the middle');
     const far = got.reduce((sum, value, i) => sum + Math.abs(value - expected.focused[i]), 0) / got.length;

@@ -39,6 +39,7 @@ export class LiveFieldScreen implements Screen {
   private readonly figures = new FigureList();
   private readonly fineButton: HTMLElement;
   private readonly average: SettingControl<HTMLInputElement>;
+  private readonly averageText = element('output');
   private readonly size: SettingControl<HTMLSelectElement>;
   private readonly findings = new FindingList();
   private readonly problem = element('p', { class: 'advice', role: 'status' });
@@ -74,7 +75,7 @@ export class LiveFieldScreen implements Screen {
     this.ways.hidden = true;
     panel.group('Pace',
       element('label', { class: 'choice' }, element('span', {}, 'Size'), size),
-      element('label', { class: 'slider' }, element('span', {}, 'Cycles of a still scene'), average));
+      element('label', { class: 'slider' }, element('span', {}, 'Cycles of a still scene'), average, this.averageText));
     panel.group('Viewpoint', this.map.canvas,
       panel.slider('x', 'To the right', { low: -(columns - 1) / 2, high: (columns - 1) / 2, step: 0.05, text: signed }),
       panel.slider('y', 'Down', { low: -(rows - 1) / 2, high: (rows - 1) / 2, step: 0.05, text: signed }));
@@ -212,6 +213,7 @@ export class LiveFieldScreen implements Screen {
       this.follow('show');
     }
     this.average.show(String(now.average));
+    this.averageText.textContent = String(now.average);
     this.average.control.setAttribute('aria-valuetext', `${now.average} cycles`);
     this.fineButton.toggleAttribute('disabled', now.is_refining);
     const state = now.has_ended ? 'The source has ended.' : now.fields === 0 ? 'Waiting for the first cycle.' : '';

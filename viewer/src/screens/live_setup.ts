@@ -78,11 +78,11 @@ export class LiveSetupScreen implements Screen {
     this.addSharpness(header);
     const mean = this.last.reduce((sum, value) => sum + value, 0) / this.last.length;
     if (this.last.length === meanOf) this.sharpest = Math.max(this.sharpest, mean);
-    const share = this.sharpest > 0 ? mean / this.sharpest : 0;
+    const share = this.sharpest > 0 ? `${Math.round((100 * mean) / this.sharpest)} %` : `${this.last.length} of ${meanOf} seen`;
     this.sharpness.show([
       ['now', mean.toFixed(3)],
-      ['best so far', this.sharpest.toFixed(3)],
-      ['share of the best', `${Math.round(100 * share)} %`],
+      ['best so far', this.sharpest > 0 ? this.sharpest.toFixed(3) : ''],
+      ['share of the best', share],
       ['events in the picture', countText(events)],
     ]);
   }
@@ -114,6 +114,7 @@ export class LiveSetupScreen implements Screen {
     this.camera.show(now.camera ?? []);
     this.cameraGroup.hidden = !now.camera?.length;
     this.problem.textContent = now.error ?? (now.findings.length === 0 ? 'none so far' : '');
+    this.problem.className = now.error === null ? 'figures' : 'advice';
     this.cycles.show([
       ['complete', String(now.cycles)],
       ['dropped', String(sum(now.dropped_cycles))],
