@@ -39,7 +39,7 @@ export interface Statistics {
   sensor_dropped_share?: number;
   recording: { can_record: boolean; is_recording: boolean; file: string; bytes: number; error: string };
   camera?: CameraControl[];
-  disparity_serial?: number; // of the newest map of askForPicture('depth'), if the source has disparities
+  has_depth: boolean; // a network estimates disparities: askForPicture('depth')
   is_refining: boolean;
   refining_error: string;
 }

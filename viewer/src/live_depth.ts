@@ -15,9 +15,14 @@ interface DepthHeader {
   width: number;
   height: number;
   range: [number, number]; // nearest and farthest, px per view step
+  cycle: number;
+  cycles: number; // that were summed
+  size: string;
+  latency_s: number;
 }
 
 export class LiveDepth {
+  about = ''; // the newest map, in words
   private serial = 0;
   private shown: { map: DisparityMap; relief: Relief; picture: Pictures } | null = null;
 
@@ -27,18 +32,16 @@ export class LiveDepth {
   async ask(): Promise<boolean> {
     const got = await askForPicture<DepthHeader>(`depth?after=${this.serial}`);
     if (!got || got.header.serial <= this.serial) return false;
-    const { serial, width, height, range } = got.header;
+    const { serial, width, height, range, cycle, cycles, size, latency_s } = got.header;
     const numPixels = width * height;
     this.serial = serial;
     const { map, picture } = this.sized(width, height);
     map.range = range;
+    const [near, far] = range.map((value) => value.toFixed(2));
+    this.about = `cycle ${cycle}${cycles > 1 ? `, sum of ${cycles}` : ''}: ${size} size, ${Math.round(1000 * latency_s)} ms after its last event; yellow ${near}, violet ${far} px per view`;
     map.set(new Int16Array(got.pixels.slice(0, 2 * numPixels).buffer));
     this.painter.putGrey(picture, width, height, got.pixels.subarray(2 * numPixels));
     return true;
-  }
-
-  get range(): [number, number] | null {
-    return this.shown?.map.range ?? null;
   }
 
   /** Returns the disparity at a pixel of the sensor; null if it is unknown. */

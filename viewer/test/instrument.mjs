@@ -144,13 +144,13 @@ export const tests = {
   'disparities are shown in colours and as a relief if the server sends them': () => withInstrument((address) => withPage(`${address}#tab=1`, {}, async (page) => {
     await page.route('**/statistics', async (route) => {
       const answer = await route.fetch();
-      await route.fulfill({ response: answer, json: { ...(await answer.json()), disparity_serial: 1 } });
+      await route.fulfill({ response: answer, json: { ...(await answer.json()), has_depth: true } });
     });
     // A map of half the size: near on the left, far on the right, unknown at its top.
     const [width, height] = [32, 24];
     let serial = 0;
     await page.route('**/depth?*', (route) => {
-      const header = Buffer.from(JSON.stringify({ serial: ++serial, width, height, range: [-1, 1] }));
+      const header = Buffer.from(JSON.stringify({ serial: ++serial, width, height, range: [-1, 1], cycle: serial, cycles: 1, size: 'half', latency_s: 0.1 }));
       const length = Buffer.alloc(4);
       length.writeUInt32LE(header.length);
       const map = Buffer.alloc(2 * width * height), picture = Buffer.alloc(width * height, 128);

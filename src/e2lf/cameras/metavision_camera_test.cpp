@@ -72,6 +72,38 @@ TEST_F(MetavisionCamera, ItsTriggersAreOnUnlessOthersAreNamed) {
   EXPECT_NE(unknown.error().message.find("main=0, aux=6"), std::string::npos) << unknown.error().text();
 }
 
+TEST_F(MetavisionCamera, ItsSettingsChangeWhileItRunsWithinTheRangesThatItStates) {
+  simulate("period_us=0;end_at=80000");
+  const auto running = std::make_shared<RunningCamera>();
+  EXPECT_EQ(running->change("roi", "all").error().code, ErrorCode::kNotFound) << "none has started";
+  const auto source = open_camera_bytes(kName, {.running = running});
+  ASSERT_TRUE(source.ok()) << source.error().text();
+  const auto control = [&](const std::string& name) {
+    for (const CameraControl& found : running->controls()) {
+      if (found.name == name) return found;
+    }
+    return CameraControl{};
+  };
+  EXPECT_EQ(control("bias_diff_on").least, -80);
+  EXPECT_EQ(control("bias_diff_on").most, 140);
+  EXPECT_TRUE(running->change("bias_diff_on", "12").ok());
+  EXPECT_EQ(control("bias_diff_on").value, "12");
+  for (const char* refused : {"141", "-81", "x", ""}) {
+    EXPECT_EQ(running->change("bias_diff_on", refused).error().code, ErrorCode::kInvalidValue) << refused;
+  }
+  EXPECT_EQ(control("bias_diff_on").value, "12");
+  EXPECT_EQ(running->change("bias_of_nobody", "1").error().code, ErrorCode::kUnsupported);
+  EXPECT_TRUE(running->change("max-event-rate", "5000000").ok());
+  EXPECT_EQ(control("max-event-rate").value, "5000000");
+  EXPECT_TRUE(running->change("max-event-rate", "0").ok());
+  EXPECT_EQ(control("max-event-rate").value, "0");
+  EXPECT_TRUE(running->change("roi", "0,0,8,4 10,10,5,5").ok());
+  EXPECT_EQ(control("roi").value, "0,0,8,4 10,10,5,5");
+  EXPECT_EQ(running->change("roi", "0,0,9999,4").error().code, ErrorCode::kInvalidValue) << "outside of the sensor";
+  EXPECT_TRUE(running->change("roi", "all").ok());
+  EXPECT_EQ(control("roi").value, "all");
+}
+
 TEST_F(MetavisionCamera, ItsIdentityAndItsSettingsAsReadBackAreInTheHeader) {
   simulate("period_us=0;end_at=4096");
   ASSERT_TRUE(write_file(folder_ / "low.bias", std::string("-20 % bias_diff_off\n30 % bias_diff_on\n")).ok());

@@ -97,7 +97,7 @@ export class LiveFieldScreen implements Screen {
   /** A request waits at the server for the next light field. One for another look goes out beside it, but not more: the
    *  next one follows when an answer has come. */
   private askNext(): void {
-    if (this.isClosed) return;
+    if (this.isClosed || this.way() !== 'picture') return; // disparities have the time of light fields
     const look = this.look();
     if (this.numPending > 1 || (this.numPending === 1 && look === this.asked)) return;
     this.asked = look;
@@ -122,8 +122,7 @@ export class LiveFieldScreen implements Screen {
     this.pane.root.dataset['cycle'] = String(header.cycle);
     if (header.field === this.field) return;
     this.field = header.field;
-    const now = performance.now();
-    this.comings = [...this.comings.filter((time) => now - time < rateWindowMs), now];
+    this.count();
     const summed = header.cycles > 1 ? `, sum of ${header.cycles}` : '';
     this.pane.caption.textContent = `cycle ${header.cycle}${summed}: ${header.size} size, ${Math.round(1000 * header.latency_s)} ms after its last event`;
   }
@@ -169,12 +168,18 @@ export class LiveFieldScreen implements Screen {
     this.isAskingDepth = true;
     try {
       while (!this.isClosed && this.way() !== 'picture') {
-        if (await this.depth.ask()) this.draw();
+        if (await this.depth.ask()) this.showDepth();
         else await rest(50);
       }
     } finally {
       this.isAskingDepth = false;
     }
+  }
+
+  private showDepth(): void {
+    this.draw();
+    this.count();
+    this.pane.caption.textContent = this.depth.about;
   }
 
   /** States what is under the cursor. */
@@ -186,6 +191,12 @@ export class LiveFieldScreen implements Screen {
     const disparity = this.way() === 'picture' ? null : this.depth.at(column, row);
     const value = `${(pixels[y * width + x]! / 255).toFixed(3)} (${size} size)`;
     this.context.say(`x ${column}, y ${row}: ${disparity === null ? value : `disparity ${disparity.toFixed(3)} px per view`}`);
+  }
+
+  /** Notes that a light field, or a map, has come. */
+  private count(): void {
+    const now = performance.now();
+    this.comings = [...this.comings.filter((time) => now - time < rateWindowMs), now];
   }
 
   /** Returns the number of light fields per second that the page has shown. */
@@ -208,8 +219,8 @@ export class LiveFieldScreen implements Screen {
     ]);
     this.findings.show(now.findings);
     this.size.show(now.size_choice);
-    if (this.ways.hidden !== (now.disparity_serial === undefined)) {
-      this.ways.hidden = now.disparity_serial === undefined;
+    if (this.ways.hidden === now.has_depth) {
+      this.ways.hidden = !now.has_depth;
       this.follow('show');
     }
     this.average.show(String(now.average));
