@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/live/arrival_clock.h"
 #include "e2lf/recordings/recording.h"
