@@ -8,9 +8,9 @@
 #include <numeric>
 
 #include "e2lf/base/text.h"
+#include "e2lf/diagnose/pattern_places.h"
 #include "e2lf/lightfield/crop.h"
 #include "e2lf/pipeline/cycle_input.h"
-#include "e2lf/recon/inversion.h"
 #include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::diagnose {
@@ -26,6 +26,7 @@ constexpr double kLeastNoiseError = 0.05;  // in counts, because a camera withou
 constexpr double kChangedRatio = 0.97;     // ratio of the error of changed events to that of the given ones
 constexpr double kClearRatio = 0.8;        // the same if the given events are explained as well as noise permits
 constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `ratio` for correct events
+constexpr double kMismatchRatio = 0.975;  // ratio of the mismatch of the parallax to that at the stated places
 constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
 constexpr uint64_t kSeed = 1;
 
@@ -119,7 +120,6 @@ struct Change {
   const char* code;
   std::string name, remedy;
   std::function<capture::EventImages(const capture::EventImages&)> apply;
-  std::vector<size_t> shown = {};  ///< the order in which the patterns were shown, if that is the mistake
 };
 
 Change inversion() {
@@ -137,7 +137,7 @@ std::vector<Change> other_orders(size_t transitions) {
   const auto add = [&](const std::vector<size_t>& changed) {
     std::vector<std::string> numbers;
     for (const size_t number : changed) numbers.push_back(std::to_string(number));
-    changes.push_back({"order-better-changed", cat("in the order ", join(numbers)),
+    changes.push_back({"order-better-changed", cat("with the event images in the order ", join(numbers)),
                        "check the order of the patterns in `codes` and on the display, and `first-pattern`",
                        [changed](const capture::EventImages& events) { return reordered(events, changed); }});
   };
@@ -179,44 +179,9 @@ std::vector<Change> other_orientations(size_t side) {
                  })};
 }
 
-/// Returns the orders of the patterns in which two neighbours are exchanged. The event images of the right order follow
-/// from those of the other by Eq. 11.
-std::vector<Change> other_sequences(const capture::Codes& codes) {
-  std::vector<Change> changes;
-  if (capture::codes_of_whole_cycle(codes)) return changes;
-  for (size_t n = 1; n + 1 < codes.num_patterns; ++n) {
-    std::vector<size_t> shown(codes.num_patterns);
-    std::iota(shown.begin(), shown.end(), size_t{0});
-    std::swap(shown[n], shown[n + 1]);
-    changes.push_back({"order-better-changed", cat("with the patterns a", n + 1, " and a", n + 2, " exchanged"),
-                       "check the order of the patterns in `codes` and on the display",
-                       [shown](const capture::EventImages& events) { return recon::permute_events(events, shown); },
-                       shown});
-  }
-  return changes;
-}
-
-capture::Codes in_order(const capture::Codes& codes, const std::vector<size_t>& order) {
-  capture::Codes result = codes;
-  for (size_t n = 0; n < order.size(); ++n) std::ranges::copy(codes.pattern(order[n]), result.pattern(n).begin());
-  return result;
-}
-
 Result<double> error_of(const recon::Method& method, const recon::EventCheck& check,
                         const capture::EventImages& events) {
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(capture::Measurement(events), {}));
-  E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
-  return error.least;
-}
-
-/// Returns the error of the light field of changed events. Those of another sequence of the patterns are sums, so that
-/// their light field is compared with the given ones.
-Result<double> error_of(const recon::Method& method, recon::EventCheck check, const capture::EventImages& events,
-                        const Change& change) {
-  const capture::EventImages changed = change.apply(events);
-  if (change.shown.empty()) return error_of(method, check, changed);
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(capture::Measurement(changed), {}));
-  check.codes = in_order(check.codes, change.shown);
   E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
   return error.least;
 }
@@ -225,19 +190,19 @@ Result<double> error_of(const recon::Method& method, recon::EventCheck check, co
 /// scene in twenty is explained slightly better in another order, so that a clear difference is required if the events
 /// are explained as well as their noise allows.
 Result<std::optional<Finding>> better_change(const recon::Method& method, const recon::EventCheck& check,
-                                             const capture::EventImages& events, double ratio) {
+                                             const capture::EventImages& events, double ratio, Json& tried) {
   const size_t side = std::min({events.height, events.width, kMostSideOfChanged});
   const recon::EventCheck own = in_window(check, static_cast<double>(side) / static_cast<double>(events.width));
   const capture::EventImages given = crop(events, middle_of(events, side, side));
   E2LF_ASSIGN_OR_RETURN(const double unchanged, error_of(method, own, given));
   std::vector<Change> changes = other_orders(events.count);
   changes.push_back(inversion());
-  std::ranges::move(other_sequences(check.codes), std::back_inserter(changes));
   std::ranges::move(other_orientations(side), std::back_inserter(changes));
   const Change* best = nullptr;
   double least = 0;
   for (const Change& change : changes) {
-    E2LF_ASSIGN_OR_RETURN(const double error, error_of(method, own, given, change));
+    E2LF_ASSIGN_OR_RETURN(const double error, error_of(method, own, change.apply(given)));
+    tried[change.name] = error / unchanged;
     if (best != nullptr && error >= least) continue;
     best = &change;
     least = error;
@@ -250,10 +215,26 @@ Result<std::optional<Finding>> better_change(const recon::Method& method, const 
   return std::optional(
       Finding{best->code,
               Severity::kError,
-              cat("the events are explained much better ", best->name, ": the light field differs from them by ",
+              cat("the events are explained better ", best->name, ": the light field differs from them by ",
                   rounded(least), " instead of ", rounded(unchanged)),
               best->remedy,
               {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}}});
+}
+
+/// Returns the finding that the parallax of the events agrees with other places of the patterns, if it does.
+std::optional<Finding> other_places(const recon::EventCheck& check, const capture::EventImages& events, Json& tried) {
+  using enum capture::PixelConstant;
+  const float on_per_off = check.pixels ? check.pixels->pixel[kThresholdOff] / check.pixels->pixel[kThresholdOn] : 1.0F;
+  const std::vector<OtherPlaces> places = compare_places(events, check.codes, on_per_off);
+  for (const OtherPlaces& each : places) tried[cat("parallax ", each.name)] = each.mismatch;
+  const auto best = std::ranges::min_element(places, {}, &OtherPlaces::mismatch);
+  if (best == places.end() || best->mismatch >= kMismatchRatio) return std::nullopt;
+  const double percent = std::round(1000 * (1 - best->mismatch)) / 10;
+  return Finding{best->is_order ? "order-better-changed" : "orientation-better-changed",
+                 Severity::kError,
+                 cat("the parallax between the event images agrees ", percent, " % better ", best->name),
+                 best->remedy,
+                 {{"mismatch", best->mismatch}, {"change", best->name}}};
 }
 
 void add_ratio(Explanation& explained) {
@@ -294,6 +275,7 @@ Json Explanation::json(bool is_confirmed) const {
           {"noise_error", noise_error},
           {"ratio", ratio},
           {"contrast", contrast},
+          {"changes", tried},
           {"findings", to_json(findings)}};
 }
 
@@ -365,8 +347,13 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
   }
   // Intensity images have no signs.
   if (is_confirmed && judging_ == Judging::kChanges && measurement.kind == capture::MeasurementKind::kEventImages) {
-    E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio));
-    if (change) explained.findings.push_back(std::move(*change));
+    E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio, explained.tried));
+    auto places = other_places(check, given, explained.tried);
+    // The parallax says more about the patterns, and nothing about the polarity and the order of event images.
+    const bool is_clear = change && (change->code == "polarity-better-inverted" ||
+                                     change->figures["error"] < kClearRatio * change->figures["unchanged_error"].get<double>());
+    if (change && (is_clear || !places)) explained.findings.push_back(std::move(*change));
+    if (places && !is_clear) explained.findings.push_back(std::move(*places));
   }
   if (explained.findings.empty()) add_ratio(explained);
   return std::optional(std::move(explained));

@@ -16,6 +16,7 @@ struct Explanation {
   double noise_error = 0;  ///< the same for events simulated from the light field with the noise of the camera
   double ratio = 0;        ///< error / noise_error: the same scale for dark and bright scenes and for all cameras
   double contrast = 0;     ///< of the middle view without its noise: (bright - dark) / (bright + dark), 0 to 1
+  Json tried = Json::object();  ///< the error of the light field of changed events, relative to that of the given ones
   Findings findings = {};
 
   /// Returns "good", "usual", "unconfirmed" or, if there is a finding of a warning or an error, "doubtful".

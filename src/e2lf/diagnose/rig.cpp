@@ -222,7 +222,11 @@ Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader)
   Finding none{"cycles-absent", Severity::kError, "no complete pattern cycle was found",
                "check `source`, `schedule` and `patterns`"};
   const auto of_triggers = rig.check_triggers(options);
-  if (of_triggers) {
+  if (rig.is_empty()) {
+    none.code = "recording-empty";
+    none.message += ": there are no events and no triggers in the time that was read";
+    none.remedy = "compare `from-us` and `to-us` with the times that e2lf info states";
+  } else if (of_triggers) {
     none.code = of_triggers->code;
     none.message += cat(": ", of_triggers->message);
     none.remedy = of_triggers->remedy;

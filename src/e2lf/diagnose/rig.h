@@ -56,6 +56,7 @@ class RigCheck {
 
   /// Returns the time of the recording that was added.
   [[nodiscard]] int64_t seen_us() const { return last_us_ == INT64_MIN ? 0 : last_us_ - first_us_; }
+  [[nodiscard]] bool is_empty() const { return last_us_ == INT64_MIN; }
   [[nodiscard]] bool has_triggers() const { return !inputs_.empty(); }
   [[nodiscard]] std::optional<Finding> check_triggers(const cycles::CycleOptions& options) const {
     return diagnose::check_triggers(inputs_, options, last_us_);

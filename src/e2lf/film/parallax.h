@@ -36,6 +36,9 @@ struct Quilt {
   size_t columns = 8, rows = 6;
 };
 
+/// The largest side of a quilt that displays with parallax read, in px.
+inline constexpr size_t kMostQuiltPx = 8192;
+
 /// Renders pictures from viewpoints along the middle row of views into one image, as displays with horizontal parallax
 /// expect it: the leftmost viewpoint is at the bottom left, the next one to its right, and so on row by row upwards.
 /// Fails with kUnsupported if the image has more than 2^28 px.

@@ -253,10 +253,11 @@ std::pair<Range, Range> ranges_of(const LineChart& chart) {
 
 std::string bands_svg(const Bands& bands, const HorizontalAxis& x, double top, double bottom) {
   std::string svg;
+  constexpr double kGap = 1;  // separates a band from the next one
   double text_end = x.axis.page_low;
   for (const auto& band : bands.bands) {
     const double begin = x.clamped_at(band.begin), end = x.clamped_at(band.end);
-    svg += cat("<rect x=\"", begin, "\" y=\"", top, "\" width=\"", std::max(end - begin, 0.5), "\" height=\"",
+    svg += cat("<rect x=\"", begin, "\" y=\"", top, "\" width=\"", std::max(end - begin - kGap, 0.5), "\" height=\"",
                bottom - top, "\" fill=\"", kBandColour, "\" fill-opacity=\"", band.opacity, "\"/>\n");
     const double width = text_width(band.text);
     if (band.text.empty() || begin < text_end || begin + width > kWidth) continue;

@@ -10,6 +10,7 @@
 
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/view/connections.h"
 #include "e2lf/view/page.h"
 
 namespace e2lf::view {
@@ -17,7 +18,6 @@ namespace {
 
 constexpr const char* kHost = "127.0.0.1";
 constexpr std::chrono::milliseconds kStopPoll{100};
-constexpr size_t kThreads = 16;
 
 /// Returns 32 hexadecimal digits from the random device of the system.
 std::string random_secret() {
@@ -69,10 +69,7 @@ class Server::Impl {
       const int yes = 1;
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
-    // Answers may take a while, and each of a browser's six connections keeps a thread.
-    if (answerer_) server_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
     server_.set_payload_max_length(0);
-    server_.set_keep_alive_timeout(1);  // in s; limits how long a stop waits
   }
 
   Result<void> bind(uint16_t port) {
@@ -99,7 +96,7 @@ class Server::Impl {
   Result<void> run() {
     std::thread stopper([this] {
       while (!stop_requested() && !has_ended_) std::this_thread::sleep_for(kStopPoll);
-      server_.stop();
+      server_.stop_all();
     });
     const bool is_good = server_.listen_after_bind();
     const bool is_wanted = has_ended_.exchange(true);
@@ -183,7 +180,7 @@ class Server::Impl {
   std::shared_ptr<const Shown> shown_;
   int port_ = 0;
   std::atomic<bool> has_ended_ = false;
-  httplib::Server server_;
+  ConnectionServer server_;
 };
 
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -87,9 +87,9 @@ void say_taken(const std::string& name, bool is_for_pixels) {
                is_for_pixels ? "physical pixels" : "the paper's event model"));
 }
 
-void warn_of_assumed_patterns(const fs::path& events, const std::string& whose) {
-  log_warning(
-      cat(events.string(), " does not state which patterns the camera showed; those of ", whose, " are assumed"));
+/// The recording of a camera does not state its patterns. The check against the events finds out if they are others.
+void note_assumed_patterns(const fs::path& events, const std::string& whose) {
+  log_info(cat(events.string(), " does not state which patterns the camera showed; those of ", whose, " are assumed"));
 }
 
 /// Records the source of the patterns, and warns unless the network was trained for them.
@@ -100,7 +100,7 @@ void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord
   record.note("patterns", {{"stated_by", stated_by_name(stated_by, "--codes")},
                            {"are_the_models", method.are_patterns_the_models()}});
   if (method.are_patterns_the_models()) return;
-  if (!is_told) return warn_of_assumed_patterns(events, model.name);
+  if (!is_told) return note_assumed_patterns(events, model.name);
   log_warning(model.codes
                   ? cat("the events were made with other patterns than ", model.name,
                         " was trained for, so that the light field will be wrong; use a model for these patterns, or ",
@@ -144,7 +144,7 @@ void note_classical(const OpenedMethod& method, const fs::path& events, const fs
   if (method.codes->stated_by == StatedBy::kNone) {
     log_warning("the camera may have shown other patterns; give those of the camera with --codes");
   } else if (!pipeline::are_patterns_stated(method.codes)) {
-    warn_of_assumed_patterns(events, model.string());
+    note_assumed_patterns(events, model.string());
   }
   if (method.camera && method.camera->is_pixel()) {
     log_warning(cat("the events are those of physical pixels (", method.camera->name, "); the method ",

@@ -15,7 +15,14 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int64_t kTurntableFieldUs = 10000;
+/// The time after which the rim of the table has moved by a pixel of the views, which linear interpolation between
+/// light fields permits.
+int64_t turntable_field_us(double rpm, size_t width) {
+  constexpr double kRimPx = 0.84, kMostPx = 1;  // a corner in front moves by kRimPx of the width per rad
+  constexpr double kLeastUs = 1'000, kMostUs = 100'000;
+  const double px_per_s = std::abs(rpm) / 60 * 2 * std::numbers::pi * kRimPx * static_cast<double>(width);
+  return static_cast<int64_t>(std::clamp(1e6 * kMostPx / px_per_s, kLeastUs, kMostUs));
+}
 
 /// Returns a scene that shows one light field after another; the last one remains.
 Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const SceneOptions& options, bool is_quiet) {
@@ -40,13 +47,15 @@ Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const Scen
 
 StreamScene turntable(const StreamFlags& flags, const SceneOptions& options, uint64_t seed) {
   StreamScene result{{}, flags.height, flags.width};
-  result.scene.knot_us = flags.field_us > 0 ? flags.field_us : kTurntableFieldUs;
+  result.scene.knot_us = flags.field_us > 0 ? flags.field_us : turntable_field_us(flags.turntable_rpm, flags.width);
   const double turn =
       flags.turntable_rpm / 60 * 2 * std::numbers::pi * static_cast<double>(result.scene.knot_us) * 1e-6;
   const lightfield::Shape shape{options.views_y, options.views_x, flags.height, flags.width, 1};
+  constexpr size_t kSamples = 2;  // per pixel; the noise of the camera exceeds the rest
   result.scene.at = [=](uint64_t knot) -> Result<lightfield::LightField> {
     const auto angle = static_cast<float>(std::remainder(turn * static_cast<double>(knot), 2 * std::numbers::pi));
-    lightfield::LightField field = lightfield::render_light_field(lightfield::turntable_scene(angle, seed), shape);
+    lightfield::LightField field = 
+        lightfield::render_light_field(lightfield::turntable_scene(angle, seed), shape, kSamples);
     lightfield::orient(field, options.flags.orientation.value());
     return field;
   };

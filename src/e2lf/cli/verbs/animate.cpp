@@ -112,6 +112,10 @@ Result<void> make_quilt(const AnimateArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(named, verb, {arguments.input}));
   E2LF_ASSIGN_OR_RETURN(const auto picture,
                         located(film::quilt_picture(light_field, arguments.quilt, arguments.still), arguments.input));
+  if (std::max(picture.width, picture.height) > film::kMostQuiltPx) {
+    log_warning(cat("the quilt has ", picture.width, "x", picture.height, " px, but displays read at most ",
+                    film::kMostQuiltPx, " px per side; give fewer --columns or --rows, or smaller views"));
+  }
   E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));
   record.end_step("animate");
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));

@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""Prints what each command says about a rig that is set up in a known wrong way.
+
+    python3 bench/quality/rigs.py [--model NAME] [--ways NAME,...] SCENE...      with e2lf in PATH; SCENE is a light field
+
+Each way is a RAW recording without the header lines by which simulated recordings state their patterns and camera.
+"""
+
+import argparse
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+
+CAMERA, CYCLES = "evk4-lcos", 8
+
+
+def run(*command: object, check: bool = True) -> subprocess.CompletedProcess:
+    result = subprocess.run(["e2lf", *map(str, command)], capture_output=True, text=True)
+    if check and result.returncode != 0:
+        raise RuntimeError(result.stderr)
+    return result
+
+
+def strip_setup(recording: Path) -> None:
+    """Leaves out the header lines that only simulated recordings have."""
+    content = recording.read_bytes()
+    header, events = content.split(b"% end\n", 1)
+    lines = [line for line in header.splitlines(keepends=True) if not line.startswith(b"% e2lf")]
+    recording.write_bytes(b"".join(lines) + b"% end\n" + events)
+    recording.with_name(recording.name + ".run.json").unlink(missing_ok=True)
+
+
+def simulate(scene: str, codes: object, output: Path, light: float, *options: object) -> None:
+    run("simulate", scene, "--codes", codes, "--camera", CAMERA, "--cycles", CYCLES, "--scene-gain", light, "-o", output,
+        "--overwrite", "--quiet", *options)
+    strip_setup(output)
+
+
+def with_triggers(recording: Path, change, output: Path) -> None:
+    """Writes the recording with other triggers, each a row [rising, channel, us]."""
+    size = json.loads(run("info", recording, "--json").stdout)
+    table, triggers = output.with_suffix(".csv"), output.with_name(output.stem + "_triggers.csv")
+    run("convert", recording, table, "--overwrite", "--quiet")
+    rows = np.array([list(map(int, row)) for row in list(csv.reader(open(triggers)))[1:]])
+    changed = change(rows)
+    with open(triggers, "w") as file:
+        csv.writer(file).writerows([["p", "id", "t"], *changed[np.argsort(changed[:, 2], kind="stable")].tolist()])
+    run("convert", table, output, "--sensor-width", size["width"], "--sensor-height", size["height"], "--overwrite",
+        "--quiet")
+    strip_setup(output)
+
+
+def second_channel(rows: np.ndarray) -> np.ndarray:
+    """Adds the pulses of another clock, such as a camera's 30 Hz, on channel 1."""
+    times = np.arange(rows[0, 2], rows[-1, 2], 33_333)
+    pulses = [[edge, 1, t + 400 * (1 - edge)] for t in times for edge in (1, 0)]
+    return np.concatenate([rows, pulses])
+
+
+TRIGGERS = {"triggers 3 ms late": lambda rows: rows + [0, 0, 3000],
+            "one trigger per cycle": lambda rows: rows[(np.arange(len(rows)) // 2) % 8 == 0],
+            "triggers on two channels": second_channel}
+
+
+def patterns(codes: np.ndarray) -> dict:
+    """Returns the patterns on the aperture for each way in which they may be wrong."""
+    ways = {}
+    for i, j in combinations(range(1, len(codes)), 2):
+        order = list(range(len(codes)))
+        order[i], order[j] = j, i
+        ways[f"a{i + 1} and a{j + 1} exchanged"] = codes[order]
+    ways["patterns mirrored"] = codes[:, :, ::-1]
+    ways["patterns turned by 90 degrees"] = np.rot90(codes, axes=(1, 2))
+    return ways
+
+
+def make(way: str, scene: str, model: str, folder: Path, light: float) -> Path:
+    right, output = folder / "right.raw", folder / f"{way.replace(' ', '_')}.raw"
+    run("codes", "show", "-m", model, "-o", folder / "codes.npy", "--overwrite")
+    changed = patterns(np.load(folder / "codes.npy"))
+    if way in changed:
+        np.save(folder / "shown.npy", np.ascontiguousarray(changed[way]))
+        simulate(scene, folder / "shown.npy", output, light)
+    elif way == "no triggers":
+        simulate(scene, model, output, light, "--no-triggers")
+    else:
+        simulate(scene, model, right, light)
+        if way == "inverted polarity":
+            run("convert", right, output, "--invert-polarity", "--overwrite", "--quiet")
+            strip_setup(output)
+        elif way in TRIGGERS:
+            with_triggers(right, TRIGGERS[way], output)
+        else:
+            output = right
+    return output
+
+
+def said(result: subprocess.CompletedProcess, is_json: bool = True) -> tuple[str, list[str]]:
+    """Returns the figures and codes of a command, and its warnings."""
+    text = []
+    if result.returncode != 0:
+        text.append("fails")
+    lines = [line for line in result.stderr.splitlines() if line.startswith("e2lf: ")]
+    codes = [code for line in lines for code in re.findall(r": ([a-z]+(?:-[a-z]+)+): ", line)]
+    if result.stdout.startswith("{") and is_json and result.returncode == 0:
+        answer = json.loads(result.stdout)
+        if "least_confidence" in answer:
+            text.append(f"confidence {answer['least_confidence']:.2f}")
+        check = next((c["check"] for c in answer.get("cycles", []) if isinstance(c, dict) and c.get("check")), None) \
+            if isinstance(answer.get("cycles"), list) else None
+        if check:
+            text.append(f"{check['verdict']} ({check['ratio']:.2f})" if "verdict" in check else str(check))
+    return ", ".join([*text, *dict.fromkeys(codes)]) or "none", lines
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="+", metavar="SCENE")
+    parser.add_argument("--model", default="e2lf-n4-camera")
+    parser.add_argument("--light", type=float, default=1.0, help="brightness of the scene")
+    parser.add_argument("--ways", help="only these, comma-separated")
+    parser.add_argument("--commands", default="accumulate,reconstruct .npz,reconstruct,live")
+    parser.add_argument("--words", action="store_true", help="print the messages as well")
+    arguments = parser.parse_args()
+    model = arguments.model
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run("codes", "show", "-m", model, "-o", folder / "codes.npy")
+        ways = ["right", "inverted polarity", *patterns(np.load(folder / "codes.npy")), *TRIGGERS, "no triggers"]
+        if arguments.ways:
+            ways = arguments.ways.split(",")
+        for scene in arguments.scenes:
+            print(f"\n{scene}\n| rig | {' | '.join(arguments.commands.split(','))} |")
+            for way in ways:
+                recording = make(way, scene, model, folder, arguments.light)
+                images = folder / "events.npz"
+                images.unlink(missing_ok=True)
+                results = {"accumulate": run("accumulate", recording, "-o", images, "--json", check=False)}
+                if images.exists() and "reconstruct .npz" in arguments.commands:
+                    results["reconstruct .npz"] = run("reconstruct", images, "-m", model, "-o", folder / "from_images",
+                                                      "--max-cycles", 1, "--json", "--overwrite", check=False)
+                if "reconstruct" in arguments.commands.split(","):
+                    results["reconstruct"] = run("reconstruct", recording, "-m", model, "-o", folder / "straight",
+                                                 "--max-cycles", 2, "--json", "--overwrite", check=False)
+                if "live" in arguments.commands:
+                    results["live"] = run("live", f"replay:{recording}", "-m", model, "--no-page", check=False)
+                cells = {command: said(result) for command, result in results.items()}
+                print(f"| {way} | " + " | ".join(cells[c][0] if c in cells else "-"
+                                                 for c in arguments.commands.split(",")) + " |", flush=True)
+                for command, (_, lines) in cells.items() if arguments.words else ():
+                    print(*(f"    {command}: {line}" for line in lines), sep="\n", flush=True)
+
+
+if __name__ == "__main__":
+    main()

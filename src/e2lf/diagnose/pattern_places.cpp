@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/diagnose/pattern_places.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/recon/denoise.h"
+#include "e2lf/recon/placed_images.h"
+
+namespace e2lf::diagnose {
+namespace {
+
+constexpr size_t kNoiseRadius = 1, kDetailRadius = 8, kWindowRadius = 5;  // px
+constexpr float kLargestDisparity = 2.5F, kDisparityStep = 0.25F;         // px per view step
+
+struct Place {
+  double y = 0, x = 0;  ///< the centre of light of a pattern, in view steps from the middle
+};
+using Images = std::vector<std::vector<float>>;
+
+/// Returns the centres of light of the patterns after black; nothing if one of them is black as well.
+std::vector<Place> places_of(const capture::Codes& codes) {
+  const recon::PlacedImages placed = recon::place_images(capture::CodedIntensities(codes.num_patterns, 1, 1), codes);
+  std::vector<Place> places;
+  for (size_t n = 0; n < placed.images.size(); ++n) {
+    if (placed.patterns[n] != n + 1) return {};
+    places.push_back({placed.images[n].view_y, placed.images[n].view_x});
+  }
+  return places.size() + 1 == codes.num_patterns ? places : std::vector<Place>();
+}
+
+std::vector<float> box_means(const std::vector<float>& image, size_t height, size_t width, size_t radius) {
+  std::vector<float> means = recon::box_sums(image, height, width, radius);
+  const auto area = static_cast<float>((2 * radius + 1) * (2 * radius + 1));
+  for (float& value : means) value /= area;
+  return means;
+}
+
+/// Returns the details of the log intensities after each transition: less noise, and without the mean around.
+Images details_of(const capture::EventImages& events, float on_per_off) {
+  Images details;
+  std::vector<float> level(events.image_size());
+  for (size_t k = 0; k < events.count; ++k) {
+    for (size_t i = 0; i < level.size(); ++i) {
+      const float count = events.image(k)[i];
+      level[i] += count > 0 ? count : on_per_off * count;
+    }
+    details.push_back(box_means(level, events.height, events.width, kNoiseRadius));
+    const std::vector<float> mean = box_means(details.back(), events.height, events.width, kDetailRadius);
+    for (size_t i = 0; i < mean.size(); ++i) details.back()[i] -= mean[i];
+  }
+  return details;
+}
+
+/// Displaces the images so far that they show different things.
+Images unrelated(const Images& images, size_t height, size_t width) {
+  Images displaced = images;
+  for (size_t n = 0; n < images.size(); ++n) {
+    const size_t dy = n * height / (images.size() + 1), dx = n * width / images.size();
+    for (size_t i = 0; i < images[n].size(); ++i) {
+      displaced[n][i] = images[n][(i / width + dy) % height * width + (i % width + dx) % width];
+    }
+  }
+  return displaced;
+}
+
+/// Returns the mean over the pixels of the variance between the images at the disparity that fits best.
+double mismatch(const Images& images, const std::vector<Place>& places, size_t height, size_t width) {
+  const size_t size = height * width;
+  std::vector<float> least(size, std::numeric_limits<float>::infinity()), sum(size), squares(size);
+  for (float disparity = -kLargestDisparity; disparity <= kLargestDisparity; disparity += kDisparityStep) {
+    std::ranges::fill(sum, 0.0F);
+    std::ranges::fill(squares, 0.0F);
+    for (size_t n = 0; n < images.size(); ++n) {
+      const auto dy = disparity * static_cast<float>(places[n].y), dx = disparity * static_cast<float>(places[n].x);
+      for (size_t i = 0; i < size; ++i) {
+        const float value = recon::sample_bilinear(images[n], height, width, static_cast<float>(i / width) + dy,
+                                                   static_cast<float>(i % width) + dx);
+        sum[i] += value;
+        squares[i] += value * value;
+      }
+    }
+    const auto count = static_cast<float>(images.size());
+    for (size_t i = 0; i < size; ++i) squares[i] = squares[i] / count - sum[i] * sum[i] / (count * count);
+    const std::vector<float> around = recon::box_sums(squares, height, width, kWindowRadius);
+    for (size_t i = 0; i < size; ++i) least[i] = std::min(least[i], around[i]);
+  }
+  return std::accumulate(least.begin(), least.end(), 0.0) / static_cast<double>(size);
+}
+
+/// Candidates for the true places, of which the first are the stated ones.
+struct Candidate {
+  OtherPlaces other;
+  std::vector<Place> places;
+};
+
+std::vector<Candidate> candidates_for(const std::vector<Place>& stated) {
+  std::vector<Candidate> candidates = {{{}, stated}};
+  for (size_t n = 0; n < stated.size(); ++n) {
+    for (size_t other = n + 1; other < stated.size(); ++other) {
+      std::vector<Place> places = stated;
+      std::swap(places[n], places[other]);
+      candidates.push_back({{cat("with the patterns a", n + 2, " and a", other + 2, " exchanged"), true,
+                             "check the order of the patterns in `codes` and on the display", 1},
+                            places});
+    }
+  }
+  const auto add_orientation = [&](const char* name, const char* remedy, auto change) {
+    std::vector<Place> places = stated;
+    std::ranges::transform(places, places.begin(), change);
+    candidates.push_back({{name, false, remedy, 1}, places});
+  };
+  add_orientation("with mirrored patterns", "render the patterns with `flip-x`, or state the orientation of the views",
+                  [](const Place& place) {
+                    return Place{.y = place.y, .x = -place.x};
+                  });
+  add_orientation("with patterns turned by 90 degrees", "render the patterns with `rotate` 90", [](const Place& place) {
+    return Place{.y = -place.x, .x = place.y};
+  });
+  add_orientation("with patterns mirrored and turned by 90 degrees",
+                  "render the patterns with `flip-x` and `rotate` 90", [](const Place& place) {
+                    return Place{.y = place.x, .x = place.y};
+                  });
+  return candidates;
+}
+
+}  // namespace
+
+std::vector<OtherPlaces> compare_places(const capture::EventImages& events, const capture::Codes& codes,
+                                        float on_per_off) {
+  constexpr size_t kLeastPatterns = 3;  // two centres of light define only a direction
+  if (codes.num_patterns != events.count + 1) return {};
+  const std::vector<Place> stated = places_of(codes);
+  if (stated.size() < kLeastPatterns) return {};
+  const Images images = details_of(events, on_per_off);
+  const Images others = unrelated(images, events.height, events.width);
+  std::vector<Candidate> candidates = candidates_for(stated);
+  parallel_for(candidates.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const std::vector<Place>& places = candidates[i].places;
+      const double by_chance = mismatch(others, places, events.height, events.width);
+      candidates[i].other.mismatch =
+          by_chance > 0 ? mismatch(images, places, events.height, events.width) / by_chance : 1;
+    }
+  });
+  std::vector<OtherPlaces> result;
+  for (size_t i = 1; i < candidates.size(); ++i) {
+    result.push_back(candidates[i].other);
+    result.back().mismatch /= std::max(candidates[0].other.mismatch, 1e-9);
+  }
+  return result;
+}
+
+}  // namespace e2lf::diagnose

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/diagnose/pattern_places.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
+#include "e2lf/sensor/event_model.h"
+
+namespace e2lf::diagnose {
+namespace {
+
+/// Black and three small openings: at the left, at the bottom right, and at the top right.
+capture::Codes three_openings() {
+  capture::Codes codes(4, 8, 8);
+  const size_t corners[3][2] = {{2, 0}, {6, 6}, {1, 6}};
+  for (size_t n = 0; n < 3; ++n) {
+    for (const size_t cell : {0U, 1U, 8U, 9U}) {
+      codes.pattern(n + 1)[corners[n][0] * 8 + corners[n][1] + cell] = 1.0F;
+    }
+  }
+  return codes;
+}
+
+/// Returns the change with the least mismatch, or nothing if the stated places agree best.
+std::string best_for(const capture::Codes& shown) {
+  static const lightfield::LightField scene =
+      lightfield::render_light_field(lightfield::demo_scene(), {8, 8, 120, 160}, 4);
+  const auto events = sensor::simulate_events(shown, scene, {}).value();
+  const auto places = compare_places(events, three_openings(), 1.0F);
+  const auto best = std::ranges::min_element(places, {}, &OtherPlaces::mismatch);
+  return best->mismatch < 0.98 ? best->name : "";
+}
+
+TEST(ComparePlaces, NamesExchangedAndTurnedPatterns) {
+  const capture::Codes codes = three_openings();
+  EXPECT_EQ(best_for(codes), "");
+  capture::Codes shown = codes;
+  std::ranges::swap_ranges(shown.pattern(2), shown.pattern(3));
+  EXPECT_EQ(best_for(shown), "with the patterns a3 and a4 exchanged");
+  shown = codes;
+  for (size_t n = 0; n < 4; ++n) {
+    for (size_t row = 0; row < 8; ++row) std::ranges::reverse(shown.pattern(n).subspan(8 * row, 8));
+  }
+  EXPECT_EQ(best_for(shown), "with mirrored patterns");
+}
+
+TEST(ComparePlaces, SaysNothingWithoutThreePlaces) {
+  const capture::Codes two(3, 8, 8);
+  EXPECT_TRUE(compare_places(capture::EventImages(2, 20, 20), two, 1).empty());
+  EXPECT_TRUE(compare_places(capture::EventImages(2, 20, 20), three_openings(), 1).empty());
+}
+
+}  // namespace
+}  // namespace e2lf::diagnose
