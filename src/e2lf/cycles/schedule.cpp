@@ -134,10 +134,11 @@ Result<Schedule> parse_schedule(const std::string& text, const std::string& name
     E2LF_ASSIGN_OR_RETURN(schedule.codes, capture::codes_from_json(codes, cat(name, ": $.codes")));
   }
   if (patterns.is_array() && !patterns.empty() && patterns[0].is_array()) {
-    return Error{ErrorCode::kInvalidValue,
-                 "the file contains patterns, not their times; give it as `codes`, and as schedule the schedule.json that "
-                 "`e2lf codes render` writes beside the pictures of the patterns",
-                 name};
+    return Error{
+        ErrorCode::kInvalidValue,
+        "the file contains patterns, not their times; give it as `codes`, and as schedule the schedule.json that "
+        "`e2lf codes render` writes beside the pictures of the patterns",
+        name};
   }
   for (size_t i = 0; patterns.is_array() && i < patterns.size(); ++i) {
     E2LF_ASSIGN_OR_RETURN(auto pattern, parse_pattern(patterns[i], cat(name, ": $.patterns[", i, "]")));

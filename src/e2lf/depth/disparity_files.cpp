@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <sstream>
 
 #include "e2lf/base/text.h"
@@ -141,14 +142,79 @@ float assumed_infinity(const DisparityRange& range) {
   return std::max(range.most + std::max(range.most - range.least, 1.0F), 1.0F);
 }
 
+Image depth_image(const Image& disparity, const Lens& lens) {
+  Image depth = disparity;
+  for (float& value : depth.pixels) {
+    value =
+        value < lens.infinity_px() ? static_cast<float>(lens.depth_m(value)) : std::numeric_limits<float>::quiet_NaN();
+  }
+  return depth;
+}
+
+namespace {
+
+using Position = std::array<double, 3>;  // x, y, z
+
+/// Computes the positions that the pixels of a view show.
+class Positions {
+ public:
+  Positions(const DisparityMap& map, const lightfield::Shape& views, const PointGeometry& geometry)
+      : geometry_(geometry),
+        pixel_(geometry.field_width / static_cast<float>(map.disparity.width)),
+        middle_y_(0.5 * static_cast<double>(map.disparity.height)),
+        middle_x_(0.5 * static_cast<double>(map.disparity.width)) {
+    if (geometry.lens) {
+      // The calibrated view is the middle one that exists: (4, 4) of 8x8.
+      pinhole_y_ =
+          geometry.lens->baseline_m * (static_cast<double>(map.view.y) - static_cast<double>(views.views_y / 2));
+      pinhole_x_ =
+          geometry.lens->baseline_m * (static_cast<double>(map.view.x) - static_cast<double>(views.views_x / 2));
+    } else {
+      const double step = geometry.infinity_px * pixel_;
+      pinhole_y_ = step * (static_cast<double>(map.view.y) - 0.5 * static_cast<double>(views.views_y - 1));
+      pinhole_x_ = step * (static_cast<double>(map.view.x) - 0.5 * static_cast<double>(views.views_x - 1));
+    }
+  }
+
+  [[nodiscard]] double infinity_px() const {
+    return geometry_.lens ? geometry_.lens->infinity_px() : geometry_.infinity_px;
+  }
+
+  /// Each ray begins at the pinhole of the view and meets that of the middle view at the focus distance.
+  [[nodiscard]] Position at(size_t y, size_t x, double disparity) const {
+    const double nearness = 1 - disparity / infinity_px(), share = 1 / nearness;
+    double focus = 1, focus_y = pixel_ * (static_cast<double>(y) + 0.5 - middle_y_),
+           focus_x = pixel_ * (static_cast<double>(x) + 0.5 - middle_x_);
+    if (geometry_.lens) {
+      const auto [ray_x, ray_y] = geometry_.lens->ray(static_cast<double>(x), static_cast<double>(y));
+      focus = geometry_.lens->focus_m;
+      focus_y = focus * ray_y;
+      focus_x = focus * ray_x;
+    }
+    const double unit = geometry_.lens ? 1 : geometry_.focus_distance;
+    return {unit * (pinhole_x_ + share * (focus_x - pinhole_x_)), unit * (pinhole_y_ + share * (focus_y - pinhole_y_)),
+            unit * focus * share};
+  }
+
+ private:
+  const PointGeometry& geometry_;
+  double pixel_, middle_y_, middle_x_, pinhole_y_ = 0, pinhole_x_ = 0;
+};
+
+}  // namespace
+
 Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const Image& picture,
                                                 const lightfield::Shape& views, const PointGeometry& geometry,
                                                 float least_confidence) {
   const size_t width = map.disparity.width, height = map.disparity.height;
   E2LF_REQUIRE(picture.width == width && picture.height == height, "a picture of the view");
-  const float pixel = geometry.field_width / static_cast<float>(width), step = geometry.infinity_px * pixel;
-  const float pinhole_y = step * (static_cast<float>(map.view.y) - 0.5F * static_cast<float>(views.views_y - 1));
-  const float pinhole_x = step * (static_cast<float>(map.view.x) - 0.5F * static_cast<float>(views.views_x - 1));
+  if (geometry.lens && (geometry.lens->width != width || geometry.lens->height != height)) {
+    return Error{ErrorCode::kShape,
+                 cat("the lens was calibrated with views of ", geometry.lens->width, "x", geometry.lens->height,
+                     " px, but these have ", width, "x", height, " px; calibrate with views of this size"),
+                 ""};
+  }
+  const Positions positions(map, views, geometry);
   std::vector<uint8_t> points;
   size_t count = 0;
   for (size_t y = 0; y < height; ++y) {
@@ -156,18 +222,14 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
       const size_t i = y * width + x;
       if (map.confidence.pixels[i] < least_confidence || hangs_between_surfaces(map, y, x)) continue;
       const float d = map.disparity.pixels[i];
-      if (d >= geometry.infinity_px) {
+      if (d >= positions.infinity_px()) {
+        if (geometry.lens) continue;  // noise of very far points
         return Error{ErrorCode::kInvalidValue,
                      cat("the disparity at (", y, ", ", x, ") is ", d, " px, not less than that of infinity, ",
                          geometry.infinity_px, " px; give a larger one"),
                      ""};
       }
-      const float z = 1 / (1 - d / geometry.infinity_px);
-      const float at_focus_y = pixel * (static_cast<float>(y) + 0.5F - 0.5F * static_cast<float>(height));
-      const float at_focus_x = pixel * (static_cast<float>(x) + 0.5F - 0.5F * static_cast<float>(width));
-      append(points, geometry.focus_distance * (pinhole_x + z * (at_focus_x - pinhole_x)));
-      append(points, geometry.focus_distance * (pinhole_y + z * (at_focus_y - pinhole_y)));
-      append(points, geometry.focus_distance * z);
+      for (const double value : positions.at(y, x, d)) append(points, static_cast<float>(value));
       for (size_t channel = 0; channel < picture.channels; ++channel) {
         const float value = std::clamp(picture.pixels[i * picture.channels + channel], 0.0F, 1.0F);
         points.push_back(static_cast<uint8_t>(255 * value + 0.5F));
@@ -178,8 +240,9 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
   }
   std::vector<uint8_t> bytes;
   append_text(bytes, cat("ply\nformat binary_little_endian 1.0\n", "comment x right, y down, z away from the camera; ",
-                         geometry.focus_distance, " = the distance of disparity 0; infinity at ", geometry.infinity_px,
-                         " px\n", "element vertex ", count, "\nproperty float x\nproperty float y\nproperty float z\n",
+                         geometry.lens ? geometry.lens->focus_m : geometry.focus_distance,
+                         " = the distance of disparity 0; infinity at ", positions.infinity_px(), " px\n",
+                         "element vertex ", count, "\nproperty float x\nproperty float y\nproperty float z\n",
                          picture.channels == 1 ? "property uchar grey\n"
                                                : "property uchar red\nproperty uchar green\nproperty uchar blue\n",
                          "property float confidence\nend_header\n"));

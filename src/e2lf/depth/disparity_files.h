@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/depth/disparity.h"
+#include "e2lf/depth/lens.h"
 #include "e2lf/lightfield/image.h"
 
 namespace e2lf::depth {
@@ -41,19 +43,23 @@ inline constexpr float kPngZero = 32768.0F, kPngScale = 4096.0F;
 /// the same rectangle at the focus distance, which is 1. The depth is z = 1 / (1 - d / infinity_px), which is 1 for d =
 /// 0.
 struct PointGeometry {
-  float infinity_px = 4;     ///< the disparity at infinity, positive and larger than any other
-  float field_width = 0.8F;  ///< width of the visible rectangle at the focus distance
-  float focus_distance = 1;  ///< points are in units of which this is the focus distance
+  float infinity_px = 4;          ///< the disparity at infinity, positive and larger than any other
+  float field_width = 0.8F;       ///< width of the visible rectangle at the focus distance
+  float focus_distance = 1;       ///< points are in units of which this is the focus distance
+  std::optional<Lens> lens = {};  ///< replaces all of them; positions are in metres from the middle view
 };
 
 /// Returns a disparity at infinity for light fields of unknown cameras. It exceeds the largest disparity by the width
 /// of the range, but at least by 1 px, and is at least 1 px.
 [[nodiscard]] float assumed_infinity(const DisparityRange& range);
 
+/// Returns the depth [y, x] in metres, NaN where the disparity is at least that of infinity.
+[[nodiscard]] lightfield::Image depth_image(const lightfield::Image& disparity, const Lens& lens);
+
 /// Encodes a binary PLY file of points: float x (right), y (down), z (away), uchar grey or red, green, blue depending
 /// on `picture`, and float confidence. Pixels with a confidence below `least_confidence` are omitted, as are those
 /// below 0.6 beside a jump of the disparity, which would hang between two surfaces. Fails with kInvalidValue if a
-/// disparity reaches infinity_px.
+/// disparity reaches infinity_px, and with kShape if the lens was calibrated at another size.
 [[nodiscard]] Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const lightfield::Image& picture,
                                                               const lightfield::Shape& views,
                                                               const PointGeometry& geometry, float least_confidence);

@@ -141,5 +141,69 @@ TEST(AssumedInfinity, LiesBeyondAllDisparities) {
   EXPECT_EQ(assumed_infinity({-3, -2.5F}), 1);
 }
 
+/// Returns the first points of a PLY file with one channel.
+std::vector<std::array<float, 3>> points_of(const std::vector<uint8_t>& bytes, size_t count) {
+  const std::string text(bytes.begin(), bytes.end());
+  const size_t begin = text.find("end_header\n") + 11, size = 3 * sizeof(float) + 1 + sizeof(float);
+  std::vector<std::array<float, 3>> points(count);
+  for (size_t i = 0; i < count; ++i) std::memcpy(points[i].data(), bytes.data() + begin + i * size, sizeof points[i]);
+  return points;
+}
+
+TEST(PointCloud, IsInMetresWithACalibratedLens) {
+  // Points of a plane z = 0.5 + 0.2 x in metres, seen by the view right of the calibrated one and above it.
+  Lens lens{.width = 40,
+            .height = 30,
+            .focal_x_px = 50,
+            .focal_y_px = 52,
+            .centre_x_px = 19,
+            .centre_y_px = 15.5,
+            .distortion = {-0.2, 0.05, 0.001, -0.002, 0.01},
+            .baseline_m = 0.003,
+            .focus_m = 0.6};
+  DisparityMap map;
+  map.view = {3, 5};
+  map.disparity = map.confidence = Image(40, 30, 1);
+  const double pinhole_x = 0.003, pinhole_y = -0.003;
+  for (size_t i = 0; i < 1200; ++i) {
+    const auto [ray_x, ray_y] = lens.ray(static_cast<double>(i % 40), static_cast<double>(i / 40));
+    // The ray from the pinhole through the point at the focus distance meets the plane at z.
+    const double slope_x = ray_x - pinhole_x / lens.focus_m;
+    const double z = (0.5 + 0.2 * pinhole_x) / (1 - 0.2 * slope_x);
+    map.disparity.pixels[i] = static_cast<float>(lens.infinity_px() * (1 - lens.focus_m / z));
+    map.confidence.pixels[i] = 1;
+  }
+  const auto bytes = encode_point_cloud(map, Image(40, 30, 1), {8, 8, 30, 40, 1}, {.lens = lens}, 0);
+  ASSERT_TRUE(bytes) << bytes.error().message;
+  for (const auto& [x, y, z] : points_of(*bytes, 1200)) {
+    ASSERT_NEAR(z, 0.5 + 0.2 * static_cast<double>(x), 1e-5);
+    ASSERT_LT(std::abs(static_cast<double>(y) - pinhole_y), 0.3);
+  }
+  EXPECT_NEAR(static_cast<double>(depth_image(map.disparity, lens).pixels[0]),
+              static_cast<double>(points_of(*bytes, 1)[0][2]), 1e-5);
+  lens.width = 41;
+  EXPECT_EQ(encode_point_cloud(map, Image(40, 30, 1), {8, 8, 30, 40, 1}, {.lens = lens}, 0).error().code,
+            ErrorCode::kShape);
+}
+
+TEST(Lens, InvertsTheDistortion) {
+  const Lens lens{.width = 40,
+                  .height = 30,
+                  .focal_x_px = 50,
+                  .focal_y_px = 52,
+                  .centre_x_px = 19,
+                  .centre_y_px = 15.5,
+                  .distortion = {-0.2, 0.05, 0.001, -0.002, 0.01},
+                  .baseline_m = 0.003,
+                  .focus_m = 0.6};
+  const double x = 0.3, y = -0.25, r2 = x * x + y * y, radial = 1 + r2 * (-0.2 + r2 * (0.05 + r2 * 0.01));
+  const double seen_x = x * radial + 2 * 0.001 * x * y - 0.002 * (r2 + 2 * x * x);
+  const double seen_y = y * radial + 0.001 * (r2 + 2 * y * y) - 2 * 0.002 * x * y;
+  const auto [ray_x, ray_y] = lens.ray(50 * seen_x + 19, 52 * seen_y + 15.5);
+  EXPECT_NEAR(ray_x, x, 1e-6);
+  EXPECT_NEAR(ray_y, y, 1e-6);
+  EXPECT_NEAR(lens.depth_m(0), 0.6, 1e-12);
+}
+
 }  // namespace
 }  // namespace e2lf::depth

@@ -27,7 +27,7 @@ constexpr double kChangedRatio = 0.97;     // ratio of the error of changed even
 constexpr double kClearRatio = 0.8;        // the same if the given events are explained as well as noise permits
 constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `ratio` for correct events
 constexpr double kMismatchRatio = 0.975;  // ratio of the mismatch of the parallax to that at the stated places
-constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
+constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;  // px
 constexpr uint64_t kSeed = 1;
 
 lightfield::CropRegion middle_of(const capture::EventImages& events, size_t most_height, size_t most_width) {
@@ -350,8 +350,9 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
     E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio, explained.tried));
     auto places = other_places(check, given, explained.tried);
     // The parallax says more about the patterns, and nothing about the polarity and the order of event images.
-    const bool is_clear = change && (change->code == "polarity-better-inverted" ||
-                                     change->figures["error"] < kClearRatio * change->figures["unchanged_error"].get<double>());
+    const bool is_clear =
+        change && (change->code == "polarity-better-inverted" ||
+                   change->figures["error"] < kClearRatio * change->figures["unchanged_error"].get<double>());
     if (change && (is_clear || !places)) explained.findings.push_back(std::move(*change));
     if (places && !is_clear) explained.findings.push_back(std::move(*places));
   }

@@ -12,10 +12,10 @@ namespace e2lf::diagnose {
 
 /// How well a light field explains its events.
 struct Explanation {
-  double error = 0;        ///< recon::EventError::least in the middle of the image
-  double noise_error = 0;  ///< the same for events simulated from the light field with the noise of the camera
-  double ratio = 0;        ///< error / noise_error: the same scale for dark and bright scenes and for all cameras
-  double contrast = 0;     ///< of the middle view without its noise: (bright - dark) / (bright + dark), 0 to 1
+  double error = 0;             ///< recon::EventError::least in the middle of the image
+  double noise_error = 0;       ///< the same for events simulated from the light field with the noise of the camera
+  double ratio = 0;             ///< error / noise_error: the same scale for dark and bright scenes and for all cameras
+  double contrast = 0;          ///< of the middle view without its noise: (bright - dark) / (bright + dark), 0 to 1
   Json tried = Json::object();  ///< the error of the light field of changed events, relative to that of the given ones
   Findings findings = {};
 

@@ -114,16 +114,12 @@ std::vector<Candidate> candidates_for(const std::vector<Place>& stated) {
     candidates.push_back({{name, false, remedy, 1}, places});
   };
   add_orientation("with mirrored patterns", "render the patterns with `flip-x`, or state the orientation of the views",
-                  [](const Place& place) {
-                    return Place{.y = place.y, .x = -place.x};
-                  });
-  add_orientation("with patterns turned by 90 degrees", "render the patterns with `rotate` 90", [](const Place& place) {
-    return Place{.y = -place.x, .x = place.y};
-  });
+                  [](const Place& place) { return Place{.y = place.y, .x = -place.x}; });
+  add_orientation("with patterns turned by 90 degrees", "render the patterns with `rotate` 90",
+                  [](const Place& place) { return Place{.y = -place.x, .x = place.y}; });
   add_orientation("with patterns mirrored and turned by 90 degrees",
-                  "render the patterns with `flip-x` and `rotate` 90", [](const Place& place) {
-                    return Place{.y = place.x, .x = place.y};
-                  });
+                  "render the patterns with `flip-x` and `rotate` 90",
+                  [](const Place& place) { return Place{.y = place.x, .x = place.y}; });
   return candidates;
 }
 

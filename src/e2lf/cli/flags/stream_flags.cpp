@@ -54,7 +54,7 @@ StreamScene turntable(const StreamFlags& flags, const SceneOptions& options, uin
   constexpr size_t kSamples = 2;  // per pixel; the noise of the camera exceeds the rest
   result.scene.at = [=](uint64_t knot) -> Result<lightfield::LightField> {
     const auto angle = static_cast<float>(std::remainder(turn * static_cast<double>(knot), 2 * std::numbers::pi));
-    lightfield::LightField field = 
+    lightfield::LightField field =
         lightfield::render_light_field(lightfield::turntable_scene(angle, seed), shape, kSamples);
     lightfield::orient(field, options.flags.orientation.value());
     return field;

@@ -26,7 +26,9 @@ struct Shared {
 void share(const DisparityOutput& output, const depth::DisparityMap& map, Shared& shared) {
   if (shared.shown) return;
   shared.shown = depth::shown_range(map);
-  shared.infinity = output.infinity > 0 ? output.infinity : depth::assumed_infinity(map.range);
+  shared.infinity = output.lens           ? static_cast<float>(output.lens->infinity_px())
+                    : output.infinity > 0 ? output.infinity
+                                          : depth::assumed_infinity(map.range);
 }
 
 Result<void> write_array(const fs::path& path, const Image& image) {
@@ -36,7 +38,7 @@ Result<void> write_array(const fs::path& path, const Image& image) {
 Result<void> write_points(const fs::path& path, const DisparityOutput& output, const DisparityResult& result,
                           const Shared& shared) {
   const depth::PointGeometry geometry{shared.infinity, output.field_width,
-                                      output.focus_distance > 0 ? output.focus_distance : 1.0F};
+                                      output.focus_distance > 0 ? output.focus_distance : 1.0F, output.lens};
   E2LF_ASSIGN_OR_RETURN(const auto points, located(depth::encode_point_cloud(result.map, result.picture, result.shape,
                                                                              geometry, output.least_confidence),
                                                    output.input));
@@ -58,6 +60,9 @@ Result<void> write_all(const fs::path& folder, const DisparityOutput& output, co
   for (const char* extension : {".npy", ".pfm", ".png", ".ply"}) {
     const std::string name = extension == std::string(".ply") ? "points" : "disparity";
     E2LF_RETURN_IF_ERROR(write_one(folder / (name + extension), extension, output, result, shared));
+  }
+  if (output.lens) {
+    E2LF_RETURN_IF_ERROR(write_array(folder / "metres.npy", depth::depth_image(result.map.disparity, *output.lens)));
   }
   E2LF_RETURN_IF_ERROR(write_array(folder / "confidence.npy", result.map.confidence));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "confidence.png", result.map.confidence));

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "e2lf/depth/disparity.h"
+#include "e2lf/depth/lens.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/program/run_record.h"
@@ -31,6 +32,7 @@ struct DisparityOutput {
   float infinity = 0;        ///< disparity at infinity; 0 = assumed
   float focus_distance = 0;  ///< distance of disparity 0 in metres; 0 = unknown
   float field_width = 0.8F, least_confidence = 0.1F;
+  std::optional<depth::Lens> lens = {};  ///< gives infinity, focus distance and field width
 };
 
 /// Returns true if the name is that of a single file: .npy, .pfm, .png or .ply.

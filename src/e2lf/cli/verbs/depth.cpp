@@ -25,6 +25,7 @@ namespace {
 
 struct DepthArguments {
   DisparityOutput output;
+  fs::path lens;
   float least = 0, most = 0;
   size_t view_row = 0, view_column = 0;
   bool has_range = false, has_view = false;
@@ -152,6 +153,9 @@ Result<void> run(DepthArguments& arguments, const Verb& verb) {
   if (verb.is_given("--view-row") != verb.is_given("--view-column")) {
     return Error{ErrorCode::kInvalidValue, "a view has a row and a column; give --view-row and --view-column", ""};
   }
+  if (!arguments.lens.empty()) {
+    E2LF_ASSIGN_OR_RETURN(arguments.output.lens, depth::read_lens(arguments.lens));
+  }
   arguments.has_range = verb.is_given("--min-disparity");
   arguments.has_view = verb.is_given("--view-row");
   const fs::path& input = arguments.output.input;
@@ -163,7 +167,7 @@ Result<void> run(DepthArguments& arguments, const Verb& verb) {
   return from_light_fields(arguments, are_cycles, verb);
 }
 
-void add_output_options(CLI::App& app, DisparityOutput& output) {
+void add_output_options(CLI::App& app, DisparityOutput& output, fs::path& lens_file) {
   app.add_option("input,-i,--input", output.input,
                  "light field, or folder of cycles; or events: event images (.npz), a recording, - for standard input, "
                  "camera://NAME, ...")
@@ -172,16 +176,22 @@ void add_output_options(CLI::App& app, DisparityOutput& output) {
                  "folder to write, or a file: .npy or .pfm (float32), .png (16 bits, 32768 + 4096 * disparity) or .ply "
                  "(points); of events of several cycles, a file contains the first one")
       ->required();
+  CLI::Option* const lens = app.add_option(
+      "--lens", lens_file,
+      "calibrated lens (JSON of examples/lens/calibrate_lens.py): points in metres, and metres.npy in the folder");
   app.add_option("--infinity", output.infinity,
                  "points: disparity at infinite distance, px per view step; default: assumed, see run.json")
-      ->check(positive_number());
+      ->check(positive_number())
+      ->excludes(lens);
   app.add_option("--focus-distance", output.focus_distance,
                  "points: distance at which the disparity is 0, in metres, with --infinity; default: points are in "
                  "units of this distance")
-      ->check(positive_number());
+      ->check(positive_number())
+      ->excludes(lens);
   app.add_option("--field-width", output.field_width,
                  "points: width of the field of view at disparity 0, in units of its distance")
       ->check(positive_number())
+      ->excludes(lens)
       ->capture_default_str();
   app.add_option("--least-confidence", output.least_confidence, "points: smallest confidence of a point")
       ->check(CLI::Range(0.0, 1.0))
@@ -197,7 +207,7 @@ int run_depth(const std::vector<std::string>& arguments) {
             "e2lf depth out/demo/recon -o out/depth");
   DepthArguments depth_arguments;
   CLI::App& app = verb.app();
-  add_output_options(app, depth_arguments.output);
+  add_output_options(app, depth_arguments.output, depth_arguments.lens);
   app.add_option("--min-disparity", depth_arguments.least, "disparity of the nearest points, px per view step");
   app.add_option("--max-disparity", depth_arguments.most,
                  "disparity of the farthest points, px per view step; default of both: estimated, within 6 px");
