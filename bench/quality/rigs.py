@@ -3,13 +3,13 @@
 
     python3 bench/quality/rigs.py [--model NAME] [--ways NAME,...] SCENE...      with e2lf in PATH; SCENE is a light field
 
-Each way is a RAW recording without the header lines by which simulated recordings state their patterns and camera.
+`accumulate` is given the patterns that should be shown. Each way is a RAW recording without the header lines by which
+simulated recordings state their patterns and camera.
 """
 
 import argparse
 import csv
 import json
-import os
 import re
 import subprocess
 import sys
@@ -143,7 +143,7 @@ def main() -> None:
                 recording = make(way, scene, model, folder, arguments.light)
                 images = folder / "events.npz"
                 images.unlink(missing_ok=True)
-                results = {"accumulate": run("accumulate", recording, "-o", images, "--json", check=False)}
+                results = {"accumulate": run("accumulate", recording, "--codes", model, "-o", images, "--json", check=False)}
                 if images.exists() and "reconstruct .npz" in arguments.commands:
                     results["reconstruct .npz"] = run("reconstruct", images, "-m", model, "-o", folder / "from_images",
                                                       "--max-cycles", 1, "--json", "--overwrite", check=False)

@@ -141,3 +141,21 @@ svg = open("cycles.svg").read()
 ticks = re.findall(r'stroke-width="1.5" stroke-opacity', svg)
 assert len(ticks) >= 48, len(ticks)
 PY
+# Patterns that are exchanged or mirrored on the aperture, in a recording whose patterns are stated.
+"$E2LF" demo -o scene --width 160 --height 120 --quiet
+"$E2LF" codes show -m e2lf-n4 -o right_codes.npy >/dev/null
+py - <<'PY'
+import numpy as n
+codes = n.load("right_codes.npy")
+n.save("exchanged.npy", codes[[0, 1, 3, 2]])
+n.save("mirrored.npy", n.ascontiguousarray(codes[:, :, ::-1]))
+PY
+for way in right_codes: exchanged:order-better-changed mirrored:orientation-better-changed; do
+  "$E2LF" simulate scene/scene --codes "${way%%:*}.npy" --camera evk4-lcos --cycles 2 --seed 3 -o shown.raw --quiet --overwrite
+  "$E2LF" accumulate shown.raw --codes e2lf-n4 -o shown.npz --overwrite --json >shown.json 2>err.txt
+  [ "$(json shown.json "[f['code'] for f in j['findings']]" | tr -d "[]'")" = "${way#*:}" ] || fail "$way: $(cat err.txt)"
+done
+# A time that the recording does not contain.
+fails 1 "recording-empty" "$E2LF" accumulate rig.raw -o none.npz --from-us 999999999
+"$E2LF" codes show -m e2lf-n4 -o listed.json >/dev/null
+fails 1 "schedule.json" "$E2LF" accumulate rig.raw -o none.npz --schedule listed.json

@@ -12,6 +12,7 @@ page() {
   ln -s "$TESTSUITE/documents/run" "$folder/run"
   ln -s "$TESTSUITE/documents/e2lf" "$folder/build/release/bin/e2lf"
   ln -s "$(dirname "$E2LF")/e2lf-train" "$folder/build/release/bin/e2lf-train"
+  ln -s /usr/bin/python3 "$folder/build/release/bin/python3"
   export E2LF
   (cd "$folder" && PATH=$folder/build/release/bin:$PATH && "$prepare") >"$folder.prepare.txt" 2>&1 ||
     fail "$page: its inputs: $(tail -5 "$folder.prepare.txt")"

@@ -26,8 +26,7 @@ constexpr double kLeastNoiseError = 0.05;  // in counts, because a camera withou
 constexpr double kChangedRatio = 0.97;     // ratio of the error of changed events to that of the given ones
 constexpr double kClearRatio = 0.8;        // the same if the given events are explained as well as noise permits
 constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `ratio` for correct events
-constexpr double kMismatchRatio = 0.975;  // ratio of the mismatch of the parallax to that at the stated places
-constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;  // px
+constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
 constexpr uint64_t kSeed = 1;
 
 lightfield::CropRegion middle_of(const capture::EventImages& events, size_t most_height, size_t most_width) {
@@ -221,22 +220,6 @@ Result<std::optional<Finding>> better_change(const recon::Method& method, const 
               {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}}});
 }
 
-/// Returns the finding that the parallax of the events agrees with other places of the patterns, if it does.
-std::optional<Finding> other_places(const recon::EventCheck& check, const capture::EventImages& events, Json& tried) {
-  using enum capture::PixelConstant;
-  const float on_per_off = check.pixels ? check.pixels->pixel[kThresholdOff] / check.pixels->pixel[kThresholdOn] : 1.0F;
-  const std::vector<OtherPlaces> places = compare_places(events, check.codes, on_per_off);
-  for (const OtherPlaces& each : places) tried[cat("parallax ", each.name)] = each.mismatch;
-  const auto best = std::ranges::min_element(places, {}, &OtherPlaces::mismatch);
-  if (best == places.end() || best->mismatch >= kMismatchRatio) return std::nullopt;
-  const double percent = std::round(1000 * (1 - best->mismatch)) / 10;
-  return Finding{best->is_order ? "order-better-changed" : "orientation-better-changed",
-                 Severity::kError,
-                 cat("the parallax between the event images agrees ", percent, " % better ", best->name),
-                 best->remedy,
-                 {{"mismatch", best->mismatch}, {"change", best->name}}};
-}
-
 void add_ratio(Explanation& explained) {
   const double tenths = std::round(10 * explained.ratio) / 10;
   const Json figures = {{"ratio", explained.ratio}, {"contrast", explained.contrast}};
@@ -348,7 +331,7 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
   // Intensity images have no signs.
   if (is_confirmed && judging_ == Judging::kChanges && measurement.kind == capture::MeasurementKind::kEventImages) {
     E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio, explained.tried));
-    auto places = other_places(check, given, explained.tried);
+    auto places = check_places(given, check.codes, check.pixels);
     // The parallax says more about the patterns, and nothing about the polarity and the order of event images.
     const bool is_clear =
         change && (change->code == "polarity-better-inverted" ||

@@ -2,6 +2,7 @@
 #include "e2lf/diagnose/pattern_places.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -15,6 +16,22 @@ namespace {
 
 constexpr size_t kNoiseRadius = 1, kDetailRadius = 8, kWindowRadius = 5;  // px
 constexpr float kLargestDisparity = 2.5F, kDisparityStep = 0.25F;         // px per view step
+
+constexpr size_t kMostSideOfParallax = 512;  // px
+constexpr double kMismatchRatio = 0.975;     // docs/troubleshooting.md states how often it is wrong
+
+capture::EventImages middle_part(const capture::EventImages& events) {
+  const size_t height = std::min(events.height, kMostSideOfParallax),
+               width = std::min(events.width, kMostSideOfParallax);
+  const size_t top = (events.height - height) / 2, left = (events.width - width) / 2;
+  capture::EventImages middle(events.count, height, width);
+  for (size_t row = 0; row < events.count * height; ++row) {
+    const size_t y = row / height * events.height + top + row % height;
+    std::copy_n(events.values.begin() + static_cast<ptrdiff_t>(y * events.width + left), width,
+                middle.values.begin() + static_cast<ptrdiff_t>(row * width));
+  }
+  return middle;
+}
 
 struct Place {
   double y = 0, x = 0;  ///< the centre of light of a pattern, in view steps from the middle
@@ -148,6 +165,22 @@ std::vector<OtherPlaces> compare_places(const capture::EventImages& events, cons
     result.back().mismatch /= std::max(candidates[0].other.mismatch, 1e-9);
   }
   return result;
+}
+
+std::optional<Finding> check_places(const capture::EventImages& events, const capture::Codes& codes,
+                                    const std::optional<capture::SensorProfile>& camera) {
+  using enum capture::PixelConstant;
+  const bool is_pixel = camera && camera->is_pixel();
+  const float on_per_off = is_pixel ? camera->pixel[kThresholdOff] / camera->pixel[kThresholdOn] : 1.0F;
+  const std::vector<OtherPlaces> places = compare_places(middle_part(events), codes, on_per_off);
+  const auto best = std::ranges::min_element(places, {}, &OtherPlaces::mismatch);
+  if (best == places.end() || best->mismatch >= kMismatchRatio) return std::nullopt;
+  const double percent = std::round(1000 * (1 - best->mismatch)) / 10;
+  return Finding{best->is_order ? "order-better-changed" : "orientation-better-changed",
+                 Severity::kError,
+                 cat("the parallax between the event images agrees ", percent, " % better ", best->name),
+                 best->remedy,
+                 {{"mismatch", best->mismatch}, {"change", best->name}}};
 }
 
 }  // namespace e2lf::diagnose

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/capture/patterns/codes.h"
+#include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/diagnose/finding.h"
 
 namespace e2lf::diagnose {
 
@@ -30,5 +33,10 @@ struct OtherPlaces {
 /// event images.
 [[nodiscard]] std::vector<OtherPlaces> compare_places(const capture::EventImages& events, const capture::Codes& codes,
                                                       float on_per_off);
+
+/// Returns the finding that other places agree clearly better than the stated ones with the events in the middle of the
+/// image, if they do. The camera states the thresholds; without one, those of the paper's event model are taken.
+[[nodiscard]] std::optional<Finding> check_places(const capture::EventImages& events, const capture::Codes& codes,
+                                                  const std::optional<capture::SensorProfile>& camera);
 
 }  // namespace e2lf::diagnose

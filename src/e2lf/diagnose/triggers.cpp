@@ -209,7 +209,10 @@ std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles:
       !check_times(times_us, options.schedule, options.one_trigger_per_cycle)) {
     return finding("trigger-edge", "each pattern has a rising and a falling edge", "give `edge` rising");
   }
+  constexpr size_t kEnoughOfCycles = 3;
   if (times_us.size() < options.schedule.size()) {
+    auto of_cycles = check_times(times_us, options.schedule, options.one_trigger_per_cycle);
+    if (times_us.size() >= kEnoughOfCycles && of_cycles && of_cycles->code == "triggers-of-cycles") return of_cycles;
     return finding(
         "triggers-few",
         cat("there are ", times_us.size(), " triggers, and a cycle has ", options.schedule.size(), " patterns"),

@@ -62,6 +62,7 @@ TEST(CheckTriggers, NamesTheEdgeAndTheChannel) {
 TEST(CheckTriggers, DistinguishesTriggersOfCyclesAndOfPatterns) {
   const auto triggers = triggers_of(paper_schedule(), 1.0, 0, 160);
   EXPECT_EQ(code_for(kept(triggers, [](size_t i) { return i % 16 < 2; })), "triggers-of-cycles");
+  EXPECT_EQ(code_for(kept(triggers, [](size_t i) { return i < 64 && i % 16 < 2; })), "triggers-of-cycles") << "only 4";
   EXPECT_EQ(code_for(triggers, {.one_trigger_per_cycle = true}), "triggers-of-patterns");
 }
 

@@ -8,6 +8,7 @@
 #include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
+#include "e2lf/diagnose/pattern_places.h"
 #include "e2lf/eval/event_statistics.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/file_kind.h"
@@ -82,6 +83,32 @@ void keep_setup_of(const fs::path& input, capture::RecordedSetup setup, size_t t
   writer.keep(setup);
 }
 
+/// Sums the first cycles, and compares their parallax with the places of the patterns.
+class PlacesCheck {
+ public:
+  void add(const capture::EventImages& images) {
+    constexpr size_t kMostCycles = 8;
+    if (cycles_++ == 0)
+      sum_ = images;
+    else if (cycles_ <= kMostCycles)
+      pipeline::add_counts(images, sum_);
+  }
+  /// Findings about the times or the polarity explain other places, too.
+  [[nodiscard]] std::optional<diagnose::Finding> judge(const capture::RecordedSetup& setup,
+                                                       const diagnose::Findings& findings) const {
+    if (diagnose::has_doubt(findings)) return std::nullopt;
+    if (setup.codes) return diagnose::check_places(sum_, *setup.codes, setup.camera);
+    log_info(
+        "nothing states the patterns, so that their order and orientation are not checked; give --codes or the "
+        "--schedule of e2lf codes render");
+    return std::nullopt;
+  }
+
+ private:
+  capture::EventImages sum_;
+  size_t cycles_ = 0;
+};
+
 /// Returns a table with one row per cycle.
 report::Table cycle_table(const Json& cycles) {
   report::Table table{"The cycles, in order of time.",
@@ -148,6 +175,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   CyclePlot plot;
   const bool is_plotted = chart.is_wanted() || reports.is_wanted();
   std::optional<capture::EventImages> first;  // for the report
+  PlacesCheck places;
   diagnose::RigCheck rig;
   // For live input, the log has a line for each cycle instead.
   ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
@@ -170,6 +198,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     cycle->confidence = rig.add(*cycle, reader.options());
     if (reports.is_wanted() && !first) first = cycle->images;
     if (writer.cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.count, writer);
+    places.add(cycle->images);
     E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
     if (cycle->arrival) {
@@ -198,8 +227,10 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     E2LF_RETURN_IF_ERROR(reports.write(page));
   }
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, rig, reader);
-  diagnose::log_findings(arguments.input.string(), rig.findings(reader), "--");
-  E2LF_RETURN_IF_ERROR(writer.finish(diagnose::to_text(rig.findings(reader))));
+  diagnose::Findings findings = rig.findings(reader);
+  if (auto other = places.judge(setup, findings)) findings.push_back(std::move(*other));
+  diagnose::log_findings(arguments.input.string(), findings, "--");
+  E2LF_RETURN_IF_ERROR(writer.finish(diagnose::to_text(findings)));
   record.resolve("source", source_name(reader.source()));
   record.note("cycles", report_json(rig, reader));
   const Json found = {{"left_out", losses_json(summary)}, {"live", live_json(summary)}, {"each", std::move(cycles)}};
@@ -210,6 +241,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   Json json = report_json(rig, reader);
+  json["findings"] = diagnose::to_json(findings);
   json.update(found);
   print_result(common, json,
                cat(rig.triggers_text(reader.schedule()), "\n", report_text(report), " in ", arguments.output.string(),
