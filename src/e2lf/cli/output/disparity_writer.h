@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/lens.h"
 #include "e2lf/files/options.h"
