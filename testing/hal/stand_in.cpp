@@ -100,12 +100,18 @@ struct Camera {
       const uint64_t left = std::min(unplug_at, end_at) - done;
       const uint64_t count = loops || done < words.size() ? std::min({size, words.size() - at, left}) : 0;
       if (count > 0) {
-        queue.emplace_back(words.begin() + static_cast<long>(at), words.begin() + static_cast<long>(at + count));
+        const auto first = words.begin() + static_cast<long>(at);
+        const DataTransfer::BufferPtr buffer(std::vector<uint8_t>(first, first + static_cast<long>(count)));
+        queue.push_back(buffer);
         queued += count;
         g_most_queued = std::max<uint64_t>(g_most_queued, queued);
         g_sent += count;
         done += count;
         changed.notify_all();
+        // The vendor's HAL calls others after its own queue has the buffer, without its lock.
+        guard.unlock();
+        for (const auto& callback : transfer.callbacks) callback(buffer);
+        guard.lock();
       }
       due += period;
       if (count == 0) due = std::chrono::steady_clock::now() + std::chrono::milliseconds(1);
@@ -123,7 +129,8 @@ struct Camera {
   I_TriggerIn trigger_in;
   std::mutex mutex;
   std::condition_variable changed;
-  std::deque<std::vector<uint8_t>> queue;
+  DataTransfer transfer;
+  std::deque<DataTransfer::BufferPtr> queue;
   uint64_t queued = 0;
   bool is_stopped = true, is_lost = false;
   std::thread thread;
@@ -154,11 +161,15 @@ DataTransfer::BufferPtr I_EventsStream::get_latest_raw_data() {
   const std::lock_guard guard(camera_.mutex);
   camera_.check_connection();
   if (camera_.queue.empty()) return {};
-  DataTransfer::BufferPtr buffer(std::move(camera_.queue.front()));
+  const DataTransfer::BufferPtr buffer = camera_.queue.front();
   camera_.queue.pop_front();
   camera_.queued -= buffer.size();
   g_taken += buffer.size();
   return buffer;
+}
+
+const DataTransfer& I_EventsStream::get_data_transfer() const {
+  return camera_.transfer;
 }
 
 int I_Geometry::get_width() const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -67,18 +68,26 @@ class RawFileHeader {
   HeaderMap map_;
 };
 
-namespace DataTransfer {
-class BufferPtr {
+class DataTransfer {
  public:
-  BufferPtr() = default;
-  explicit BufferPtr(std::vector<uint8_t> bytes) : bytes_(std::make_shared<std::vector<uint8_t>>(std::move(bytes))) {}
-  const uint8_t* data() const { return bytes_ == nullptr ? nullptr : bytes_->data(); }
-  size_t size() const { return bytes_ == nullptr ? 0 : bytes_->size(); }
+  class BufferPtr {
+   public:
+    BufferPtr() = default;
+    explicit BufferPtr(std::vector<uint8_t> bytes) : bytes_(std::make_shared<std::vector<uint8_t>>(std::move(bytes))) {}
+    const uint8_t* data() const { return bytes_ == nullptr ? nullptr : bytes_->data(); }
+    size_t size() const { return bytes_ == nullptr ? 0 : bytes_->size(); }
 
- private:
-  std::shared_ptr<std::vector<uint8_t>> bytes_;
+   private:
+    std::shared_ptr<std::vector<uint8_t>> bytes_;
+  };
+  using NewBufferCallback_t = std::function<void(const BufferPtr&)>;
+  size_t add_new_buffer_callback(NewBufferCallback_t callback) {
+    callbacks.push_back(std::move(callback));
+    return callbacks.size() - 1;
+  }
+
+  std::vector<NewBufferCallback_t> callbacks;
 };
-}  // namespace DataTransfer
 
 struct Camera;  // stand_in.cpp
 
@@ -90,6 +99,7 @@ class I_EventsStream {
   short poll_buffer();
   short wait_next_buffer();
   DataTransfer::BufferPtr get_latest_raw_data();
+  const DataTransfer& get_data_transfer() const;
 
  private:
   Camera& camera_;

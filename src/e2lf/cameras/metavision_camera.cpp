@@ -5,6 +5,7 @@
 #include <cctype>
 #include <chrono>
 #include <cstdlib>
+#include <deque>
 #include <metavision/hal/device/device_discovery.h>
 #include <metavision/hal/facilities/i_events_stream.h>
 #include <metavision/hal/facilities/i_hw_identification.h>
@@ -12,6 +13,7 @@
 #include <metavision/hal/utils/hal_connection_exception.h>
 #include <metavision/sdk/base/utils/log.h>
 #include <mutex>
+#include <optional>
 #include <ostream>
 #include <streambuf>
 #include <thread>
@@ -130,8 +132,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Returns the next bytes of a stream, which are a pointer and a length before OpenEB 4.6, a shared pointer from then
-/// on, and a buffer since OpenEB 5.
+/// Copies the bytes of a buffer, which is a shared pointer before OpenEB 5.
+template <typename Buffer>
+void copy_buffer(const Buffer& buffer, std::vector<uint8_t>& bytes) {
+  if constexpr (requires { buffer->data(); }) {
+    if (buffer != nullptr) bytes.assign(buffer->data(), buffer->data() + buffer->size());
+  } else {
+    if (buffer.size() > 0) bytes.assign(buffer.data(), buffer.data() + buffer.size());
+  }
+}
+
+/// Returns the next bytes of a stream, which are a pointer and a length before OpenEB 4.6.
 template <typename Stream>
 void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
   if constexpr (requires(long count) { stream.get_latest_raw_data(count); }) {
@@ -139,17 +150,60 @@ void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
     const auto* data = stream.get_latest_raw_data(count);
     bytes.assign(data, data + count);
   } else {
-    const auto buffer = stream.get_latest_raw_data();
-    if constexpr (requires { buffer->data(); }) {
-      if (buffer != nullptr) bytes.assign(buffer->data(), buffer->data() + buffer->size());
-    } else {
-      if (buffer.size() > 0) bytes.assign(buffer.data(), buffer.data() + buffer.size());
-    }
+    copy_buffer(stream.get_latest_raw_data(), bytes);
   }
 }
 
-/// The HAL discards the content of its queue when it is stopped or when the camera is unplugged. The queue is therefore
-/// emptied as soon as the HAL reports data, and the HAL is stopped only when it is empty.
+/// The buffers that the HAL has received and not yet handed out, in order. When the camera is unplugged, the HAL no
+/// longer hands them out.
+class UnreadBuffers {
+ public:
+  using Buffer = Metavision::DataTransfer::BufferPtr;
+
+  /// Called by the thread of the HAL, possibly after the buffer was taken.
+  void add(const Buffer& buffer) {
+    const std::lock_guard lock(mutex_);
+    if (num_early_ > 0) {
+      --num_early_;
+    } else {
+      buffers_.push_back(buffer);
+    }
+  }
+  /// Removes the first buffer and returns it, or nothing if there is none.
+  std::optional<Buffer> take() {
+    const std::lock_guard lock(mutex_);
+    if (buffers_.empty()) return std::nullopt;
+    Buffer buffer = std::move(buffers_.front());
+    buffers_.pop_front();
+    return buffer;
+  }
+  /// Removes the buffer that the HAL handed out.
+  void forget() {
+    if (take()) return;
+    const std::lock_guard lock(mutex_);
+    ++num_early_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<Buffer> buffers_;
+  size_t num_early_ = 0;  ///< number of buffers that were handed out before add() was called
+};
+
+/// Lets the HAL add its buffers. Returns whether it can, which it does since OpenEB 5.
+template <typename Stream>
+bool watch(Stream& stream, const std::shared_ptr<UnreadBuffers>& unread) {
+  if constexpr (requires { stream.get_data_transfer(); }) {
+    // The stream itself is not constant, but it gives no other access.
+    auto& transfer = const_cast<Metavision::DataTransfer&>(stream.get_data_transfer());
+    transfer.add_new_buffer_callback([unread](const UnreadBuffers::Buffer& buffer) { unread->add(buffer); });
+    return true;
+  }
+  return false;
+}
+
+/// The HAL discards the content of its queue when it is stopped. The queue is therefore emptied as soon as the HAL
+/// reports data, and the HAL is stopped only when it is empty.
 class MetavisionCamera final : public Camera {
  public:
   explicit MetavisionCamera(std::string address) : address_(std::move(address)) {}
@@ -169,6 +223,7 @@ class MetavisionCamera final : public Camera {
     E2LF_RETURN_IF_ERROR(set_up_device(*device_, setup_));
     header_ = device_header(*device_);
     biases_ = device_biases(*device_);
+    is_watched_ = watch(*stream_, unread_);
     stream_->start();
     return {};
   } catch (const std::exception& error) {
@@ -193,9 +248,15 @@ class MetavisionCamera final : public Camera {
       }
       if (state < 0) return Error{ErrorCode::kIo, "the stream of the camera ended by itself; start it again", name()};
       copy_latest(*stream_, bytes);
+      if (is_watched_) unread_->forget();
     }
     return true;
   } catch (const Metavision::HalConnectionException& error) {
+    is_waiting_ = false;
+    while (const auto buffer = unread_->take()) {
+      copy_buffer(*buffer, bytes);
+      if (!bytes.empty()) return true;
+    }
     return Error{ErrorCode::kIo, cat("the connection to the camera is lost (", hal_text(error), "); check its cable"),
                  name()};
   } catch (const std::exception& error) {
@@ -249,6 +310,8 @@ class MetavisionCamera final : public Camera {
   CameraSetup setup_;
   std::unique_ptr<Metavision::Device> device_;
   Metavision::I_EventsStream* stream_ = nullptr;
+  std::shared_ptr<UnreadBuffers> unread_ = std::make_shared<UnreadBuffers>();
+  bool is_watched_ = false;
   std::string header_, biases_;
   std::atomic<bool> is_stopped_ = false;
   std::atomic<bool> is_waiting_ = false;  ///< whether read() waits for data
