@@ -25,11 +25,12 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
 endif()
 set_property(TARGET PkgConfig::HWY APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=${left_out})
 
-# e2lf_optional(<part> <variable> <effect> <packages> [<details>]): reports a part of e2lf and sets E2LF_HAS_<PART>.
-# E2LF_WITH_<PART> is OFF, AUTO (the part is built if the variable, which the search for its packages set, is true) or ON (it
-# must be). The details are reported of a part that is built.
+# e2lf_optional(<part> <variable> <effect> <packages> [<details>]): declares a part of e2lf, reports it and sets
+# E2LF_HAS_<PART>. E2LF_WITH_<PART> is OFF, AUTO (the part is built if the variable, which the search for its packages set,
+# is true) or ON (it must be). The details are reported of a part that is built.
 function(e2lf_optional part variable effect packages)
   string(TOUPPER ${part} name)
+  set(E2LF_WITH_${name} AUTO CACHE STRING "${effect}: needs ${packages} (AUTO, ON, OFF)")
   set(has FALSE)
   if(NOT E2LF_WITH_${name})
     e2lf_feature(${part} OFF "E2LF_WITH_${name}=OFF: no ${effect}")
@@ -44,15 +45,12 @@ function(e2lf_optional part variable effect packages)
   set(E2LF_HAS_${name} ${has} PARENT_SCOPE)
 endfunction()
 
-set(E2LF_WITH_ZSTD AUTO CACHE STRING "Data compressed by Zstandard (AUTO, ON, OFF)")
-set(E2LF_WITH_SQLITE AUTO CACHE STRING "Bags of ROS 2 stored by SQLite (AUTO, ON, OFF)")
-set(E2LF_WITH_METAVISION AUTO CACHE STRING "The camera vendor's open HAL, camera://metavision (AUTO, ON, OFF)")
 pkg_check_modules(ZSTD QUIET IMPORTED_TARGET GLOBAL libzstd)
 e2lf_optional(zstd ZSTD_FOUND "recordings, AEDAT4 packets and ROS 2 bags compressed by Zstandard" "libzstd-dev")
 pkg_check_modules(SQLITE QUIET IMPORTED_TARGET GLOBAL sqlite3)
 e2lf_optional(sqlite SQLITE_FOUND "ROS 2 bags stored by SQLite (.db3)" "libsqlite3-dev")
 
-if(E2LF_WITH_METAVISION)
+if(NOT DEFINED E2LF_WITH_METAVISION OR E2LF_WITH_METAVISION)
   find_package(MetavisionHAL QUIET)
 endif()
 set(details ", not tested with a camera")

@@ -1,19 +1,13 @@
 # Finds the libraries of the programs and of the Python package, and determines their optional parts.
 find_package(Eigen3 REQUIRED NO_MODULE)
 
-set(E2LF_WITH_FILMS AUTO CACHE STRING "Films of e2lf animate: need FFmpeg's libraries, which are under the GPL (AUTO, ON, OFF)")
-set(E2LF_WITH_DISPLAY AUTO CACHE STRING "Patterns on a display of this computer, e2lf codes play: needs SDL2 (AUTO, ON, OFF)")
-set(E2LF_WITH_TORCH AUTO CACHE STRING "libtorch: training and the benchmark peer (AUTO, ON, OFF)")
-set(E2LF_WITH_VIEWER AUTO CACHE STRING "The viewer, e2lf view: needs npm and cpp-httplib (AUTO, ON, OFF)")
-set(E2LF_WITH_PYTHON AUTO CACHE STRING "The Python package, import e2lf: needs python3-dev, python3-numpy and pybind11-dev (AUTO, ON, OFF)")
-
 # Debian's FFmpeg is licensed under the GPL; see docs/packages.md.
 pkg_check_modules(FFMPEG QUIET IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
 e2lf_optional(films FFMPEG_FOUND "films of e2lf animate"
   "libavformat-dev, libavcodec-dev, libswscale-dev and libavutil-dev" ": GIF, WebM, MP4")
 pkg_check_modules(SDL2 QUIET IMPORTED_TARGET sdl2)
 e2lf_optional(display SDL2_FOUND "e2lf codes play" "libsdl2-dev")
-if(E2LF_WITH_TORCH)
+if(NOT DEFINED E2LF_WITH_TORCH OR E2LF_WITH_TORCH)
   find_package(Torch QUIET)
 endif()
 e2lf_optional(torch Torch_FOUND "training and torch in benchmarks" "libtorch-dev" ", ${Torch_VERSION}")
@@ -35,7 +29,7 @@ if(E2LF_SANITIZE)
   set(E2LF_WITH_PYTHON OFF)  # python3 does not load modules with sanitizers
 endif()
 set(python_found FALSE)
-if(E2LF_WITH_PYTHON)
+if(NOT DEFINED E2LF_WITH_PYTHON OR E2LF_WITH_PYTHON)
   find_package(Python COMPONENTS Interpreter Development.Module NumPy QUIET)
   set(PYBIND11_FINDPYTHON ON)
   if(Python_FOUND)

@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto camera = capture::camera_from_json(*json, "input");
   if (!camera) return 0;
   for (const float trait : conditioning_vector(*camera, 4))
-    require(std::isfinite(trait), "what a network is told is finite");
+    require(std::isfinite(trait), "the conditioning vector is finite");
   const auto back = capture::camera_from_json(to_json(*camera), "encoded");
   require(back.ok() && back->pixel == camera->pixel && back->event_model == camera->event_model,
           "a camera comes back as written");

@@ -2,6 +2,10 @@
 # $E2LF is the binary, $E2LF_DATA (maybe unset) the folder of test data. It fails at the first command that fails.
 set -euo pipefail
 
+# part <name>: begins a part of a case, in an empty folder of its own.
+case_folder=$PWD
+part() { mkdir "$case_folder/$1" && cd "$case_folder/$1"; }
+
 # Debian's python3, which has numpy and h5py.
 py() { /usr/bin/python3 "$@"; }
 

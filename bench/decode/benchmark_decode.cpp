@@ -10,6 +10,9 @@
 #include "e2lf/base/clock.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/result_folder.h"
+#include "e2lf/recordings/convert.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::bench {
@@ -114,7 +117,7 @@ Result<std::map<std::string, std::vector<Found>>> find_recordings(const fs::path
     return Error{ErrorCode::kIo, cat("cannot list the folder (", status.message(), "); check the path"),
                  folder.string()};
   if (found.empty()) {
-    return Error{ErrorCode::kNotFound, "no RAW recording in the folder; leave it away to measure synthesised streams",
+    return Error{ErrorCode::kNotFound, "no RAW recording in the folder; omit it to measure synthesised streams",
                  folder.string()};
   }
   for (auto& [format, files] : found) {
@@ -162,6 +165,50 @@ Result<std::vector<DecodeBenchmarkRow>> benchmark_decoding(const DecodeBenchmark
     }
     E2LF_ASSIGN_OR_RETURN(rows.emplace_back(), measure_stream(options, stream));
     if (progress) progress(rows.size(), std::size(kStreamShapes));
+  }
+  return rows;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+Result<ConvertBenchmarkRow> measure(const fs::path& recording, const fs::path& output, int runs) {
+  ConvertBenchmarkRow row;
+  row.format = output.extension().string().substr(1);
+  double best_s = 0;
+  for (int run = 0; run < std::max(runs, 1); ++run) {
+    const auto begin = Clock::now();
+    recordings::OpenOptions open;
+    open.threads = 0;
+    E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_recording(recording, open));
+    E2LF_ASSIGN_OR_RETURN(const recordings::ConvertReport report, recordings::convert_recording(*reader, output));
+    const double run_s = std::chrono::duration<double>(Clock::now() - begin).count();
+    best_s = run == 0 ? run_s : std::min(best_s, run_s);
+    row.events = report.events;
+    fs::remove(output);
+    if (!report.trigger_file.empty()) fs::remove(output.parent_path() / report.trigger_file);
+  }
+  row.mevents_per_s = static_cast<double>(row.events) * 1e-6 / best_s;
+  return row;
+}
+
+}  // namespace
+
+Result<std::vector<ConvertBenchmarkRow>> benchmark_conversion(const ConvertBenchmarkOptions& options) {
+  BenchmarkStream stream;
+  if (options.input.empty()) {
+    stream = synthesise_stream(StreamShape::kEvt3Dense, options.events);
+  } else {
+    E2LF_ASSIGN_OR_RETURN(stream, repeat_recording(options.input, options.events));
+  }
+  E2LF_ASSIGN_OR_RETURN(const ResultFolder folder, ResultFolder::create(options.folder / "e2lf_bench_convert", false));
+  const fs::path recording = folder.path() / "recording.raw";
+  E2LF_RETURN_IF_ERROR(write_file(recording, stream.bytes));
+  std::vector<ConvertBenchmarkRow> rows;
+  for (const char* name : {"out.csv", "out.hdf5"}) {
+    E2LF_ASSIGN_OR_RETURN(rows.emplace_back(), measure(recording, folder.path() / name, options.runs));
   }
   return rows;
 }

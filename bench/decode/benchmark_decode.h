@@ -39,4 +39,20 @@ struct DecodeBenchmarkRow {
 [[nodiscard]] Result<std::vector<DecodeBenchmarkRow>> benchmark_decoding(const DecodeBenchmarkOptions& options,
                                                                          const ProgressFn& progress = {});
 
+struct ConvertBenchmarkOptions {
+  std::filesystem::path folder;      ///< in which files are written and removed again
+  std::filesystem::path input = {};  ///< RAW recording to repeat; empty = a synthesised stream, "evt3 dense"
+  uint64_t events = 20'000'000;      ///< approximate number
+  int runs = 2;                      ///< of each conversion; the fastest one counts
+};
+
+struct ConvertBenchmarkRow {
+  std::string format;
+  uint64_t events = 0;
+  double mevents_per_s = 0;  ///< from a RAW file to a finished file, with all threads
+};
+
+/// Measures the conversion of a RAW file to CSV and to Metavision HDF5. Fails as the conversion does.
+[[nodiscard]] Result<std::vector<ConvertBenchmarkRow>> benchmark_conversion(const ConvertBenchmarkOptions& options);
+
 }  // namespace e2lf::bench

@@ -168,7 +168,7 @@ BenchmarkStream synthesise_stream(StreamShape shape, uint64_t events) {
     synthesis.fill(batch, static_cast<size_t>(std::min<uint64_t>(events - done, 1 << 16)));
     is_written = (*writer)->write(batch).ok();
   }
-  E2LF_REQUIRE(is_written && (*writer)->finish(), "memory takes any stream");
+  E2LF_REQUIRE(is_written && (*writer)->finish(), "writing to memory cannot fail");
   return stream;
 }
 

@@ -26,8 +26,8 @@ const feeds = {};
 const [channels, traits] = process.argv.slice(8).map(Number);
 const counts = Float32Array.from({ length: channels * height * width }, (_, i) => (i * 2654435761 % 17) - 8);
 feeds.events = new Tensor('float32', counts, [1, channels, Number(height), Number(width)]);
-const told = session.inputNames.find((name) => name !== 'events');
-if (told) feeds[told] = new Tensor('float32', new Float32Array(traits), [1, traits]);
+const input = session.inputNames.find((name) => name !== 'events');
+if (input) feeds[input] = new Tensor('float32', new Float32Array(traits), [1, traits]);
 const seconds = [];
 for (let run = 0; run <= Number(runs); ++run) {
   const begin = process.hrtime.bigint();
@@ -84,10 +84,10 @@ Result<PeerRuns> run_onnx_runtime(const model::Model& model, size_t height, size
           model.num_patterns - 1, " ", model::num_input_channels(model::InputKind::kCamera, model.num_patterns), " 2>",
           quoted((folder.path() / "errors").string()));
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
-  std::string said;
+  std::string output;
   std::array<char, 4096> part{};
-  while (pipe && std::fgets(part.data(), static_cast<int>(part.size()), pipe.get()) != nullptr) said += part.data();
-  const Json json = Json::parse(said, nullptr, /*allow_exceptions=*/false);
+  while (pipe && std::fgets(part.data(), static_cast<int>(part.size()), pipe.get()) != nullptr) output += part.data();
+  const Json json = Json::parse(output, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || !json.contains("seconds")) {
     return Error{ErrorCode::kMissingDependency,
                  "ONNX Runtime does not run; install Node.js, and onnxruntime-node in the folder by npm",

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // e2lf-bench camera: reconstructs scenes recorded by a camera with one imperfection added or removed, with each model
-#include "bench/program/camera.h"
-
 #include <algorithm>
 
-#include "bench/program/moving_scene.h"
+#include "bench/program/parts.h"
 #include "bench/program/report.h"
+#include "bench/program/verbs.h"
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
@@ -249,7 +248,8 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
   RunRecord record("camera");
   E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {
-    return Error{ErrorCode::kInvalidValue, "a camera of the paper's event model has none of these; choose another",
+    return Error{ErrorCode::kInvalidValue,
+                 "a camera of the paper's event model has none of these imperfections; choose another",
                  "--camera " + options.camera};
   }
   E2LF_ASSIGN_OR_RETURN(const auto models, read_models(options, record));

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 // e2lf-bench decode
-#include "bench/program/decode.h"
-
 #include <cmath>
 
-#include "bench/decode/benchmark_convert.h"
 #include "bench/decode/benchmark_decode.h"
 #include "bench/program/report.h"
+#include "bench/program/verbs.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // e2lf-bench depth: compares disparity maps with true ones, and determines the sign of the disparities from occlusions
 // for light fields as they are and turned by 180 degrees.
-#include "bench/program/depth.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "bench/program/report.h"
+#include "bench/program/verbs.h"
 #include "e2lf/base/text.h"
 #include "e2lf/depth/true_disparity.h"
 #include "e2lf/depth/view_order.h"

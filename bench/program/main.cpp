@@ -8,16 +8,11 @@
 #include <filesystem>
 #include <map>
 
-#include "bench/program/camera.h"
-#include "bench/program/decode.h"
-#include "bench/program/depth.h"
-#include "bench/program/motion.h"
 #include "bench/program/reconstruct.h"
 #include "bench/program/report.h"
-#include "bench/program/rig.h"
+#include "bench/program/verbs.h"
 #include "bench/program/video.h"
 #include "bench/simulate/benchmark_simulate.h"
-#include "bench/simulate/benchmark_stream.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
@@ -265,17 +260,18 @@ Result<Json> run_training_program(const std::vector<std::string>& arguments, int
   const auto self = std::filesystem::read_symlink("/proc/self/exe", status);
   const std::string program = (self.parent_path() / "e2lf-bench-train").string();
   if (!std::filesystem::exists(program, status)) {
-    return Error{ErrorCode::kMissingDependency, "it was not built; `./run bench train` builds it with libtorch",
-                 program};
+    return Error{ErrorCode::kMissingDependency,
+                 "the program was not built; `./run bench train` builds it with libtorch", program};
   }
   if (threads > 0) ::setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
   std::string command = program::shell_word(program);
   for (const std::string& argument : arguments) command += cat(" ", program::shell_word(argument));
   std::FILE* const pipe = ::popen(command.c_str(), "r");
-  if (pipe == nullptr) return Error{ErrorCode::kIo, cat("cannot start it (", std::strerror(errno), ")"), program};
+  if (pipe == nullptr)
+    return Error{ErrorCode::kIo, cat("cannot start the program (", std::strerror(errno), ")"), program};
   std::string text;
   for (int letter; (letter = std::fgetc(pipe)) != EOF;) text += static_cast<char>(letter);
-  if (::pclose(pipe) != 0) return Error{ErrorCode::kInternal, "it failed; see its message above", program};
+  if (::pclose(pipe) != 0) return Error{ErrorCode::kInternal, "the program failed; see its message above", program};
   return parse_json(text, program);
 }
 

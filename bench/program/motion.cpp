@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // e2lf-bench motion: reconstructs moving scenes from the lit transitions and from those of the whole cycle.
-#include "bench/program/motion.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "bench/program/moving_scene.h"
+#include "bench/program/parts.h"
 #include "bench/program/report.h"
+#include "bench/program/verbs.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"

@@ -207,7 +207,7 @@ Result<void> check(const ReconstructBench& options) {
     return Error{ErrorCode::kInvalidValue, cat(size, " pixels; this network needs a multiple of ", multiple), name};
   }
   if (options.runs > 0) return {};
-  return Error{ErrorCode::kInvalidValue, "no runs; make at least one", "--runs"};
+  return Error{ErrorCode::kInvalidValue, "the number of runs must be at least 1", "--runs"};
 }
 
 }  // namespace

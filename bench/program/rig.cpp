@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // e2lf-bench rig: light field -> events -> RAW -> events -> event images -> light field
-#include "bench/program/rig.h"
-
 #include <chrono>
 #include <cstdio>
 #include <numeric>
 
 #include "bench/program/report.h"
+#include "bench/program/verbs.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cycles/cycle_reader.h"

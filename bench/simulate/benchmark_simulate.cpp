@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/sensor/reference.h"
+#include "e2lf/sensor/event_model.h"
+#include "e2lf/streams/event_stream.h"
 
 namespace e2lf::bench {
 namespace {
@@ -70,6 +72,76 @@ Result<SimulationBenchmark> benchmark_simulation(const SimulationBenchmarkOption
   E2LF_ASSIGN_OR_RETURN(result.reference_intensities_mpx_per_s, measure(options, reference_intensities));
   E2LF_ASSIGN_OR_RETURN(result.reference_events_mpx_per_s, measure(options, reference_events));
   E2LF_ASSIGN_OR_RETURN(result.reference_simulate_mpx_per_s, measure(options, reference_simulate));
+  return result;
+}
+
+namespace {
+
+constexpr float kBrightness[] = {0.6F, 0.5F, 0.5F, 0.5F, 0.0F, 0.12F, 0.12F, 0.12F};
+constexpr int64_t kPatternUs = 10592;
+constexpr int kRuns = 2;
+
+/// Sets the number of threads during its lifetime.
+class ThreadCap {
+ public:
+  explicit ThreadCap(int threads) : before_(num_threads()) { set_num_threads(threads); }
+  ~ThreadCap() { set_num_threads(before_); }
+  ThreadCap(const ThreadCap&) = delete;
+  ThreadCap& operator=(const ThreadCap&) = delete;
+
+ private:
+  int before_;
+};
+
+double clock_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double processor_s() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+/// Returns the events per second of the fastest cycle; `count` receives their number.
+double measure(streams::EventStream stream, const std::vector<std::vector<float>>& images, double (*now_s)(),
+               uint64_t& count) {
+  double best_s = 0;
+  int64_t now_us = 0;
+  uint64_t pattern = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    recordings::EventColumns events;
+    const double begin_s = now_s();
+    for (const auto& image : images) {
+      const bool is_black = image.front() == 0.0F;
+      stream.advance({now_us, now_us + kPatternUs, image, image, pattern++, now_us, now_us + kPatternUs, is_black},
+                     events);
+      now_us += kPatternUs;
+    }
+    const double run_s = now_s() - begin_s;
+    best_s = run == 0 ? run_s : std::min(best_s, run_s);
+    count = events.size();
+  }
+  return static_cast<double>(count) / best_s;
+}
+
+}  // namespace
+
+Result<StreamBenchmark> benchmark_stream(const streams::StreamOptions& options, size_t height, size_t width) {
+  std::vector<std::vector<float>> images;
+  for (const float brightness : kBrightness) {
+    auto& image = images.emplace_back(height * width);
+    const CounterRng rng(0, images.size());
+    for (size_t i = 0; i < image.size(); ++i) image[i] = brightness * rng.uniform(i);
+  }
+  const auto stream = [&] { return streams::EventStream::create(options, height, width); };
+  StreamBenchmark result;
+  E2LF_ASSIGN_OR_RETURN(streams::EventStream all_threads, stream());
+  result.events_per_s = measure(std::move(all_threads), images, clock_s, result.events);
+  const ThreadCap one(1);
+  E2LF_ASSIGN_OR_RETURN(streams::EventStream one_thread, stream());
+  result.one_thread_events_per_s = measure(std::move(one_thread), images, processor_s, result.events);
+  E2LF_ASSIGN_OR_RETURN(streams::EventStream reference, stream());
+  reference.use_reference();
+  result.reference_events_per_s = measure(std::move(reference), images, processor_s, result.events);
   return result;
 }
 

@@ -6,7 +6,6 @@
 #include <dlfcn.h>
 
 #include "bench/peers/torch_training.h"
-#include "e2lf/learn/data/surface_maps.h"
 #include "e2lf/learn/data/surfaces.h"
 #include "e2lf/learn/run/trainer.h"
 

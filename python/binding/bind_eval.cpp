@@ -6,10 +6,8 @@
 #include <span>
 
 #include "e2lf/base/text.h"
-#include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/eval/ssim.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"

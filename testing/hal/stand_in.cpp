@@ -45,8 +45,8 @@ void setLogStream(std::ostream& stream) {
 /// Sends buffers from a thread of its own into a queue without bounds, as the vendor's does.
 struct Camera {
   Camera(Scenario known, std::string name, int held) : scenario(std::move(known)), serial(std::move(name)), lock(held) {
-    const auto told = scenario.find("format");
-    format = told == scenario.end() ? "EVT3" : told->second;
+    const auto stated = scenario.find("format");
+    format = stated == scenario.end() ? "EVT3" : stated->second;
     *g_log << "[HAL][INFO] stand-in camera " << serial << " opened" << std::endl;
   }
   ~Camera() {

@@ -75,7 +75,7 @@ fails 1 'outputs' "$E2LF" calibrate events.npz --even -o x.json --threshold-map 
 fails 1 'outputs' "$E2LF" calibrate events.npz --even -o x.json --bad-pixels x.json.run.json
 cp codes.npy kept.npy
 for option in --threshold-map --bad-pixels; do
-  fails 1 'input' "$E2LF" calibrate events.npz --even --codes codes.npy -o x.json $option codes.npy --overwrite
+  fails 1 "codes.npy" "$E2LF" calibrate events.npz --even --codes codes.npy -o x.json $option codes.npy --overwrite
 done
 cmp codes.npy kept.npy
 absent x.json x.json.run.json x.npy

@@ -80,7 +80,7 @@ grep -q "event.*model" warned.txt || fail "no warning: $(cat warned.txt)"
 other_codes other.npy
 "$E2LF" simulate scene --codes other.npy --camera evk4-lcos -o other.npz --quiet
 fails 1 "bundled network" "$E2LF" reconstruct other.npz -o x
-fails 1 "model" "$E2LF" reconstruct bare.npz -o x
+fails 1 "bare.npz" "$E2LF" reconstruct bare.npz -o x
 py - <<'EOF'
 import numpy as np
 np.savez("odd.npz", events=np.load("real.npz")["events"], camera=np.frombuffer(b"{}", np.uint8))

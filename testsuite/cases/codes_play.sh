@@ -89,5 +89,5 @@ fails 1 "window" "$E2LF" codes play -o third --display 1 --cell 20 --cycles 1
 absent third
 fails 1 "exist" "$E2LF" codes play -o second --cycles 1
 touch mine
-fails 1 "file" "$E2LF" codes play -o mine --cycles 1 --overwrite
+fails 1 "mine" "$E2LF" codes play -o mine --cycles 1 --overwrite
 [ -z "$(find . -name '*.part')" ] || fail "left behind: $(find . -name '*.part')"

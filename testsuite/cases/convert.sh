@@ -34,7 +34,7 @@ done
 { cat recording.raw || true; } | "$E2LF" convert - slice.npy --from-us "$from" --to-us "$to" --quiet 2>warnings.txt
 [ "$("$E2LF" info slice.npy --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" = "$(json slice.json "j['events']")" ] || fail "piped slice"
 fails 1 "(--overwrite)" "$E2LF" convert recording.raw a.csv
-fails 1 "path" "$E2LF" convert nothing.raw x.csv
+fails 1 "nothing.raw" "$E2LF" convert nothing.raw x.csv
 fails 1 "extension" "$E2LF" convert demo/scene scene.tif
 absent scene.tif
 

@@ -19,5 +19,5 @@ check "abs($(json eval.json "j['psnr_db']") - $(json result.json "j['psnr_db']")
 [ "$(json info.json "(j['height'], j['width'])")" = "(64, 96)" ] || fail "info on the events"
 
 # A model without patterns has no camera to simulate.
-fails 1 "model" "$E2LF" demo -m "$TESTSUITE/../models/e2lf-n4-capture.safetensors" -o none
+fails 1 "e2lf-n4-capture" "$E2LF" demo -m "$TESTSUITE/../models/e2lf-n4-capture.safetensors" -o none
 absent none

@@ -1,3 +1,6 @@
+# The documents. Other pages: the cases documents_*.
+
+part documents
 # Links in the documents lead somewhere, commands name what exists, and those of README.md work as written.
 # Other pages: the cases documents_*.
 documents=$TESTSUITE/documents/documents.py
@@ -25,3 +28,18 @@ if py "$documents" words wrong "$E2LF" >problems.txt; then fail "wrong words pas
 source "$TESTSUITE/documents/page.sh"
 page README.md
 exists README/out/lightfield/07_07.png README/out/part.hdf5
+
+part documents_tutorial
+# The commands of the tutorial work as written.
+source "$TESTSUITE/documents/page.sh"
+page docs/tutorial.md
+exists tutorial/out/mine/cycles/cycle_00002/07_07.png tutorial/out/mine/inversion/epi.png
+
+part licences
+# docs/packages.md names every library that the program loads.
+objdump -p "$E2LF" | sed -n 's/^ *NEEDED *\(lib[a-z0-9A-Z+_-]*\|ld-linux\).*/\1/p' >needed.txt
+[ "$(wc -l <needed.txt)" -ge 8 ] || fail "no libraries found: $(cat needed.txt)"
+skip_sanitizers "sanitizers add libraries of their own"
+while read -r library; do
+  grep -q "^|.*\`$library\`" "$TESTSUITE/../docs/packages.md" || fail "$library is not in docs/packages.md"
+done <needed.txt

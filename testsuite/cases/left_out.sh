@@ -25,7 +25,7 @@ for order in ("jitter", "shuffled"):
     np.save(order + ".npy", records)
 PY
 for input in shuffled.csv shuffled.npz shuffled.npy; do
-  fails 1 "sort" "$E2LF" convert "$input" out.npz
+  fails 1 "$input" "$E2LF" convert "$input" out.npz
 done
 absent out.npz
 for input in jitter.csv jitter.npz jitter.npy; do
@@ -74,9 +74,9 @@ absent strict.npz strict.npz.run.json
 
 # No event is no result; a range is of the recording's clock, or with --relative since its first event.
 printf '%%geometry:64,48\n' >empty.csv
-fails 1 "events" "$E2LF" convert empty.csv empty.npz
+fails 1 "empty.csv" "$E2LF" convert empty.csv empty.npz
 fails 1 "is empty" "$E2LF" convert sorted.csv range.npz --from-us 2 --to-us 1
-fails 1 "time" "$E2LF" convert sorted.csv range.npz --from-us 900000000
+fails 1 "sorted.csv" "$E2LF" convert sorted.csv range.npz --from-us 900000000
 absent empty.npz range.npz
 "$E2LF" convert sorted.csv range.npz --from-us 11000 --to-us 21000 --json >absolute.json
 first=$(sed -n 2p sorted.csv | cut -d, -f4)

@@ -18,14 +18,14 @@ camera() { E2LF_STAND_IN="serial=A1,B2;width=96;height=64;file=sent.raw;$1" "$E2
 size=$(wc -c <words)
 
 # None, one, several; busy and a second opener.
-fails 1 "camera" "$E2LF" camera list
+fails 1 "HAL" "$E2LF" camera list
 [ "$(camera "" camera list --quiet | tr '\n' ' ')" = "camera://metavision/e2lf:stand_in:A1 camera://metavision/e2lf:stand_in:B2 " ] || fail "the list"
-fails 1 "camera" "$E2LF" record camera://metavision -o x.raw
+fails 1 "camera://metavision" "$E2LF" record camera://metavision -o x.raw
 fails 1 "those connected are" camera "" record camera://metavision/C3 -o x.raw
 fails 1 "busy" camera "busy" record camera://metavision -o x.raw
 fails 1 "EVT4, which e2lf cannot read" camera "format=EVT4" convert camera://metavision x.csv
-fails 1 "option" camera "" record camera://metavision --trigger-channel 3 -o x.raw
-fails 1 "region" camera "" record camera://metavision --roi 1,2,3 -o x.raw
+fails 1 "--trigger-channel" camera "" record camera://metavision --trigger-channel 3 -o x.raw
+fails 1 "--roi" camera "" record camera://metavision --roi 1,2,3 -o x.raw
 fails 1 "camera settings" "$E2LF" info sent.raw --max-event-rate 5
 absent x.raw x.csv x.bias
 
@@ -45,7 +45,7 @@ done
 "$E2LF" accumulate sent.raw -o sent.npz --source triggers --quiet
 py -c 'import numpy as np; assert (np.load("all.npz")["events"] == np.load("sent.npz")["events"]).all()'
 # What a user put there is not replaced; what an earlier recording brought is.
-fails 1 "file" camera "" record camera://metavision -o low.raw
+fails 1 "low.bias" camera "" record camera://metavision -o low.raw
 camera "end_at=20000;period_us=0" record camera://metavision -o all.raw --overwrite --quiet 2>log.txt || [ $? -eq 3 ] || fail "$(cat log.txt)"
 grep -qxE "0 +% bias_diff_on" all.bias || fail "the biases of the earlier recording stayed"
 
@@ -105,7 +105,7 @@ check "$(json check.json 'j["trigger_channels"][0]["rising_per_s"]') > 1"
 check "0.2 < $(json check.json 'j["on_share"]') < 0.8"
 fails 1 "no trigger within 3" camera "period_us=1000" camera check camera://metavision --trigger-channel none --seconds 3
 grep -q "no trigger within 2 s; check the trigger cable" stderr.txt || fail "not while it waits: $(cat stderr.txt)"
-fails 1 "camera" camera "file=nowhere" camera check camera://metavision --seconds 1
+fails 1 "camera://metavision" camera "file=nowhere" camera check camera://metavision --seconds 1
 # What the sensor says that it dropped: OTHERS words 0x14 and 0x16.
 py - <<'PY'
 import struct

@@ -28,7 +28,7 @@ np.savez("few_events.npz", x=np.zeros(9, np.uint16), y=np.zeros(9, np.uint16), p
 EOF
 little() { (ulimit -v 350000; "$@"); }
 little "$E2LF" convert few_events.npz few.raw --sensor-width 64 --sensor-height 48 --quiet --threads 1
-fails 1 "store" little "$E2LF" convert many_events.npz many.raw --sensor-width 64 --sensor-height 48 --quiet --threads 1
+fails 1 "many_events.npz" little "$E2LF" convert many_events.npz many.raw --sensor-width 64 --sensor-height 48 --quiet --threads 1
 "$E2LF" convert many_events.npz many.raw --sensor-width 64 --sensor-height 48 --quiet
-fails 1 "file" little "$E2LF" convert many.raw back.npz --quiet --threads 1
+fails 1 "back.npz" little "$E2LF" convert many.raw back.npz --quiet --threads 1
 absent back.npz

@@ -101,7 +101,7 @@ same_views "$models/e2lf-n4.safetensors" two.npz two/cycle_00000 two/cycle_00001
 # An export is an output as any other.
 exists model.onnx.run.json
 fails 1 "--overwrite" "$E2LF" model export "$model" -o model.onnx
-fails 1 "output" "$E2LF" model export "$model" -o model.pt
+fails 1 ".onnx" "$E2LF" model export "$model" -o model.pt
 
 # The paper's network, and its capture.
 if [ -n "${E2LF_DATA:-}" ] && [ -e "$E2LF_DATA/official/Animals" ]; then

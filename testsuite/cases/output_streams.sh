@@ -1,3 +1,6 @@
+# Outputs other than files, and full disks.
+
+part output_streams
 # Output to pipes, devices and full disks: data and text never mix, devices stay devices, and nothing fails in silence.
 "$E2LF" demo -o demo --width 48 --height 32 --quiet
 "$E2LF" simulate demo/scene -o rec.raw --cycles 2 --quiet
@@ -11,11 +14,11 @@ done
 "$E2LF" convert rec.raw /dev/stdout --format evt3 2>text.txt >piped.raw
 cmp file.raw piped.raw
 for format in npy hdf5 dsec; do
-  fails 1 "file" "$E2LF" convert rec.raw - --format "$format"
+  fails 1 "$format" "$E2LF" convert rec.raw - --format "$format"
   [ ! -s stdout.txt ] || fail "$format wrote something"
 done
 absent ./-
-fails 1 "name" "$E2LF" accumulate rec.raw -o /dev/null
+fails 1 ".npz" "$E2LF" accumulate rec.raw -o /dev/null
 fails 1 "e.g. .raw or .hdf5" "$E2LF" simulate demo/scene -o - </dev/null
 absent ./-
 
@@ -32,12 +35,12 @@ absent /dev/null.run.json /dev/null_triggers.csv
 grep -q "triggers, which are lost" text.txt || fail "$(cat text.txt)"
 "$E2LF" convert rec.raw /dev/null --format csv >text.txt 2>warnings.txt
 grep -q " events and 0 triggers in /dev/null" text.txt || fail "$(cat text.txt)"
-fails 1 "file" "$E2LF" convert rec.raw /dev/null --format hdf5
+fails 1 "/dev/null" "$E2LF" convert rec.raw /dev/null --format hdf5
 "$E2LF" eval demo/scene demo/recon -o /dev/null --quiet
 if [ "$(id -u)" = 0 ]; then
   mknod null.npz c 1 3 2>/dev/null || true
   if [ -c null.npz ]; then
-    fails 1 "file" "$E2LF" simulate demo/scene -o null.npz --overwrite
+    fails 1 "null.npz" "$E2LF" simulate demo/scene -o null.npz --overwrite
     [ -c null.npz ] || fail "a device was replaced"
   fi
 fi
@@ -58,3 +61,23 @@ full "$E2LF" --help
 full "$E2LF" convert --help
 full "$E2LF" --version
 fails 1 "cannot write" "$E2LF" convert rec.raw /dev/full --format evt3
+
+part full_disk
+# A disk that fills: one message, exit code 1, and nothing left; a limit on the size of files stands for it.
+"$E2LF" demo -o demo --width 64 --height 64 --quiet
+"$E2LF" simulate demo/scene -o rec.raw --cycles 20 --quiet
+limited() ( # <KiB> <command...>
+  ulimit -f "$1"
+  shift
+  "$@"
+)
+for output in a.hdf5 a.raw a.npz; do
+  for size in 4 64; do
+    fails 1 "cannot write" limited "$size" "$E2LF" convert rec.raw "$output"
+    [ -z "$(find . -name 'a*')" ] || fail "left behind: $(find . -name 'a*')"
+  done
+done
+fails 1 "cannot write" limited 16 "$E2LF" accumulate rec.raw -o a.npz --source triggers
+fails 1 "cannot write" limited 16 "$E2LF" simulate demo/scene -o a.npz --cycles 20
+fails 1 "cannot write" limited 1 "$E2LF" reconstruct rec.raw --method inversion --source triggers -o a
+[ -z "$(find . -name 'a*' -o -name '*.part')" ] || fail "left behind: $(find . -name 'a*' -o -name '*.part')"

@@ -72,7 +72,7 @@ np.savez("part.npz", events=part, codes=codes)
 part[0, 0, 2, 3] = np.nan
 np.savez("nan.npz", events=part, codes=codes)
 PY
-fails 1 "events" "$E2LF" reconstruct zeros.npz -m "$model" -o out
+fails 1 "zeros.npz" "$E2LF" reconstruct zeros.npz -m "$model" -o out
 warns "event image 1 has no events" "$E2LF" reconstruct dead.npz -m "$model" -o dead --format npy
 fails 1 "1.5 at [0, 0, 2, 3] is not a whole number" "$E2LF" reconstruct part.npz -m "$model" -o out
 fails 1 "NaN" "$E2LF" reconstruct nan.npz -m "$model" -o out

@@ -59,7 +59,7 @@ fails 1 "write tcp://127.0.0.1:PORT" "$E2LF" accumulate tcp://localhost -o none.
 fails 1 "complete pattern" "$E2LF" accumulate recording.raw -o none.npz --source triggers --channel 5
 absent none.npz
 fails 1 "nothing.raw" "$E2LF" reconstruct nothing.raw --method inversion -o nothing
-fails 1 "name" "$E2LF" accumulate recording.raw -o images.raw
+fails 1 ".npz" "$E2LF" accumulate recording.raw -o images.raw
 # A recording in which nothing is found replaces nothing and leaves nothing.
 "$E2LF" reconstruct truth.npz --method inversion -o kept --quiet
 echo keep >kept/file

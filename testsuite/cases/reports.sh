@@ -68,7 +68,7 @@ page rig.html "decode and accumulate"
 fails 1 "(--overwrite)" "$E2LF" eval demo/scene demo/recon --report eval.html
 fails 2 "tables" "$E2LF" eval demo/scene demo/recon --report eval.pdf
 cp rec.raw rec.csv
-fails 1 "input" "$E2LF" info rec.csv --report rec.csv --overwrite
+fails 1 "rec.csv" "$E2LF" info rec.csv --report rec.csv --overwrite
 fails 2 ".svg or .png" "$E2LF" info rec.raw --plot rate.jpg
 absent eval.pdf rate.jpg
 

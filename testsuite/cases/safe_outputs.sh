@@ -40,9 +40,9 @@ refused "a link whose target does not exist" "$E2LF" simulate demo/scene -o dang
 
 # A name says what is there: a folder does not get that of a file, a file not that of another format.
 fails 1 "a name that ends in .mp4 is that of a file" "$E2LF" video cap/rec.raw -o frames.mp4
-fails 1 "name" "$E2LF" reconstruct ev.npz --method inversion -o field.npz
-fails 1 "name" "$E2LF" codes render -o display.png
-fails 1 "name" "$E2LF" depth demo/scene -o depth.jpg
+fails 1 "field.npz" "$E2LF" reconstruct ev.npz --method inversion -o field.npz
+fails 1 "display.png" "$E2LF" codes render -o display.png
+fails 1 "depth.jpg" "$E2LF" depth demo/scene -o depth.jpg
 fails 1 "written as .safetensors" "$E2LF" pack demo/scene -o packed.npz
 fails 1 "written as .json" "$E2LF" eval demo/scene demo/recon -o eval.png
 fails 1 "written as .safetensors" "$E2LF" model store "$TESTSUITE/../models/e2lf-n4.safetensors" -o model.onnx

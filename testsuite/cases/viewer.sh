@@ -26,7 +26,7 @@ exists light.html light.html.run.json
 fails 1 "(--overwrite)" "$E2LF" view light.npy --export light.html
 mkdir empty
 fails 1 "neither event" "$E2LF" view empty --export none.html
-fails 1 "path" "$E2LF" view nowhere
+fails 1 "nowhere" "$E2LF" view nowhere
 absent none.html
 "$E2LF" view light.npy other.npy --export compare.html --quiet
 "$E2LF" view light.npy --disparity disparity.npy --export disparity.html --quiet
@@ -35,7 +35,7 @@ import numpy as np
 np.save("small.npy", np.zeros((4, 5), np.float32))
 PY
 fails 1 "small.npy: has 5x4 px" "$E2LF" view light.npy --disparity small.npy --export none.html
-fails 1 "path" "$E2LF" view light.npy --disparity nowhere.npy --export none.html
+fails 1 "nowhere.npy" "$E2LF" view light.npy --disparity nowhere.npy --export none.html
 fails 1 "--disparity" "$E2LF" view events.npz --disparity disparity.npy --export none.html
 absent none.html
 "$E2LF" view colour.npy --export colour.html --quiet

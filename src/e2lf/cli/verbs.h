@@ -8,7 +8,7 @@
 
 namespace e2lf::info {}
 
-/// The verbs, one file each.
+/// The verbs.
 namespace e2lf::cli {
 using namespace info;
 using namespace program;

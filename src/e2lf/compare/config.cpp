@@ -6,12 +6,78 @@
 #include <iterator>
 #include <set>
 
-#include "e2lf/compare/config_fields.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/compare/tables.h"
 #include "e2lf/files/fields.h"
 
 namespace e2lf::compare {
 namespace {
+
+// The keys of a configuration, for reading and for the table in docs/compare.md; see files/fields.h.
+
+template <typename Method, typename Visitor>
+void visit_method(Method& method, Visitor& visit) {
+  visit("name", method.name, "name in the tables");
+  visit("algorithm", method.algorithm,
+        "`network`; `inversion` or `regularised`, [which need no model](#methods-without-a-network); or `event-video`, "
+        "[a scan of views](#a-scan-of-views)");
+  visit("model", method.model,
+        "a model file, which determines the measurement, or the folder of [the release](models.md#the-release); for "
+        "`event-video`, a [model of frames](video.md#networks)");
+  visit("codes", method.codes,
+        "the patterns: a model file, a file of codes or the folder of the release; if empty, those of the model, or "
+        "the built-in patterns without a model");
+  visit("camera", method.camera,
+        "the camera that a network conditioned on the sensor profile receives; if empty, the camera of the sensor");
+  visit("passes", method.passes, "the number of passes, as in `e2lf reconstruct --passes`");
+  visit("gain", method.gain, "a factor on the result");
+  visit("fit_gain", method.fit_gain, "scales each result by its least-squares factor instead");
+  visit("precision", method.precision, "the arithmetic of the network: `float32`, `bfloat16` or `auto`");
+  visit("optional", method.optional, "skips the method if its files are missing");
+}
+
+template <typename Group, typename Visitor>
+void visit_group(Group& group, Visitor& visit) {
+  visit("name", group.name, "name in the tables");
+  visit("scenes", group.scenes,
+        "light fields of any format, or `demo` or `demo:SEED` for a rendered scene; the last component of a path may "
+        "contain `*`");
+  visit("stand_in", group.stand_in, "scenes to use if none of `scenes` exists");
+  visit("width", group.width,
+        "the width of the central crop in px; 0 takes the whole view, which is 512 px wide for `demo`");
+  visit("height", group.height,
+        "the height of the crop in px; 0 takes the whole view, which is 384 px high for `demo`");
+  visit("step", group.step, "takes every Nth view, which multiplies the disparity by N");
+  visit("reverse_rows", group.reverse_rows,
+        "the rows of views are stored from bottom to top, as in some Stanford scenes");
+  visit("optional", group.optional, "skips the group if neither `scenes` nor `stand_in` exist");
+}
+
+template <typename Sensor, typename Visitor>
+void visit_sensor(Sensor& sensor, Visitor& visit) {
+  visit("name", sensor.name, "name in the tables");
+  visit("camera", sensor.camera, "a camera file, or the name of a bundled one: `paper`, `ideal`, `evk4-lcos`");
+  visit("tau", sensor.tau, "overrides the contrast threshold of the camera; not for physical pixels");
+  visit("sigma_w", sensor.sigma_w, "overrides the noise of the log intensity; not for physical pixels");
+  visit("sigma_z", sensor.sigma_z, "overrides the noise of the threshold; not for physical pixels");
+  visit("sigma_i", sensor.sigma_i, "noise of intensity images; 0.005 if not given");
+  visit("gain", sensor.gain, "a factor on the brightness of the scenes, by which the results are divided again");
+  visit("residue", sensor.residue, "the residue, as in `e2lf simulate --residue`; not for physical pixels");
+  visit("cycles", sensor.cycles, "the number of cycles from which each light field is reconstructed");
+  visit("fit_gain", sensor.fit_gain,
+        "sets `fit_gain` for every method, for cameras that the networks were not trained for");
+}
+
+template <typename Fields, typename Visitor>
+void visit_config(Fields& config, Visitor& visit) {
+  visit("name", config.name, "title of the page");
+  visit.list("methods", config.methods, [](auto& method, auto& inner) { visit_method(method, inner); });
+  visit.list("scenes", config.scenes, [](auto& group, auto& inner) { visit_group(group, inner); });
+  visit.list("sensors", config.sensors, [](auto& sensor, auto& inner) { visit_sensor(sensor, inner); });
+  visit("seeds", config.seeds, "the seeds of the noise, over which the figures are averaged");
+  visit("metrics", config.metrics, "see [metrics](#metrics)");
+  visit("pictures", config.pictures, "keeps the images of the first seed for the page");
+}
 
 Error invalid(const std::string& message, const std::string& location) {
   return {ErrorCode::kInvalidValue, message, location};
@@ -20,13 +86,13 @@ Error invalid(const std::string& message, const std::string& location) {
 /// Checks that every item has a name and that no name occurs twice.
 template <typename Item>
 Result<void> check_names(const std::vector<Item>& items, const std::string& location) {
-  if (items.empty()) return invalid("there is nothing in this list; add something", location);
+  if (items.empty()) return invalid("the list is empty; add at least one entry", location);
   std::set<std::string> names;
   for (size_t i = 0; i < items.size(); ++i) {
     const std::string place = cat(location, "[", i, "].name");
-    if (items[i].name.empty()) return invalid("it has no name; give it one", place);
+    if (items[i].name.empty()) return invalid("the entry has no name; add one", place);
     if (!names.insert(items[i].name).second) {
-      return invalid(cat("the name \"", items[i].name, "\" is given twice; change one"), place);
+      return invalid(cat("two entries are named \"", items[i].name, "\"; rename one of them"), place);
     }
   }
   return {};
@@ -34,7 +100,7 @@ Result<void> check_names(const std::vector<Item>& items, const std::string& loca
 
 Result<void> check_word(const std::string& word, const std::vector<std::string>& known, const std::string& location) {
   if (std::find(known.begin(), known.end(), word) != known.end()) return {};
-  return invalid(cat("there is no \"", word, "\" here; ", suggestion(word, known)), location);
+  return invalid(cat("\"", word, "\" is not a known value; ", suggestion(word, known)), location);
 }
 
 Result<void> check_positive(float value, const std::string& location) {
@@ -55,15 +121,17 @@ Result<void> check_method(const MethodConfig& method, const std::string& locatio
   E2LF_RETURN_IF_ERROR(check_count(method.passes, location + ".passes"));
   const bool is_network = method.algorithm == "network", is_video = method.algorithm == "event-video";
   if ((is_network || is_video) && method.model.empty())
-    return invalid("a network needs a model; give its file", location + ".model");
+    return invalid("networks require a model; give its file", location + ".model");
   if (is_video && !method.codes.empty()) {
-    return invalid("a scan opens one cell after another; leave the patterns out", location + ".codes");
+    return invalid("a scan of views opens one cell after another and uses no other patterns; remove them",
+                   location + ".codes");
   }
   if (!is_network && !is_video && !method.model.empty()) {
-    return invalid(cat("the ", method.algorithm, " has no model; give its patterns as \"codes\""), location + ".model");
+    return invalid(cat("the method ", method.algorithm, " does not use a model; give the patterns as \"codes\""),
+                   location + ".model");
   }
   if (!is_network && (method.passes > 1 || !method.camera.empty())) {
-    return invalid("\"passes\" and \"camera\" are of networks; leave them out", location);
+    return invalid("\"passes\" and \"camera\" only apply to networks; remove them", location);
   }
   return {};
 }
@@ -72,7 +140,7 @@ Result<void> check_sensor(const SensorConfig& sensor, const std::string& locatio
   E2LF_RETURN_IF_ERROR(check_positive(sensor.gain, location + ".gain"));
   E2LF_RETURN_IF_ERROR(check_positive(sensor.tau.value_or(1.0F), location + ".tau"));
   if (sensor.sigma_i.value_or(0.0F) < 0.0F) {
-    return invalid("noise is zero or more; give a standard deviation", location + ".sigma_i");
+    return invalid("a standard deviation cannot be negative; use zero or more", location + ".sigma_i");
   }
   return check_count(sensor.cycles, location + ".cycles");
 }
@@ -91,13 +159,14 @@ Result<void> check(const Config& config, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_each(config.sensors, location + ".sensors", check_sensor));
   for (const GroupConfig& group : config.scenes) {
     if (group.scenes.empty() || group.step == 0) {
-      return invalid(cat("the group ", group.name, " needs scenes and a step of at least 1; give them"),
-                     location + ".scenes");
+      return invalid(
+          cat("the group ", group.name, " requires at least one scene, and a step of at least 1; correct it"),
+          location + ".scenes");
     }
   }
   const std::set<uint64_t> seeds(config.seeds.begin(), config.seeds.end());
   if (seeds.empty() || seeds.size() != config.seeds.size()) {
-    return invalid("there must be seeds, each once; write e.g. [1, 2, 3]", location + ".seeds");
+    return invalid("the list of seeds is empty or contains a seed twice; use e.g. [1, 2, 3]", location + ".seeds");
   }
   std::vector<std::string> metrics;
   for (const Metric& metric : all_metrics()) metrics.emplace_back(metric.name);
@@ -111,7 +180,7 @@ Result<void> check(const Config& config, const std::string& location) {
 
 Result<Config> config_from_json(const Json& json, const std::string& location) {
   if (!json.is_object())
-    return Error{ErrorCode::kFormat, "the configuration is not an object; write { ... }", location};
+    return fail(ErrorCode::kFormat, location, "the configuration is not a JSON object; enclose it in { }");
   Config config;
   const std::string root = location + ": $";
   FieldReader reader(json, root);

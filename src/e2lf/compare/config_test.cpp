@@ -65,7 +65,7 @@ TEST(Config, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(with("methods", "passes", 0), HasSubstr("give 1 to 64"));
   EXPECT_THAT(with("methods", "gain", -1), HasSubstr("positive number"));
   EXPECT_THAT(with("methods", "name", ""), HasSubstr("name"));
-  EXPECT_THAT(with("scenes", "scenes", Json::array()), HasSubstr("needs scenes"));
+  EXPECT_THAT(with("scenes", "scenes", Json::array()), HasSubstr("scene"));
   EXPECT_THAT(with("scenes", "width", -3), HasSubstr("give a whole number from 0"));
   EXPECT_THAT(with("sensors", "tau", 0), HasSubstr("positive number"));
   EXPECT_THAT(with("sensors", "cycles", 65), HasSubstr("give 1 to 64"));

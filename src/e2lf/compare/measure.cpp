@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "e2lf/base/clock.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/depth/true_disparity.h"
-#include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/crop.h"
@@ -141,10 +141,8 @@ Result<lightfield::Image> scene_disparity(const Scene& scene, const LightField& 
   const bool is_cropped = scene.group.width > 0 || scene.group.height > 0;
   if (whole.width < shape.width || whole.height < shape.height ||
       (!is_cropped && (whole.width != shape.width || whole.height != shape.height))) {
-    return Error{ErrorCode::kShape,
-                 cat("has ", whole.width, "x", whole.height, " px, the views have ", shape.width, "x", shape.height,
-                     "; give the map of this light field"),
-                 file->string()};
+    return fail(ErrorCode::kShape, file->string(), "has ", whole.width, "x", whole.height, " px, the views have ",
+                shape.width, "x", shape.height, "; give the map of this light field");
   }
   const LightField map({1, 1, whole.height, whole.width, 1}, whole.pixels);
   E2LF_ASSIGN_OR_RETURN(const LightField cropped,
@@ -177,7 +175,7 @@ Result<const pipeline::OpenedMethod*> JobRunner::method_of(const Job& job) {
   const capture::SensorProfile& camera = plan_.sensors[job.sensor].camera;
   pipeline::MethodChoice choice{.algorithm = method.config.algorithm,
                                 .codes = method.codes,
-                                .camera = method.told,
+                                .camera = method.network_camera,
                                 .constants = camera.constants,
                                 .events = {.camera = camera},
                                 .measurement = method.measurement,
@@ -245,10 +243,9 @@ Result<Outcome> JobRunner::run_method(const Job& job, const LightField& truth, c
 Result<Outcome> JobRunner::run_scan(const Job& job, const LightField& truth, const ProgressFn& progress) {
   const Sensor& sensor = plan_.sensors[job.sensor];
   if (sensor.camera.is_pixel() || sensor.config.cycles > 1) {
-    return Error{ErrorCode::kUnsupported,
-                 "a scan is simulated once, by pixels of v2e with the sensor's tau; leave this method out for sensors "
-                 "with physical pixels or several cycles",
-                 ""};
+    return fail(ErrorCode::kUnsupported, "",
+                "a scan of views is simulated once, with pixels of v2e; remove this method for sensors "
+                "with physical pixels or several cycles");
   }
   if (!scans_.contains(job.method)) {
     E2LF_ASSIGN_OR_RETURN(scans_[job.method], video::read_video_model(plan_.methods[job.method].model));

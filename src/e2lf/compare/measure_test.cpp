@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/compare/pictures.h"
+#include "e2lf/compare/result_page.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/light_field_io.h"

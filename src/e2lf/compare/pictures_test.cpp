@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/compare/pictures.h"
-
 #include <gtest/gtest.h>
+
+#include "e2lf/compare/result_page.h"
 
 namespace e2lf::compare {
 namespace {

@@ -6,6 +6,7 @@
 #include <fnmatch.h>
 #include <map>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
@@ -32,8 +33,7 @@ Result<capture::Codes> read_any_codes(const fs::path& path) {
   if (!is_folder(path)) return pipeline::read_patterns(path);
   E2LF_ASSIGN_OR_RETURN(model::Model model, pipeline::read_network(path));
   if (model.codes) return std::move(*model.codes);
-  return Error{ErrorCode::kNotFound, "the model holds no patterns; give those of its camera as \"codes\"",
-               path.string()};
+  return fail(ErrorCode::kNotFound, path, "the model contains no patterns; give those of its camera as \"codes\"");
 }
 
 /// Returns 64 patterns of an 8x8 aperture, each with one cell open.
@@ -120,7 +120,7 @@ class Planner {
     method.config = config;
     std::optional<capture::Codes> codes;
     Json model_hash;
-    bool is_told = false;
+    bool is_conditioned = false;
     if (is_scan(method)) {
       E2LF_ASSIGN_OR_RETURN(method.model, locate(config.model));
       E2LF_RETURN_IF_ERROR(video::read_video_model(method.model));
@@ -131,7 +131,7 @@ class Planner {
       E2LF_ASSIGN_OR_RETURN(model::Model model, pipeline::read_network(method.model));
       E2LF_ASSIGN_OR_RETURN(model_hash, hashes_.of(method.model));
       codes = std::move(model.codes);
-      is_told = model::is_conditioned_on_camera(model);
+      is_conditioned = model::is_conditioned_on_camera(model);
       method.measurement = model.measurement();
     }
     if (!config.codes.empty()) {
@@ -139,22 +139,21 @@ class Planner {
       E2LF_ASSIGN_OR_RETURN(codes, read_any_codes(path));
     }
     if (!codes && !method.model.empty()) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("the model of ", config.name, " holds no patterns; give those of its camera as \"codes\""),
-                   method.model.string()};
+      return fail(ErrorCode::kInvalidValue, method.model, "the model of ", config.name,
+                  " contains no patterns; give those of its camera as \"codes\"");
     }
     method.codes = codes ? std::move(*codes) : capture::default_codes();
     if (!config.camera.empty()) {
-      if (!is_told) {
-        return Error{ErrorCode::kInvalidValue,
-                     cat("the network of ", config.name, " works for one camera only; leave \"camera\" out"), ""};
+      if (!is_conditioned) {
+        return fail(ErrorCode::kInvalidValue, "", "the network of ", config.name,
+                    " is not conditioned on a camera; remove \"camera\"");
       }
-      E2LF_ASSIGN_OR_RETURN(method.told, read_camera(config.camera));
+      E2LF_ASSIGN_OR_RETURN(method.network_camera, read_camera(config.camera));
     }
     method.identity = {{"algorithm", config.algorithm},
                        {"model", model_hash},
                        {"codes", sha256_of_text(json_line(capture::codes_to_json(method.codes)))},
-                       {"told", method.told ? capture::to_json(*method.told) : Json()},
+                       {"told", method.network_camera ? capture::to_json(*method.network_camera) : Json()},
                        {"passes", config.passes},
                        {"gain", config.fit_gain ? Json("fitted") : json_number(config.gain)},
                        {"precision", config.precision}};
@@ -171,7 +170,7 @@ class Planner {
       const std::string number = name == "demo" ? "1" : name.substr(5);
       const auto read = std::from_chars(number.data(), number.data() + number.size(), seed);
       if (read.ec != std::errc() || read.ptr != number.data() + number.size()) {
-        return Error{ErrorCode::kInvalidValue, cat("\"", name, "\" has no number; write e.g. demo:2"), group.name};
+        return fail(ErrorCode::kInvalidValue, group.name, "\"", name, "\" has no number; write e.g. demo:2");
       }
       scenes.push_back({name, {}, seed, group, {}});
       return scenes;
@@ -192,7 +191,7 @@ class Planner {
       if (!file.starts_with('.') && ::fnmatch(last.c_str(), file.c_str(), 0) == 0) found.push_back(entry->path());
     }
     std::sort(found.begin(), found.end());
-    if (found.empty()) return Error{ErrorCode::kNotFound, "no scene matches this; give existing ones", name};
+    if (found.empty()) return fail(ErrorCode::kNotFound, name, "no scene matches this name; correct it");
     for (const fs::path& each : found) {
       plan_.files.push_back(each);
       scenes.push_back({is_folder(each) ? each.filename().string() : each.stem().string(), each, {}, group, {}});
@@ -248,10 +247,10 @@ class Planner {
     E2LF_ASSIGN_OR_RETURN(sensor.camera, read_camera(config.camera));
     const bool has_constants = config.tau || config.sigma_w || config.sigma_z || config.residue != 0.0F;
     if (sensor.camera.is_pixel() && has_constants) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("tau, sigma_w, sigma_z and residue are of the paper's model; leave them out of the sensor ",
-                       config.name, ", or write a camera file"),
-                   config.camera};
+      return fail(
+          ErrorCode::kInvalidValue, config.camera,
+          "tau, sigma_w, sigma_z and residue are parameters of the paper's event model; remove them from the sensor ",
+          config.name, ", or write a camera file");
     }
     capture::SensorConstants& constants = sensor.camera.constants;
     constants.tau = config.tau.value_or(constants.tau);

@@ -20,8 +20,9 @@ struct ComparedMethod {
   std::filesystem::path model;  ///< a file or the folder of the release; empty if there is none
   capture::Codes codes;         ///< codes of a scan of views, with one open cell each
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
-  std::optional<capture::SensorProfile> told;  ///< the sensor profile given to the network, if not that of the sensor
-  Json identity;                               ///< everything on which its results depend
+  std::optional<capture::SensorProfile>
+      network_camera;  ///< the sensor profile given to the network, if not that of the sensor
+  Json identity;       ///< everything on which its results depend
 };
 
 struct Scene {

@@ -79,10 +79,8 @@ Result<ScanResult> scan_to_light_field(const video::VideoModel& model, const lig
   using Clock = std::chrono::steady_clock;
   const lightfield::Shape& shape = scene.shape();
   if (shape.views_y != kSide || shape.views_x != kSide || shape.channels != 1) {
-    return Error{ErrorCode::kShape,
-                 cat("the scan is over 8x8 grey views, the light field has ", shape.views_y, "x", shape.views_x, " of ",
-                     shape.channels, " channels; take 8x8 grey ones"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "a scan of views requires 8x8 grey views, but the light field has ",
+                shape.views_y, "x", shape.views_x, " of ", shape.channels, " channels; convert it first");
   }
   E2LF_ASSIGN_OR_RETURN(streams::EventStream stream, make_stream(options, shape));
   E2LF_ASSIGN_OR_RETURN(auto video, video::EventVideo::create(model, shape.height, shape.width));

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/engine/conv.h"
-#include "e2lf/engine/frame_memory.h"
+#include "e2lf/engine/row_memory.h"
 #include "e2lf/engine/stream.h"
 
 namespace e2lf::engine {
@@ -31,8 +32,7 @@ Result<Precision> precision_from_name(const std::string& name) {
   for (const Precision precision : {Precision::kAuto, Precision::kFloat32, Precision::kBfloat16, Precision::kInt16}) {
     if (name == precision_name(precision)) return precision;
   }
-  return Error{ErrorCode::kInvalidValue, cat("unknown precision \"", name, "\"; use auto, float32, bfloat16 or int16"),
-               ""};
+  return fail(ErrorCode::kInvalidValue, "", "unknown precision \"", name, "\"; use auto, float32, bfloat16 or int16");
 }
 
 const char* precision_name(Precision precision) {
@@ -62,10 +62,10 @@ Engine::~Engine() = default;
 Result<Engine> Engine::create(const model::Network& network, const model::Weights& weights,
                               const EngineOptions& options) {
   if (options.precision == Precision::kBfloat16 && !bfloat16_supported()) {
-    return Error{ErrorCode::kUnsupported, "this CPU has no bfloat16 products; use precision float32", ""};
+    return fail(ErrorCode::kUnsupported, "", "this CPU has no bfloat16 instructions; use precision float32");
   }
   if (options.precision == Precision::kInt16 && !int16_supported()) {
-    return Error{ErrorCode::kUnsupported, "this CPU has no fast products of 16-bit integers; use precision auto", ""};
+    return fail(ErrorCode::kUnsupported, "", "this CPU has no fast products of 16-bit integers; use precision auto");
   }
   auto impl = std::make_unique<Impl>();
   impl->precision = options.precision;
@@ -77,8 +77,8 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
   E2LF_ASSIGN_OR_RETURN(impl->plan, make_plan(network, weights, narrow ? ElementType::kBfloat16 : ElementType::kFloat32,
                                               impl->precision == Precision::kInt16));
   if (const size_t scale = impl->plan.tensors.back().scale; scale != 1) {
-    return Error{ErrorCode::kShape, cat("the output is at 1/", scale, " of the resolution; end at that of the input"),
-                 cat("layer \"", network.layers.back().name, "\"")};
+    return fail(ErrorCode::kShape, cat("layer \"", network.layers.back().name, "\""), "the output has 1/", scale,
+                " of the resolution of the input; end with a layer at full resolution");
   }
   impl->num_planes = impl->plan.tensors.back().channels;
   return Engine(std::move(impl));

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "e2lf/kernels/elements.h"
-#include "e2lf/kernels/winograd_points.h"
 
 namespace e2lf::engine {
 

@@ -10,7 +10,7 @@
 
 namespace e2lf::engine {
 
-using kernels::Bfloat16, kernels::kPanelWidth, kernels::to_bfloat16, kernels::to_float;
+using kernels::assign, kernels::Bfloat16, kernels::kPanelWidth, kernels::to_bfloat16, kernels::to_float;
 
 /// Matrices [depth, columns] in the order in which the multiplication reads them: panel by panel of columns, and row by
 /// row within a panel (bfloat16 and int16: by pairs of rows, with the two elements of a column side by side). Columns

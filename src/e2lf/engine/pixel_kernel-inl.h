@@ -120,13 +120,10 @@ std::unique_ptr<Kernel> make_kernel(const char* name, size_t channels, size_t of
 template <class Function>
 std::unique_ptr<Kernel> one_to_one(const char* name, size_t channels, ElementType type) {
   const size_t step = padded_channels(channels);
-#if E2LF_TARGET_HAS_BF16
-  if (type == ElementType::kBfloat16) {
-    return make_kernel<Bfloat16>(name, channels, 0, Function{}, Source<Bfloat16>{0, step});
-  }
-#endif
-  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return make_kernel<float>(name, channels, 0, Function{}, Source<float>{0, step});
+  return for_element(type, [&](auto element) {
+    using Element = decltype(element);
+    return make_kernel<Element>(name, channels, 0, Function{}, Source<Element>{0, step});
+  });
 }
 
 }  // namespace HWY_NAMESPACE

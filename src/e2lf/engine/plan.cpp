@@ -6,6 +6,7 @@
 #include <set>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"
@@ -192,9 +193,8 @@ class PlanMaker {
       return {};
     }
     if (!is_reshape(layer)) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("the engine does not compute the operation ", layer.op, "; add it with engine::add_operation()"),
-                   cat("layer \"", layer.name, "\"")};
+      return fail(ErrorCode::kUnsupported, cat("layer \"", layer.name, "\""),
+                  "the engine does not compute the operation ", layer.op, "; add it with engine::add_operation()");
     }
     const Layer* source = find_layer(layer.inputs[0]);
     build_.add(layer, make_reshape(layer, in_channels, type, source != nullptr && is_shuffled(*source)));

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/operation.h"
@@ -151,7 +152,7 @@ Result<ReferenceKernel> ReferenceCall::kernel(const std::string& name, size_t si
   const auto weight = weights.find(name + ".weight");
   const auto bias = weights.find(name + ".bias");
   if (weight == weights.end() || bias == weights.end()) {
-    return Error{ErrorCode::kNotFound, cat("the weights lack those of ", name, "; use a complete model"), ""};
+    return fail(ErrorCode::kNotFound, "", "the weights lack those of ", name, "; use a complete model");
   }
   E2LF_REQUIRE(weight->second.size() == size, name + ".weight has another size");
   E2LF_REQUIRE(bias->second.size() == out, name + ".bias has another size");
@@ -161,7 +162,7 @@ Result<ReferenceKernel> ReferenceCall::kernel(const std::string& name, size_t si
 std::vector<float>& ReferenceCall::remembered(const std::string& name, size_t size) {
   std::vector<float>& values = state[name];
   if (values.empty()) values.assign(size, 0.0F);
-  E2LF_REQUIRE(values.size() == size, "the state is of another network or size of image");
+  E2LF_REQUIRE(values.size() == size, "the state belongs to another network or image size");
   return values;
 }
 

@@ -14,19 +14,6 @@ namespace {
 
 using model::Op;
 
-float as_float(float value) {
-  return value;
-}
-float as_float(Bfloat16 value) {
-  return to_float(value);
-}
-void assign(float value, float& to) {
-  to = value;
-}
-void assign(float value, Bfloat16& to) {
-  to = to_bfloat16(value);
-}
-
 enum class Kind { kUnshuffle, kShuffle, kUpsample, kSum, kMean, kConcat };
 
 constexpr std::pair<const char*, Kind> kKinds[] = {{Op::kPixelUnshuffle, Kind::kUnshuffle},
@@ -98,7 +85,7 @@ class ReshapeKernel final : public Kernel {
       std::fill(pixel + out_channels_, pixel + step, T{});
     }
     if (relu_) {
-      for (size_t i = 0; i < strip.width * step; ++i) assign(std::max(as_float(output[i]), 0.0F), output[i]);
+      for (size_t i = 0; i < strip.width * step; ++i) assign(std::max(to_float(output[i]), 0.0F), output[i]);
     }
   }
 
@@ -142,7 +129,7 @@ class ReshapeKernel final : public Kernel {
   void add(const Strip& strip, size_t y, size_t x, T* pixel) const {
     for (size_t c = 0; c < out_channels_; ++c) {
       float sum = 0.0F;
-      for (size_t i = 0; i < in_channels_.size(); ++i) sum += as_float(input(strip, i, y, x)[c]);
+      for (size_t i = 0; i < in_channels_.size(); ++i) sum += to_float(input(strip, i, y, x)[c]);
       assign(sum * factor_, pixel[c]);
     }
   }

@@ -109,9 +109,9 @@ Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, F
     tensors_.push_back(std::move(tensor));
   }
   add_margins();
-  E2LF_REQUIRE(plan.states.empty() || memory != nullptr, "what goes from frame to frame needs memory");
+  E2LF_REQUIRE(plan.states.empty() || memory != nullptr, "recurrent networks require a FrameMemory");
   E2LF_REQUIRE((plan.states.empty() && !plan.needs_whole_rows) || (begin == 0 && end == image.width),
-               "this network needs whole images");
+               "this network requires whole images");
   if (!plan.states.empty()) open_memory(*memory);
   make_tables();
   measure_distances();
@@ -148,7 +148,7 @@ void Stream::open_memory(FrameMemory& memory) {
     memory.width = image_.width;
   }
   E2LF_REQUIRE(memory.before.size() == states && memory.height == image_.height && memory.width == image_.width,
-               "the memory is of another network or size of image");
+               "the memory belongs to another network or image size");
   for (size_t i = 0; i < states; ++i) {
     Tensor &recalled = tensors_[plan_.states[i].recalled], &kept = tensors_[plan_.states[i].kept];
     recalled.left = kept.left = std::max(recalled.left, kept.left);

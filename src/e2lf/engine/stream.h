@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "e2lf/base/progress.h"
-#include "e2lf/engine/frame_memory.h"
 #include "e2lf/engine/plan.h"
 #include "e2lf/engine/row_memory.h"
 

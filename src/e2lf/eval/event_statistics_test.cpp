@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/eval/event_statistics.h"
-
 #include <gtest/gtest.h>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/eval/metrics.h"
 
 namespace e2lf::eval {
 namespace {

@@ -3,13 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <mutex>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/eval/ssim.h"
 
 namespace e2lf::eval {
 namespace {
@@ -26,8 +31,8 @@ Result<void> check_finite(const LightField& light_field, const std::string& whic
   for (size_t view = 0; view < shape.num_views(); ++view) {
     const auto values = light_field.view(view / shape.views_x, view % shape.views_x);
     if (std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) continue;
-    return Error{ErrorCode::kInvalidValue, cat("the ", which, " has a value that is not finite; check what wrote it"),
-                 cat("view (", view / shape.views_x, ", ", view % shape.views_x, ")")};
+    return fail(ErrorCode::kInvalidValue, cat("view (", view / shape.views_x, ", ", view % shape.views_x, ")"), "the ",
+                which, " has a value that is not finite; check what wrote it");
   }
   return {};
 }
@@ -35,17 +40,13 @@ Result<void> check_finite(const LightField& light_field, const std::string& whic
 Result<void> check(const LightField& truth, const LightField& reconstruction) {
   const Shape& shape = truth.shape();
   if (shape != reconstruction.shape()) {
-    return Error{ErrorCode::kShape,
-                 cat("the light fields differ in shape: truth ", describe(shape), ", reconstruction ",
-                     describe(reconstruction.shape()), "; crop or convert one of them"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "the light fields differ in shape: truth ", describe(shape), ", reconstruction ",
+                describe(reconstruction.shape()), "; crop or convert one of them");
   }
   const size_t smallest = ssim_window_size(SsimWindow::kGaussian11);
   if (shape.num_views() == 0 || shape.channels == 0 || shape.height < smallest || shape.width < smallest) {
-    return Error{ErrorCode::kShape,
-                 cat("light field ", describe(shape), " is too small to measure; views need ", smallest, "x", smallest,
-                     " pixels"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "light field ", describe(shape), " is too small to measure; views need ",
+                smallest, "x", smallest, " pixels");
   }
   E2LF_RETURN_IF_ERROR(check_finite(truth, "true light field"));
   return check_finite(reconstruction, "reconstruction");
@@ -122,7 +123,8 @@ void add_pair(const LightField& truth, const LightField& reconstruction, const V
 }  // namespace
 
 double mean_squared_error(std::span<const float> values_a, std::span<const float> values_b) {
-  E2LF_REQUIRE(values_a.size() == values_b.size() && !values_a.empty(), "spans must have the same length, not zero");
+  E2LF_REQUIRE(values_a.size() == values_b.size() && !values_a.empty(),
+               "spans must have the same length, which is not zero");
   double sum = 0;
   for (size_t i = 0; i < values_a.size(); ++i) {
     const double difference = double{values_a[i]} - double{values_b[i]};
@@ -197,7 +199,7 @@ std::vector<double> psnr_of_views(const LightField& truth, const LightField& rec
 }
 
 float best_gain(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {
-  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields of different shapes have no best gain");
+  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields must have the same shape");
   double products = 0, squares = 0;
   for (size_t i = 0; i < truth.data().size(); ++i) {
     const double value = double{reconstruction.data()[i]};
@@ -208,7 +210,7 @@ float best_gain(const lightfield::LightField& truth, const lightfield::LightFiel
 }
 
 Tone best_tone(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {
-  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields of different shapes have no best tone");
+  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields must have the same shape");
   const auto mean = [](std::span<const float> values) {
     double sum = 0;
     for (const float value : values) sum += double{value};
@@ -224,6 +226,141 @@ Tone best_tone(const lightfield::LightField& truth, const lightfield::LightField
   if (squares <= 0 || products <= 0) return {0.0F, static_cast<float>(mean_value)};
   const double gain = products / squares;
   return {static_cast<float>(gain), static_cast<float>(mean_value - mean_truth / gain)};
+}
+
+namespace {
+
+constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
+
+/// Returns the one-dimensional weights of a window, with sum 1. Both windows are separable.
+std::vector<double> window_weights(SsimWindow window) {
+  const size_t size = ssim_window_size(window);
+  std::vector<double> weights(size, 1.0);
+  if (window == SsimWindow::kGaussian11) {
+    constexpr double kSigma = 1.5;
+    const double centre = static_cast<double>(size - 1) / 2;
+    for (size_t i = 0; i < size; ++i) {
+      const double offset = (static_cast<double>(i) - centre) / kSigma;
+      weights[i] = std::exp(-0.5 * offset * offset);
+    }
+  }
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+/// Windowed means of one row of windows: a, b, a^2 + b^2 (SSIM needs only the sum of the variances) and a * b.
+struct MomentRows {
+  explicit MomentRows(size_t width) : a(width), b(width), squares(width), product(width) {}
+  std::vector<double> a, b, squares, product;
+};
+
+/// Filters vertically: computes the moments of each column over the rows of the window that starts at `image_*`.
+void filter_columns(const float* image_a, const float* image_b, size_t width, const std::vector<double>& weights,
+                    MomentRows& columns) {
+  columns = MomentRows(width);
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const float* row_a = image_a + i * width;
+    const float* row_b = image_b + i * width;
+    const double weight = weights[i];
+    for (size_t x = 0; x < width; ++x) {
+      const double a = row_a[x], b = row_b[x];
+      columns.a[x] += weight * a;
+      columns.b[x] += weight * b;
+      columns.squares[x] += weight * (a * a + b * b);
+      columns.product[x] += weight * (a * b);
+    }
+  }
+}
+
+/// Filters horizontally, for the windows that lie inside the row.
+void filter_row(const std::vector<double>& columns, const std::vector<double>& weights, std::vector<double>& row) {
+  std::fill(row.begin(), row.end(), 0.0);
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const double* shifted = columns.data() + i;
+    for (size_t x = 0; x < row.size(); ++x) row[x] += weights[i] * shifted[x];
+  }
+}
+
+double sum_of_ssim(const MomentRows& moments, double covariance_scale) {
+  double sum = 0;
+  for (size_t x = 0; x < moments.a.size(); ++x) {
+    const double means = moments.a[x] * moments.b[x];
+    const double mean_squares = moments.a[x] * moments.a[x] + moments.b[x] * moments.b[x];
+    const double variances = covariance_scale * (moments.squares[x] - mean_squares);
+    const double covariance = covariance_scale * (moments.product[x] - means);
+    sum += (2 * means + kC1) * (2 * covariance + kC2) / ((mean_squares + kC1) * (variances + kC2));
+  }
+  return sum;
+}
+
+}  // namespace
+
+size_t ssim_window_size(SsimWindow window) {
+  return window == SsimWindow::kUniform7 ? 7 : 11;
+}
+
+double ssim(std::span<const float> image_a, std::span<const float> image_b, size_t height, size_t width,
+            SsimWindow window) {
+  const size_t size = ssim_window_size(window);
+  E2LF_REQUIRE(image_a.size() == height * width && image_b.size() == height * width, "images must be height * width");
+  E2LF_REQUIRE(height >= size && width >= size, "an image must be as large as the SSIM window");
+  const std::vector<double> weights = window_weights(window);
+  const auto window_pixels = static_cast<double>(size * size);
+  const double covariance_scale = window_pixels / (window_pixels - 1);
+  const size_t rows = height - size + 1, columns_out = width - size + 1;
+
+  MomentRows columns(width), moments(columns_out);
+  double sum = 0;
+  for (size_t y = 0; y < rows; ++y) {
+    filter_columns(image_a.data() + y * width, image_b.data() + y * width, width, weights, columns);
+    filter_row(columns.a, weights, moments.a);
+    filter_row(columns.b, weights, moments.b);
+    filter_row(columns.squares, weights, moments.squares);
+    filter_row(columns.product, weights, moments.product);
+    sum += sum_of_ssim(moments, covariance_scale);
+  }
+  return sum / static_cast<double>(rows * columns_out);
+}
+
+EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions& options) {
+  E2LF_REQUIRE(options.sensor_events_per_s > 0 && options.sensor_width * options.sensor_height > 0,
+               "the sensor needs pixels and a throughput");
+  E2LF_REQUIRE(options.num_views > 0, "a light field needs views");
+  const auto sensor_pixels = static_cast<double>(options.sensor_width * options.sensor_height);
+  const double events_per_pixel_per_s = options.sensor_events_per_s / sensor_pixels;
+  const auto views = static_cast<double>(options.num_views);
+
+  EventStatistics statistics;
+  statistics.total_events_per_pixel = total_events_per_pixel;
+  statistics.min_measurement_ms = 1e3 * total_events_per_pixel / events_per_pixel_per_s;
+  statistics.bits_per_sensor_pixel = total_events_per_pixel * options.bits_per_event;
+  statistics.bits_per_light_field_pixel = statistics.bits_per_sensor_pixel / views;
+  statistics.events_per_light_field_pixel = total_events_per_pixel / views;
+  return statistics;
+}
+
+EventStatistics event_statistics(const capture::EventImages& images, const EventRateOptions& options) {
+  E2LF_REQUIRE(images.image_size() > 0, "event images need pixels");
+  std::vector<double> events_per_pixel;
+  for (size_t transition = 0; transition < images.count; ++transition) {
+    uint64_t events = 0;
+    for (int16_t count : images.image(transition)) events += static_cast<uint64_t>(std::abs(int{count}));
+    events_per_pixel.push_back(static_cast<double>(events) / static_cast<double>(images.image_size()));
+  }
+  auto statistics = event_cost(std::accumulate(events_per_pixel.begin(), events_per_pixel.end(), 0.0), options);
+  statistics.events_per_pixel = std::move(events_per_pixel);
+  return statistics;
+}
+
+double mean_event_difference(const capture::EventImages& a, const capture::EventImages& b) {
+  E2LF_REQUIRE(a.count == b.count && a.height == b.height && a.width == b.width && !a.values.empty(),
+               "event images must have the same shape");
+  uint64_t sum = 0;
+  for (size_t i = 0; i < a.values.size(); ++i) {
+    sum += static_cast<uint64_t>(std::abs(int{a.values[i]} - int{b.values[i]}));
+  }
+  return static_cast<double>(sum) / static_cast<double>(a.values.size());
 }
 
 }  // namespace e2lf::eval

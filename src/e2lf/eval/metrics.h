@@ -7,6 +7,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
+#include "e2lf/capture/measurement/event_images.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::eval {
@@ -83,5 +84,54 @@ struct Tone {
 /// Returns the tone of the reconstruction that minimises the squared error from the truth. The gain is 0 for a
 /// reconstruction without contrast. Different shapes break the contract.
 [[nodiscard]] Tone best_tone(const lightfield::LightField& truth, const lightfield::LightField& reconstruction);
+
+/// The two variants of SSIM used in light-field papers (Wang et al., "Image quality assessment", TIP 2004), as computed
+/// by scikit-image with data_range 1, K1 = 0.01, K2 = 0.03 and sample covariance (NP / (NP - 1), where NP is the number
+/// of pixels of the window).
+enum class SsimWindow {
+  kUniform7,   ///< 7x7 mean, the default of scikit-image
+  kGaussian11  ///< Gaussian with sigma 1.5 px, truncated at a radius of 5 px: gaussian_weights=True
+};
+
+/// Returns the side length of the window in px, 7 or 11. SSIM is not defined for smaller images.
+[[nodiscard]] size_t ssim_window_size(SsimWindow window);
+
+/// Computes the mean SSIM of two images [y, x] of the same size with values in [0, 1], over the pixels whose window
+/// lies inside the image, so that border handling is irrelevant. It is computed in double, symmetric in the two images,
+/// and 1 for equal images. Spans whose size is not height * width, or an image smaller than the window, break the
+/// contract.
+[[nodiscard]] double ssim(std::span<const float> image_a, std::span<const float> image_b, size_t height, size_t width,
+                          SsimWindow window);
+
+/// The properties of a sensor that relate event counts to time and data rate. The defaults are those of the paper: a
+/// Prophesee EVK4, and 29 bits per event in coordinate (COO) form.
+struct EventRateOptions {
+  double sensor_events_per_s = 1.066e9;  ///< throughput of the whole sensor
+  size_t sensor_width = 1280, sensor_height = 720;
+  double bits_per_event = 29;
+  size_t num_views = 64;  ///< views of the light field that the events encode
+};
+
+/// The cost of a measurement in events, time and data.
+struct EventStatistics {
+  std::vector<double> events_per_pixel;  ///< mean of |E| for each transition
+  double total_events_per_pixel = 0;     ///< their sum
+  double min_measurement_ms = 0;  ///< total / (throughput per pixel), the lower limit for a sensor of this throughput
+  double bits_per_sensor_pixel = 0;         ///< total * bits per event
+  double bits_per_light_field_pixel = 0;    ///< bits_per_sensor_pixel / number of views
+  double events_per_light_field_pixel = 0;  ///< total / number of views
+};
+
+/// Counts the events of one cycle. An event image holds the sum of signed events, in which ON and OFF events of a pixel
+/// within one transition cancel. The figures are therefore lower bounds for noisy recordings. Images without pixels and
+/// rates that are not positive break the contract.
+[[nodiscard]] EventStatistics event_statistics(const capture::EventImages& images,
+                                               const EventRateOptions& options = {});
+
+/// Returns the mean of |a - b| over pixels and transitions. Images of different shapes break the contract.
+[[nodiscard]] double mean_event_difference(const capture::EventImages& a, const capture::EventImages& b);
+
+/// Computes time and data rate for a known number of events per pixel. `events_per_pixel` is left empty.
+[[nodiscard]] EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions& options = {});
 
 }  // namespace e2lf::eval

@@ -8,7 +8,6 @@
 
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/eval/ssim.h"
 #include "testing/textured_plane.h"
 
 namespace e2lf::eval {

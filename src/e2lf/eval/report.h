@@ -6,7 +6,6 @@
 #include <string>
 
 #include "e2lf/depth/disparity_error.h"
-#include "e2lf/eval/event_statistics.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
 #include "e2lf/report/table.h"

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/eval/ssim.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/rng.h"
+#include "e2lf/eval/metrics.h"
 
 namespace e2lf::eval {
 namespace {

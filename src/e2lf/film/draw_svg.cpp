@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/film/draw_svg.h"
 
+#include "e2lf/base/fail.h"
+
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavutil/opt.h>
@@ -41,13 +43,13 @@ lightfield::Image image_of(const AVFrame& frame) {
 Result<lightfield::Image> draw_svg(const std::string& svg, size_t width) {
   const AVCodec* const decoder = avcodec_find_decoder(AV_CODEC_ID_SVG);
   if (decoder == nullptr) {
-    return Error{ErrorCode::kMissingDependency, "FFmpeg's libraries here draw no SVG; write the picture as .svg", ""};
+    return fail(ErrorCode::kMissingDependency, "", "this build of FFmpeg cannot render SVG; write the chart as .svg");
   }
   const std::unique_ptr<AVCodecContext, Free> context(avcodec_alloc_context3(decoder));
   const std::unique_ptr<AVPacket, Free> packet(av_packet_alloc());
   const std::unique_ptr<AVFrame, Free> frame(av_frame_alloc());
   if (!context || !packet || !frame || av_new_packet(packet.get(), static_cast<int>(svg.size())) < 0) {
-    return Error{ErrorCode::kInternal, "no memory for the picture", ""};
+    return fail(ErrorCode::kInternal, "", "there is not enough memory to render the chart");
   }
   std::memcpy(packet->data, svg.data(), svg.size());
   av_opt_set_int(context->priv_data, "width", static_cast<int64_t>(width), 0);

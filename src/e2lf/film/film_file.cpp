@@ -13,6 +13,7 @@ extern "C" {
 #include <array>
 #include <vector>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::film {
@@ -89,8 +90,8 @@ struct FilmFile::Impl {
     const Recipe recipe = recipe_of(options.format);
     const AVCodec* const codec = encoder_of(recipe);
     if (codec == nullptr) {
-      return Error{ErrorCode::kMissingDependency,
-                   cat("FFmpeg's libraries here have no encoder for ", recipe.container, "; take .gif"), name};
+      return fail(ErrorCode::kMissingDependency, name, "this build of FFmpeg has no encoder for ", recipe.container,
+                  "; write a .gif");
     }
     E2LF_RETURN_IF_ERROR(check(avformat_alloc_output_context2(&container, nullptr, recipe.container, name.c_str()),
                                "make this container"));
@@ -163,10 +164,10 @@ FilmFile& FilmFile::operator=(FilmFile&&) noexcept = default;
 FilmFile::~FilmFile() = default;
 
 Result<FilmFile> FilmFile::create(const std::filesystem::path& path, const FilmOptions& options, const Image& first) {
-  E2LF_REQUIRE(options.frames_per_s >= 1 && options.frames_per_s <= 100, "1 to 100 frames per second");
+  E2LF_REQUIRE(options.frames_per_s >= 1 && options.frames_per_s <= 100, "the frame rate must be 1 to 100 Hz");
   if (first.width < 2 || first.height < 2 || first.width > 16384 || first.height > 16384) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("a film of ", first.width, "x", first.height, " px; sides are 2 to 16384 px"), path.string()};
+    return fail(ErrorCode::kUnsupported, path, "a film cannot have ", first.width, "x", first.height,
+                " px; use 2 to 16384 px in each direction");
   }
   av_log_set_level(AV_LOG_QUIET);
   auto impl = std::make_unique<Impl>();

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/result.h"
 #include "e2lf/lightfield/image.h"
 
@@ -17,7 +18,13 @@ enum class FilmFormat {
 };
 
 /// Returns the format of an extension: .gif, .webm or .mp4. Fails with kUnsupported.
-[[nodiscard]] Result<FilmFormat> film_format_of(const std::filesystem::path& path);
+[[nodiscard]] inline Result<FilmFormat> film_format_of(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".gif") return FilmFormat::kGif;
+  if (extension == ".webm") return FilmFormat::kWebm;
+  if (extension == ".mp4") return FilmFormat::kMp4;
+  return fail(ErrorCode::kUnsupported, path, "this is not the extension of a film; use .gif, .webm or .mp4");
+}
 
 /// Fails with kMissingDependency if this build has no libraries for films and for PNG images of charts.
 [[nodiscard]] Result<void> check_film_support();

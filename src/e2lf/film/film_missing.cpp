@@ -10,7 +10,7 @@ struct FilmFile::Impl {};
 Result<void> check_film_support() {
   return Error{
       ErrorCode::kMissingDependency,
-      "this build writes no films and no PNG of charts; install libavcodec-dev, libavformat-dev, libavutil-dev "
+      "this build cannot write films or PNG files of charts; install libavcodec-dev, libavformat-dev, libavutil-dev "
       "and libswscale-dev and build again, or write a chart as .svg",
       ""};
 }

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/refocus.h"
 
@@ -81,10 +82,8 @@ Result<Image> quilt_picture(const LightField& light_field, const Quilt& quilt, f
   E2LF_REQUIRE(quilt.columns > 0 && quilt.rows > 0, "a quilt has pictures");
   constexpr size_t kMostPixels = size_t{1} << 28;
   if (shape.width * shape.height > kMostPixels / (quilt.columns * quilt.rows)) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("a quilt of ", quilt.columns, "x", quilt.rows, " pictures of ", shape.width, "x", shape.height,
-                     " px has more than 2^28 px; use fewer"),
-                 ""};
+    return fail(ErrorCode::kUnsupported, "", "a quilt of ", quilt.columns, "x", quilt.rows, " pictures of ",
+                shape.width, "x", shape.height, " px has more than 2^28 px; use fewer");
   }
   Image all(quilt.columns * shape.width, quilt.rows * shape.height, shape.channels);
   const size_t pictures = quilt.columns * quilt.rows, row = shape.width * shape.channels;

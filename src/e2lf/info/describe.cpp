@@ -11,7 +11,7 @@
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cycles/schedule.h"
-#include "e2lf/eval/event_statistics.h"
+#include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"

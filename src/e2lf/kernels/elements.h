@@ -34,6 +34,17 @@ struct Bfloat16 {
   return result;
 }
 
+[[nodiscard]] inline float to_float(float value) {
+  return value;
+}
+
+inline void assign(float value, float& to) {
+  to = value;
+}
+inline void assign(float value, Bfloat16& to) {
+  to = to_bfloat16(value);
+}
+
 /// Pixels are stored with their channels padded to this multiple. The padding holds zeros.
 inline constexpr size_t kChannelMultiple = 16;
 
@@ -47,5 +58,16 @@ inline constexpr size_t kPanelWidth = 64;
 [[nodiscard]] constexpr size_t padded_channels(size_t channels) {
   return round_up(channels, kChannelMultiple);
 }
+
+// Winograd's F(4, 3) with the points 0, +-a, +-b and infinity (Lavin and Gray, "Fast algorithms for convolutional
+// neural networks", CVPR 2016): y = A^T [(G g) * (B^T x)] for six samples x, three taps g and four outputs y. In two
+// dimensions, the transforms are applied to columns and then to rows.
+inline constexpr double kWinogradA = 1.0;
+inline constexpr double kWinogradB = 2.0;
+inline constexpr size_t kWinogradPoints = 6;
+inline constexpr size_t kWinogradMatrices = kWinogradPoints * kWinogradPoints;
+
+/// Tiles have 4x4 outputs and are aligned to the corner of the image.
+inline constexpr size_t kTileSize = 4;
 
 }  // namespace e2lf::kernels

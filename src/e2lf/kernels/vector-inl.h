@@ -11,6 +11,7 @@
 
 #include <hwy/highway.h>
 
+#include "e2lf/base/contract.h"
 #include "e2lf/kernels/elements.h"
 
 // Loops over accumulators must be unrolled so that these stay in registers.
@@ -76,6 +77,16 @@ HWY_INLINE void store_floats(FloatVec value, Bfloat16* to) {
   hn::StoreU(narrow, d16, reinterpret_cast<uint16_t*>(to));
 }
 #endif
+
+/// Returns make(Element()) for the element type of a tensor. bfloat16 requires bfloat16_supported().
+template <class Make>
+auto for_element(ElementType type, const Make& make) {
+#if E2LF_TARGET_HAS_BF16
+  if (type == ElementType::kBfloat16) return make(Bfloat16());
+#endif
+  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
+  return make(float());
+}
 
 /// Defines how the products of one element type are computed: kStep elements of the depth per multiply-add. Tensors
 /// have the type Element, and what is multiplied has the type Factor.

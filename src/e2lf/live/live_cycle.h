@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/live/arrival_clock.h"
@@ -45,6 +47,15 @@ struct LiveField {
   float black = 0, gain = 1;  ///< displayed values are gain * (value - black)
   double reconstruct_s = 0;
   uint64_t serial = 0;  ///< counts the light fields from 1
+
+  /// Sets all views by make(*this). If this fails, those of `views` are still the only ones that are set.
+  template <typename Make>
+  Result<void> complete(const Make& make) {
+    const std::vector<size_t> set = std::exchange(views, {});
+    Result<void> made = make(*this);
+    if (!made) views = set;
+    return made;
+  }
 };
 
 }  // namespace e2lf::live

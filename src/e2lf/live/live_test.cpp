@@ -230,6 +230,19 @@ LiveField demo_field() {
   return field;
 }
 
+TEST(LiveField, IsCompleteOnlyIfTheOtherViewsWereMade) {
+  LiveField field;
+  field.views = {3, 4};
+  const auto fails = [](LiveField& all) {
+    EXPECT_TRUE(all.views.empty());
+    return Result<void>(Error{ErrorCode::kInternal, "", ""});
+  };
+  EXPECT_FALSE(field.complete(fails).ok());
+  EXPECT_EQ(field.views, (std::vector<size_t>{3, 4}));
+  EXPECT_TRUE(field.complete([](LiveField&) { return Result<void>(); }).ok());
+  EXPECT_TRUE(field.views.empty());
+}
+
 TEST(RenderSettings, AViewpointOfTheGridIsThatViewPixelForPixel) {
   LiveField field = demo_field();
   field.black = 0.125F;

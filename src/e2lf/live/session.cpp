@@ -341,12 +341,10 @@ std::optional<float> Session::disparity_at(float x, float y) {
 bool Session::complete() {
   const std::unique_lock idle(maker_mutex_, std::try_to_lock);
   if (!idle.owns_lock()) return false;
-  const std::vector<size_t> views = std::exchange(shown_.views, {});
-  const Result<void> made = make_views_locked(shown_.cycle, false, shown_);
-  if (made) return true;
-  shown_.views = views;
-  fail(made.error());
-  return false;
+  const Result<void> made =
+      shown_.complete([this](LiveField& field) { return make_views_locked(field.cycle, false, field); });
+  if (!made) fail(made.error());
+  return made.ok();
 }
 
 std::optional<LiveField> Session::freeze() {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/model/constant_inputs.h"
-
+// Building of constant inputs into the weights; declared in network.h.
 #include <algorithm>
 #include <map>
 #include <vector>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/model/network.h"
 
 namespace e2lf::model {
 namespace {

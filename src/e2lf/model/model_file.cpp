@@ -2,6 +2,7 @@
 // Reads and writes model files; declared in model.h.
 #include <algorithm>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
@@ -15,8 +16,8 @@ constexpr const char* kCodesTensor = "aperture.codes";
 Result<const Tensor*> find_float(const Safetensors& tensors, const std::string& name, const std::string& file) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(name, file));
   if (tensor->type == "F32" || tensor->type == "BF16") return tensor;
-  return Error{ErrorCode::kUnsupported, cat("it holds ", tensor->type, " numbers; save it as F32 or BF16"),
-               cat(file, ": ", name)};
+  return fail(ErrorCode::kUnsupported, cat(file, ": ", name), "the element type ", tensor->type,
+              " is not supported; save it as F32 or BF16");
 }
 
 Result<capture::Codes> codes_from_tensor(const Model& model, const Safetensors& tensors, const std::string& file) {
@@ -24,10 +25,8 @@ Result<capture::Codes> codes_from_tensor(const Model& model, const Safetensors& 
   const std::vector<size_t> expected = {model.num_patterns, model.views_y, model.views_x};
   const std::string location = cat(file, ": ", kCodesTensor);
   if (tensor->shape != expected) {
-    return Error{ErrorCode::kShape,
-                 cat("codes of shape ", shape_text(tensor->shape), ", the model needs ", shape_text(expected),
-                     "; store the patterns of this model"),
-                 location};
+    return fail(ErrorCode::kShape, location, "the codes have shape ", shape_text(tensor->shape),
+                ", but the model requires ", shape_text(expected), "; store the patterns of this model");
   }
   capture::Codes codes(model.num_patterns, model.views_y, model.views_x);
   E2LF_ASSIGN_OR_RETURN(codes.values, tensor->to_float(location));
@@ -54,17 +53,15 @@ Result<Weights> weights_from_tensors(const Network& network, const Safetensors& 
     E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find_float(tensors, wanted.name, file));
     const std::string location = cat(file, ": ", wanted.name);
     if (tensor->shape != wanted.shape) {
-      return Error{ErrorCode::kShape,
-                   cat("weights of shape ", shape_text(tensor->shape), ", the network needs ", shape_text(wanted.shape),
-                       "; store the weights of this network"),
-                   location};
+      return fail(ErrorCode::kShape, location, "the weights have shape ", shape_text(tensor->shape),
+                  ", but the network requires ", shape_text(wanted.shape), "; store the weights of this network");
     }
     E2LF_ASSIGN_OR_RETURN(weights[wanted.name], tensor->to_float(location));
   }
   for (const auto& entry : tensors.tensors) {
     if (entry.first == kCodesTensor || weights.contains(entry.first)) continue;
-    return Error{ErrorCode::kFormat, "the tensor belongs to no layer of the network; remove it or describe its layer",
-                 cat(file, ": ", entry.first)};
+    return fail(ErrorCode::kFormat, cat(file, ": ", entry.first),
+                "the tensor belongs to no layer of the network; remove it or describe its layer");
   }
   return weights;
 }
@@ -120,10 +117,8 @@ Result<capture::Codes> import_codes(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(kReleaseCodes, file));
   const std::string location = cat(file, ": ", kReleaseCodes);
   if (tensor->shape != std::vector<size_t>{kPatterns, kViews}) {
-    return Error{ErrorCode::kShape,
-                 cat("patterns of shape ", shape_text(tensor->shape), ", the release has ",
-                     shape_text({kPatterns, kViews}), "; give the released file"),
-                 location};
+    return fail(ErrorCode::kShape, location, "the patterns have shape ", shape_text(tensor->shape),
+                ", but the release has ", shape_text({kPatterns, kViews}), "; give the released file");
   }
   capture::Codes codes(kPatterns, 8, 8);
   E2LF_ASSIGN_OR_RETURN(codes.values, tensor->to_float(location));

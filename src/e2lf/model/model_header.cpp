@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/model_parts.h"
@@ -35,12 +36,12 @@ Result<InputGroup> group_from_json(const Json& json, const std::string& location
       return group;
     }
   }
-  return Error{ErrorCode::kUnsupported, cat("unknown input \"", kind, "\"; known are ", join(names)),
-               reader.child_location("kind")};
+  return fail(ErrorCode::kUnsupported, reader.child_location("kind"), "unknown input \"", kind, "\"; known are ",
+              join(names));
 }
 
 Result<std::vector<InputGroup>> input_from_json(const Json& json, const std::string& location) {
-  if (!json.is_array()) return Error{ErrorCode::kFormat, "expected a list of inputs", location};
+  if (!json.is_array()) return fail(ErrorCode::kFormat, location, "expected a list of inputs");
   std::vector<InputGroup> groups;
   for (size_t i = 0; i < json.size(); ++i) {
     E2LF_ASSIGN_OR_RETURN(const InputGroup group, group_from_json(json[i], cat(location, "[", i, "]")));
@@ -62,25 +63,24 @@ Result<capture::SensorConstants> constants_from_json(const Json& json, const std
 }
 
 /// Checks that the measurement stated in the file agrees with its input.
-Result<void> check_measurement(const Model& model, const std::string& said, const OptionReader& reader) {
+Result<void> check_measurement(const Model& model, const std::string& stated, const OptionReader& reader) {
   const auto needed = measurement_of(model.input);
   if (!needed) return Error{needed.error().code, needed.error().message, reader.child_location("input")};
-  if (said == capture::measurement_name(*needed)) return {};
-  return Error{
-      ErrorCode::kInvalidValue,
-      cat("it says ", said, ", but the input consists of ", capture::measurement_name(*needed), "; make them agree"),
-      reader.child_location(kMeasurement)};
+  if (stated == capture::measurement_name(*needed)) return {};
+  return Error{ErrorCode::kInvalidValue,
+               cat("the header states ", stated, ", but the inputs require ", capture::measurement_name(*needed),
+                   "; make them agree"),
+               reader.child_location(kMeasurement)};
 }
 
 /// The version is checked first, because another version has other keys.
 Result<void> check_version(const Json& json, const std::string& location) {
-  if (!json.is_object()) return Error{ErrorCode::kFormat, "expected an object; write { ... }", location};
+  if (!json.is_object()) return fail(ErrorCode::kFormat, location, "expected an object; write { ... }");
   const Json version = json.value("format_version", Json());
   if (version == kFormatVersion) return {};
-  return Error{ErrorCode::kUnsupported,
-               cat("format version ", version.is_null() ? "(none)" : json_line(version),
-                   " is not known; this build reads ", kFormatVersion, "; use a newer build"),
-               location + ".format_version"};
+  return fail(ErrorCode::kUnsupported, location + ".format_version", "format version ",
+              version.is_null() ? "(none)" : json_line(version),
+              " is not supported; use a build that reads it, as this one reads ", kFormatVersion);
 }
 
 }  // namespace
@@ -90,16 +90,14 @@ Result<void> check_kind(const Json& header, const std::string& expected, const s
   const Json found = header.value(kMeasurement, Json(""));
   const bool is_video = found == kVoxelGrid, is_expected_video = expected == kVoxelGrid;
   if (!is_video && !is_of_light_fields(found)) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("the measurement ", json_line(found),
-                     " is not known; this build knows event-images, coded-images, hybrid, lens-array and ", kVoxelGrid,
-                     "; use a newer build"),
-                 location + "." + kMeasurement};
+    return fail(ErrorCode::kUnsupported, location + "." + kMeasurement, "the measurement ", json_line(found),
+                " is not known; this build knows event-images, coded-images, hybrid, lens-array and ", kVoxelGrid,
+                "; use a newer build");
   }
   if (is_video == is_expected_video) return {};
   return Error{ErrorCode::kUnsupported,
-               is_video ? "this model makes frames from voxel grids, not light fields; use it with `e2lf video`"
-                        : "this model makes light fields, not frames; use it with `e2lf reconstruct`",
+               is_video ? "this model reconstructs frames from voxel grids, not light fields; use it with `e2lf video`"
+                        : "this model reconstructs light fields, not frames; use it with `e2lf reconstruct`",
                location + "." + kMeasurement};
 }
 
@@ -144,11 +142,11 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
   if (!has_images && !has_lenses) return has_sum ? MeasurementKind::kHybrid : MeasurementKind::kEventImages;
   if (has_images && !has_events && !has_sum && !has_lenses) return MeasurementKind::kCodedImages;
   if (has_lenses && !has_events && !has_sum && !has_images) return MeasurementKind::kLensArray;
-  return Error{
-      ErrorCode::kInvalidValue,
-      "no camera measures all of these; use only images, only lens-array, or only inputs from events with or without "
-      "image-sum",
-      "input"};
+  return Error{ErrorCode::kInvalidValue,
+               "no measurement provides all of these inputs; use only images, only lens-array, or only inputs from "
+               "events with or without "
+               "image-sum",
+               "input"};
 }
 
 bool is_conditioned_on_camera(const Model& model) {

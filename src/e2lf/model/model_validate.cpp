@@ -28,7 +28,8 @@ class ModelCheck {
     E2LF_RETURN_IF_ERROR(check_network());
     E2LF_RETURN_IF_ERROR(check_codes());
     E2LF_RETURN_IF_ERROR(validate_weights(model_.network, model_.weights, location_));
-    if (!model_.provenance.is_object()) return refuse("provenance", "it is not a JSON object; write { ... }");
+    if (!model_.provenance.is_object())
+      return refuse("provenance", "the provenance is not a JSON object; enclose it in { }");
     return {};
   }
 
@@ -44,13 +45,15 @@ class ModelCheck {
     // Events need a transition between two patterns.
     const size_t least = capture::has_events(*measurement) ? 2 : 1;
     if (model_.num_patterns < least || model_.num_patterns > kMaxPatterns) {
-      return refuse("num_patterns", cat(model_.num_patterns, " patterns; use ", least, " to ", kMaxPatterns));
+      return refuse("num_patterns",
+                    cat("the model has ", model_.num_patterns, " patterns; use ", least, " to ", kMaxPatterns));
     }
     if (*measurement == capture::MeasurementKind::kLensArray && model_.num_patterns != 1) {
-      return refuse("num_patterns", "behind a lens array, the aperture is open; state one pattern");
+      return refuse("num_patterns", "a lens array requires an open aperture; state one pattern");
     }
     for (const auto& [field, views] : {std::pair("views_y", model_.views_y), std::pair("views_x", model_.views_x)}) {
-      if (views < 1 || views > kMaxViews) return refuse(field, cat(views, " views; use 1 to ", kMaxViews));
+      if (views < 1 || views > kMaxViews)
+        return refuse(field, cat("the model has ", views, " views per axis; use 1 to ", kMaxViews));
     }
     return {};
   }
@@ -90,15 +93,15 @@ class ModelCheck {
     if (!shapes) return refuse(cat("network: ", shapes.error().location), shapes.error().message, shapes.error().code);
     if (is_recurrent(model_.network)) {
       return refuse("network",
-                    "a layer remembers the frame before, but every light field is for itself; use other "
+                    "a layer depends on the previous frame, but light fields are independent; use other "
                     "layers, or a model of frames",
                     ErrorCode::kUnsupported);
     }
     const size_t inputs = num_input_channels(model_.input, model_.num_patterns);
     if (model_.network.input_channels != inputs) {
       return refuse("network.input_channels",
-                    cat(model_.network.input_channels, " channels, ", model_.input.size(), " input groups for ",
-                        model_.num_patterns, " patterns make ", inputs, "; make them equal"),
+                    cat("the network has ", model_.network.input_channels, " input channels, but ", model_.input.size(),
+                        " input groups for ", model_.num_patterns, " patterns have ", inputs, "; make them equal"),
                     ErrorCode::kShape);
     }
     const LayerShape output = shapes->back();
@@ -120,13 +123,14 @@ class ModelCheck {
     const std::vector<size_t> expected = {model_.num_patterns, model_.views_y, model_.views_x};
     if (found != expected) {
       return refuse("aperture.codes",
-                    cat("codes of shape ", shape_text(found), ", the model needs ", shape_text(expected),
+                    cat("the codes have shape ", shape_text(found), ", but the model requires ", shape_text(expected),
                         "; give the patterns of this model"),
                     ErrorCode::kShape);
     }
     if (model_.black_first != capture::is_black_first(codes)) {
-      return refuse("black_first", cat("it says ", model_.black_first ? "true" : "false", ", the first pattern is ",
-                                       model_.black_first ? "not " : "", "black; make them agree"));
+      return refuse("black_first",
+                    cat("black_first is ", model_.black_first ? "true" : "false", ", but the first pattern is ",
+                        model_.black_first ? "not " : "", "black; make them agree"));
     }
     return {};
   }
@@ -151,8 +155,8 @@ Result<void> validate_weights(const Network& network, const Weights& weights, co
     const size_t size = std::accumulate(tensor.shape.begin(), tensor.shape.end(), size_t{1}, std::multiplies<>());
     if (values.size() != size) {
       return refuse(tensor.name,
-                    cat(values.size(), " weights, the shape ", shape_text(tensor.shape), " needs ", size,
-                        "; give the weights of this network"),
+                    cat("there are ", values.size(), " weights, but the shape ", shape_text(tensor.shape), " requires ",
+                        size, "; give the weights of this network"),
                     ErrorCode::kShape);
     }
     const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });

@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/model/operation.h"
 
@@ -21,12 +22,12 @@ class LayerCheck {
   LayerCheck(const Layer& layer, const Shapes& known) : layer_(layer), known_(known) {}
 
   Result<LayerShape> infer() {
-    if (layer_.name.empty()) return invalid("a layer without a name; give it one");
-    if (known_.contains(layer_.name)) return invalid("the name is taken by an earlier layer; choose another one");
+    if (layer_.name.empty()) return invalid("the layer has no name; add one");
+    if (known_.contains(layer_.name)) return invalid("an earlier layer has the same name; choose another one");
     const Operation* operation = find_operation(layer_.op);
     if (operation == nullptr) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("unknown operation \"", layer_.op, "\"; known are ", join(operation_names())), ""};
+      return fail(ErrorCode::kUnsupported, "", "unknown operation \"", layer_.op, "\"; known are ",
+                  join(operation_names()));
     }
     for (const auto& entry : layer_.attributes) {
       if (std::ranges::find(operation->attributes, entry.first) != operation->attributes.end()) continue;
@@ -36,9 +37,10 @@ class LayerCheck {
     E2LF_RETURN_IF_ERROR(check_stride(*operation));
     E2LF_ASSIGN_OR_RETURN(const LayerShape shape, operation->shape(layer_, inputs_));
     if (shape.channels == 0 || shape.channels > kMaxChannels) {
-      return invalid(cat(shape.channels, " channels; use 1 to ", kMaxChannels));
+      return invalid(cat("the layer has ", shape.channels, " channels; use 1 to ", kMaxChannels));
     }
-    if (shape.scale > kMaxScale) return invalid(cat("a scale of ", shape.scale, "; use at most ", kMaxScale));
+    if (shape.scale > kMaxScale)
+      return invalid(cat("the scale ", shape.scale, " is too large; use at most ", kMaxScale));
     E2LF_RETURN_IF_ERROR(check_residual(shape));
     return shape;
   }
@@ -60,29 +62,27 @@ class LayerCheck {
       inputs_.push_back(shape);
     }
     if (inputs_.size() >= operation.min_inputs && inputs_.size() <= operation.max_inputs) return {};
-    return invalid(cat(inputs_.size(), " inputs; this operation takes ", operation.min_inputs,
+    return invalid(cat("the layer has ", inputs_.size(), " inputs; this operation takes ", operation.min_inputs,
                        operation.max_inputs > operation.min_inputs ? " or more" : ""));
   }
 
   [[nodiscard]] Result<void> check_stride(const Operation& operation) const {
     if (layer_.stride == 0 || layer_.stride > kMaxScale) {
-      return invalid(cat("a stride of ", layer_.stride, "; use 1 to ", kMaxScale));
+      return invalid(cat("the stride ", layer_.stride, " is out of range; use 1 to ", kMaxScale));
     }
     if (operation.takes_stride_and_relu) return {};
-    if (layer_.stride != 1) return invalid("this operation with a stride; use stride 1");
-    if (layer_.relu) return invalid("this operation with ReLU; leave it out");
+    if (layer_.stride != 1) return invalid("this operation does not support a stride; use stride 1");
+    if (layer_.relu) return invalid("this operation does not support ReLU; remove it");
     return {};
   }
 
   [[nodiscard]] Result<void> check_residual(const LayerShape& shape) const {
     if (layer_.residual.empty()) return {};
-    if (layer_.op != Op::kConv) return invalid("a residual at another operation than conv; use an add layer");
+    if (layer_.op != Op::kConv) return invalid("only the operation conv supports a residual; use an add layer");
     E2LF_ASSIGN_OR_RETURN(const LayerShape residual, find(layer_.residual));
     if (residual.channels == shape.channels && residual.scale == shape.scale) return {};
-    return Error{ErrorCode::kShape,
-                 cat("the residual has ", residual.channels, " channels at scale ", residual.scale, ", the output ",
-                     shape.channels, " at ", shape.scale, "; make them equal"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "the residual has ", residual.channels, " channels at scale ", residual.scale,
+                ", but the output has ", shape.channels, " at ", shape.scale, "; make them equal");
   }
 
   const Layer& layer_;
@@ -96,13 +96,12 @@ Result<void> check_feedback(const Network& network, const LayerShape& output) {
     if (!find_operation(layer.op)->is_last_output) continue;
     const std::string location = cat("layer \"", layer.name, "\"");
     if (&layer == &network.layers.back()) {
-      return Error{ErrorCode::kInvalidValue, "the last layer would be its own past; add a layer", location};
+      return fail(ErrorCode::kInvalidValue, location, "the last layer cannot be its own previous output; add a layer");
     }
     if (output.channels == layer.out_channels && output.scale == 1) continue;
-    return Error{ErrorCode::kShape,
-                 cat(layer.out_channels, " channels, the last layer has ", output.channels, " at scale ", output.scale,
-                     "; make them equal at scale 1"),
-                 location};
+    return fail(ErrorCode::kShape, location, "the previous output has ", layer.out_channels,
+                " channels, but the last layer has ", output.channels, " at scale ", output.scale,
+                "; make them equal at scale 1");
   }
   return {};
 }
@@ -147,10 +146,11 @@ size_t WeightShape::size() const {
 
 Result<std::vector<LayerShape>> infer_shapes(const Network& network) {
   if (network.input_channels == 0 || network.input_channels > kMaxChannels) {
-    return Error{ErrorCode::kInvalidValue, cat(network.input_channels, " input channels; use 1 to ", kMaxChannels),
-                 "input_channels"};
+    return fail(ErrorCode::kInvalidValue, "input_channels", "there are ", network.input_channels,
+                " input channels; use 1 to ", kMaxChannels);
   }
-  if (network.layers.empty()) return Error{ErrorCode::kInvalidValue, "no layers; give at least one", "layers"};
+  if (network.layers.empty())
+    return fail(ErrorCode::kInvalidValue, "layers", "the network has no layers; add at least one");
   Shapes known = {{"input", {network.input_channels, 1}}};
   std::vector<LayerShape> shapes;
   size_t multiple = 1;
@@ -160,9 +160,8 @@ Result<std::vector<LayerShape>> infer_shapes(const Network& network) {
     if (!shape) return Error{shape.error().code, shape.error().message, location};
     multiple = std::lcm(multiple, shape->scale);
     if (multiple > kMaxScale) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("images would have to be multiples of ", multiple, " pixels; use at most ", kMaxScale),
-                   location};
+      return fail(ErrorCode::kInvalidValue, location, "images would have to be multiples of ", multiple,
+                  " pixels; use at most ", kMaxScale);
     }
     known.emplace(layer.name, *shape);
     shapes.push_back(*shape);

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -117,5 +119,18 @@ inline constexpr size_t kWholeImage = ~size_t{0};
 /// Returns the paper's RecNet for N - 1 event images and 64 views: three linear 5x5 convolutions, 19 3x3 convolutions
 /// with ReLU and a linear one, with the output of the third layer added to the last (layers conv1..conv3, l1..l20).
 [[nodiscard]] Network recnet(size_t input_channels, size_t output_channels = 64, size_t width = 64);
+
+/// A network and its weights.
+struct WeightedNetwork {
+  Network network;
+  Weights weights;
+};
+
+/// Builds input channels [first, first + values.size()), of which each has one value for all pixels, into the weights:
+/// in their place, the result has one channel, which must be 1 for all pixels. It is as it was but for rounding, also
+/// at the borders, where the padding of that channel is 0. Nothing if layers other than convolutions and pixel
+/// unshuffles read the input.
+[[nodiscard]] std::optional<WeightedNetwork> with_constant_inputs(const Network& network, const Weights& weights,
+                                                                  size_t first, std::span<const float> values);
 
 }  // namespace e2lf::model

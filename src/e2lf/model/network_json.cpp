@@ -2,6 +2,7 @@
 // Converts networks from and to JSON; declared in network.h.
 #include <cmath>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/model/network.h"
 #include "e2lf/model/operation.h"
@@ -28,7 +29,7 @@ Json attribute_json(const std::vector<double>& values) {
 Result<std::vector<double>> attribute_from_json(const Json& json, const std::string& location) {
   std::vector<double> values;
   for (const Json& value : json.is_array() ? json : Json::array({json})) {
-    if (!value.is_number()) return Error{ErrorCode::kFormat, "expected a number or a list of numbers", location};
+    if (!value.is_number()) return fail(ErrorCode::kFormat, location, "expected a number or a list of numbers");
     values.push_back(value.get<double>());
   }
   return values;
@@ -60,9 +61,8 @@ Result<Layer> layer_from_json(const Json& json, const std::string& location) {
       .read("relu", layer.relu);
   const Operation* operation = find_operation(layer.op);
   if (operation == nullptr) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("unknown operation \"", layer.op, "\"; known are ", join(operation_names())),
-                 reader.child_location("op")};
+    return fail(ErrorCode::kUnsupported, reader.child_location("op"), "unknown operation \"", layer.op,
+                "\"; known are ", join(operation_names()));
   }
   for (const std::string& name : operation->attributes) {
     const Json& attribute = reader.child(name);
@@ -88,13 +88,12 @@ Result<Network> network_from_json(const Json& json, const std::string& location)
   reader.read("type", type).read("input_channels", network.input_channels);
   // The type is checked before the keys, because another type has other keys.
   if (json.is_object() && type != kType) {
-    return Error{ErrorCode::kUnsupported, cat("unknown network type \"", type, "\"; this build knows \"", kType, "\""),
-                 reader.child_location("type")};
+    return fail(ErrorCode::kUnsupported, reader.child_location("type"), "unknown network type \"", type,
+                "\"; this build knows \"", kType, "\"");
   }
   const Json& layers = reader.child("layers");
   E2LF_RETURN_IF_ERROR(reader.finish());
-  if (!layers.is_array())
-    return Error{ErrorCode::kFormat, "expected a list of layers", reader.child_location("layers")};
+  if (!layers.is_array()) return fail(ErrorCode::kFormat, reader.child_location("layers"), "expected a list of layers");
   for (size_t i = 0; i < layers.size(); ++i) {
     const std::string layer_location = cat(reader.child_location("layers"), "[", i, "]");
     E2LF_ASSIGN_OR_RETURN(Layer layer, layer_from_json(layers[i], layer_location));

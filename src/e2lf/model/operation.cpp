@@ -42,7 +42,8 @@ Operation conv_transposed() {
   return {.name = Op::kConvTransposed,
           .takes_stride_and_relu = true,
           .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
-            if (layer.kernel != layer.stride) return invalid("the stride is not the kernel; make them equal");
+            if (layer.kernel != layer.stride)
+              return invalid("the stride must be equal to the kernel; correct one of them");
             return finer_shape(layer, inputs, layer.out_channels);
           },
           .weights =
@@ -70,7 +71,7 @@ Operation pixel_shuffle() {
           .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
             const size_t area = layer.stride * layer.stride;
             if (inputs[0].channels % area == 0) return finer_shape(layer, inputs, inputs[0].channels / area);
-            return misfit(cat(inputs[0].channels, " channels do not divide by ", area, "; change the stride"));
+            return misfit(cat(inputs[0].channels, " channels are not a multiple of ", area, "; change the stride"));
           }};
 }
 
@@ -96,7 +97,7 @@ Operation concat() {
               shape.channels += inputs[i].channels;
               if (inputs[i].scale != shape.scale) {
                 return misfit(cat("input \"", layer.inputs[i], "\" is at scale ", inputs[i].scale,
-                                  ", the first one at ", shape.scale, "; make them equal"));
+                                  ", but the first one is at ", shape.scale, "; make them equal"));
               }
             }
             return shape;
@@ -141,11 +142,11 @@ std::vector<std::string> operation_names() {
 
 Result<void> check_kernel(const Layer& layer) {
   if (layer.kernel == 0 || layer.kernel > kMaxKernel) {
-    return invalid(cat("a kernel of ", layer.kernel, "; use 1 to ", kMaxKernel));
+    return invalid(cat("the kernel ", layer.kernel, " is out of range; use 1 to ", kMaxKernel));
   }
   if (layer.kernel == layer.stride && layer.stride > 1) return {};
-  if (layer.kernel % 2 == 0) return invalid("an even kernel that is not the stride; use an odd one");
-  if (layer.kernel < layer.stride) return invalid("a stride beyond the kernel; use a smaller one");
+  if (layer.kernel % 2 == 0) return invalid("an even kernel must be equal to the stride; use an odd kernel");
+  if (layer.kernel < layer.stride) return invalid("the stride exceeds the kernel; use a smaller stride");
   return {};
 }
 
@@ -154,7 +155,8 @@ Result<LayerShape> equal_shapes(const Layer& layer, Inputs inputs) {
   for (size_t i = 1; i < inputs.size(); ++i) {
     if (inputs[i].scale == first.scale && inputs[i].channels == first.channels) continue;
     return misfit(cat("input \"", layer.inputs[i], "\" has ", inputs[i].channels, " channels at scale ",
-                      inputs[i].scale, ", the first one ", first.channels, " at ", first.scale, "; make them equal"));
+                      inputs[i].scale, ", but the first one has ", first.channels, " at ", first.scale,
+                      "; make them equal"));
   }
   return first;
 }
@@ -162,7 +164,8 @@ Result<LayerShape> equal_shapes(const Layer& layer, Inputs inputs) {
 Result<LayerShape> finer_shape(const Layer& layer, Inputs inputs, size_t channels) {
   const size_t scale = inputs[0].scale;
   if (scale % layer.stride == 0) return LayerShape{channels, scale / layer.stride};
-  return misfit(cat("a scale of ", scale, " does not divide by ", layer.stride, "; reduce the resolution before"));
+  return misfit(
+      cat("the scale ", scale, " is not a multiple of the stride ", layer.stride, "; reduce the resolution first"));
 }
 
 std::vector<WeightShape> conv_weights(const std::string& name, size_t out, size_t in, size_t kernel) {

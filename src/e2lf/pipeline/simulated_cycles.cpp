@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "e2lf/recon/reconstruct.h"
+#include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
-#include "e2lf/sensor/intensity_images.h"
 #include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::pipeline {

@@ -10,8 +10,8 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/model/constant_inputs.h"
 #include "e2lf/model/depth_network.h"
+#include "e2lf/model/network.h"
 
 namespace e2lf::recon {
 namespace {

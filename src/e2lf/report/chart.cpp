@@ -9,7 +9,7 @@
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
 #include "e2lf/report/axis.h"
-#include "e2lf/report/markup.h"
+#include "e2lf/report/page.h"
 
 namespace e2lf::report {
 namespace {

@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/report/markup.h"
-
 namespace e2lf::report {
 namespace {
 

@@ -10,7 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/csv.h"
 #include "e2lf/files/options.h"
-#include "e2lf/report/markup.h"
+#include "e2lf/report/page.h"
 
 namespace e2lf::report {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/capture/measurement/measurement.h"
@@ -25,5 +27,22 @@ using capture::CodedIntensities;
 /// a block is neglected. A grey light field breaks the contract.
 [[nodiscard]] lightfield::LightField light_behind(const capture::ColourFilter& filter,
                                                   const lightfield::LightField& colour);
+
+struct ImageOptions {
+  float sigma = 0.005F;  ///< standard deviation of the noise of each pixel in each image
+  float gain = 1.0F;     ///< scene brightness, which multiplies every intensity
+  uint64_t seed = 0;     ///< seed of the noise
+};
+
+/// Returns the intensity images that a measurement of this kind contains for a grey light field: gain * I_n (Eq. 1) for
+/// each pattern, or their sum, or the image behind a lens array, plus Gaussian noise. There is no image if the kind has
+/// none. Lenses at the right and lower edge may cover less than 8 pixels of the light field; they average over those
+/// pixels, and the image has the size of whole lenses. Values are not clamped. The result does not depend on the number
+/// of threads. Fails as coded_intensities() does, with kShape if a lens array is used with other than 8x8 views, and
+/// with kInvalidValue for a gain or noise that is negative or not finite.
+[[nodiscard]] Result<capture::CodedIntensities> measure_images(capture::MeasurementKind kind,
+                                                               const capture::Codes& codes,
+                                                               const lightfield::LightField& light_field,
+                                                               const ImageOptions& options);
 
 }  // namespace e2lf::sensor

@@ -6,7 +6,7 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/sensor/reference.h"
+#include "e2lf/sensor/event_model.h"
 
 namespace e2lf::sensor {
 namespace {

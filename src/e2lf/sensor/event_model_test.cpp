@@ -10,7 +10,6 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/sensor/reference.h"
 
 namespace e2lf::sensor {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/sensor/intensity_images.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/rng.h"
-#include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/coded_intensity.h"
@@ -170,17 +170,15 @@ class ExposureOf {
 Result<void> check(const capture::Codes& codes, const capture::SensorProfile& camera,
                    const PixelModelOptions& options) {
   if (!camera.is_pixel()) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the camera \"", camera.name, "\" is of the event model ", camera.event_model,
-                     ", not pixel; use another, or simulate its model"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "the camera \"", camera.name, "\" has the event model ",
+                camera.event_model, ", not pixel; use another camera, or simulate its model");
   }
   if (!(options.gain >= 0.0F) || !std::isfinite(options.gain)) {
-    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is not a brightness; use zero or more"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "a gain of ", options.gain,
+                " is not valid; use a finite number of at least 0");
   }
   if (codes.num_patterns < 2 || !capture::is_black_first(codes)) {
-    return Error{ErrorCode::kShape, "the event model pixel needs patterns that begin with black; use others", ""};
+    return fail(ErrorCode::kShape, "", "the event model pixel requires patterns that begin with black; use others");
   }
   return {};
 }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "e2lf/sensor/reference.h"
+#include "e2lf/sensor/event_model.h"
 #include "testing/test_light.h"
 
 namespace e2lf::streams {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/video/operations.h"
@@ -35,19 +36,6 @@ constexpr size_t kKeys = 8 * kGemmRows;
 constexpr size_t kQueryGroup = kGemmVectors * kLanes;
 constexpr size_t kValueRows = 4;
 static_assert(kQueries % kQueryGroup == 0);
-
-HWY_INLINE float as_float(float value) {
-  return value;
-}
-HWY_INLINE float as_float(Bfloat16 value) {
-  return to_float(value);
-}
-HWY_INLINE void assign(float value, float& to) {
-  to = value;
-}
-HWY_INLINE void assign(float value, Bfloat16& to) {
-  to = to_bfloat16(value);
-}
 
 /// Returns 2^x for x <= 0 with a relative error of at most 2e-7. Below 2^-125, it returns some small value.
 HWY_INLINE FloatVec power_of_two(FloatVec x) {
@@ -152,7 +140,7 @@ class AttentionKernel final : public Kernel {
     std::fill_n(to.queries, size_ * kQueries, 0.0F);
     for (size_t i = 0; i < count; ++i) {
       const auto* from = pixel<const Element>(strip.inputs[0], strip.width, first + i, head);
-      for (size_t c = 0; c < size_; ++c) to.queries[c * kQueries + i] = scale * as_float(from[c]);
+      for (size_t c = 0; c < size_; ++c) to.queries[c * kQueries + i] = scale * to_float(from[c]);
     }
   }
 
@@ -160,7 +148,7 @@ class AttentionKernel final : public Kernel {
   void load_pixels(const Rows& rows, size_t width, size_t first, size_t count, size_t head, float* to) const {
     for (size_t i = 0; i < count; ++i, to += size_) {
       const auto* from = pixel<const Element>(rows, width, first + i, head);
-      for (size_t c = 0; c < size_; ++c) to[c] = as_float(from[c]);
+      for (size_t c = 0; c < size_; ++c) to[c] = to_float(from[c]);
     }
   }
 
@@ -254,11 +242,9 @@ class AttentionKernel final : public Kernel {
 }  // namespace
 
 std::unique_ptr<Kernel> MakeAttention(size_t channels, size_t heads, ElementType type) {
-#if E2LF_TARGET_HAS_BF16
-  if (type == ElementType::kBfloat16) return std::make_unique<AttentionKernel<Bfloat16>>(channels, heads);
-#endif
-  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return std::make_unique<AttentionKernel<float>>(channels, heads);
+  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
+    return std::make_unique<AttentionKernel<decltype(element)>>(channels, heads);
+  });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -304,8 +290,8 @@ size_t heads_of(const Layer& layer) {
 Result<LayerShape> attention_shape(const Layer& layer, std::span<const LayerShape> inputs) {
   const size_t channels = inputs[0].channels, heads = heads_of(layer);
   if (heads != 0 && channels % heads == 0) return model::equal_shapes(layer, inputs);
-  return Error{ErrorCode::kInvalidValue,
-               cat(heads, " heads for ", channels, " channels; use a number that divides them"), ""};
+  return fail(ErrorCode::kInvalidValue, "", heads, " heads for ", channels,
+              " channels; use a number that divides them");
 }
 
 Result<void> plan_attention(PlanBuilder& build, const Layer& layer) {

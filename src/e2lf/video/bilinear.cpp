@@ -82,11 +82,9 @@ class BilinearKernel final : public Kernel {
 }  // namespace
 
 std::unique_ptr<Kernel> MakeBilinear(size_t channels, size_t stride, bool relu, ElementType type) {
-#if E2LF_TARGET_HAS_BF16
-  if (type == ElementType::kBfloat16) return std::make_unique<BilinearKernel<Bfloat16>>(channels, stride, relu);
-#endif
-  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return std::make_unique<BilinearKernel<float>>(channels, stride, relu);
+  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
+    return std::make_unique<BilinearKernel<decltype(element)>>(channels, stride, relu);
+  });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::video {
@@ -15,18 +16,15 @@ std::string CheckpointImporter::location(const std::string& key) const {
 Result<std::vector<size_t>> CheckpointImporter::shape(const std::string& key, size_t rank) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find(key));
   if (tensor->shape.size() == rank && tensor->num_elements() > 0) return tensor->shape;
-  return Error{ErrorCode::kShape,
-               cat("values of shape ", shape_text(tensor->shape), ", not ", rank,
-                   " axes with something in each; give the published file"),
-               location(key)};
+  return fail(ErrorCode::kShape, location(key), "the values have shape ", shape_text(tensor->shape), " instead of ",
+              rank, " axes, none of them empty; give the published file");
 }
 
 Result<std::vector<float>> CheckpointImporter::values(const std::string& key, size_t size) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find(key));
   if (tensor->num_elements() != size) {
-    return Error{ErrorCode::kShape,
-                 cat(tensor->num_elements(), " values, the layer needs ", size, "; give the published file"),
-                 location(key)};
+    return fail(ErrorCode::kShape, location(key), "there are ", tensor->num_elements(),
+                " values, but the layer requires ", size, "; give the published file");
   }
   return tensor->to_float(location(key));
 }
@@ -34,9 +32,8 @@ Result<std::vector<float>> CheckpointImporter::values(const std::string& key, si
 Result<std::string> CheckpointImporter::conv(Layer layer, const std::string& key, const std::string& norm) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> extents, shape(key + ".weight", 4));
   if (extents[2] != extents[3]) {
-    return Error{ErrorCode::kShape,
-                 cat("weights of shape ", shape_text(extents), ", not of a square kernel; give the published file"),
-                 location(key + ".weight")};
+    return fail(ErrorCode::kShape, location(key + ".weight"), "the weights have shape ", shape_text(extents),
+                ", whose kernel is not square; give the published file");
   }
   layer.out_channels = extents[0];
   layer.kernel = extents[2];
@@ -123,9 +120,8 @@ Result<size_t> CheckpointImporter::bins() {
 Result<void> CheckpointImporter::finish(VideoModel& model) {
   for (const auto& entry : tensors_.tensors) {
     if (read_.contains(entry.first) || entry.first.ends_with(".num_batches_tracked")) continue;
-    return Error{ErrorCode::kFormat,
-                 "the tensor is of a layer that this network does not have; give the published file",
-                 cat(file_, ": ", entry.first)};
+    return fail(ErrorCode::kFormat, cat(file_, ": ", entry.first),
+                "the tensor is of a layer that this network does not have; give the published file");
   }
   E2LF_ASSIGN_OR_RETURN(model.bins, bins());
   network_.input_channels = model.bins;

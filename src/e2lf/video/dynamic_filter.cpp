@@ -4,7 +4,7 @@
 #include <string>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/text.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/video/operations.h"
 
@@ -22,14 +22,6 @@ namespace {
 
 using namespace kernels::HWY_NAMESPACE;
 using namespace engine;
-
-HWY_INLINE float as_float(float value) {
-  return value;
-}
-
-HWY_INLINE float as_float(Bfloat16 value) {
-  return to_float(value);
-}
 
 /// Applies the filters of each pixel. One block is one row.
 template <class Element>
@@ -78,7 +70,7 @@ class DynamicFilterKernel final : public Kernel {
       const auto* row = strip.inputs[0].template row<const Element>(static_cast<ptrdiff_t>(y + dy) - radius);
       const auto* from = row + (static_cast<ptrdiff_t>(x) - radius) * static_cast<ptrdiff_t>(in_step) + c;
       for (size_t dx = 0; dx < kernel_; ++dx, from += in_step) {
-        const auto weight = hn::Set(d, as_float(filter[dy * kernel_ + dx]));
+        const auto weight = hn::Set(d, to_float(filter[dy * kernel_ + dx]));
         E2LF_UNROLL
         for (size_t i = 0; i < kVectors; ++i) sums[i] = hn::MulAdd(weight, load_floats(from + i * kLanes), sums[i]);
       }
@@ -101,13 +93,9 @@ class DynamicFilterKernel final : public Kernel {
 }  // namespace
 
 std::unique_ptr<Kernel> MakeDynamicFilter(size_t channels, size_t filter_values, size_t kernel, ElementType type) {
-#if E2LF_TARGET_HAS_BF16
-  if (type == ElementType::kBfloat16) {
-    return std::make_unique<DynamicFilterKernel<Bfloat16>>(channels, filter_values, kernel);
-  }
-#endif
-  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return std::make_unique<DynamicFilterKernel<float>>(channels, filter_values, kernel);
+  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
+    return std::make_unique<DynamicFilterKernel<decltype(element)>>(channels, filter_values, kernel);
+  });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -131,10 +119,9 @@ Result<LayerShape> filter_shape(const Layer& layer, std::span<const LayerShape> 
   if (filters.scale == input.scale && filters.channels % taps == 0) {
     return LayerShape{filters.channels / taps * input.channels, input.scale};
   }
-  return Error{ErrorCode::kShape,
-               cat("filters of ", filters.channels, " channels at scale ", filters.scale, ", not of a multiple of ",
-                   taps, " at ", input.scale, "; make as many as the kernel has taps, of the same resolution"),
-               ""};
+  return fail(ErrorCode::kShape, "", "filters of ", filters.channels, " channels at scale ", filters.scale,
+              ", not of a multiple of ", taps, " at ", input.scale,
+              "; make as many as the kernel has taps, of the same resolution");
 }
 
 Result<void> plan_filter(PlanBuilder& build, const Layer& layer) {

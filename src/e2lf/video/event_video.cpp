@@ -38,7 +38,7 @@ EventVideo::EventVideo(VideoModel model, engine::Engine engine, size_t height, s
 
 Result<EventVideo> EventVideo::create(VideoModel model, size_t height, size_t width,
                                       const engine::EngineOptions& options) {
-  E2LF_REQUIRE(height > 0 && width > 0, "a sensor has pixels");
+  E2LF_REQUIRE(height > 0 && width > 0, "the sensor must have pixels");
   E2LF_RETURN_IF_ERROR(validate(model, model.name));
   E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model.network, model.weights, options));
   return EventVideo(std::move(model), std::move(engine), height, width);

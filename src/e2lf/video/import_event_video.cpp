@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/model/model_parts.h"
 #include "e2lf/video/checkpoint_importer.h"
@@ -125,13 +126,12 @@ Result<Conventions> find_conventions(const std::string& as, Family family, bool 
   const auto found = std::find_if(std::begin(kConventions), std::end(kConventions),
                                   [&](const Conventions& each) { return each.name == name; });
   if (found == std::end(kConventions)) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("no network \"", name, "\" is known; known are ", join(event_video_names())), "as"};
+    return fail(ErrorCode::kInvalidValue, "as", "unknown network \"", name, "\"; known are ",
+                join(event_video_names()));
   }
   if (found->family != family) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the file has other layers than ", name, "; leave the name out to determine it from the layers"),
-                 "as"};
+    return fail(ErrorCode::kInvalidValue, "as", "the file has other layers than ", name,
+                "; leave the name out to determine it from the layers");
   }
   return *found;
 }

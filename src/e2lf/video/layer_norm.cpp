@@ -76,11 +76,9 @@ class LayerNormKernel final : public Kernel {
 
 std::unique_ptr<Kernel> MakeLayerNorm(const std::vector<float>& weight, const std::vector<float>& bias,
                                       ElementType type) {
-#if E2LF_TARGET_HAS_BF16
-  if (type == ElementType::kBfloat16) return std::make_unique<LayerNormKernel<Bfloat16>>(weight, bias);
-#endif
-  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return std::make_unique<LayerNormKernel<float>>(weight, bias);
+  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
+    return std::make_unique<LayerNormKernel<decltype(element)>>(weight, bias);
+  });
 }
 
 }  // namespace HWY_NAMESPACE

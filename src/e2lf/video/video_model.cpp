@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
@@ -43,7 +44,7 @@ Result<VideoModel> header_from(const Json& json, const std::string& location) {
   const Json& provenance = reader.child("provenance");
   E2LF_RETURN_IF_ERROR(reader.finish());
   const auto known_tone = tone_from_name(tone);
-  if (!known_tone) return Error{ErrorCode::kUnsupported, known_tone.error().message, reader.child_location("tone")};
+  if (!known_tone) return fail(ErrorCode::kUnsupported, reader.child_location("tone"), known_tone.error().message);
   model.tone = *known_tone;
   E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
   if (!provenance.is_null()) model.provenance = provenance;
@@ -63,7 +64,7 @@ Result<FrameTone> tone_from_name(const std::string& name) {
     if (name == known) return tone;
     names.emplace_back(known);
   }
-  return Error{ErrorCode::kInvalidValue, cat("unknown tone \"", name, "\"; known are ", join(names)), ""};
+  return fail(ErrorCode::kInvalidValue, "", "unknown tone \"", name, "\"; known are ", join(names));
 }
 
 Result<void> validate(const VideoModel& model, const std::string& location) {
@@ -73,13 +74,14 @@ Result<void> validate(const VideoModel& model, const std::string& location) {
     return Error{code, message, cat(location, ": ", field)};
   };
   if (model.bins == 0 || model.bins > kMaxBins) {
-    return refuse("bins", cat(model.bins, " time bins; use 1 to ", kMaxBins));
+    return refuse("bins", cat("the model has ", model.bins, " time bins; use 1 to ", kMaxBins));
   }
   const auto shapes = infer_shapes(model.network);
   if (!shapes) return refuse(cat("network: ", shapes.error().location), shapes.error().message, shapes.error().code);
   if (model.network.input_channels != model.bins) {
     return refuse("network.input_channels",
-                  cat(model.network.input_channels, " channels for ", model.bins, " time bins; make them equal"),
+                  cat("the network has ", model.network.input_channels, " input channels, but the model has ",
+                      model.bins, " time bins; make them equal"),
                   ErrorCode::kShape);
   }
   if (shapes->back().channels != 1 || shapes->back().scale != 1) {
@@ -90,10 +92,11 @@ Result<void> validate(const VideoModel& model, const std::string& location) {
   }
   const size_t multiple = size_multiple(model.network);
   if (model.pad_multiple == 0 || model.pad_multiple > kMaxPadMultiple || model.pad_multiple % multiple != 0) {
-    return refuse("pad_multiple", cat(model.pad_multiple, " pixels; use a multiple of the network's ", multiple,
-                                      ", up to ", kMaxPadMultiple));
+    return refuse("pad_multiple", cat("images cannot be padded to multiples of ", model.pad_multiple,
+                                      " px; use a multiple of the network's ", multiple, ", up to ", kMaxPadMultiple));
   }
-  if (!model.provenance.is_object()) return refuse("provenance", "it is not a JSON object; write { ... }");
+  if (!model.provenance.is_object())
+    return refuse("provenance", "the provenance is not a JSON object; enclose it in { }");
   return validate_weights(model.network, model.weights, location);
 }
 

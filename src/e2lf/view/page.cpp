@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/report/markup.h"
+#include "e2lf/report/page.h"
 
 // These symbols are defined in page_bytes.S.
 extern "C" {

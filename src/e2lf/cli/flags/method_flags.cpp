@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/program/option_values.h"
@@ -63,19 +64,19 @@ Result<void> complete_choice(const MethodFlags& flags, capture::RecordedSetup ev
 Result<pipeline::Tone> tone_of(const MethodFlags& flags) {
   const pipeline::Tone tone{.gain = brightness(flags.gain), .black = brightness(flags.black)};
   if (flags.gain != "auto" && tone.gain.value_or(0) == 0) {
-    return Error{ErrorCode::kInvalidValue, cat("\"", flags.gain, "\" is not a gain; give auto or a positive number"),
-                 "--gain"};
+    return fail(ErrorCode::kInvalidValue, "--gain", "\"", flags.gain,
+                "\" is not a gain; give auto or a positive number");
   }
   if (flags.black != "auto" && !tone.black) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("\"", flags.black, "\" is not a brightness; give auto, 0 or a positive number"), "--black"};
+    return fail(ErrorCode::kInvalidValue, "--black", "\"", flags.black,
+                "\" is not a brightness; give auto, 0 or a positive number");
   }
   return tone;
 }
 
 namespace {
 
-/// Returns who told the patterns or the camera; `flag` is the one that tells them.
+/// Describes the source of the patterns or of the camera; `flag` is the flag that states them.
 const char* stated_by_name(StatedBy stated_by, const char* flag) {
   if (stated_by == StatedBy::kCaller) return flag;
   if (stated_by == StatedBy::kEvents) return "the events' file";
@@ -95,12 +96,12 @@ void note_assumed_patterns(const fs::path& events, const std::string& whose) {
 /// Records the source of the patterns, and warns unless the network was trained for them.
 void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord& record) {
   const model::Model& model = method.network->model();
-  const bool is_told = pipeline::are_patterns_stated(method.codes);
-  const StatedBy stated_by = is_told ? method.codes->stated_by : StatedBy::kNone;
+  const bool is_stated = pipeline::are_patterns_stated(method.codes);
+  const StatedBy stated_by = is_stated ? method.codes->stated_by : StatedBy::kNone;
   record.note("patterns", {{"stated_by", stated_by_name(stated_by, "--codes")},
                            {"are_the_models", method.are_patterns_the_models()}});
   if (method.are_patterns_the_models()) return;
-  if (!is_told) return note_assumed_patterns(events, model.name);
+  if (!is_stated) return note_assumed_patterns(events, model.name);
   log_warning(model.codes
                   ? cat("the events were made with other patterns than ", model.name,
                         " was trained for, so that the light field will be wrong; use a model for these patterns, or ",

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "e2lf/base/text.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
@@ -100,17 +100,15 @@ bool is_live(const fs::path& input) {
 
 Result<recordings::OpenOptions> open_options(const fs::path& input, const RecordingFlags& flags, bool reads_parts) {
   if (flags.from_us >= flags.to_us) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the range from ", flags.from_us, " to ", flags.to_us, " us is empty; give a later --to-us"),
-                 "--from-us"};
+    return fail(ErrorCode::kInvalidValue, "--from-us", "the range from ", flags.from_us, " to ", flags.to_us,
+                " us is empty; give a later --to-us");
   }
   recordings::OpenOptions open;
   open.restart = choice_of(flags.restart, kRestartPolicies);
   if (open.restart == recordings::RestartPolicy::kSplit && !reads_parts) {
-    return Error{ErrorCode::kInvalidValue,
-                 "split is only for `e2lf info`, which lists the parts, and `e2lf convert`, which writes each to a "
-                 "separate file; convert the recording first, or use continue",
-                 "--restart"};
+    return fail(ErrorCode::kInvalidValue, "--restart",
+                "split is only for `e2lf info`, which lists the parts, and `e2lf convert`, which writes each to a "
+                "separate file; convert the recording first, or use continue");
   }
   open.format = flags.format;
   open.width = flags.width;

@@ -33,8 +33,8 @@ Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const Scen
   }
   std::sort(fields.begin(), fields.end());
   if (fields.empty()) {
-    return Error{ErrorCode::kNotFound, "this is not a folder of light fields, which --field-us requires; give one",
-                 input.string()};
+    return fail(ErrorCode::kNotFound, input,
+                "this is not a folder of light fields, which --field-us requires; give one");
   }
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField first, load_scene(fields.front(), options, is_quiet));
   StreamScene result{{}, first.shape().height, first.shape().width};
@@ -118,16 +118,14 @@ Result<streams::StreamOptions> stream_options(const StreamFlags& flags, const st
     options.constants = constants;
   }
   if (options.model == streams::StreamModel::kPixel && !is_pixel) {
-    return Error{ErrorCode::kInvalidValue, "the event model pixel requires a camera; give --camera, e.g. evk4-lcos",
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "the event model pixel requires a camera; give --camera, e.g. evk4-lcos");
   }
   const bool is_esim = options.model == streams::StreamModel::kEsim;
   if ((flags.refractory_us > 0 && !is_pixel && !is_esim) ||
       (!is_pixel && (flags.leak_rate_hz > 0 || flags.shot_rate_hz > 0 || flags.hot_share > 0))) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the event model ", streams::stream_model_name(options.model), " does not use --refractory-us, ",
-                     "--leak-rate-hz, --shot-rate-hz or --hot-pixels; leave them out, or give --camera evk4-lcos"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "the event model ", streams::stream_model_name(options.model),
+                " does not use --refractory-us, ",
+                "--leak-rate-hz, --shot-rate-hz or --hot-pixels; leave them out, or give --camera evk4-lcos");
   }
   options.esim_refractory_us = options.defects.refractory_us = flags.refractory_us;
   options.defects.leak_rate_hz = flags.leak_rate_hz;
@@ -145,7 +143,7 @@ Result<StreamScene> open_stream_scene(const fs::path& input, const StreamFlags& 
   E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, load_scene(input, options, is_quiet));
   StreamScene still{{}, field.shape().height, field.shape().width};
   still.scene.at = [field = std::move(field)](uint64_t knot) mutable {
-    E2LF_REQUIRE(knot == 0 && field.shape().height > 0, "a still scene is asked for once");
+    E2LF_REQUIRE(knot == 0 && field.shape().height > 0, "a still scene has one light field");
     return Result(std::exchange(field, {}));
   };
   return still;

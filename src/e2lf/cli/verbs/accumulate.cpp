@@ -2,6 +2,7 @@
 // e2lf accumulate: divides a recording into pattern cycles and accumulates their event images
 
 #include "e2lf/base/clock.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
@@ -9,7 +10,7 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/pattern_places.h"
-#include "e2lf/eval/event_statistics.h"
+#include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/info/page_parts.h"
@@ -161,8 +162,7 @@ std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   if (arguments.output.extension() != ".npz") {
-    return Error{ErrorCode::kUnsupported, "event images are written as .npz; give it such a name",
-                 arguments.output.string()};
+    return fail(ErrorCode::kUnsupported, arguments.output, "event images are written as .npz; use this extension");
   }
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
@@ -49,10 +50,8 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
   diagnose::RigCheck rig;
   E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, flags, 1, verb, rig));
   if (input.measurement() != capture::MeasurementKind::kEventImages) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("a calibration uses event images, and this is the measurement ",
-                     capture::measurement_name(input.measurement()), "; give a recording or event images"),
-                 path.string()};
+    return fail(ErrorCode::kInvalidValue, path, "a calibration requires event images, but this is the measurement ",
+                capture::measurement_name(input.measurement()), "; give a recording or event images");
   }
   Source source;
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
@@ -75,15 +74,14 @@ Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const s
   std::optional<capture::Codes> codes;
   for (size_t i = 0; i < sources.size(); ++i) {
     if (codes && sources[i].codes && *codes != *sources[i].codes) {
-      return Error{ErrorCode::kInvalidValue,
-                   "the inputs were recorded with different patterns; calibrate from each separately",
-                   arguments.inputs[i].string()};
+      return fail(ErrorCode::kInvalidValue, arguments.inputs[i],
+                  "the inputs were recorded with different patterns; calibrate from each separately");
     }
     if (sources[i].codes) codes = sources[i].codes;
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::KnownCodes> known, find_codes(arguments.codes, model, codes, record));
   if (!known) {
-    return Error{ErrorCode::kNotFound, "the patterns of the events are not known; give --codes FILE", ""};
+    return fail(ErrorCode::kNotFound, "", "the patterns of the events are not known; give --codes FILE");
   }
   return std::move(known->codes);
 }
@@ -114,7 +112,7 @@ Result<void> check_distinct(const CalibrateArguments& arguments) {
     std::error_code error;
     const fs::path name = fs::weakly_canonical(fs::absolute(path, error), error);
     if (std::find(names.begin(), names.end(), name) != names.end()) {
-      return Error{ErrorCode::kInvalidValue, "two outputs have this name; give each a different name", path.string()};
+      return fail(ErrorCode::kInvalidValue, path, "two outputs have this name; give each a different name");
     }
     names.push_back(name);
   }
@@ -145,8 +143,8 @@ Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<Out
 
 /// Returns by how much the events that a network's light field implies differ from the actual ones, given a sensor
 /// profile.
-Result<double> error_told(model::Model model, const capture::SensorProfile& camera, const capture::Codes& codes,
-                          const capture::EventImages& events) {
+Result<double> error_with_camera(model::Model model, const capture::SensorProfile& camera, const capture::Codes& codes,
+                                 const capture::EventImages& events) {
   model.camera = camera;
   E2LF_ASSIGN_OR_RETURN(const recon::Reconstructor reconstructor, recon::Reconstructor::create(std::move(model)));
   E2LF_ASSIGN_OR_RETURN(const auto light_field, reconstructor.reconstruct(capture::Measurement(events)));
@@ -171,8 +169,8 @@ Result<Json> compare_cameras(std::optional<model::Model> model, const capture::C
       model->measurement() != capture::MeasurementKind::kEventImages || (model->codes && *model->codes != codes)) {
     return Json();
   }
-  E2LF_ASSIGN_OR_RETURN(const double before, error_told(*model, start, codes, events));
-  E2LF_ASSIGN_OR_RETURN(const double after, error_told(std::move(*model), found, codes, events));
+  E2LF_ASSIGN_OR_RETURN(const double before, error_with_camera(*model, start, codes, events));
+  E2LF_ASSIGN_OR_RETURN(const double after, error_with_camera(std::move(*model), found, codes, events));
   constexpr double kAlike = 0.01;  // smaller differences of the error are not significant
   const char* better = after > (1.0 + kAlike) * before   ? "start"
                        : before > (1.0 + kAlike) * after ? "found"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/cli/flags/display_flags.h"
@@ -130,8 +131,8 @@ Result<void> write_frame(const fs::path& folder, const NamedFrame& frame, const 
 
 Result<void> check_depth(const RenderArguments& arguments, const capture::Codes& codes) {
   if (arguments.bits == 8 || capture::is_binary(codes)) return {};
-  return Error{ErrorCode::kInvalidValue,
-               "the patterns contain values between 0 and 1, which one bit cannot represent; use 8", "--bits"};
+  return fail(ErrorCode::kInvalidValue, "--bits",
+              "the patterns contain values between 0 and 1, which one bit cannot represent; use 8");
 }
 
 Result<void> render(const RenderArguments& arguments, const Verb& verb) {

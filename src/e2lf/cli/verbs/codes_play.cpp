@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/stop.h"
@@ -95,8 +96,8 @@ Result<Screen> Screen::open(int display) {
   auto parts = std::make_unique<Parts>();
   const int count = SDL_GetNumVideoDisplays();
   if (display >= count) {
-    return Error{ErrorCode::kNotFound, cat("there is no display ", display, "; give a number from 0 to ", count - 1),
-                 "--display"};
+    return fail(ErrorCode::kNotFound, "--display", "there is no display ", display, "; give a number from 0 to ",
+                count - 1);
   }
   if (SDL_GetDesktopDisplayMode(display, &parts->mode) != 0) return graphics_error("the display mode is unknown");
   const auto place = static_cast<int>(SDL_WINDOWPOS_CENTERED_DISPLAY(static_cast<unsigned>(display)));
@@ -104,10 +105,9 @@ Result<Screen> Screen::open(int display) {
                                    SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS);
   if (parts->window == nullptr) return graphics_error("no window can be opened on the display");
   if (SDL_GetWindowDisplayIndex(parts->window) != display) {
-    return Error{ErrorCode::kIo,
-                 "the display server shows the window on another display, as servers with several screens do; join the "
-                 "displays to one desktop (xrandr)",
-                 "--display"};
+    return fail(ErrorCode::kIo, "--display",
+                "the display server shows the window on another display, as servers with several screens do; join the "
+                "displays to one desktop (xrandr)");
   }
   SDL_ShowCursor(SDL_DISABLE);
   parts->renderer = SDL_CreateRenderer(parts->window, -1, SDL_RENDERER_PRESENTVSYNC);
@@ -328,7 +328,7 @@ Result<void> play(PlayArguments arguments, const Verb& verb) {
   Player player(arguments, screen, sequence.schedule);
   if (const std::string text = player.period_text(); !text.empty()) log_warning(text);
   E2LF_RETURN_IF_ERROR(player.play());
-  if (player.flips().empty()) return Error{ErrorCode::kCancelled, "stopped before the first pattern was shown", ""};
+  if (player.flips().empty()) return fail(ErrorCode::kCancelled, "", "stopped before the first pattern was shown");
   record.end_step("play");
   const uint64_t cycles = player.flips().back().cycle + 1;
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "flips.csv", csv_of(player, sequence.schedule)));

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
@@ -41,8 +42,8 @@ Result<compare::Shard> parse_shard(const std::string& text) {
   if (has_slash && count.ec == std::errc() && count.ptr == end && shard.number >= 1 && shard.number <= shard.count) {
     return shard;
   }
-  return Error{ErrorCode::kInvalidValue, "a shard is a number and a total, counted from 1; give e.g. 1/4",
-               "--shard " + text};
+  return fail(ErrorCode::kInvalidValue, "--shard " + text,
+              "a shard is a number and a total, counted from 1; give e.g. 1/4");
 }
 
 /// Finds a file that a configuration names: beside the configuration, in the folder of data, or among the bundled
@@ -57,10 +58,9 @@ Result<fs::path> locate(const CompareArguments& arguments, const std::string& na
   if (const auto model = bundled_file_named(kBundledModels, name)) return *model;
   const std::string data =
       arguments.data.empty() ? "no folder of data is given (--data or E2LF_DATA)" : "in " + arguments.data.string();
-  return Error{ErrorCode::kNotFound,
-               cat("there is no such file or folder beside the configuration, among the bundled files, and ", data,
-                   "; correct the name"),
-               name};
+  return fail(ErrorCode::kNotFound, name,
+              "there is no such file or folder beside the configuration, among the bundled files, and ", data,
+              "; correct the name");
 }
 
 compare::Surroundings surroundings_of(const CompareArguments& arguments) {
@@ -88,7 +88,7 @@ Result<void> take_over(const CompareArguments& arguments, const compare::Plan& p
   for (const compare::Scene& scene : plan.scenes) pictures.push_back(compare::truth_key(scene));
   for (const fs::path& folder : arguments.merged) {
     if (!is_our_record(folder / "run.json")) {
-      return Error{ErrorCode::kNotFound, "this is not a folder of results of e2lf compare; give one", folder.string()};
+      return fail(ErrorCode::kNotFound, folder, "this is not a folder of results of e2lf compare; give one");
     }
     E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder), pictures));
     log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " copied"));

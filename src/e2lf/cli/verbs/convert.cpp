@@ -4,6 +4,7 @@
 
 #include <cctype>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
@@ -40,10 +41,9 @@ Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& 
   const std::string extension = arguments.output.extension().string();
   const bool is_named = extension.size() > 1 && std::isalpha(static_cast<unsigned char>(extension[1])) != 0;
   if (format != lightfield::LightFieldFormat::kPng8 || !is_named) return format;
-  return Error{ErrorCode::kUnsupported,
-               "light fields are not written with this extension; use .npy, .mat, .h5, .png (a lenslet mosaic) or the "
-               "name of a folder, or give --format",
-               arguments.output.string()};
+  return fail(ErrorCode::kUnsupported, arguments.output,
+              "light fields are not written with this extension; use .npy, .mat, .h5, .png (a lenslet mosaic) or the "
+              "name of a folder, or give --format");
 }
 
 Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& verb) {
@@ -117,8 +117,8 @@ Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recor
   rules.recover = recordings::recover_recording(codec);
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, rules));
   if (number > 1 && output.is_stream()) {
-    return Error{ErrorCode::kUnsupported, "a stream can take only one part of the recording; give a file",
-                 arguments.output.string()};
+    return fail(ErrorCode::kUnsupported, arguments.output,
+                "a stream can take only one part of the recording; give a file");
   }
   return ConvertedPart{named, std::move(output), {}};
 }
@@ -207,10 +207,9 @@ Result<void> require_npz(const ConvertArguments& arguments) {
   const std::string extension =
       arguments.format.empty() ? arguments.output.extension().string() : cat(".", arguments.format);
   if (extension == ".npz") return {};
-  return Error{ErrorCode::kUnsupported,
-               "these are event images, which are written as .npz; signed integers of 8 or 16 bits are taken for "
-               "counts, so store a light field as uint16 or float32",
-               arguments.input.string()};
+  return fail(ErrorCode::kUnsupported, arguments.input,
+              "these are event images, which are written as .npz; signed integers of 8 or 16 bits are taken for "
+              "counts, so store a light field as uint16 or float32");
 }
 
 Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {

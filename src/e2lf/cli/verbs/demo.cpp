@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf demo: renders a procedural scene, simulates its events and reconstructs its light field
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/output/light_field_writer.h"
@@ -41,9 +42,8 @@ Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, 
   pipeline::MethodChoice choice;
   E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(*path));
   if (choice.model->codes) return pipeline::open_method(std::move(choice));
-  return Error{ErrorCode::kNotFound,
-               "the model contains no aperture patterns, which the camera of the demo needs; give a model that does",
-               path->string()};
+  return fail(ErrorCode::kNotFound, path->string(),
+              "the model contains no aperture patterns, which the camera of the demo needs; give a model that does");
 }
 
 /// Writes the scene with the true disparities of its middle view.

@@ -2,6 +2,7 @@
 // e2lf depth: light field, or events -> disparity map
 #include <cmath>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
@@ -148,10 +149,10 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
 
 Result<void> run(DepthArguments& arguments, const Verb& verb) {
   if (verb.is_given("--min-disparity") != verb.is_given("--max-disparity")) {
-    return Error{ErrorCode::kInvalidValue, "a range has two limits; give --min-disparity and --max-disparity", ""};
+    return fail(ErrorCode::kInvalidValue, "", "a range has two limits; give --min-disparity and --max-disparity");
   }
   if (verb.is_given("--view-row") != verb.is_given("--view-column")) {
-    return Error{ErrorCode::kInvalidValue, "a view has a row and a column; give --view-row and --view-column", ""};
+    return fail(ErrorCode::kInvalidValue, "", "a view has a row and a column; give --view-row and --view-column");
   }
   if (!arguments.lens.empty()) {
     E2LF_ASSIGN_OR_RETURN(arguments.output.lens, depth::read_lens(arguments.lens));

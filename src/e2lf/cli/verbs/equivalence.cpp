@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"
@@ -43,8 +44,8 @@ Result<std::vector<size_t>> order_of(const EquivalenceArguments& arguments, size
   std::vector<size_t> other;
   for (const size_t n : arguments.order) other.push_back(n - 1);
   if (std::ranges::is_permutation(other, order)) return other;
-  return Error{ErrorCode::kInvalidValue, cat("an order contains each of 1 to ", num_patterns, " once; e.g. 2,3,4,1"),
-               "--order"};
+  return fail(ErrorCode::kInvalidValue, "--order", "an order contains each of 1 to ", num_patterns,
+              " once; e.g. 2,3,4,1");
 }
 
 Result<std::vector<Row>> measure(const EquivalenceArguments& arguments, const pipeline::KnownCodes& known,

@@ -5,10 +5,11 @@
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/compare/pictures.h"
+#include "e2lf/compare/result_page.h"
 #include "e2lf/depth/colour_scale.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/true_disparity.h"
@@ -48,14 +49,13 @@ Result<std::vector<Candidate>> candidates_of(const EvalArguments& arguments) {
   for (const std::string& named : arguments.named) {
     const size_t equals = named.find('=');
     if (equals == 0 || equals == std::string::npos || equals + 1 == named.size()) {
-      return Error{ErrorCode::kInvalidValue, "a reconstruction with a name is written NAME=PATH",
-                   cat("--name ", named)};
+      return fail(ErrorCode::kInvalidValue, cat("--name ", named), "a reconstruction with a name is written NAME=PATH");
     }
     found.push_back({named.substr(0, equals), named.substr(equals + 1)});
   }
   if (!found.empty()) return found;
-  return Error{ErrorCode::kInvalidValue, "there is nothing to compare; give a reconstruction, or several with --name",
-               ""};
+  return fail(ErrorCode::kInvalidValue, "",
+              "there is nothing to compare; give a reconstruction, or several with --name");
 }
 
 /// Reads the tone in the record of `e2lf reconstruct` beside a reconstruction: that of the cycle, or of all.
@@ -226,10 +226,9 @@ Result<eval::EventStatistics> read_events(const fs::path& path, const lightfield
   E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
   const capture::EventImages& images = file.cycles.front();
   if (images.width == shape.width && images.height == shape.height) return eval::event_statistics(images);
-  return Error{ErrorCode::kShape,
-               cat("event images of ", images.width, "x", images.height, " px do not belong to a light field of ",
-                   shape.width, "x", shape.height, " px; give the events from which it was reconstructed"),
-               path.string()};
+  return fail(ErrorCode::kShape, path, "event images of ", images.width, "x", images.height,
+              " px do not belong to a light field of ", shape.width, "x", shape.height,
+              " px; give the events from which it was reconstructed");
 }
 
 /// Reads the true light field with as many views as a reconstruction has, in colour if it is.
@@ -262,10 +261,8 @@ Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField 
     const auto text = [](const lightfield::Shape& shape) {
       return cat(shape.views_y, "x", shape.views_x, " views of ", shape.width, "x", shape.height, " px");
     };
-    return Error{ErrorCode::kShape,
-                 cat("has ", text(compared.field.shape()), ", but the true light field has ", text(truth.shape()),
-                     "; compare light fields of one size"),
-                 candidate.path.string()};
+    return fail(ErrorCode::kShape, candidate.path, "has ", text(compared.field.shape()),
+                ", but the true light field has ", text(truth.shape()), "; compare light fields of one size");
   }
   read_recorded_tone(candidate.path, compared.row);
   if (arguments.fit_gain) {

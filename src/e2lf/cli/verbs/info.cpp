@@ -2,6 +2,7 @@
 // e2lf info: description of a file or folder
 #include <cstdio>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/options.h"
@@ -76,8 +77,8 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const Description found,
                         describe(kind, path, {.light_field = unchanged_options(arguments.light_field)}));
   if (!arguments.plot.empty()) {
-    return Error{ErrorCode::kInvalidValue,
-                 "this is not a recording, so there is no event rate to plot; leave --plot out", path.string()};
+    return fail(ErrorCode::kInvalidValue, path,
+                "this is not a recording, so there is no event rate to plot; leave --plot out");
   }
   print(found, verb.common());
   return write_report(found, arguments, {}, reports);

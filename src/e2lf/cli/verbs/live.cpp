@@ -6,6 +6,7 @@
 #include <mutex>
 #include <thread>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
@@ -84,13 +85,12 @@ Result<void> check_network(const model::Model& model, const cycles::Schedule& sc
       schedule.num_images() + 1 == model.num_patterns) {
     return {};
   }
-  return Error{ErrorCode::kShape,
-               cat("a cycle has ", schedule.num_images(), " event images, but ", model.name, " takes ",
-                   model.measurement() == capture::MeasurementKind::kEventImages
-                       ? cat(model.num_patterns - 1, " of them")
-                       : cat("the measurement ", capture::measurement_name(model.measurement())),
-                   "; use the model that belongs to the patterns"),
-               ""};
+  return fail(ErrorCode::kShape, "", "a cycle has ", schedule.num_images(), " event images, but ", model.name,
+              " takes ",
+              model.measurement() == capture::MeasurementKind::kEventImages
+                  ? cat(model.num_patterns - 1, " of them")
+                  : cat("the measurement ", capture::measurement_name(model.measurement())),
+              "; use the model that belongs to the patterns");
 }
 
 /// Returns the method that reconstructs frozen cycles in the best quality: several passes of this network.
@@ -279,16 +279,16 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   if (last != nullptr) E2LF_RETURN_IF_ERROR(write_last(session, *last, record, verb));
   const Json recording = session.reader().recorder().json();
   if (recording["error"] == "") return {};
-  return Error{ErrorCode::kIo, cat("the recording is incomplete: ", recording["error"].get<std::string>()), ""};
+  return fail(ErrorCode::kIo, "", "the recording is incomplete: ", recording["error"].get<std::string>());
 }
 
 Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
   if (!is_live(arguments.source)) {
-    return Error{ErrorCode::kInvalidValue, "a file is not a live source; give replay:FILE to play it at its own speed",
-                 arguments.source.string()};
+    return fail(ErrorCode::kInvalidValue, arguments.source,
+                "a file is not a live source; give replay:FILE to play it at its own speed");
   }
   if (arguments.records && arguments.output.empty()) {
-    return Error{ErrorCode::kInvalidValue, "recordings need a folder; give one with -o", "--record"};
+    return fail(ErrorCode::kInvalidValue, "--record", "recordings need a folder; give one with -o");
   }
   RunRecord record("live");
   const CodesSource& codes = arguments.method.codes;

@@ -41,8 +41,9 @@ class ServedLivePage : public LivePage {
   }
 
   Result<void> start(uint16_t port) {
-    E2LF_ASSIGN_OR_RETURN(view::Server server,
-                          view::Server::create(document(), port, [this](const auto& asked) { return answer(asked); }));
+    E2LF_ASSIGN_OR_RETURN(view::Server server, view::Server::create(document(), port, [this](const auto& question) {
+                            return answer(question);
+                          }));
     server_.emplace(std::move(server));
     serving_ = std::thread([this] { result_ = server_->run(); });
     return {};
@@ -61,12 +62,12 @@ class ServedLivePage : public LivePage {
   }
 
  private:
-  std::optional<Answer> answer(const view::Question& asked) {
-    if (asked.is_command && asked.name == "freeze") return freeze();
-    if (asked.is_command && asked.name == "fine") return refine();
-    if (asked.is_command && asked.name == "camera") return change_camera(asked.parameters);
-    if (!asked.is_command && asked.name == "statistics") return statistics();
-    auto answered = live::answer(session_, asked.is_command, asked.name, asked.parameters);
+  std::optional<Answer> answer(const view::Question& question) {
+    if (question.is_command && question.name == "freeze") return freeze();
+    if (question.is_command && question.name == "fine") return refine();
+    if (question.is_command && question.name == "camera") return change_camera(question.parameters);
+    if (!question.is_command && question.name == "statistics") return statistics();
+    auto answered = live::answer(session_, question.is_command, question.name, question.parameters);
     if (!answered) return std::nullopt;
     return Answer{answered->status, std::move(answered->type), std::move(answered->body)};
   }

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"
@@ -74,7 +75,7 @@ int run_model_import(const std::vector<std::string>& arguments) {
           [](const auto& path, const auto& model) { return write_video_model(path, model); });
     }
     if (release.empty()) {
-      return Error{ErrorCode::kInvalidValue, "nothing to import; give --release or --checkpoint", "--release"};
+      return fail(ErrorCode::kInvalidValue, "--release", "nothing to import; give --release or --checkpoint");
     }
     // Many users will put the output beside the released weights, so only these are the inputs, not their folder.
     return import_weights(
@@ -109,8 +110,7 @@ Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.input));
   if (!arguments.camera.empty()) {
     if (!model::is_conditioned_on_camera(model)) {
-      return Error{ErrorCode::kInvalidValue, cat(model.name, " works for a single camera; leave --camera out"),
-                   "--camera"};
+      return fail(ErrorCode::kInvalidValue, "--camera", model.name, " works for a single camera; leave --camera out");
     }
     E2LF_ASSIGN_OR_RETURN(model.camera, load_camera(arguments.camera, record));
   }
@@ -171,7 +171,7 @@ Json export_summary(const model::Model& model) {
 Result<void> export_model(const RewriteArguments& arguments, const Verb& verb) {
   const fs::path& output = arguments.output;
   if (output.extension() != ".onnx") {
-    return Error{ErrorCode::kUnsupported, "models are exported as ONNX; name the output with .onnx", output.string()};
+    return fail(ErrorCode::kUnsupported, output, "models are exported as ONNX; use the extension .onnx");
   }
   E2LF_ASSIGN_OR_RETURN(
       const model::Model model,

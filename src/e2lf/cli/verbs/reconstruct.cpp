@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
@@ -103,7 +104,7 @@ void say_motion(const fs::path& input, const Json& cycles, const std::string& ne
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
   if (arguments.port != 0 && !arguments.view) {
-    return Error{ErrorCode::kInvalidValue, "a port is only used by --view; leave it out, or add --view", "--port"};
+    return fail(ErrorCode::kInvalidValue, "--port", "a port is only used by --view; leave it out, or add --view");
   }
   const CommonOptions& common = verb.common();
   const MethodFlags& flags = arguments.method_flags;
@@ -119,12 +120,11 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                         open_cycle_input(arguments.input, wanted_cycles(arguments.cycles, choice),
                                          arguments.cycles_per_field, verb, rig));
   if (input.is_without_events()) {
-    return Error{ErrorCode::kInvalidValue,
-                 "there are no events to reconstruct from: all counts are 0; check how they were accumulated",
-                 arguments.input.string()};
+    return fail(ErrorCode::kInvalidValue, arguments.input,
+                "there are no events to reconstruct from: all counts are 0; check how they were accumulated");
   }
   if (!input.is_recording() && arguments.cycles.transitions == "lit") {
-    return Error{ErrorCode::kInvalidValue, "does nothing for event images; leave it out", "--transitions lit"};
+    return fail(ErrorCode::kInvalidValue, "--transitions lit", "does nothing for event images; leave it out");
   }
   choice.measurement = input.measurement();
   choice.transitions = input.transitions();

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
@@ -14,7 +15,7 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/cycles/synthesise.h"
-#include "e2lf/eval/event_statistics.h"
+#include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"
@@ -263,19 +264,18 @@ class SimulatedFile {
 /// Fails if an option would have no effect.
 Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, bool is_stream, const Verb& verb) {
   const auto useless = [](const char* flag, const char* why) {
-    return Error{ErrorCode::kInvalidValue, cat(why, "; leave it out"), flag};
+    return fail(ErrorCode::kInvalidValue, flag, why, "; leave it out");
   };
   if (setup.has_images() && (!setup.as_images || is_stream)) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the measurement ", capture::measurement_name(setup.known.measurement),
-                     " is not a stream of events; write an .npz, without options of streams"),
-                 arguments.output.string()};
+    return fail(ErrorCode::kInvalidValue, arguments.output, "the measurement ",
+                capture::measurement_name(setup.known.measurement),
+                " is not a stream of events; write an .npz, without options of streams");
   }
   if (!setup.has_images() && arguments.sigma_i) {
     return useless("--sigma-i", "event images have no noise of intensity images");
   }
   if (!arguments.colour_filter.empty() && arguments.stream.has_turntable()) {
-    return Error{ErrorCode::kInvalidValue, "the turntable is grey; leave the colour filter out", "--colour-filter"};
+    return fail(ErrorCode::kInvalidValue, "--colour-filter", "the turntable is grey; leave the colour filter out");
   }
   if (setup.has_images() && !arguments.colour_filter.empty()) {
     return useless("--colour-filter", "colours can only be reconstructed from event images");

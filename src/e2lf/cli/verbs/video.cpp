@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "e2lf/base/clock.h"
+#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
@@ -45,9 +46,8 @@ Result<cycles::WindowOptions> window_options(const VideoArguments& arguments) {
   const int kinds =
       (arguments.window_us ? 1 : 0) + (arguments.window_events ? 1 : 0) + (arguments.window_triggers ? 1 : 0);
   if (kinds > 1) {
-    return Error{ErrorCode::kInvalidValue,
-                 "windows are given by time, by count or by triggers; give only one of the three",
-                 "--window-us, --window-events, --window-triggers"};
+    return fail(ErrorCode::kInvalidValue, "--window-us, --window-events, --window-triggers",
+                "windows are given by time, by count or by triggers; give only one of the three");
   }
   cycles::WindowOptions options;
   options.edge = choice_of(arguments.edge, kTriggerEdges);
@@ -106,11 +106,11 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
                                     RunRecord& record) {
   if (arguments.is_plain || arguments.model.empty()) {
     if (arguments.is_plain && !arguments.model.empty()) {
-      return Error{ErrorCode::kInvalidValue, "plain frames do not use a model; leave out -m or --plain", "--plain"};
+      return fail(ErrorCode::kInvalidValue, "--plain", "plain frames do not use a model; leave out -m or --plain");
     }
     if (arguments.tone != "auto") {
-      return Error{ErrorCode::kInvalidValue, "plain frames have a fixed tone; leave it out or give a model with -m",
-                   "--tone"};
+      return fail(ErrorCode::kInvalidValue, "--tone",
+                  "plain frames have a fixed tone; leave it out or give a model with -m");
     }
     return FrameMaker(info.height, info.width, arguments.full_scale);
   }

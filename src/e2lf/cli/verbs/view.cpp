@@ -2,8 +2,8 @@
 // e2lf view: serves the viewer to a browser, or writes it as one HTML file
 #include <cstdio>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/result.h"
-#include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
@@ -63,10 +63,8 @@ struct DisparityMaps {
 Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
   E2LF_ASSIGN_OR_RETURN(Image image, depth::read_disparity(path));
   if (image.width == shape.width && image.height == shape.height) return image;
-  return Error{ErrorCode::kShape,
-               cat("has ", image.width, "x", image.height, " px, the views have ", shape.width, "x", shape.height,
-                   "; give the map of this light field"),
-               path.string()};
+  return fail(ErrorCode::kShape, path, "has ", image.width, "x", image.height, " px, the views have ", shape.width, "x",
+              shape.height, "; give the map of this light field");
 }
 
 /// Returns the files of the maps in `path`, in the order of the cycles.
@@ -102,10 +100,8 @@ depth::ViewIndex view_of(const fs::path& path, const lightfield::Shape& shape) {
 Result<DisparityMaps> read_disparity(const fs::path& path, const lightfield::Shape& shape, size_t cycles) {
   const std::vector<fs::path> files = files_of(path);
   if (files.size() != 1 && files.size() != cycles) {
-    return Error{ErrorCode::kShape,
-                 cat("there are ", files.size(), " disparity maps for ", cycles,
-                     " cycles; give one, or those of this light field"),
-                 path.string()};
+    return fail(ErrorCode::kShape, path, "there are ", files.size(), " disparity maps for ", cycles,
+                " cycles; give one, or those of this light field");
   }
   DisparityMaps found{{}, view_of(path, shape)};
   for (const fs::path& file : files) {
@@ -141,8 +137,7 @@ class DocumentMaker {
 
   Result<void> add(const fs::path& path) {
     if (is_live(path)) {
-      return Error{ErrorCode::kUnsupported, "a live recording cannot be shown; convert it to a file first",
-                   path.string()};
+      return fail(ErrorCode::kUnsupported, path, "a live recording cannot be shown; convert it to a file first");
     }
     E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
     if (kind == FileKind::kModel) {
@@ -155,9 +150,8 @@ class DocumentMaker {
     if (kind == FileKind::kRecording) return add_recording(path);
     if (kind == FileKind::kResults && is_depth_folder(path)) return add_depth(path);
     if (kind != FileKind::kImages) return other_kind_error(path, kind, "something that the viewer can show");
-    return Error{ErrorCode::kUnsupported,
-                 "the viewer does not show measurements with intensity images; reconstruct a light field from it",
-                 path.string()};
+    return fail(ErrorCode::kUnsupported, path,
+                "the viewer does not show measurements with intensity images; reconstruct a light field from it");
   }
 
   /// Compares every light field with the first one of the same shape.
@@ -175,8 +169,8 @@ class DocumentMaker {
   /// Adds a disparity map to the first light field.
   Result<void> add_disparity(const fs::path& path) {
     if (light_fields_.empty()) {
-      return Error{ErrorCode::kInvalidValue, "a disparity map is shown over a light field; also give a light field",
-                   "--disparity"};
+      return fail(ErrorCode::kInvalidValue, "--disparity",
+                  "a disparity map is shown over a light field; also give a light field");
     }
     return add_disparity(path, light_fields_.front());
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/files/bundled_files.h"
 
 namespace e2lf::learn {
@@ -85,9 +86,9 @@ capture::SensorProfile draw_wide(capture::SensorProfile camera, Draws& draws) {
 
 /// Draws the transmissions of black and of the active patterns at one position of the image; they deviate from those
 /// that the network receives.
-std::vector<float> draw_field(const std::vector<float>& told, double spread, Draws& draws) {
+std::vector<float> draw_field(const std::vector<float>& stated, double spread, Draws& draws) {
   std::vector<float> passed = {1.0F};
-  for (const float share : told)
+  for (const float share : stated)
     passed.push_back(share * static_cast<float>(std::exp(spread * draws.uniform(-1.0, 1.0))));
   return passed;
 }
@@ -101,15 +102,16 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
        {List("data.validation", &config.data.validation), List("data.exclude", &config.data.exclude)}) {
     for (const std::string& name : *names) {
       const auto found = batches.dataset_.find(name);
-      if (!found) return Error{found.error().code, cat(found.error().message, " Or take it out of this list"), key};
+      if (!found) return Error{found.error().code, cat(found.error().message, " Or remove it from this list"), key};
     }
   }
   if (!config.sensor.camera.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledCameras, config.sensor.camera));
     E2LF_ASSIGN_OR_RETURN(batches.camera_, capture::read_camera(path));
     if (!batches.camera_->is_pixel() || !config.patterns.black_first) {
-      return Error{ErrorCode::kInvalidValue, "training takes cameras of the event model \"pixel\", with black first",
-                   config.sensor.camera};
+      return fail(ErrorCode::kInvalidValue, config.sensor.camera,
+                  "training requires a camera of the event model \"pixel\" and a black first pattern; choose another "
+                  "camera or set patterns.black_first");
     }
   }
   const auto patch = static_cast<int64_t>(config.train.patch);
@@ -125,9 +127,8 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
     batches.cumulative_places_.push_back(places);
   }
   if (batches.scenes_.empty() && config.data.synthetic_share < 1.0) {
-    return Error{ErrorCode::kInvalidValue,
-                 "no light field of the data is left to train on; add some or set data.synthetic_share to 1",
-                 config.data.file};
+    return fail(ErrorCode::kInvalidValue, config.data.file,
+                "no light field of the data is left to train on; add some or set data.synthetic_share to 1");
   }
   if (config.data.validation.empty()) batches.synthesise_validation();
   return batches;
@@ -220,7 +221,7 @@ Batches::Conditions Batches::random_conditions(Draws& draws) const {
 
 /// Sets the conditioning vectors of the paper's models; apply_camera() replaces those of physical pixels. A single
 /// pattern has no events and no conditioning.
-void Batches::tell_traits(Conditions& conditions) const {
+void Batches::add_conditioning(Conditions& conditions) const {
   if (config_.patterns.num_patterns < 2) {
     conditions.constants.conditioning = torch::zeros({conditions.gain.size(0), 0}, torch::device(device_));
     return;
@@ -278,7 +279,7 @@ Batch Batches::at(uint64_t step, Share share) {
     moving.push_back(patch.at_times);
   }
   Conditions conditions = random_conditions(draws);
-  tell_traits(conditions);
+  add_conditioning(conditions);
   if (camera_) apply_camera(step, conditions);
   const auto& [gain, most_residue, constants] = conditions;
   torch::manual_seed(mix_seed(config_.seed, kNoise, step));

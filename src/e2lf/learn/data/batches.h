@@ -62,7 +62,7 @@ class Batches {
     SampleConstants constants;
   };
   [[nodiscard]] Conditions random_conditions(Draws& draws) const;
-  void tell_traits(Conditions& conditions) const;
+  void add_conditioning(Conditions& conditions) const;
   void apply_camera(uint64_t step, Conditions& conditions) const;
 
   Config config_;

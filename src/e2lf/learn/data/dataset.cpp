@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/data/dataset.h"
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/learn/data/packed_data.h"
 
@@ -22,7 +23,7 @@ Result<const Scene*> Dataset::find(const std::string& name) const {
     names.push_back(scene.name);
   }
   const std::string remedy = names.empty() ? "it has none; pack some with `e2lf pack`." : suggestion(name, names);
-  return Error{ErrorCode::kNotFound, cat("no light field \"", name, "\" in the packed data; ", remedy), "data.file"};
+  return fail(ErrorCode::kNotFound, "data.file", "the packed data contain no light field \"", name, "\"; ", remedy);
 }
 
 Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/data/pack.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
+#include "e2lf/learn/data/packed_data.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -32,8 +32,7 @@ Result<std::vector<fs::path>> list_pictures(const std::vector<fs::path>& roots) 
   std::vector<fs::path> pictures;
   for (const fs::path& root : roots) {
     std::error_code status;
-    if (!fs::exists(root, status))
-      return Error{ErrorCode::kNotFound, "no such file or folder; check the path", root.string()};
+    if (!fs::exists(root, status)) return fail(ErrorCode::kNotFound, root, "no such file or folder; check the path");
     if (!fs::is_directory(root)) {
       pictures.push_back(root);
       continue;
@@ -41,7 +40,7 @@ Result<std::vector<fs::path>> list_pictures(const std::vector<fs::path>& roots) 
     for (const auto& entry : fs::recursive_directory_iterator(root, status)) {
       if (entry.is_regular_file() && is_picture(entry.path())) pictures.push_back(entry.path());
     }
-    if (status) return Error{ErrorCode::kIo, cat("cannot list the folder; ", status.message()), root.string()};
+    if (status) return fail(ErrorCode::kIo, root, "cannot list the folder; ", status.message());
   }
   std::sort(pictures.begin(), pictures.end());
   return pictures;
@@ -58,7 +57,7 @@ Result<void> insert(Safetensors& file, const std::string& name, std::vector<size
                     std::span<const float> values, const fs::path& source) {
   const bool fresh = file.tensors.try_emplace(name, make_tensor(std::move(shape), to_bytes(values))).second;
   if (fresh) return {};
-  return Error{ErrorCode::kInvalidValue, cat("a second input named \"", name, "\"; rename one"), source.string()};
+  return fail(ErrorCode::kInvalidValue, source, "two inputs are named \"", name, "\"; rename one of them");
 }
 
 Result<void> add_light_field(Safetensors& file, const fs::path& path) {
@@ -71,7 +70,7 @@ Result<void> add_light_field(Safetensors& file, const fs::path& path) {
 Result<void> add_texture(Safetensors& file, const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(auto image, lightfield::read_image(path));
   if (std::min(image.width, image.height) < kSmallestTexture) {
-    return Error{ErrorCode::kInvalidValue, "the picture is smaller than 64x64 px; leave it out", path.string()};
+    return fail(ErrorCode::kInvalidValue, path, "the picture is smaller than 64x64 px; leave it out");
   }
   image = lightfield::to_grey(std::move(image));
   return insert(file, cat("texture/", path.parent_path().filename().string(), "/", path.stem().string()),
@@ -84,7 +83,7 @@ Result<PackSummary> pack(const fs::path& output, const PackOptions& options, con
   E2LF_RETURN_IF_ERROR(check_output(output, options.overwrite));
   E2LF_ASSIGN_OR_RETURN(const auto pictures, list_pictures(options.textures));
   const size_t total = options.light_fields.size() + pictures.size();
-  if (total == 0) return Error{ErrorCode::kInvalidValue, "nothing to pack; give light fields or images", ""};
+  if (total == 0) return fail(ErrorCode::kInvalidValue, "", "there is nothing to pack; give light fields or images");
 
   Safetensors file;
   size_t done = 0;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/data/pack.h"
-
 #include <gtest/gtest.h>
 
 #include "e2lf/learn/data/dataset.h"
+#include "e2lf/learn/data/packed_data.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "testing/test_training_data.h"

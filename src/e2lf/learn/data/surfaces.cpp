@@ -2,8 +2,11 @@
 #include "e2lf/learn/data/surfaces.h"
 
 #include <ATen/Parallel.h>
+#include <algorithm>
+#include <numbers>
 
 #include "e2lf/base/contract.h"
+
 #if E2LF_LEARN_KERNELS
 #include "e2lf/learn/data/dataset.h"
 #include "e2lf/learn/data/view_renderer.h"
@@ -101,6 +104,141 @@ torch::Tensor views_of(const std::vector<Surface>& surfaces, int64_t size) {
   if (surfaces.front().brightness.device().is_cpu()) return render_views(surfaces, size);
 #endif
   return views_of_reference(surfaces, size);
+}
+
+namespace {
+
+/// Coordinates of the pixels from the centre, px: y is [side, 1], x is [1, side].
+struct Coordinates {
+  torch::Tensor y, x;
+};
+
+Coordinates centred_coordinates(int64_t side, torch::Device device) {
+  const auto axis =
+      torch::arange(side, torch::device(device).dtype(torch::kFloat)) - 0.5 * static_cast<double>(side - 1);
+  return {axis.unsqueeze(1), axis.unsqueeze(0)};
+}
+
+/// Smooth noise of unit variance with features of about `feature_px`.
+torch::Tensor smooth_noise(int64_t side, double feature_px, torch::Device device) {
+  const auto cells = std::max<int64_t>(2, static_cast<int64_t>(static_cast<double>(side) / feature_px) + 1);
+  const auto noise = torch::randn({1, 1, cells, cells}, torch::device(device));
+  const auto map = at::upsample_bicubic2d(noise, {side, side}, /*align_corners=*/true)[0][0];
+  return map / (map.std() + 1e-3);
+}
+
+/// Returns the signed distance of each pixel from a line of random direction, px.
+torch::Tensor distance_from_line(const Coordinates& at, double offset_px, Draws& draws) {
+  const double angle = draws.uniform(0, 2 * std::numbers::pi);
+  return at.x * std::cos(angle) + at.y * std::sin(angle) + offset_px;
+}
+
+torch::Tensor stripes(const Coordinates& at, double period_px, double duty, Draws& draws) {
+  const auto position = distance_from_line(at, draws.uniform(0, period_px), draws) / period_px;
+  const auto phase = position - position.floor();
+  return (0.5 * duty - (phase - 0.5).abs()) * period_px;  // px inside a stripe
+}
+
+/// Divides a field of arbitrary units by its mean slope, so that its values near its edges are in px.
+torch::Tensor in_px(const torch::Tensor& field) {
+  const auto slope = field.diff(1, 0).abs().mean() + field.diff(1, 1).abs().mean();
+  return field / (0.7 * slope + 1e-6);
+}
+
+torch::Tensor random_tone(const torch::Tensor& texture, Draws& draws) {
+  return texture.clamp(0.0, 1.0).pow(draws.log_uniform(0.7, 2.0));
+}
+
+/// Returns a tone that varies slowly over the surface. Without noise, such surfaces cause bands of equal counts, whose
+/// edges determine the tone between them. Photographs are too rough to teach this.
+torch::Tensor smooth_shading(int64_t side, Draws& draws, torch::Device device) {
+  const double tone = draws.log_uniform(0.05, 0.8);
+  const auto shape = smooth_noise(side, draws.log_uniform(20, 200), device);
+  return (tone * torch::exp(draws.log_uniform(0.05, 0.5) * shape)).clamp(0.0, 1.0);
+}
+
+}  // namespace
+
+torch::Tensor photo_texture(const std::vector<torch::Tensor>& photos, int64_t side, Draws& draws) {
+  const auto& photo = photos[draws.below(photos.size())];
+  const auto height = photo.size(0), width = photo.size(1);
+  // Nearly always reduced in size, which makes them sharp at the pixel level; at full size photographs seldom are.
+  const auto wanted = static_cast<int64_t>(static_cast<double>(side) * draws.log_uniform(0.9, 3.0));
+  const auto crop = std::min({wanted, height, width});
+  const auto y = static_cast<int64_t>(draws.below(static_cast<uint64_t>(height - crop + 1)));
+  const auto x = static_cast<int64_t>(draws.below(static_cast<uint64_t>(width - crop + 1)));
+  auto piece = photo.slice(0, y, y + crop).slice(1, x, x + crop);
+  if (draws.chance(0.5)) piece = piece.flip({0});
+  if (draws.chance(0.5)) piece = piece.transpose(0, 1);
+  const auto batch = piece.to(torch::kFloat).div(255.0).unsqueeze(0).unsqueeze(0).contiguous();
+  return random_tone(at::_upsample_bilinear2d_aa(batch, {side, side}, /*align_corners=*/false)[0][0], draws);
+}
+
+torch::Tensor procedural_texture(int64_t side, Draws& draws, torch::Device device) {
+  const auto kind = draws.below(6);
+  if (kind == 0) return torch::full({side, side}, draws.uniform(0.02, 1.0), torch::device(device));
+  if (kind >= 4) return smooth_shading(side, draws, device);
+  if (kind == 1) {
+    auto sum = torch::zeros({side, side}, torch::device(device));
+    double amplitude = 0.25;
+    for (double feature_px = draws.log_uniform(8, 64); feature_px > 1.5; feature_px /= 2.0) {
+      sum = sum + amplitude * smooth_noise(side, feature_px, device);
+      amplitude *= draws.uniform(0.5, 0.8);
+    }
+    return random_tone(0.5 + sum, draws);
+  }
+  const auto at = centred_coordinates(side, device);
+  auto inside = stripes(at, draws.log_uniform(4, 40), draws.uniform(0.2, 0.8), draws);
+  if (kind == 3) {  // a grid or checks: two sets of stripes
+    const auto across = stripes(at, draws.log_uniform(4, 40), draws.uniform(0.2, 0.8), draws);
+    inside = draws.chance(0.5) ? torch::minimum(inside, across) : inside * across.sign();
+  }
+  const double dark = draws.uniform(0.0, 1.0), bright = draws.uniform(0.0, 1.0);
+  return dark + (bright - dark) * (inside + 0.5).clamp(0.0, 1.0);
+}
+
+torch::Tensor coverage(const torch::Tensor& texture, Draws& draws) {
+  const auto side = texture.size(0);
+  const auto device = texture.device();
+  const auto at = centred_coordinates(side, device);
+  const double half = 0.5 * static_cast<double>(side);
+  torch::Tensor inside;  // px inside the edge
+  switch (draws.below(5)) {
+    case 0:
+      inside = distance_from_line(at, draws.uniform(-0.7, 0.3) * half, draws);
+      for (auto lines = draws.below(3); lines > 0; --lines) {
+        inside = torch::minimum(inside, distance_from_line(at, draws.uniform(0.0, 0.8) * half, draws));
+      }
+      break;
+    case 1: {
+      const double a = draws.log_uniform(4, half), b = draws.log_uniform(4, half);
+      const auto y = (at.y - draws.uniform(-0.8, 0.8) * half) / a, x = (at.x - draws.uniform(-0.8, 0.8) * half) / b;
+      inside = (1.0 - (y * y + x * x + 1e-6).sqrt()) * std::min(a, b);
+      break;
+    }
+    case 2:
+      inside = stripes(at, draws.log_uniform(8, 60), draws.uniform(0.1, 0.6), draws);
+      break;
+    case 3:
+      inside = in_px(smooth_noise(side, draws.log_uniform(6, 50), device) - draws.uniform(-0.3, 1.2));
+      break;
+    default:
+      inside = in_px(texture - texture.mean() - draws.uniform(-0.3, 0.8) * texture.std());
+  }
+  const double edge_px = draws.chance(0.7) ? 1.0 : draws.log_uniform(1.5, 8.0);
+  return (inside / edge_px + 0.5).clamp(0.0, 1.0) * (draws.chance(0.1) ? draws.uniform(0.3, 0.9) : 1.0);
+}
+
+torch::Tensor highlights(int64_t side, Draws& draws, torch::Device device) {
+  const auto at = centred_coordinates(side, device);
+  const double half = 0.5 * static_cast<double>(side);
+  auto sum = torch::zeros({side, side}, torch::device(device));
+  for (auto spots = 1 + draws.below(5); spots > 0; --spots) {
+    const double radius = draws.log_uniform(1.0, 10.0);
+    const auto y = (at.y - draws.uniform(-1, 1) * half) / radius, x = (at.x - draws.uniform(-1, 1) * half) / radius;
+    sum = sum + draws.uniform(0.2, 1.0) * torch::exp(-0.5 * (y * y + x * x));
+  }
+  return sum.clamp_max(1.0);
 }
 
 }  // namespace e2lf::learn

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "e2lf/learn/data/plenoptic_camera.h"
-#include "e2lf/learn/data/surface_maps.h"
 #include "e2lf/learn/data/surfaces.h"
 
 namespace e2lf::learn {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/learn/events/input_form.h"
+#include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
-#include "e2lf/sensor/intensity_images.h"
 
 namespace e2lf::learn {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/kernels/conv3x3.h"
-
+// The convolution of network_module.h whose gradients and values winograd_conv.h computes.
 #include <ATen/Parallel.h>
 #include <algorithm>
 
 #include "e2lf/base/contract.h"
 #include "e2lf/learn/kernels/winograd_conv.h"
+#include "e2lf/learn/network/network_module.h"
 
 namespace e2lf::learn {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/kernels/conv3x3.h"
-
 #include <gtest/gtest.h>
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
+#include "e2lf/learn/network/network_module.h"
 
 namespace e2lf::learn {
 namespace {

@@ -13,7 +13,6 @@
 
 #include "e2lf/kernels/winograd-inl.h"
 #include "e2lf/learn/kernels/matrix_product-inl.h"
-#include "e2lf/learn/kernels/winograd_adjoint-inl.h"
 
 #ifndef E2LF_LEARN_WINOGRAD_CONV_ONCE
 #define E2LF_LEARN_WINOGRAD_CONV_ONCE

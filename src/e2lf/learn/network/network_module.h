@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <torch/torch.h>
 #include <torch/types.h>
 #include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/model/model.h"
+#include "e2lf/model/network.h"
 
 namespace e2lf::learn {
 
@@ -66,5 +69,44 @@ struct InputOrigin {
 
 /// Copies the values to plain vectors, as a model file contains them.
 [[nodiscard]] model::Weights to_weights(const NamedTensors& parameters);
+
+/// Computes a convolution or transposed convolution layer including bias, residual (none if undefined) and ReLU, with
+/// the fastest method for the device and type of `input` [b, c, y, x]. The result is channels-last.
+[[nodiscard]] torch::Tensor convolve(const model::Layer& layer, const torch::Tensor& input, const torch::Tensor& weight,
+                                     const torch::Tensor& bias, const torch::Tensor& residual);
+
+/// Computes a 3x3 convolution with stride 1 and zero padding, adds the bias and an optional residual (none if
+/// undefined), and applies ReLU if `relu`. Differentiable. Uses Winograd's method (see winograd_conv.h) in float32 on
+/// the CPU, on torch's threads. x is [b, in, y, x], weight [out, in, 3, 3], bias [out], residual and result [b, out, y,
+/// x]; images are channels-last. A residual together with ReLU is not supported, because the gradient of the residual
+/// would need the mask of the ReLU.
+[[nodiscard]] torch::Tensor conv3x3(const torch::Tensor& x, const torch::Tensor& weight, const torch::Tensor& bias,
+                                    const torch::Tensor& residual, bool relu);
+
+/// Computes the pixel shuffle [b, c * s^2, y, x] -> [b, c, y * s, x * s] and its inverse with a single copy. The
+/// results are channels-last.
+[[nodiscard]] torch::Tensor shuffle(const torch::Tensor& x, int64_t s);
+[[nodiscard]] torch::Tensor unshuffle(const torch::Tensor& x, int64_t s);
+
+/// A layer to be applied to tensors [batch, channel, y, x] in the type of the computation.
+struct TorchCall {
+  const model::Layer& layer;
+  std::vector<torch::Tensor> inputs;
+
+  /// Returns the weights "<layer><part>", e.g. of ".weight", in the same type.
+  std::function<torch::Tensor(const std::string& part)> weight;
+};
+
+/// Computes the output of a layer, without ReLU.
+using TorchOperation = torch::Tensor (*)(const TorchCall& call);
+
+/// Makes an operation that was added to model::Operation known to training. A name that is taken breaks the contract.
+void add_operation(const std::string& name, TorchOperation operation);
+
+/// Returns true for convolutions and transposed ones, which convolve() computes.
+[[nodiscard]] bool is_convolution(const model::Layer& layer);
+
+/// Returns the function of an operation other than these. A name that is unknown breaks the contract.
+[[nodiscard]] TorchOperation find_operation(const std::string& name);
 
 }  // namespace e2lf::learn

@@ -2,6 +2,7 @@
 // The part of Trainer that writes and reads checkpoints.
 #include <cstring>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/learn/run/trainer.h"
@@ -26,8 +27,8 @@ Result<void> take_tensors(const Safetensors& file, const std::string& prefix, co
   for (const auto& [name, tensor] : tensors) {
     E2LF_ASSIGN_OR_RETURN(const e2lf::Tensor* stored, file.find(prefix + name, location));
     if (static_cast<int64_t>(stored->num_elements()) != tensor.numel()) {
-      return Error{ErrorCode::kShape,
-                   cat("\"", prefix, name, "\" has another shape; resume with the network of the run"), location};
+      return fail(ErrorCode::kShape, location, "\"", prefix, name,
+                  "\" has another shape; resume with the network of the run");
     }
     E2LF_ASSIGN_OR_RETURN(const auto values, stored->to_float(location));
     auto target = tensor;
@@ -56,8 +57,7 @@ Result<void> Trainer::load_checkpoint(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto file, read_safetensors(path));
   const auto version = file.metadata.find("version"), step = file.metadata.find("step");
   if (version == file.metadata.end() || version->second != kVersion || step == file.metadata.end()) {
-    return Error{ErrorCode::kFormat, "this is not a training checkpoint of this version; choose another file",
-                 path.string()};
+    return fail(ErrorCode::kFormat, path, "this is not a training checkpoint of this version; choose another file");
   }
   const std::string location = path.string();
   E2LF_RETURN_IF_ERROR(take_tensors(file, "weights/", network_.parameters(), location));
@@ -71,7 +71,7 @@ Result<void> Trainer::load_checkpoint(const std::filesystem::path& path) {
   try {
     step_ = std::stoull(step->second);
   } catch (const std::exception&) {
-    return Error{ErrorCode::kFormat, "the step number is not a number; choose another checkpoint", location};
+    return fail(ErrorCode::kFormat, location, "the step of this checkpoint is not a number; choose another checkpoint");
   }
   return {};
 }

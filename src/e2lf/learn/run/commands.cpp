@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/workspace.h"
@@ -44,8 +45,8 @@ Result<void> check_reports(const ReportFiles& files, const std::filesystem::path
     const std::vector<std::string> of_run = RunLog::file_names();
     if (folder_of(name).parent_path() == folder_of(run) &&
         std::find(of_run.begin(), of_run.end(), name.filename().string()) != of_run.end()) {
-      return Error{ErrorCode::kInvalidValue, "the run writes a file with this name; choose another file for the report",
-                   name.string()};
+      return fail(ErrorCode::kInvalidValue, name,
+                  "the run writes a file with this name; choose another file for the report");
     }
   }
   return {};
@@ -86,16 +87,15 @@ bool holds_a_false_start(const std::filesystem::path& folder, const Config& conf
 Result<void> check_is_free(const std::filesystem::path& folder, const Config& config) {
   if (holds_a_false_start(folder, config)) return {};
   if (!check_output(folder / "config.json", /*overwrite=*/false)) {
-    return Error{ErrorCode::kExists,
-                 "this folder already contains a run; continue it with `e2lf resume`, or choose another folder",
-                 folder.string()};
+    return fail(ErrorCode::kExists, folder,
+                "this folder already contains a run; continue it with `e2lf resume`, or choose another folder");
   }
   std::vector<std::string> names = RunLog::file_names();
   names.insert(names.end(), {kCheckpoint, config.name + ".safetensors"});
   for (const std::string& name : names) {
     if (check_output(folder / name, /*overwrite=*/false)) continue;
-    return Error{ErrorCode::kExists, "training would overwrite this file; move it away or choose another folder",
-                 (folder / name).string()};
+    return fail(ErrorCode::kExists, (folder / name),
+                "training would overwrite this file; move it away or choose another folder");
   }
   return {};
 }
@@ -171,8 +171,7 @@ Result<void> check_export(const std::filesystem::path& run, const std::filesyste
   for (const std::string& name : names) {
     std::error_code error;
     if (!std::filesystem::equivalent(run / name, model, error)) continue;
-    return Error{ErrorCode::kInvalidValue, "the model would replace a file of the run; choose another output",
-                 model.string()};
+    return fail(ErrorCode::kInvalidValue, model, "the model would replace a file of the run; choose another output");
   }
   return {};
 }
@@ -184,8 +183,8 @@ Result<void> export_run(const std::filesystem::path& run, const std::filesystem:
     E2LF_RETURN_IF_ERROR(check_export(run, model, overwrite));
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, {}));
     if (trainer.config().sensor.subwindows > 1) {
-      return Error{ErrorCode::kInvalidValue, "there is no model with sub-windows; see evaluation.csv for the figures",
-                   run.string()};
+      return fail(ErrorCode::kInvalidValue, run,
+                  "there is no model with sub-windows; see evaluation.csv for the figures");
     }
     return model::write_model(model, trainer.to_model());
   });

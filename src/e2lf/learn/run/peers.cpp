@@ -4,10 +4,12 @@
 #include <arpa/inet.h>
 #include <charconv>
 #include <cstdlib>
+#include <exception>
 #include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 
 // Torch's CMake package states with which transports it was built, but their headers may be absent.
@@ -42,15 +44,15 @@ struct Meeting {
 Result<int> number_variable(const char* name, int low, int high) {
   const char* text = std::getenv(name);
   if (text == nullptr) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the environment variable ", name, " is missing; start with torchrun or set it"), name};
+    return fail(ErrorCode::kInvalidValue, name, "the environment variable ", name,
+                " is missing; start with torchrun or set it");
   }
   int value = 0;
   const std::string_view view = text;
   const auto [end, failure] = std::from_chars(view.data(), view.data() + view.size(), value);
   if (failure != std::errc{} || end != view.data() + view.size() || value < low || value > high) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("\"", view, "\" is not a number in ", low, "..", high, "; set it to one"), name};
+    return fail(ErrorCode::kInvalidValue, name, "\"", view, "\" is not a number from ", low, " to ", high,
+                "; correct the variable");
   }
   return value;
 }
@@ -90,8 +92,8 @@ Result<Meeting> read_environment() {
   E2LF_ASSIGN_OR_RETURN(meeting.port, number_variable("MASTER_PORT", 1, 65535));
   const char* address = std::getenv("MASTER_ADDR");
   if (address == nullptr) {
-    return Error{ErrorCode::kInvalidValue,
-                 "the environment variable MASTER_ADDR is missing; start with torchrun or set it", "MASTER_ADDR"};
+    return fail(ErrorCode::kInvalidValue, "MASTER_ADDR",
+                "the environment variable MASTER_ADDR is missing; start with torchrun or set it");
   }
   meeting.address = address;
   return meeting;
@@ -196,10 +198,9 @@ Result<Peers> Peers::meet() {
     options.timeout = kPatience;
     peers.group_->store = c10::make_intrusive<c10d::TCPStore>(meeting.address, options);
   } catch (const std::exception& error) {
-    return Error{ErrorCode::kIo,
-                 cat("not all of the ", meeting.size, " processes joined; start them within ", kPatience.count(),
-                     " s of each other with the same WORLD_SIZE (", first_line(error.what()), ")"),
-                 cat(meeting.address, ":", meeting.port)};
+    return fail(ErrorCode::kIo, cat(meeting.address, ":", meeting.port), "not all of the ", meeting.size,
+                " processes joined; start them within ", kPatience.count(),
+                " s of each other with the same WORLD_SIZE (", first_line(error.what()), ")");
   }
   return peers;
 }
@@ -211,10 +212,8 @@ Result<void> Peers::connect(torch::Device device) {
   } catch (const std::exception& error) {
     return lost(error);
   }
-  return Error{ErrorCode::kUnsupported,
-               cat("this build has no transport between processes for ", device.str(),
-                   "; train with one process, or build with Gloo (CPU) or NCCL (CUDA)"),
-               "WORLD_SIZE"};
+  return fail(ErrorCode::kUnsupported, "WORLD_SIZE", "this build has no transport between processes for ", device.str(),
+              "; train with one process, or build with Gloo (CPU) or NCCL (CUDA)");
 }
 
 Peers::Finish Peers::begin_sum(const torch::Tensor& tensor) const {
@@ -254,8 +253,8 @@ struct Peers::Group {};
 Result<Peers> Peers::meet() {
   E2LF_ASSIGN_OR_RETURN(const auto meeting, read_environment());
   if (meeting.size == 1) return Peers();
-  return Error{ErrorCode::kUnsupported, "this build trains with one process only; build with torch's distributed part",
-               "WORLD_SIZE"};
+  return fail(ErrorCode::kUnsupported, "WORLD_SIZE",
+              "this build trains with one process only; build with torch's distributed part");
 }
 
 Result<void> Peers::connect(torch::Device) {
@@ -287,11 +286,121 @@ Result<void> Peers::sum(const torch::Tensor& tensor) const {
 }
 
 Error Peers::lost(const std::exception& error) {
-  return Error{ErrorCode::kIo,
-               cat("a peer ended or did not respond for ", kPatience.count(),
-                   " s; `e2lf resume` continues from the last checkpoint, with any number of processes (",
-                   first_line(error.what()), ")"),
-               "data-parallel training"};
+  return fail(ErrorCode::kIo, "data-parallel training", "a peer ended or did not respond for ", kPatience.count(),
+              " s; `e2lf resume` continues from the last checkpoint, with any number of processes (",
+              first_line(error.what()), ")");
+}
+
+namespace {
+
+constexpr int64_t kBucketNumel = int64_t{1}
+                                 << 18;  // 1 MiB: a small number of messages, of which the first is sent early
+
+struct Bucket {
+  torch::Tensor flat;
+  std::vector<size_t> parameters;
+  size_t num_missing = 0;
+  Peers::Finish finish;
+};
+
+}  // namespace
+
+struct GradientExchange::State {
+  Peers peers;
+  std::vector<torch::Tensor> parameters;
+  std::vector<torch::Tensor> places;  // the place of each parameter's gradient in its bucket
+  std::vector<size_t> bucket_of;
+  std::vector<Bucket> buckets;
+  size_t num_sent = 0;
+  std::exception_ptr failure;
+
+  void add_bucket(size_t first, size_t last, int64_t numel);
+  void take(size_t parameter, const torch::Tensor& gradient);
+  void send_full_buckets();
+};
+
+void GradientExchange::State::add_bucket(size_t first, size_t last, int64_t numel) {
+  Bucket bucket;
+  bucket.flat = torch::zeros({numel}, parameters[first].options().requires_grad(false));
+  int64_t offset = 0;
+  for (size_t i = first; i < last; ++i) {
+    places.push_back(bucket.flat.slice(0, offset, offset + parameters[i].numel()));
+    bucket_of.push_back(buckets.size());
+    bucket.parameters.push_back(i);
+    offset += parameters[i].numel();
+  }
+  buckets.push_back(std::move(bucket));
+}
+
+// Buckets are sent in order, even if a later one is full earlier, because the sums of all processes must match.
+void GradientExchange::State::send_full_buckets() {
+  while (num_sent < buckets.size() && buckets[num_sent].num_missing == 0) {
+    Bucket& bucket = buckets[num_sent++];
+    bucket.finish = peers.begin_sum(bucket.flat);
+  }
+}
+
+void GradientExchange::State::take(size_t parameter, const torch::Tensor& gradient) {
+  if (failure) return;
+  try {
+    torch::NoGradGuard no_grad;
+    places[parameter].copy_(gradient.reshape({-1}));
+    --buckets[bucket_of[parameter]].num_missing;
+    send_full_buckets();
+  } catch (...) {
+    failure = std::current_exception();  // rethrown by finish(), because the backward pass would wrap it
+  }
+}
+
+GradientExchange::GradientExchange(const Peers& peers, std::vector<torch::Tensor> parameters)
+    : state_(std::make_shared<State>()) {
+  if (peers.size() == 1) return;
+  State& state = *state_;
+  state.peers = peers;
+  state.parameters = std::move(parameters);
+  size_t first = 0;
+  int64_t numel = 0;
+  for (size_t i = 0; i < state.parameters.size(); ++i) {
+    numel += state.parameters[i].numel();
+    if (numel < kBucketNumel && i + 1 < state.parameters.size()) continue;
+    state.add_bucket(first, i + 1, numel);
+    first = i + 1;
+    numel = 0;
+  }
+  for (size_t i = 0; i < state.parameters.size(); ++i) {
+    state.parameters[i].register_hook([weak = std::weak_ptr<State>(state_), i](const torch::Tensor& gradient) {
+      if (const auto alive = weak.lock()) alive->take(i, gradient);
+    });
+  }
+}
+
+void GradientExchange::begin() {
+  state_->num_sent = 0;
+  state_->failure = nullptr;
+  for (Bucket& bucket : state_->buckets) {
+    bucket.flat.zero_();
+    bucket.num_missing = bucket.parameters.size();
+  }
+}
+
+Result<void> GradientExchange::finish() {
+  State& state = *state_;
+  torch::NoGradGuard no_grad;
+  try {
+    if (state.failure) std::rethrow_exception(state.failure);
+    // Parameters that were not used in this step (patterns that are not learned) contribute zeros.
+    for (Bucket& bucket : state.buckets) bucket.num_missing = 0;
+    state.send_full_buckets();
+    for (Bucket& bucket : state.buckets) bucket.finish();
+  } catch (const std::exception& error) {
+    return Peers::lost(error);
+  }
+  for (size_t i = 0; i < state.parameters.size(); ++i) {
+    auto gradient = state.parameters[i].grad();
+    if (!gradient.defined()) continue;
+    gradient.copy_(state.places[i].reshape(gradient.sizes())).div_(state.peers.size());
+  }
+  return {};
 }
 
 }  // namespace e2lf::learn

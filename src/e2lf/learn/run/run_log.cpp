@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/csv.h"
 #include "e2lf/files/file.h"
@@ -25,7 +26,7 @@ Result<void> append_line(const std::filesystem::path& path, const std::string& h
   std::ofstream out(path, std::ios::app);
   if (fresh) out << header << '\n';
   out << line << '\n';
-  if (!out.flush()) return Error{ErrorCode::kIo, "could not append; check the disk", path.string()};
+  if (!out.flush()) return fail(ErrorCode::kIo, path, "could not append; check the disk");
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 #include <torch/cuda.h>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/isa.h"
 
 namespace e2lf::learn {
@@ -41,15 +42,14 @@ Result<c10::Device> open_device(const std::string& name) {
   const bool is_cuda = name == "cuda" || (name.starts_with("cuda:") && name.size() > 5 && name.size() < 8 &&
                                           name.find_first_not_of("0123456789", 5) == std::string::npos);
   if (name != "cpu" && !is_cuda) {
-    return Error{ErrorCode::kInvalidValue, cat("there is no device \"", name, "\"; use cpu, cuda or cuda:1"), "device"};
+    return fail(ErrorCode::kInvalidValue, "device", "there is no device \"", name, "\"; use cpu, cuda or cuda:1");
   }
   if (!is_cuda) return c10::Device("cpu");
   const size_t number = name == "cuda" ? 0 : std::stoul(name.substr(5));
   const auto devices =
       static_cast<size_t>(torch::cuda::device_count());  // in torch 2, of a type that prints as a letter
   if (number >= devices) {
-    return Error{ErrorCode::kUnsupported, cat("torch sees ", devices, " CUDA devices; use another device, or cpu"),
-                 "device"};
+    return fail(ErrorCode::kUnsupported, "device", "torch sees ", devices, " CUDA devices; use another device, or cpu");
   }
   return c10::Device(c10::kCUDA, static_cast<c10::DeviceIndex>(number));
 }

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/result.h"
-#include "e2lf/base/text.h"
 
 namespace e2lf::learn {
 
@@ -22,8 +22,7 @@ auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(wor
     E2LF_RETURN_IF_ERROR(prepare_process());
     return work();
   } catch (const c10::Error& error) {
-    return Error{ErrorCode::kInternal, cat("torch failed: ", error.what_without_backtrace(), "; report this"),
-                 location.string()};
+    return fail(ErrorCode::kInternal, location, "torch failed: ", error.what_without_backtrace(), "; report this");
   }
 }
 

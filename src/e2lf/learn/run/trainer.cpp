@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "e2lf/base/fail.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/files/bundled_files.h"
@@ -55,11 +56,9 @@ Result<torch::Tensor> read_codes(const std::string& name, size_t fewest, const P
   const uint64_t most = patterns.num_codes();
   if (!codes || codes->num_patterns < fewest || codes->num_patterns > most || codes->views_y != 8 ||
       codes->views_x != 8 || (patterns.whole_cycle && !capture::is_black_first(*codes))) {
-    return Error{ErrorCode::kShape,
-                 cat("no codes of ", fewest < most ? "at most " : "", most, " patterns of 8x8 cells ",
-                     patterns.whole_cycle ? "that begin with black " : "",
-                     "in this file, as patterns.num_patterns requires; choose another file"),
-                 path.string()};
+    return fail(ErrorCode::kShape, path, "the file does not contain ", fewest < most ? "at most " : "", most,
+                " patterns of 8x8 cells", patterns.whole_cycle ? " that begin with black" : "",
+                ", as patterns.num_patterns requires; choose another file");
   }
   return to_tensor(*codes, device);
 }
@@ -123,10 +122,8 @@ Trainer::Trainer(Config config, Batches batches, NetworkModule network, torch::D
 
 Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   if (config.train.batch % static_cast<uint64_t>(peers.size()) != 0) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("a batch of ", config.train.batch, " cannot be split evenly between ", peers.size(),
-                     " processes; make it a multiple of this number"),
-                 "train.batch"};
+    return fail(ErrorCode::kInvalidValue, "train.batch", "a batch of ", config.train.batch,
+                " cannot be split evenly between ", peers.size(), " processes; make it a multiple of this number");
   }
   E2LF_ASSIGN_OR_RETURN(const torch::Device device, open_device(config.device));
   E2LF_ASSIGN_OR_RETURN(auto dataset, read_dataset(config.data.file, device));
@@ -343,10 +340,8 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
   while (step_ < config_.train.steps) {
     E2LF_ASSIGN_OR_RETURN(const StepReport report, train_step());
     if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("the loss is not finite after step ", step_,
-                       "; lower train.learning_rate and resume from the last checkpoint"),
-                   checkpoint.string()};
+      return fail(ErrorCode::kInvalidValue, checkpoint, "the loss is not finite after step ", step_,
+                  "; lower train.learning_rate and resume from the last checkpoint");
     }
     sum = {sum.loss + report.loss, sum.mse + report.mse, sum.gradient_norm + report.gradient_norm};
     const bool ends = step_ == config_.train.steps;
@@ -367,7 +362,7 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
     if (step_ % config_.train.checkpoint_steps == 0 || step_ == config_.train.steps || stop) {
       if (peers_.leads()) E2LF_RETURN_IF_ERROR(save_checkpoint(checkpoint));
     }
-    if (stop) return Error{ErrorCode::kCancelled, "training stopped; `e2lf resume` continues it", folder.string()};
+    if (stop) return fail(ErrorCode::kCancelled, folder, "training stopped; `e2lf resume` continues it");
   }
   return {};
 }

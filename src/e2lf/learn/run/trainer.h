@@ -12,7 +12,6 @@
 #include "e2lf/learn/optimisers/optimisers.h"
 #include "e2lf/learn/run/config.h"
 #include "e2lf/learn/run/evaluate.h"
-#include "e2lf/learn/run/gradient_exchange.h"
 #include "e2lf/learn/run/peers.h"
 #include "e2lf/learn/run/run_log.h"
 

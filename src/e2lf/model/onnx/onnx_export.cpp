@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/onnx/onnx_export.h"
 
+#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/files/options.h"
@@ -65,13 +66,11 @@ Result<std::string> onnx_file(const Model& model) {
   E2LF_RETURN_IF_ERROR(validate(model, model.name));
   E2LF_RETURN_IF_ERROR(check_size(model));
   if (model.measurement() != capture::MeasurementKind::kEventImages) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("exported networks take event images; this one takes ",
-                     capture::measurement_name(model.measurement()), "; export a model of event images"),
-                 model.name};
+    return fail(ErrorCode::kUnsupported, model.name, "exported networks take event images; this one takes ",
+                capture::measurement_name(model.measurement()), "; export a model of event images");
   }
   if (const std::string refusal = onnx_refusal(model.network); !refusal.empty()) {
-    return Error{ErrorCode::kUnsupported, refusal + ", which is not exported; export another network", model.name};
+    return fail(ErrorCode::kUnsupported, model.name, refusal, ", which is not exported; export another network");
   }
   const size_t transitions = model.num_patterns - 1;
   OnnxGraph graph;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/onnx/onnx_layers.h"
 
+#include <array>
+#include <cmath>
 #include <map>
 
 #include "e2lf/base/contract.h"
@@ -120,6 +122,111 @@ std::string add_onnx_layers(OnnxGraph& graph, const Network& network, const Weig
     tensors[layer.name] = {result, shapes[i]};
   }
   return result;
+}
+
+namespace {
+
+using Integers = std::vector<int64_t>;
+
+/// Makes the input planes of one model. Tensors that several groups need are made only once.
+class InputForms {
+ public:
+  InputForms(OnnxGraph& graph, size_t transitions, const capture::SensorConstants& constants, std::string events)
+      : graph_(graph), transitions_(transitions), constants_(constants), events_(std::move(events)) {}
+
+  /// Returns C_k, the cumulative counts.
+  const std::string& cumulative() {
+    if (cumulative_.empty()) {
+      const std::string axis = graph_.add_constant("input/channel_axis", Integers{1});
+      cumulative_ = graph_.add_node("CumSum", {events_, axis}, "input/cumulative");
+    }
+    return cumulative_;
+  }
+
+  /// Returns min(J_k, 1) with J_k = eps (exp(tau (C_k + s_k / 2)) - 1). The exponent is limited to the value at which
+  /// J_k is 1, so that no count overflows.
+  std::string intensity() {
+    const auto number = [&](const char* name, double value) {
+      return graph_.add_constant(name, static_cast<float>(value));
+    };
+    const double eps = constants_.eps;
+    const std::string one = number("input/one", 1.0);
+    std::string x = graph_.add_node("Mul", {last_change(one), number("input/half", 0.5)}, "input/half_steps");
+    x = graph_.add_node("Add", {cumulative(), x}, "input/steps");
+    x = graph_.add_node("Mul", {x, number("input/tau", constants_.tau)}, "input/log_steps");
+    x = graph_.add_node("Min", {x, number("input/white_log", std::log1p(1.0 / eps))}, "input/log");
+    x = graph_.add_node("Exp", {x}, "input/exp");
+    x = graph_.add_node("Sub", {x, one}, "input/above_black");
+    return graph_.add_node("Mul", {x, number("input/eps", eps)}, "input/intensity");
+  }
+
+ private:
+  /// Returns s_k, the sign of the last non-zero count up to k.
+  std::string last_change(const std::string& one) {
+    const std::string signs = graph_.add_node("Sign", {events_}, "input/signs");
+    std::vector<std::string> changes;
+    for (size_t k = 0; k < transitions_; ++k) {
+      const std::string index = graph_.add_constant(cat("input/k", k), Integers{static_cast<int64_t>(k)});
+      std::string sign = graph_.add_node("Gather", {signs, index}, cat("input/sign", k), {{"axis", int64_t{1}}});
+      if (k > 0) {
+        // 1 if this count is zero, in which case the previous sign is kept.
+        const std::string changed = graph_.add_node("Abs", {sign}, cat("input/changed", k));
+        const std::string still = graph_.add_node("Sub", {one, changed}, cat("input/still", k));
+        const std::string kept = graph_.add_node("Mul", {still, changes.back()}, cat("input/kept", k));
+        sign = graph_.add_node("Add", {sign, kept}, cat("input/change", k));
+      }
+      changes.push_back(sign);
+    }
+    return graph_.add_node("Concat", changes, "input/last_change", {{"axis", int64_t{1}}});
+  }
+
+  OnnxGraph& graph_;
+  size_t transitions_;
+  capture::SensorConstants constants_;
+  std::string events_, cumulative_;
+};
+
+/// Expands each number of the conditioning vector to a constant plane.
+std::string camera_planes(OnnxGraph& graph, const std::string& conditioning, const OnnxSize& size) {
+  const std::string axes = graph.add_constant("input/image_axes", Integers{2, 3});
+  const std::string pixels = graph.add_node("Unsqueeze", {conditioning, axes}, "input/trait_pixels");
+  const std::string ones = graph.add_constant("input/ones", Integers{1, 1});
+  const std::string shape = graph.add_node("Concat", {ones, size.padded}, "input/trait_shape", {{"axis", int64_t{0}}});
+  return graph.add_node("Expand", {pixels, shape}, "input/camera");
+}
+
+}  // namespace
+
+std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& groups, size_t transitions,
+                           const capture::SensorConstants& constants, const std::string& events,
+                           const std::string& conditioning, const OnnxSize& size) {
+  InputForms forms(graph, transitions, constants, events);
+  std::array<std::string, 4> made;  // one for each kind that is made from events
+  std::vector<std::string> planes;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    std::string& form = made[static_cast<size_t>(groups[g].kind)];
+    if (form.empty()) {
+      switch (groups[g].kind) {
+        case InputKind::kCounts:
+          form = events;
+          break;
+        case InputKind::kCumulative:
+          form = forms.cumulative();
+          break;
+        case InputKind::kIntensity:
+          form = forms.intensity();
+          break;
+        case InputKind::kCamera:
+          form = camera_planes(graph, conditioning, size);
+          break;
+        default:
+          E2LF_REQUIRE(false, "an exported model takes event images alone");
+      }
+    }
+    const std::string scale = graph.add_constant(cat("input/scale", g), groups[g].scale);
+    planes.push_back(graph.add_node("Mul", {form, scale}, cat("input/group", g)));
+  }
+  return graph.add_node("Concat", planes, "input/planes", {{"axis", int64_t{1}}});
 }
 
 }  // namespace e2lf::model

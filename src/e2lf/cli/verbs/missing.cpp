@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// e2lf view, reconstruct --view and the pages of the demo and of e2lf live in a build without the viewer
+// The verbs and pages of a build without the viewer (E2LF_NO_VIEWER) or without SDL (E2LF_NO_DISPLAY)
+#include "e2lf/base/fail.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cli/verbs/live_page.h"
 
 namespace e2lf::cli {
+#ifdef E2LF_NO_VIEWER
 namespace {
 
 Error no_viewer() {
@@ -42,5 +44,18 @@ int run_view(const std::vector<std::string>& arguments) {
   verb.app().allow_extras();
   return verb.run(arguments, []() -> Result<void> { return no_viewer(); });
 }
+#endif
+
+#ifdef E2LF_NO_DISPLAY
+int run_codes_play(const std::vector<std::string>& arguments) {
+  Verb verb("codes play", "Show the patterns on a display of this computer. This build lacks SDL.",
+            "e2lf codes render -m e2lf-n4 -o out/display");
+  verb.app().allow_extras();
+  return verb.run(arguments, []() -> Result<void> {
+    return fail(ErrorCode::kMissingDependency, "",
+                "this build cannot show patterns; install libsdl2-dev, then configure and build again");
+  });
+}
+#endif
 
 }  // namespace e2lf::cli

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: MIT
+// The verbs that render a light field: refocus, epi and animate.
+#include <cstdio>
+
+#include "e2lf/base/fail.h"
+#include "e2lf/base/format.h"
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
+#include "e2lf/cli/verbs.h"
+#include "e2lf/depth/disparity.h"
+#include "e2lf/depth/disparity_files.h"
+#include "e2lf/film/film_file.h"
+#include "e2lf/film/parallax.h"
+#include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/lightfield/epi.h"
+#include "e2lf/lightfield/refocus.h"
+#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/program/run_record.h"
+#include "e2lf/terminal/progress_bar.h"
+
+namespace e2lf::cli {
+namespace fs = std::filesystem;
+using lightfield::Image;
+using lightfield::LightField;
+namespace {
+
+struct RefocusArguments {
+  fs::path input, output;
+  std::vector<float> disparities;
+  lightfield::RoundAperture aperture;
+  bool is_round = false;
+  LightFieldFlags light_field{.views = 0};
+};
+
+/// Places images side by side, with a gap between them.
+Image side_by_side(const std::vector<Image>& pictures) {
+  constexpr size_t kGapPx = 4;
+  const Image& first = pictures.front();
+  Image all(pictures.size() * (first.width + kGapPx) - kGapPx, first.height, first.channels);
+  std::fill(all.pixels.begin(), all.pixels.end(), 1.0F);
+  const size_t row = first.width * first.channels, stride = (first.width + kGapPx) * first.channels;
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    for (size_t y = 0; y < first.height; ++y) {
+      std::copy_n(pictures[i].pixels.data() + y * row, row,
+                  all.pixels.data() + y * all.width * first.channels + i * stride);
+    }
+  }
+  return all;
+}
+
+Result<lightfield::Aperture> aperture_of(const RefocusArguments& arguments, const lightfield::Shape& shape) {
+  if (!arguments.is_round) return lightfield::full_aperture(shape);
+  lightfield::Aperture aperture = lightfield::round_aperture(shape, arguments.aperture);
+  for (float weight : aperture.weights) {
+    if (weight > 0) return aperture;
+  }
+  return fail(ErrorCode::kInvalidValue, arguments.input,
+              "this aperture contains no view; give a larger --aperture or a centre that is nearer");
+}
+
+Result<void> refocus(RefocusArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  arguments.is_round = verb.is_given("--aperture");
+  if (!arguments.is_round && (verb.is_given("--centre-row") || verb.is_given("--centre-column"))) {
+    return fail(ErrorCode::kInvalidValue, "", "the centre of the whole aperture is fixed; also give --aperture");
+  }
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
+  RunRecord record("refocus", {arguments.input});
+  E2LF_ASSIGN_OR_RETURN(const LightField light_field,
+                        load_to_show(arguments.input, arguments.light_field, common.quiet, arguments.disparities));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::Aperture aperture, aperture_of(arguments, light_field.shape()));
+  std::vector<Image> pictures;
+  for (float disparity : arguments.disparities) {
+    pictures.push_back(lightfield::refocus(light_field, disparity, aperture));
+  }
+  record.end_step("refocus");
+  E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), side_by_side(pictures)));
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  if (!common.quiet) {
+    std::printf("%s of %zux%zu px in %s\n", counted(pictures.size(), "image").c_str(), pictures.front().width,
+                pictures.front().height, arguments.output.c_str());
+  }
+  return {};
+}
+
+}  // namespace
+
+int run_refocus(const std::vector<std::string>& arguments) {
+  Verb verb("refocus",
+            "Compute the image of a camera with a wide aperture that is focused at a given disparity, or several "
+            "images side by side.",
+            "e2lf refocus out/demo/recon --disparity=-1,0,1.2 -o out/refocus.png");
+  RefocusArguments refocusing;
+  CLI::App& app = verb.app();
+  app.add_option("input,-i,--input", refocusing.input, "light field")->required();
+  app.add_option("-o,--output", refocusing.output, "PNG file to write")->required();
+  app.add_option("--disparity", refocusing.disparities,
+                 "disparity of the points in focus, px per view step, smaller for nearer points; several are separated "
+                 "by commas, e.g. --disparity=-1,0")
+      ->required()
+      ->delimiter(',')
+      ->expected(1, 64);
+  app.add_option("--aperture", refocusing.aperture.radius,
+                 "radius of a round aperture in view steps, where 0.5 is one view; default: all views");
+  app.add_option("--centre-row", refocusing.aperture.centre_y, "offset of the round aperture downwards, in view steps");
+  app.add_option("--centre-column", refocusing.aperture.centre_x,
+                 "offset of the round aperture to the right, in view steps");
+  add_light_field_options(app, refocusing.light_field, /*has_views=*/true);
+  add_orientation_options(app, refocusing.light_field.orientation);
+  return verb.run(arguments, [&] { return refocus(refocusing, verb); });
+}
+
+namespace fs = std::filesystem;
+using lightfield::Image;
+using lightfield::LightField;
+namespace {
+
+struct EpiArguments {
+  fs::path input, output;
+  size_t row = 0, column = 0, view = 0, px_per_view = 6;
+  LightFieldFlags light_field{.views = 0};
+};
+
+/// Fails if there are not that many.
+Result<void> check_place(const char* what, size_t place, size_t count, const fs::path& input) {
+  if (place < count) return {};
+  return fail(ErrorCode::kNotFound, input, "there is no ", what, " ", place, "; give 0 to ", count - 1);
+}
+
+Result<Image> cut(const EpiArguments& arguments, const LightField& light_field, bool has_row, bool has_column,
+                  bool has_view) {
+  const lightfield::Shape& shape = light_field.shape();
+  if (has_row) E2LF_RETURN_IF_ERROR(check_place("row", arguments.row, shape.height, arguments.input));
+  if (has_column) E2LF_RETURN_IF_ERROR(check_place("column", arguments.column, shape.width, arguments.input));
+  lightfield::EpiPictureOptions options = lightfield::middle_cut(shape);
+  if (has_row) {
+    if (has_view) options.view_y = arguments.view;
+    E2LF_RETURN_IF_ERROR(check_place("row of views", options.view_y, shape.views_y, arguments.input));
+  } else if (has_column) {
+    if (has_view) options.view_x = arguments.view;
+    E2LF_RETURN_IF_ERROR(check_place("column of views", options.view_x, shape.views_x, arguments.input));
+  }
+  if (has_row != has_column) {
+    return has_row ? lightfield::enlarged(lightfield::horizontal_epi(light_field, options.view_y, arguments.row),
+                                          arguments.px_per_view, 1)
+                   : lightfield::enlarged(lightfield::vertical_epi(light_field, options.view_x, arguments.column), 1,
+                                          arguments.px_per_view);
+  }
+  if (has_row) {
+    options.y = arguments.row;
+    options.x = arguments.column;
+  }
+  options.px_per_view = arguments.px_per_view;
+  return lightfield::epi_picture(light_field, options);
+}
+
+Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  const bool has_row = verb.is_given("--row"), has_column = verb.is_given("--column");
+  const bool has_view = verb.is_given("--view");
+  if (has_view && has_row == has_column) {
+    return fail(ErrorCode::kInvalidValue, "", "--view selects the views of a single cut; give --row or --column");
+  }
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
+  RunRecord record("epi", {arguments.input});
+  E2LF_ASSIGN_OR_RETURN(const LightField light_field,
+                        load_to_show(arguments.input, arguments.light_field, common.quiet));
+  E2LF_ASSIGN_OR_RETURN(const Image picture, cut(arguments, light_field, has_row, has_column, has_view));
+  E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));
+  record.end_step("epi");
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  if (!common.quiet) std::printf("%zux%zu px in %s\n", picture.width, picture.height, arguments.output.c_str());
+  return {};
+}
+
+}  // namespace
+
+int run_epi(const std::vector<std::string>& arguments) {
+  Verb verb("epi",
+            "Make an epipolar plane image: a cut of a light field along a row or column of pixels through all views of "
+            "a row or column of views. With both cuts, or none, it is shown beside the view.",
+            "e2lf epi out/demo/recon --row 200 -o out/epi.png");
+  EpiArguments cutting;
+  CLI::App& app = verb.app();
+  app.add_option("input,-i,--input", cutting.input, "light field")->required();
+  app.add_option("-o,--output", cutting.output, "PNG file to write")->required();
+  app.add_option("--row", cutting.row, "row of pixels to cut along, counted from 0; views are stacked downwards");
+  app.add_option("--column", cutting.column,
+                 "column of pixels to cut along, counted from 0; views are stacked to the right");
+  app.add_option("--view", cutting.view, "the row of views, or with --column the column; default: the middle one");
+  add_count(app, "--px-per-view", cutting.px_per_view, 1, 100, "thickness of each view's line, px");
+  add_light_field_options(app, cutting.light_field, /*has_views=*/true);
+  add_orientation_options(app, cutting.light_field.orientation);
+  return verb.run(arguments, [&] { return epi(cutting, verb); });
+}
+
+namespace fs = std::filesystem;
+using lightfield::Image;
+using lightfield::LightField;
+namespace {
+
+struct AnimateArguments {
+  fs::path input, output;
+  std::string path = "orbit";
+  size_t frames = 48;
+  int frames_per_s = 20;
+  float still = 0, from = 0, to = 0;
+  film::Quilt quilt;
+  bool has_focus_range = false;
+  LightFieldFlags light_field{.views = 0};
+};
+
+/// Estimates the range of disparities in the scene, for a sweep of the focus.
+Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, const LightField& light_field,
+                                          RunRecord& record) {
+  if (arguments.has_focus_range) return depth::DisparityRange{arguments.from, arguments.to};
+  E2LF_ASSIGN_OR_RETURN(const depth::DisparityMap map,
+                        located(depth::estimate_disparity(light_field), arguments.input));
+  const depth::DisparityRange range = depth::shown_range(map);
+  record.resolve("from", range.least);
+  record.resolve("to", range.most);
+  return range;
+}
+
+using FrameFn = std::function<Image(size_t frame)>;
+
+Result<FrameFn> frame_maker(const AnimateArguments& arguments, const LightField& light_field, RunRecord& record) {
+  const lightfield::Shape& shape = light_field.shape();
+  if (arguments.path == "focus") {
+    E2LF_ASSIGN_OR_RETURN(const depth::DisparityRange range, focus_range(arguments, light_field, record));
+    return FrameFn([&light_field, path = film::focus_sweep(range.least, range.most, arguments.frames)](size_t frame) {
+      return lightfield::refocus(light_field, path[frame], lightfield::full_aperture(light_field.shape()));
+    });
+  }
+  const auto path =
+      arguments.path == "orbit" ? film::orbit(shape, arguments.frames) : film::sweep(shape, arguments.frames);
+  return FrameFn([&light_field, path, still = arguments.still](size_t frame) {
+    return film::picture_from(light_field, path[frame], still);
+  });
+}
+
+Result<void> write_film(const fs::path& file, film::FilmFormat format, const AnimateArguments& arguments,
+                        const FrameFn& frame_at, bool is_quiet) {
+  ProgressBar bar("animate", is_quiet);
+  const Image first = frame_at(0);
+  E2LF_ASSIGN_OR_RETURN(film::FilmFile film, film::FilmFile::create(file, {format, arguments.frames_per_s}, first));
+  E2LF_RETURN_IF_ERROR(film.add(first));
+  for (size_t frame = 1; frame < arguments.frames; ++frame) {
+    E2LF_RETURN_IF_ERROR(film.add(frame_at(frame)));
+    bar.update(frame, arguments.frames);
+  }
+  return film.finish();
+}
+
+Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
+  E2LF_RETURN_IF_ERROR(located(film::check_film_support(), arguments.output));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
+  RunRecord record("animate", {arguments.input});
+  E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
+                                                                   {arguments.still, arguments.from, arguments.to}));
+  E2LF_ASSIGN_OR_RETURN(const FrameFn frame_at, frame_maker(arguments, light_field, record));
+  E2LF_RETURN_IF_ERROR(write_film(output.path(), format, arguments, frame_at, common.quiet));
+  record.end_step("animate");
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  if (!common.quiet) std::printf("%zu frames in %s\n", arguments.frames, arguments.output.c_str());
+  std::error_code error;
+  constexpr uintmax_t kLargeBytes = uintmax_t{10} << 20;
+  const uintmax_t bytes = fs::file_size(arguments.output, error);
+  if (arguments.output.extension() == ".gif" && !error && bytes > kLargeBytes) {
+    log_info(cat("a GIF of ", bytes >> 20, " MB; the same film is a fraction of that as .mp4 or .webm"));
+  }
+  return {};
+}
+
+/// Returns the given name with the suffix that displays read.
+fs::path quilt_name(const fs::path& named, const lightfield::Shape& shape, const film::Quilt& quilt) {
+  const std::string stem = named.stem().string();
+  if (stem.find("_qs") != std::string::npos) return named;
+  return named.parent_path() / (stem + film::quilt_suffix(shape, quilt) + ".png");
+}
+
+Result<void> make_quilt(const AnimateArguments& arguments, const Verb& verb) {
+  const CommonOptions& common = verb.common();
+  RunRecord record("animate", {arguments.input});
+  E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
+                                                                   {arguments.still, arguments.from, arguments.to}));
+  const fs::path named = quilt_name(arguments.output, light_field.shape(), arguments.quilt);
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(named, verb, {arguments.input}));
+  E2LF_ASSIGN_OR_RETURN(const auto picture,
+                        located(film::quilt_picture(light_field, arguments.quilt, arguments.still), arguments.input));
+  if (std::max(picture.width, picture.height) > film::kMostQuiltPx) {
+    log_warning(cat("the quilt has ", picture.width, "x", picture.height, " px, but displays read at most ",
+                    film::kMostQuiltPx, " px per side; give fewer --columns or --rows, or smaller views"));
+  }
+  E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));
+  record.end_step("animate");
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  if (!common.quiet) {
+    std::printf("%zux%zu images in %s\n", arguments.quilt.columns, arguments.quilt.rows, named.c_str());
+  }
+  return {};
+}
+
+Result<void> animate(AnimateArguments& arguments, const Verb& verb) {
+  if (verb.is_given("--from") != verb.is_given("--to")) {
+    return fail(ErrorCode::kInvalidValue, "", "a sweep has two ends; give --from and --to");
+  }
+  arguments.has_focus_range = verb.is_given("--from");
+  if (arguments.output.extension() != ".png") return make_film(arguments, verb);
+  if (verb.is_given("--path") || verb.is_given("--from")) {
+    return fail(ErrorCode::kInvalidValue, arguments.output,
+                "a .png file contains a quilt, which has no path; use .gif, .webm or .mp4");
+  }
+  return make_quilt(arguments, verb);
+}
+
+}  // namespace
+
+int run_animate(const std::vector<std::string>& arguments) {
+  Verb verb("animate",
+            "Render a film that moves the viewpoint or the focus through a light field, or a quilt, one image with "
+            "many viewpoints for displays that show parallax.",
+            "e2lf animate out/demo/recon -o out/orbit.gif");
+  AnimateArguments animation;
+  CLI::App& app = verb.app();
+  app.add_option("input,-i,--input", animation.input, "light field")->required();
+  app.add_option("-o,--output", animation.output,
+                 "film to write (.gif, .webm, .mp4), or a quilt (.png), whose name gets the suffix that displays read")
+      ->required();
+  add_choice(app, "--path", animation.path, {"orbit", "sweep", "focus"},
+             "path: orbit (a circle), sweep (from left to right) or focus (from near to far)");
+  add_count(app, "--frames", animation.frames, 1, 10000, "duration of the film, which ends as it begins");
+  add_count(app, "--fps", animation.frames_per_s, 1, 100, "frames per second");
+  app.add_option("--still", animation.still,
+                 "orbit, sweep, quilt: disparity of the points that do not move, px per view step")
+      ->capture_default_str();
+  app.add_option("--from", animation.from, "focus: first disparity, px per view step");
+  app.add_option("--to", animation.to, "focus: last disparity; default of both: the nearest and farthest in the scene");
+  add_count(app, "--columns", animation.quilt.columns, 1, 100, "number of columns of a quilt");
+  add_count(app, "--rows", animation.quilt.rows, 1, 100, "number of rows of a quilt");
+  add_light_field_options(app, animation.light_field, /*has_views=*/true);
+  add_orientation_options(app, animation.light_field.orientation);
+  return verb.run(arguments, [&] { return animate(animation, verb); });
+}
+
+}  // namespace e2lf::cli

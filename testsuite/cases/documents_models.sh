@@ -1,0 +1,57 @@
+# The pages on training, measurements and pictures.
+
+part documents_training
+# The commands of the pages on training work as written, and those of the experiments that need no data.
+source "$TESTSUITE/documents/page.sh"
+training() {
+  e2lf demo -o demo --quiet
+  ln -s demo/scene SCENE
+  ln -s demo/recon OTHER
+  mkdir FOLDER
+  convert demo/scene/00_00.png FOLDER/photograph.png
+}
+page docs/training.md training
+page docs/experiments/decisions.md
+page docs/experiments/camera-fit.md
+page docs/experiments/imperfections.md
+page docs/experiments/motion.md
+page docs/experiments/capture-at-equal-tones.md
+page docs/experiments/plenoptic-scenes.md
+page docs/experiments/geometry.md
+
+part documents_measurements
+# The commands of the pages on measurements work as written; of those on the library and packages, the ones
+# that build nothing.
+source "$TESTSUITE/documents/page.sh"
+measurements() {
+  e2lf demo -o rendered --quiet
+  ln -s rendered/scene SCENE
+  ln -s models/e2lf-n4.safetensors MODEL
+}
+page docs/measurements.md measurements
+page docs/library.md
+page docs/packages.md
+page docs/python.md
+
+part documents_pictures
+# The commands of the pages on depth, models and comparisons, and of the example, work as written.
+source "$TESTSUITE/documents/page.sh"
+models() { make release DIR; }
+comparison() { ln -s configs/compare.json CONFIG; }
+page docs/depth.md
+exists depth/out/depth/points.ply depth/out/both.png
+example() {
+  make release DIR
+  e2lf demo -o scene --quiet && mkdir out && mv scene/recon out/animals # in place of the light field of the capture
+}
+page docs/example.md example
+exists example/out/animals.html example/out/rig_orbit.mp4
+page docs/models.md models
+exists models/e2lf-n4-camera.onnx
+demo() { e2lf demo -o out/demo --quiet; }
+page docs/outputs.md demo
+exists outputs/quality.html
+page docs/experiments/equivalence.md
+exists equivalence/equivalence/index.html
+page docs/compare.md comparison
+exists compare/out/compare/index.html compare/all/table.csv
