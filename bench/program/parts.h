@@ -8,8 +8,7 @@
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/model/model.h"
 
-/// Functions that the benchmarks of networks share.
-/// Scenes that move before the camera, and how well a light field matches one of them.
+/// Functions that the benchmarks of networks share, and scenes that move before the camera.
 namespace e2lf::bench {
 
 struct Timing {
