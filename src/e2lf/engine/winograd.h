@@ -6,7 +6,7 @@
 
 namespace e2lf::engine {
 
-// Winograd's F(4, 3), see kernels/winograd_points.h.
+// Winograd's F(4, 3), see kernels/elements.h.
 using kernels::kWinogradA, kernels::kWinogradB, kernels::kWinogradMatrices, kernels::kWinogradPoints;
 
 /// The number of tiles that are transformed and multiplied together. With the weights, they should fit into the

@@ -39,13 +39,5 @@ TEST(EventStatistics, RefusesImagesWithoutPixels) {
   EXPECT_THROW((void)event_statistics(capture::EventImages()), ContractError);
 }
 
-TEST(MeanEventDifference, CountsOverPixelsAndTransitions) {
-  capture::EventImages a(2, 1, 2), b(2, 1, 2);
-  a.values = {3, -1, 0, 5};
-  b.values = {1, 1, 0, 5};
-  EXPECT_DOUBLE_EQ(mean_event_difference(a, b), 1.0);
-  EXPECT_DOUBLE_EQ(mean_event_difference(a, a), 0.0);
-}
-
 }  // namespace
 }  // namespace e2lf::eval

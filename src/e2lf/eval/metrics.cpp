@@ -353,14 +353,4 @@ EventStatistics event_statistics(const capture::EventImages& images, const Event
   return statistics;
 }
 
-double mean_event_difference(const capture::EventImages& a, const capture::EventImages& b) {
-  E2LF_REQUIRE(a.count == b.count && a.height == b.height && a.width == b.width && !a.values.empty(),
-               "event images must have the same shape");
-  uint64_t sum = 0;
-  for (size_t i = 0; i < a.values.size(); ++i) {
-    sum += static_cast<uint64_t>(std::abs(int{a.values[i]} - int{b.values[i]}));
-  }
-  return static_cast<double>(sum) / static_cast<double>(a.values.size());
-}
-
 }  // namespace e2lf::eval

@@ -128,9 +128,6 @@ struct EventStatistics {
 [[nodiscard]] EventStatistics event_statistics(const capture::EventImages& images,
                                                const EventRateOptions& options = {});
 
-/// Returns the mean of |a - b| over pixels and transitions. Images of different shapes break the contract.
-[[nodiscard]] double mean_event_difference(const capture::EventImages& a, const capture::EventImages& b);
-
 /// Computes time and data rate for a known number of events per pixel. `events_per_pixel` is left empty.
 [[nodiscard]] EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions& options = {});
 
