@@ -68,6 +68,7 @@ namespace e2lf::learn {
 namespace HWY_NAMESPACE {
 namespace {
 
+using kn::kTaps;
 using Square = FloatVec[kWinogradPoints][kWinogradPoints];
 
 /// Access to kLanes channels of a pixel.
@@ -181,7 +182,7 @@ void spread_tile(const ConvShape& shape, const ConvBackward& job, const Tile& ti
         }
         sum = hn::Add(sum, column[i]);
       }
-      spread_output(column, m);
+      kn::spread_output(column, m);
       E2LF_UNROLL
       for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = m[i];
     }
@@ -190,7 +191,7 @@ void spread_tile(const ConvShape& shape, const ConvBackward& job, const Tile& ti
     E2LF_UNROLL
     for (size_t i = 0; i < kWinogradPoints; ++i) {
       FloatVec m[kWinogradPoints];
-      spread_output(half[i], m);
+      kn::spread_output(half[i], m);
       E2LF_UNROLL
       for (size_t j = 0; j < kWinogradPoints; ++j, point += step) hn::StoreU(m[j], d, point);
     }
@@ -209,14 +210,14 @@ void collect_tile(const ConvShape& shape, float* dx, const Tile& tile, const flo
       FloatVec row[kWinogradPoints], x[kWinogradPoints];
       E2LF_UNROLL
       for (size_t j = 0; j < kWinogradPoints; ++j, point += step) row[j] = hn::LoadU(d, point);
-      spread_input(row, x);
+      kn::spread_input(row, x);
       E2LF_UNROLL
       for (size_t j = 0; j < kWinogradPoints; ++j) half[j][i] = x[j];
     }
     E2LF_UNROLL
     for (size_t j = 0; j < kWinogradPoints; ++j) {
       FloatVec x[kWinogradPoints];
-      spread_input(half[j], x);
+      kn::spread_input(half[j], x);
       E2LF_UNROLL
       for (size_t i = 0; i < kWinogradPoints; ++i) {
         if (pixels.at[i][j] == nullptr) continue;
@@ -237,7 +238,7 @@ void TapsToMatrices(const float* taps, size_t rows, size_t columns, float* matri
         FloatVec g[kTaps], u[kWinogradPoints];
         E2LF_UNROLL
         for (size_t i = 0; i < kTaps; ++i) g[i] = access.load(taps + ((i * kTaps + j) * rows + row) * columns + column);
-        transform_taps(g, u);
+        kn::transform_taps(g, u);
         E2LF_UNROLL
         for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = u[i];
       }
@@ -245,7 +246,7 @@ void TapsToMatrices(const float* taps, size_t rows, size_t columns, float* matri
       E2LF_UNROLL
       for (size_t i = 0; i < kWinogradPoints; ++i) {
         FloatVec u[kWinogradPoints];
-        transform_taps(half[i], u);
+        kn::transform_taps(half[i], u);
         E2LF_UNROLL
         for (size_t j = 0; j < kWinogradPoints; ++j, to += step) hn::StoreU(u[j], FloatTag(), to);
       }
@@ -264,14 +265,14 @@ void MatricesToTaps(const float* matrices, size_t rows, size_t columns, float* t
         FloatVec u[kWinogradPoints], g[kTaps];
         E2LF_UNROLL
         for (size_t j = 0; j < kWinogradPoints; ++j, from += step) u[j] = hn::LoadU(FloatTag(), from);
-        collect_taps(u, g);
+        kn::collect_taps(u, g);
         E2LF_UNROLL
         for (size_t j = 0; j < kTaps; ++j) half[j][i] = g[j];
       }
       E2LF_UNROLL
       for (size_t j = 0; j < kTaps; ++j) {
         FloatVec g[kTaps];
-        collect_taps(half[j], g);
+        kn::collect_taps(half[j], g);
         E2LF_UNROLL
         for (size_t i = 0; i < kTaps; ++i) access.store(g[i], taps + ((i * kTaps + j) * rows + row) * columns + column);
       }
