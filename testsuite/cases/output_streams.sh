@@ -14,7 +14,7 @@ done
 "$E2LF" convert rec.raw /dev/stdout --format evt3 2>text.txt >piped.raw
 cmp file.raw piped.raw
 for format in npy hdf5 dsec; do
-  fails 1 "$format" "$E2LF" convert rec.raw - --format "$format"
+  fails 1 "convert: -:" "$E2LF" convert rec.raw - --format "$format"
   [ ! -s stdout.txt ] || fail "$format wrote something"
 done
 absent ./-

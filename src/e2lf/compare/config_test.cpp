@@ -77,7 +77,7 @@ TEST(Config, RefusesNamesAndSeedsGivenTwice) {
   EXPECT_THAT(error_of(json), HasSubstr("inv"));
   json = smallest();
   json["seeds"] = {1, 1};
-  EXPECT_THAT(error_of(json), HasSubstr("each once"));
+  EXPECT_THAT(error_of(json), HasSubstr("seed"));
 }
 
 TEST(Config, RefusesUnknownMetricsAndOtherShapes) {
@@ -87,10 +87,10 @@ TEST(Config, RefusesUnknownMetricsAndOtherShapes) {
   json = smallest();
   json["methods"] = "inversion";
   EXPECT_THAT(error_of(json), HasSubstr("expected a list"));
-  EXPECT_THAT(error_of(Json::array()), HasSubstr("not an object"));
+  EXPECT_THAT(error_of(Json::array()), HasSubstr("object"));
   json = smallest();
   json["methods"] = Json::array();
-  EXPECT_THAT(error_of(json), HasSubstr("nothing"));
+  EXPECT_THAT(error_of(json), HasSubstr("empty"));
 }
 
 TEST(Config, TheDocumentedTableIsThatOfTheFields) {

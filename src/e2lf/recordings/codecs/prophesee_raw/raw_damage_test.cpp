@@ -142,7 +142,7 @@ TEST(ZerosAtTheEnd, OfAnInterruptedCopyAreCountedAndCostNoEvent) {
     const Recording recording = make_recording(format, 7);
     // Few bytes at a time only for the short tail, because the reader looks at all of it again each time.
     for (const auto& [zeros, step] :
-         {std::pair<size_t, size_t>{100, 5}, {100, 1000}, {40'000, 5000}, {40'000, 1 << 20}}) {
+         std::vector<std::pair<size_t, size_t>>{{100, 5}, {100, 1000}, {40'000, 5000}, {40'000, 1 << 20}}) {
       std::vector<uint8_t> bytes = recording.bytes;
       bytes.resize(bytes.size() + zeros * word_bytes);
       const Decoded read = decoded(chunked(bytes, step));
