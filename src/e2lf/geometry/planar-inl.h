@@ -29,19 +29,6 @@ HWY_INLINE size_t chunks_of(const Strip& strip) {
   return (strip.width + kChunk - 1) / kChunk;
 }
 
-HWY_INLINE float as_float(float value) {
-  return value;
-}
-HWY_INLINE float as_float(Bfloat16 value) {
-  return to_float(value);
-}
-HWY_INLINE void assign(float value, float& to) {
-  to = value;
-}
-HWY_INLINE void assign(float value, Bfloat16& to) {
-  to = to_bfloat16(value);
-}
-
 /// Part of a row: columns [begin, begin + count) of row y, which has `width` columns.
 struct Chunk {
   ptrdiff_t y;
@@ -115,7 +102,7 @@ class PlanarKernel final : public Kernel {
     const auto* from = strip.inputs[0].row<const Element>(y);
     auto* to = strip.output.row<float>(y);
     for (size_t c = 0; c < channels_; ++c, to += strip.width) {
-      for (size_t x = 0; x < strip.width; ++x) to[x] = as_float(from[x * step + c]);
+      for (size_t x = 0; x < strip.width; ++x) to[x] = to_float(from[x * step + c]);
       if (c < opacities_) make_opacity(strip.width, c + 1 == opacities_, to);
     }
   }
@@ -133,11 +120,9 @@ class PlanarKernel final : public Kernel {
 };
 
 inline std::unique_ptr<Kernel> make_planar(size_t channels, size_t opacities, ElementType type) {
-#if E2LF_TARGET_HAS_BF16
-  if (type == ElementType::kBfloat16) return std::make_unique<PlanarKernel<Bfloat16>>(channels, opacities);
-#endif
-  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return std::make_unique<PlanarKernel<float>>(channels, opacities);
+  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
+    return std::make_unique<PlanarKernel<decltype(element)>>(channels, opacities);
+  });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -150,11 +150,9 @@ std::unique_ptr<Kernel> MakeProducts(const Sweep& sweep) {
 }
 
 std::unique_ptr<Kernel> MakeWindows(size_t disparities, size_t kernel, ElementType type) {
-#if E2LF_TARGET_HAS_BF16
-  if (type == ElementType::kBfloat16) return std::make_unique<WindowKernel<Bfloat16>>(disparities, kernel);
-#endif
-  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return std::make_unique<WindowKernel<float>>(disparities, kernel);
+  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
+    return std::make_unique<WindowKernel<decltype(element)>>(disparities, kernel);
+  });
 }
 
 }  // namespace HWY_NAMESPACE

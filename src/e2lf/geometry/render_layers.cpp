@@ -112,11 +112,9 @@ std::unique_ptr<Kernel> MakeOpacities(size_t planes, ElementType type) {
 std::unique_ptr<Kernel> MakeViews(const Viewpoints& viewpoints, ElementType type) {
   std::vector<size_t> all(viewpoints.views());
   std::iota(all.begin(), all.end(), size_t{0});
-#if E2LF_TARGET_HAS_BF16
-  if (type == ElementType::kBfloat16) return std::make_unique<RenderKernel<Bfloat16>>(viewpoints, std::move(all));
-#endif
-  E2LF_REQUIRE(type == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return std::make_unique<RenderKernel<float>>(viewpoints, std::move(all));
+  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
+    return std::make_unique<RenderKernel<decltype(element)>>(viewpoints, std::move(all));
+  });
 }
 
 }  // namespace HWY_NAMESPACE
