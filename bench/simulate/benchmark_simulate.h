@@ -6,7 +6,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/sensor/event_model.h"
-#include "e2lf/streams/stream_options.h"
+#include "e2lf/streams/event_stream.h"
 
 namespace e2lf::bench {
 

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <set>
 
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/compare/tables.h"
 #include "e2lf/files/fields.h"
 

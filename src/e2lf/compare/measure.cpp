@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "e2lf/base/clock.h"
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/compare/view_scan.h"

@@ -6,7 +6,6 @@
 #include <fnmatch.h>
 #include <map>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/row_memory.h"

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 
 namespace e2lf::engine {
 namespace {

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 

@@ -7,7 +7,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/event_images.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::eval {

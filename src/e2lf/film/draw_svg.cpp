@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/film/draw_svg.h"
 
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>

@@ -13,7 +13,6 @@ extern "C" {
 #include <array>
 #include <vector>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::film {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/result.h"
+#include "e2lf/base/text.h"
 #include "e2lf/lightfield/image.h"
 
 namespace e2lf::film {

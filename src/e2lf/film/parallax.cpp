@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <numbers>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/refocus.h"
 

@@ -2,7 +2,6 @@
 // Reads and writes model files; declared in model.h.
 #include <algorithm>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/model_parts.h"

@@ -7,7 +7,6 @@
 #include <map>
 #include <numeric>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/model/operation.h"
 

@@ -2,7 +2,6 @@
 // Converts networks from and to JSON; declared in network.h.
 #include <cmath>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/model/network.h"
 #include "e2lf/model/operation.h"

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::report {

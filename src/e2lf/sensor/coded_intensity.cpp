@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/block_kernels.h"
 #include "e2lf/sensor/draws.h"

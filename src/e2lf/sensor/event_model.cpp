@@ -10,7 +10,6 @@
 #include <numbers>
 #include <vector>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/rng.h"
+#include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/coded_intensity.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::video {

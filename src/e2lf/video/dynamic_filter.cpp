@@ -4,7 +4,7 @@
 #include <string>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/video/operations.h"
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/model/model_parts.h"
 #include "e2lf/video/checkpoint_importer.h"

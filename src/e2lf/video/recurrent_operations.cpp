@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/model/onnx/onnx_layers.h"

@@ -5,7 +5,6 @@
 #include <iterator>
 #include <utility>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/program/option_values.h"

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 

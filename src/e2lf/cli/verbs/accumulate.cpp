@@ -2,7 +2,6 @@
 // e2lf accumulate: divides a recording into pattern cycles and accumulates their event images
 
 #include "e2lf/base/clock.h"
-#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"

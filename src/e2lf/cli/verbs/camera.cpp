@@ -2,7 +2,6 @@
 // The verbs of live cameras: camera list, camera check, and record, which writes a live input byte for byte.
 #include <cstdio>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
@@ -19,7 +18,6 @@
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/io/bytes.h"
 #include "e2lf/recordings/open/open_named_recording.h"
-#include "e2lf/recordings/open/output_rules.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {

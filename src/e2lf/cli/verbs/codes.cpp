@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/cli/flags/display_flags.h"

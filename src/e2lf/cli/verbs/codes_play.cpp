@@ -7,7 +7,6 @@
 #include <thread>
 #include <vector>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/stop.h"

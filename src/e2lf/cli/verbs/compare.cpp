@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"

@@ -4,7 +4,6 @@
 
 #include <cctype>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"

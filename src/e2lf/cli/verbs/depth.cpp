@@ -2,7 +2,6 @@
 // e2lf depth: light field, or events -> disparity map
 #include <cmath>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"

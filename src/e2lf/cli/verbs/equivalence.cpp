@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"

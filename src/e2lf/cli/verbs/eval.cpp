@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <optional>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/verbs.h"

@@ -2,7 +2,7 @@
 // e2lf info: description of a file or folder
 #include <cstdio>
 
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/options.h"

@@ -6,7 +6,6 @@
 #include <mutex>
 #include <thread>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"

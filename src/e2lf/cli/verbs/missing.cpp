@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The verbs and pages of a build without the viewer (E2LF_NO_VIEWER) or without SDL (E2LF_NO_DISPLAY)
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cli/verbs/live_page.h"

@@ -2,7 +2,6 @@
 // The verbs that render a light field: refocus, epi and animate.
 #include <cstdio>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"

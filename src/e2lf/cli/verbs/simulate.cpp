@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"

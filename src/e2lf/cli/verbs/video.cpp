@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "e2lf/base/clock.h"
-#include "e2lf/base/fail.h"
 #include "e2lf/base/format.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"

@@ -2,8 +2,8 @@
 // e2lf view: serves the viewer to a browser, or writes it as one HTML file
 #include <cstdio>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/result.h"
+#include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
 
 namespace e2lf::learn {

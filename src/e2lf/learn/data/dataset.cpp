@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/data/dataset.h"
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/learn/data/packed_data.h"
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <string>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"

@@ -7,7 +7,6 @@
 #include <mutex>
 
 #include "e2lf/base/contract.h"
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::learn {

@@ -2,7 +2,7 @@
 // The part of Trainer that writes and reads checkpoints.
 #include <cstring>
 
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/learn/run/trainer.h"

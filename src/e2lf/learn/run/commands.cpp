@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/workspace.h"

@@ -9,7 +9,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 
 // Torch's CMake package states with which transports it was built, but their headers may be absent.

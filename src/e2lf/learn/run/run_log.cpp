@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/csv.h"
 #include "e2lf/files/file.h"

@@ -8,8 +8,8 @@
 #include <thread>
 #include <torch/cuda.h>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/isa.h"
+#include "e2lf/base/text.h"
 
 namespace e2lf::learn {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/result.h"
+#include "e2lf/base/text.h"
 
 namespace e2lf::learn {
 

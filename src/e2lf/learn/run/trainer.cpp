@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "e2lf/base/fail.h"
+#include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/files/bundled_files.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/onnx/onnx_export.h"
 
-#include "e2lf/base/fail.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/files/options.h"
