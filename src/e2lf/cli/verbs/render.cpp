@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The verbs that render a light field: refocus, epi and animate.
+#include <algorithm>
 #include <cstdio>
 
 #include "e2lf/base/format.h"
