@@ -211,7 +211,8 @@ Result<TimeUnit> unit_of(const TableSample::Column& times, const TableSample& sa
   const std::vector<double>& values = times.values;
   if (values.empty()) return TimeUnit::kMicroseconds;
   if (!are_fractions(times)) {
-    if (times.mantissa_bits > 0 && step_of(times) > 1) return refuse("have too few digits to distinguish microseconds from seconds");
+    if (times.mantissa_bits > 0 && step_of(times) > 1)
+      return refuse("have too few digits to distinguish microseconds from seconds");
     if (median(values) >= kLatestUs) return refuse("are too large to be microseconds");
     return TimeUnit::kMicroseconds;
   }
