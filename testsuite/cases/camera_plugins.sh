@@ -24,7 +24,7 @@ grep -qx -- "-7 % bias_diff_on" low_biases.bias || fail "$(cat low_biases.bias)"
 echo nonsense >bad.bias
 fails 1 "biases" "$E2LF" record camera://edge -o x.raw --biases bad.bias
 fails 1 "trigger input" "$E2LF" record camera://edge -o x.raw --trigger-channel aux
-fails 1 "--roi" "$E2LF" record camera://edge -o x.raw --roi 0,0,8,8
+fails 1 "no roi" "$E2LF" record camera://edge -o x.raw --roi 0,0,8,8
 fails 1 "edge/third" "$E2LF" record camera://edge/third -o x.raw
 absent x.raw
 

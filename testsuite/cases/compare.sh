@@ -128,7 +128,7 @@ bad() { fails 1 "$1" "$E2LF" compare bad.json -o out; absent out; }
 sed 's/"algorithm"/"algoritm"/' c.json >bad.json
 bad 'did you mean "algorithm"?'
 echo '{"methods": []}' >bad.json
-bad 'there is nothing in this list'
+bad 'the list is empty'
 echo '{"methods": [{"name": "a", "algorithm": "inversion"}], "scenes": [{"name": "g", "scenes": ["no/such/scene"]}]}' >bad.json
 bad 'no/such/scene: there is no such file or folder beside the configuration'
 echo '{"methods": [{"name": "a", "model": "none.safetensors", "optional": true}], "scenes": [{"name": "g", "scenes": ["demo"]}]}' >bad.json
