@@ -66,7 +66,7 @@ fast, sequence, still = (np.load(name + ".npz")["events"] for name in ("fast", "
 assert not np.array_equal(fast[0], fast[1]), "the table turns"
 assert np.array_equal(sequence, still), "a scene that stays is a scene that stands still"
 PY
-fails 2 "INPUT" "$E2LF" simulate -o none.raw
+fails 2 "input" "$E2LF" simulate -o none.raw
 fails 2 "--turntable" "$E2LF" simulate demo/scene --turntable 1 -o none.raw
 fails 1 "give --camera evk4-lcos" "$E2LF" simulate demo/scene --leak-rate-hz 1 -o none.raw
 fails 1 "omit it" "$E2LF" simulate demo/scene --stream --residue 0.5 -o none.raw
