@@ -420,7 +420,7 @@ TEST(Measurement, MustFitInputAndPatterns) {
               }).message,
               HasSubstr("input"));
   EXPECT_THAT(validate(image_model({{InputKind::kImages, 1.0F}, {InputKind::kCounts, 1.0F}}, 4), "m").error().message,
-              HasSubstr("camera"));
+              HasSubstr("no measurement provides"));
   EXPECT_THAT(validate(image_model({{InputKind::kLensArray, 1.0F}}, 2), "m").error().message, HasSubstr("one pattern"));
   EXPECT_THAT(validate(image_model({{InputKind::kCounts, 1.0F}, {InputKind::kImageSum, 1.0F}}, 1), "m").error().message,
               HasSubstr("use 2 to"));

@@ -96,7 +96,7 @@ TEST(VideoModelFile, AModelOfLightFieldsRemembersNothing) {
   model.weights = engine::random_weights(model.network, 1);
   const auto valid = validate(model, "m");
   ASSERT_FALSE(valid.ok());
-  EXPECT_THAT(valid.error().message, HasSubstr("remembers"));
+  EXPECT_THAT(valid.error().message, HasSubstr("previous frame"));
 }
 
 TEST(VideoModelSummary, HasTheFiguresOfFireNet) {
