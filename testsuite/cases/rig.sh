@@ -69,7 +69,7 @@ PY
 fails 2 "input" "$E2LF" simulate -o none.raw
 fails 2 "--turntable" "$E2LF" simulate demo/scene --turntable 1 -o none.raw
 fails 1 "give --camera evk4-lcos" "$E2LF" simulate demo/scene --leak-rate-hz 1 -o none.raw
-fails 1 "omit it" "$E2LF" simulate demo/scene --stream --residue 0.5 -o none.raw
+fails 1 "--residue" "$E2LF" simulate demo/scene --stream --residue 0.5 -o none.raw
 echo '{"patterns": [{"name": "b1", "duration_us": 1000, "image": 0}]}' >other.json
-fails 1 "other.json" "$E2LF" simulate demo/scene --schedule other.json -o none.raw
+fails 1 "codes" "$E2LF" simulate demo/scene --schedule other.json -o none.raw
 absent none.raw
