@@ -171,7 +171,6 @@ Result<std::vector<DecodeBenchmarkRow>> benchmark_decoding(const DecodeBenchmark
 
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 Result<ConvertBenchmarkRow> measure(const fs::path& recording, const fs::path& output, int runs) {

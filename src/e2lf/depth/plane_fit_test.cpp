@@ -40,7 +40,7 @@ TEST(PlaneFit, KeepsASteep) {
 }
 
 TEST(SemiGlobal, TakesTheBestPathInARow) {
-  // Three pixels in a row, of which the middle one says nothing: it takes what its neighbours say.
+  // Three pixels in a row, of which the middle one has no confidence: it takes the disparity of its neighbours.
   CostVolume volume{1, 3, {0, 1, 3}, {900, 0, 900, 500, 500, 500, 900, 0, 900}};
   smooth_costs(volume, Image(3, 1, 1), {.one_label = 50, .most = 200, .least = 50, .edge = 0.1F});
   const int16_t* const middle = volume.at(0, 1);

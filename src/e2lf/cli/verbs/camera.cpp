@@ -194,7 +194,6 @@ int run_camera(const std::vector<std::string>& arguments) {
                      arguments);
 }
 
-namespace fs = std::filesystem;
 namespace {
 
 struct RecordArguments {

@@ -111,7 +111,6 @@ int run_refocus(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&] { return refocus(refocusing, verb); });
 }
 
-namespace fs = std::filesystem;
 using lightfield::Image;
 using lightfield::LightField;
 namespace {
@@ -195,7 +194,6 @@ int run_epi(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&] { return epi(cutting, verb); });
 }
 
-namespace fs = std::filesystem;
 using lightfield::Image;
 using lightfield::LightField;
 namespace {
