@@ -93,3 +93,4 @@ fails 1 'flipped' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --flip-
 fails 1 'no disparities' "$E2LF" depth events.npz -m layers.safetensors -o x.npy
 fails 1 'disparities' "$E2LF" reconstruct events.npz -m depth.safetensors -o x
 fails 1 'light fields' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --view-row 1 --view-column 1
+fails 1 'events' "$E2LF" depth plane.npy -m depth.safetensors -o x

@@ -32,6 +32,9 @@ void add_method_options(CLI::App& app, MethodFlags& flags, const std::string& so
                         " states, or else the one for which the model was trained"));
   add_choice(app, "--precision", flags.precision, {"auto", "float32", "bfloat16", "int16"},
              "arithmetic of the network: auto, float32, bfloat16 or int16");
+}
+
+void add_tone_options(CLI::App& app, MethodFlags& flags) {
   app.add_option("--gain", flags.gain,
                  "brightness of the output: auto (estimated from the first cycle) or a number; 1 = as computed")
       ->capture_default_str();

@@ -19,8 +19,11 @@ struct MethodFlags {
   std::string precision = "auto", gain = "auto", black = "auto", camera;
 };
 
-/// Declares -m, --codes, --camera, --precision, --gain and --black. `source` is what may state the camera.
+/// Declares -m, --codes, --camera and --precision. `source` is what may state the camera.
 void add_method_options(CLI::App& app, MethodFlags& flags, const std::string& source);
+
+/// Declares --gain and --black, for verbs whose output is a light field.
+void add_tone_options(CLI::App& app, MethodFlags& flags);
 
 /// Reads the model and the patterns that the flags name, and takes over the precision. Fails as reading them does.
 [[nodiscard]] Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record);

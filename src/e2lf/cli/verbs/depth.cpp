@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // e2lf depth: light field, or events -> disparity map
+#include <array>
 #include <cmath>
+#include <span>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
@@ -76,7 +78,17 @@ Result<DisparityResult> estimate(const DepthArguments& arguments, const fs::path
                          path.filename().string(), std::move(about)};
 }
 
+/// Fails if one of the options is given, which do not apply to this kind of input.
+Result<void> refuse(const Verb& verb, std::span<const char* const> options, const char* reason) {
+  for (const char* option : options) {
+    if (verb.is_given(option)) return Error{ErrorCode::kInvalidValue, reason, option};
+  }
+  return {};
+}
+
 Result<void> from_light_fields(DepthArguments& arguments, bool are_cycles, const Verb& verb) {
+  constexpr std::array kOfEvents = {"--model", "--codes", "--camera", "--precision", "--cycles-per-map"};
+  E2LF_RETURN_IF_ERROR(refuse(verb, kOfEvents, "only applies to events, not to light fields; leave it out"));
   const fs::path& input = arguments.output.input;
   arguments.output.is_one = !are_cycles;
   RunRecord record("depth", {input});
@@ -89,19 +101,10 @@ Result<void> from_light_fields(DepthArguments& arguments, bool are_cycles, const
   return write_disparities(arguments.output, source, record, verb);
 }
 
-/// Fails if an option is given that only applies to light fields.
-Result<void> refuse_light_field_options(const Verb& verb) {
-  for (const char* option :
-       {"--min-disparity", "--view-row", "--views", "--step", "--white", "--view-columns", "--lenslet-views"}) {
-    if (verb.is_given(option)) {
-      return Error{ErrorCode::kInvalidValue, "only applies to light fields, not to events; leave it out", option};
-    }
-  }
-  return {};
-}
-
 Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
-  E2LF_RETURN_IF_ERROR(refuse_light_field_options(verb));
+  constexpr std::array kOfLightFields = {"--min-disparity", "--view-row",     "--views",        "--step",
+                                         "--white",         "--view-columns", "--lenslet-views"};
+  E2LF_RETURN_IF_ERROR(refuse(verb, kOfLightFields, "only applies to light fields, not to events; leave it out"));
   const fs::path& path = arguments.output.input;
   RunRecord record("depth");
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));

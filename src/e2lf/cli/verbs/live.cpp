@@ -332,6 +332,7 @@ int run_live(const std::vector<std::string>& arguments) {
                  "(a recording at its own speed)")
       ->required();
   add_method_options(app, live_arguments.method, "the source");
+  add_tone_options(app, live_arguments.method);
   add_choice(app, "--size", live_arguments.size, {"auto", "full", "half", "quarter"},
              "full; half or quarter (each pixel is the sum of a block of 2x2 or 4x4); auto selects the largest that "
              "keeps pace, and a better network if it does so, too");

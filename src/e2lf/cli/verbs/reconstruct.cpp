@@ -211,6 +211,7 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
       ->required();
   app.add_option("-o,--output", reconstruction.output, "folder to write")->required();
   add_method_options(app, reconstruction.method_flags, "the file of the events");
+  add_tone_options(app, reconstruction.method_flags);
   add_choice(app, "--method", reconstruction.method, {"network", "inversion", "regularised"},
              "network; inversion (closed form) or regularised (slower, iterative), which need no model, only patterns");
   app.add_option(
