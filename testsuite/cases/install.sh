@@ -57,6 +57,12 @@ c++ -O1 "$TESTSUITE/../examples/custom_codec.cpp" -o with_pkg_config $(pkg-confi
 rm records.raw
 LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH") ./with_pkg_config records.bin records.raw 2>/dev/null | grep -qx "3 events" || fail "the program made with pkg-config"
 
+# A program without models says that, and not that no model was trained for the patterns.
+mkdir -p alone/bin
+cp prefix/bin/e2lf alone/bin
+fails 1 "E2LF_MODELS" alone/bin/e2lf reconstruct events.npz -o lost
+E2LF_MODELS=$PWD/prefix/share/e2lf/models alone/bin/e2lf reconstruct events.npz -o found --quiet
+
 # Python: from the prefix alone, in an empty folder; the files that come with e2lf are the installed ones.
 if [ -d "$E2LF_BUILD/python/e2lf" ]; then
   mkdir python
