@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+#include <string>
+
+#include "e2lf/lightfield/crop.h"
+#include "python/binding/arrays.h"
 #include "python/binding/recording.h"
 
 /// The arguments of every function that opens a recording: the parameters of the C++ function, the OpenArguments made
@@ -15,12 +20,13 @@
     format, stream, columns, time_unit, polarities, restart, width, height, from_us, to_us, relative, shift_time, \
         strict, threads, camera_setup                                                                             \
   }
-#define E2LF_OPEN_ARGUMENTS                                                                                            \
-  py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0, py::arg("stream") = "",                         \
-  py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("polarities") = "", py::arg("from_us") = py::none(), \
-  py::arg("to_us") = py::none(), py::arg("relative") = false, py::arg("shift_time") = false,                           \
-  py::arg("strict") = false, py::arg("threads") = 0, py::arg("restart") = "continue",                                  \
-  py::arg("camera_setup") = py::none()
+#define E2LF_OPEN_ARGUMENTS                                                                    \
+  py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0, py::arg("stream") = "", \
+  py::arg("columns") = "", py::arg("time_unit") = ::e2lf::python::OpenArguments().time_unit,   \
+  py::arg("polarities") = "", py::arg("from_us") = py::none(), py::arg("to_us") = py::none(),  \
+  py::arg("relative") = false, py::arg("shift_time") = false, py::arg("strict") = false,       \
+  py::arg("threads") = ::e2lf::python::OpenArguments().threads,                                \
+  py::arg("restart") = ::e2lf::python::OpenArguments().restart, py::arg("camera_setup") = py::none()
 #define E2LF_OPEN_DOC                                                                                              \
   "\n\npath: a file, the folder of a bag of ROS 2, \"-\" for standard input, a named pipe, tcp://ADDRESS:PORT, "   \
   "camera://NAME or replay:FILE.\n"                                                                                \
@@ -38,3 +44,35 @@
   "restart: if the clock starts again: \"continue\" shifts the later part behind the earlier one, \"split\" ends " \
   "there (next_part() continues), \"refuse\" is an error.\n"                                                       \
   "camera_setup: the CameraSetup of a live camera; None = its current settings, with all of its trigger inputs."
+
+/// The arguments of every function that can reorder the views; see above.
+#define E2LF_ORIENTATION_PARAMETERS bool turn_views, bool flip_x, bool flip_y
+#define E2LF_ORIENTATION_VALUE ::e2lf::python::orientation_of(turn_views, flip_x, flip_y)
+#define E2LF_ORIENTATION_ARGUMENTS py::arg("turn_views") = false, py::arg("flip_x") = false, py::arg("flip_y") = false
+#define E2LF_ORIENTATION_DOC                                                                                       \
+  "turn_views, flip_x, flip_y: turn the grid of views by 180 degrees, exchange left and right views, or exchange " \
+  "upper and lower views, which changes the sign of disparities.\n"
+
+namespace e2lf::python {
+
+/// Returns the combination of all arguments that are set.
+inline capture::Orientation orientation_of(bool turn_views, bool flip_x, bool flip_y) {
+  return capture::Orientation{flip_x, flip_y} + (turn_views ? capture::kTurned : capture::Orientation{});
+}
+
+/// Returns the light field with its views reordered.
+inline LentLightField oriented(LentLightField field, const capture::Orientation& orientation) {
+  if (orientation.flip_y) field.view = field.view.reversed(0);
+  if (orientation.flip_x) field.view = field.view.reversed(1);
+  return field;
+}
+
+/// Returns the name of an orientation, e.g. "turned", or nothing.
+inline std::optional<std::string> orientation_word(const std::optional<capture::Orientation>& views) {
+  return views ? std::optional<std::string>(capture::orientation_name(*views)) : std::nullopt;
+}
+
+inline constexpr const char* kViewsDoc =
+    "Orientation of the views: \"upright\", \"turned\", \"flipped-x\", \"flipped-y\"; None if it is unknown.";
+
+}  // namespace e2lf::python
