@@ -63,7 +63,7 @@ set(CPACK_DEBIAN_TRAINING_PACKAGE_NAME e2lf-train)
 set(CPACK_DEBIAN_TRAINING_PACKAGE_DEPENDS "${same_version}")
 set(CPACK_DEBIAN_TRAINING_DESCRIPTION
 "Learns aperture patterns and the network that reconstructs light fields from
-the events they make, on libtorch.")
+the events they make, and reconstructs on a GPU, on libtorch.")
 
 # Adds the files that Debian requires in each package; see the script.
 set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/debian_files.cmake)

@@ -8,6 +8,9 @@
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/cli/features.h"
 #include "e2lf/cli/verbs.h"
+#if E2LF_TORCH_DEVICES
+#include "e2lf/device/torch_device.h"
+#endif
 #include "e2lf/formats/formats.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/info/version.h"
@@ -69,5 +72,8 @@ int main(int argc, char** argv) {
   e2lf::cameras::add_cameras();
   e2lf::geometry::add_operations();  // any model may have them
   e2lf::video::add_operations();
+#if E2LF_TORCH_DEVICES
+  e2lf::device::add_torch_devices();
+#endif
   return run_program("e2lf", argc, argv, run);
 }

@@ -178,7 +178,8 @@ Result<const pipeline::OpenedMethod*> JobRunner::method_of(const Job& job) {
                                 .constants = camera.constants,
                                 .events = {.camera = camera},
                                 .measurement = method.measurement,
-                                .precision = method.config.precision};
+                                .precision = method.config.precision,
+                                .device = plan_.device};
   if (choice.algorithm == "network") {
     E2LF_ASSIGN_OR_RETURN(choice.model, pipeline::read_network(method.model));
   }

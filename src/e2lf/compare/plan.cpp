@@ -78,6 +78,7 @@ class Planner {
     plan_.name = config_.name.empty() ? "comparison" : config_.name;
     plan_.metrics = config_.metrics;
     plan_.pictures = config_.pictures;
+    plan_.device = surroundings_.device;
     for (const MethodConfig& method : config_.methods) {
       if (const auto added = add_method(method); !added && !is_left_out(method, added.error())) return added.error();
     }
@@ -156,6 +157,8 @@ class Planner {
                        {"passes", config.passes},
                        {"gain", config.fit_gain ? Json("fitted") : json_number(config.gain)},
                        {"precision", config.precision}};
+    if (surroundings_.device != "cpu" && config.algorithm == "network")
+      method.identity["device"] = surroundings_.device;
     plan_.methods.push_back(std::move(method));
     return {};
   }

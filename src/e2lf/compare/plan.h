@@ -60,6 +60,7 @@ struct Plan {
   std::vector<std::string> groups;    ///< names of the groups that exist
   std::vector<Sensor> sensors;
   std::vector<std::string> metrics;
+  std::string device = "cpu";
   bool pictures = true;
   std::vector<Job> jobs;                     ///< scene by scene, sensor by sensor
   std::vector<std::filesystem::path> files;  ///< the files that are read
@@ -73,7 +74,8 @@ struct Surroundings {
   std::function<Result<std::filesystem::path>(const std::string& name)> locate_camera;
   /// Returns a hash of the content of a file or folder.
   std::function<Result<std::string>(const std::filesystem::path& path)> hash;
-  std::string version;  ///< version of the program; results of other versions are not reused
+  std::string version;         ///< version of the program; results of other versions are not reused
+  std::string device = "cpu";  ///< what computes networks, see engine::EngineOptions
 };
 
 /// Locates and hashes all files and lists the jobs. Optional methods and groups whose files are missing are omitted

@@ -2,9 +2,12 @@
 #include "e2lf/engine/engine.h"
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 
 #include "e2lf/base/text.h"
 #include "e2lf/engine/conv.h"
+#include "e2lf/engine/device.h"
 #include "e2lf/engine/row_memory.h"
 #include "e2lf/engine/stream.h"
 
@@ -18,20 +21,71 @@ bool is_supported(Precision precision) {
   return precision == Precision::kBfloat16 ? bfloat16_supported() : precision != Precision::kInt16 || int16_supported();
 }
 
+/// The kinds of devices of this process.
+struct DeviceKinds {
+  std::mutex mutex;
+  std::map<std::string, DeviceKind> kinds;
+};
+
+DeviceKinds& device_kinds() {
+  static DeviceKinds all;
+  return all;
+}
+
+std::optional<DeviceKind> find_kind(const std::string& name) {
+  DeviceKinds& all = device_kinds();
+  const std::lock_guard lock(all.mutex);
+  const auto found = all.kinds.find(name.substr(0, name.find(':')));
+  return found != all.kinds.end() ? std::optional(found->second) : std::nullopt;
+}
+
+Error no_such_device(const std::string& name) {
+  return {ErrorCode::kMissingDependency,
+          cat("there is no device ", name, " in this program; use cpu, or a build with torch for cuda"), ""};
+}
+
+Result<std::shared_ptr<const DeviceNetwork>> open_on_device(const model::Network& network,
+                                                            const model::Weights& weights,
+                                                            const EngineOptions& options) {
+  const auto kind = find_kind(options.device);
+  if (!kind) return no_such_device(options.device);
+  return kind->open(network, weights, options);
+}
+
 }  // namespace
+
+void add_device_kind(const std::string& kind, DeviceKind devices) {
+  DeviceKinds& all = device_kinds();
+  const std::lock_guard lock(all.mutex);
+  E2LF_REQUIRE(kind != "cpu" && all.kinds.emplace(kind, std::move(devices)).second, "the name of a device is taken");
+}
+
+bool is_known_device(const std::string& name) {
+  return name == "cpu" || find_kind(name);
+}
+
+Result<void> check_device(const std::string& name) {
+  if (name == "cpu") return {};
+  const auto kind = find_kind(name);
+  if (!kind) return no_such_device(name);
+  return kind->check(name);
+}
 
 struct Engine::Impl {
   Plan plan;
+  std::shared_ptr<const DeviceNetwork> device = {};  ///< replaces the plan if it is not null
   Precision precision = Precision::kFloat32;
   std::vector<size_t> planes = {};  ///< see with_outputs()
   size_t num_planes = 0;            ///< of the output
 };
 
 Result<Precision> precision_from_name(const std::string& name) {
-  for (const Precision precision : {Precision::kAuto, Precision::kFloat32, Precision::kBfloat16, Precision::kInt16}) {
+  for (const Precision precision :
+       {Precision::kAuto, Precision::kFloat32, Precision::kBfloat16, Precision::kFloat16, Precision::kInt16}) {
     if (name == precision_name(precision)) return precision;
   }
-  return fail(ErrorCode::kInvalidValue, "", "unknown precision \"", name, "\"; use auto, float32, bfloat16 or int16");
+  return fail(ErrorCode::kInvalidValue, "", "unknown precision \"", name,
+              "\"; use auto, float32, bfloat16, float16 or int16");
 }
 
 const char* precision_name(Precision precision) {
@@ -42,6 +96,8 @@ const char* precision_name(Precision precision) {
       return "float32";
     case Precision::kBfloat16:
       return "bfloat16";
+    case Precision::kFloat16:
+      return "float16";
     case Precision::kInt16:
       return "int16";
   }
@@ -60,6 +116,15 @@ Engine::~Engine() = default;
 
 Result<Engine> Engine::create(const model::Network& network, const model::Weights& weights,
                               const EngineOptions& options) {
+  if (options.device != "cpu") {
+    auto other = std::make_unique<Impl>();
+    E2LF_ASSIGN_OR_RETURN(other->device, open_on_device(network, weights, options));
+    other->precision = other->device->precision();
+    return Engine(std::move(other));
+  }
+  if (options.precision == Precision::kFloat16) {
+    return Error{ErrorCode::kUnsupported, "float16 is the precision of other devices; use precision auto", ""};
+  }
   if (options.precision == Precision::kBfloat16 && !bfloat16_supported()) {
     return fail(ErrorCode::kUnsupported, "", "this CPU has no bfloat16 instructions; use precision float32");
   }
@@ -103,6 +168,7 @@ Result<void> Engine::run(std::span<const float> input, size_t height, size_t wid
 
 Result<void> Engine::run_frame(std::span<const float> input, size_t height, size_t width, FrameState& state,
                                std::span<float> output, const ProgressFn& progress) const {
+  if (impl_->device) return impl_->device->run(input, height, width, output);
   const Plan& plan = impl_->plan;
   const size_t multiple = plan.alignment / kTileSize;
   E2LF_REQUIRE(height > 0 && width > 0 && height % multiple == 0 && width % multiple == 0,
@@ -131,6 +197,7 @@ Precision Engine::precision() const {
 }
 
 std::vector<std::string> Engine::describe() const {
+  if (impl_->device) return impl_->device->describe();
   std::vector<std::string> lines;
   for (const Stage& stage : impl_->plan.stages) lines.push_back(cat(stage.name, ": ", stage.kernel->describe()));
   return lines;

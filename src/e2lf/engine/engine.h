@@ -17,6 +17,7 @@ enum class Precision {
   kAuto,  ///< float32, or the fastest of EngineOptions::checked that the CPU supports; see Engine::precision()
   kFloat32,
   kBfloat16,  ///< bfloat16 products with float32 sums; kUnsupported if the CPU lacks them
+  kFloat16,   ///< on devices other than the CPU: everything in half precision
   kInt16,     ///< convolutions with 16-bit integer products, all else in float32; kUnsupported if not faster
 };
 
@@ -27,6 +28,9 @@ struct EngineOptions {
   Precision precision = Precision::kAuto;
   /// The precisions that kAuto may choose for this network, because someone measured what it loses, in this order.
   std::vector<Precision> checked = {};
+  /// "cpu", or a device whose kind add_device_kind() of device.h made known, such as "cuda:1". There, kAuto is float16
+  /// if bfloat16, which rounds more, was checked.
+  std::string device = "cpu";
 };
 
 /// The memory of a recurrent network of the previous frames. It is initially empty, which means at rest. It belongs to
@@ -44,17 +48,19 @@ class FrameState {
   std::unique_ptr<struct FrameMemory> memory_;
 };
 
-/// Runs a convolutional network on whole images on the CPU. The image streams through the network in strips of a few
-/// rows, and each layer keeps only the rows that its successors still need. Thus nothing is computed twice, the live
-/// data stay in the cache, and memory does not grow with the height of the image. Zero padding is exact at the borders.
-/// Recurrent networks keep their states for the whole image; networks with attention keep its inputs, and neighbouring
-/// tensors until it is done. The number of threads is that of base/threads.h. An Engine does not change after create():
-/// any number of threads may run it at once, each run with memory of its own, and all share its weights.
+/// Runs a convolutional network on whole images, on the CPU unless EngineOptions::device says otherwise. The image
+/// streams through the network in strips of a few rows, and each layer keeps only the rows that its successors still
+/// need. Thus nothing is computed twice, the live data stay in the cache, and memory does not grow with the height of
+/// the image. Zero padding is exact at the borders. Recurrent networks keep their states for the whole image; networks
+/// with attention keep its inputs, and neighbouring tensors until it is done. The number of threads is that of
+/// base/threads.h. An Engine does not change after create(): any number of threads may run it at once, each run with
+/// memory of its own, and all share its weights.
 class Engine {
  public:
   /// Prepares kernels and weights. Fails with kUnsupported (a precision that the CPU lacks or that E2LF_MAX_ISA
-  /// excludes), as model::infer_shapes() does, with kShape (an output that is not at the resolution of the input, or
-  /// weights of another size) and with kNotFound (missing weights).
+  /// excludes), with kMissingDependency (a device that is not there), as model::infer_shapes() does, with kShape (an
+  /// output that is not at the resolution of the input, or weights of another size) and with kNotFound (missing
+  /// weights).
   [[nodiscard]] static Result<Engine> create(const model::Network& network, const model::Weights& weights,
                                              const EngineOptions& options = {});
   Engine(Engine&&) noexcept;

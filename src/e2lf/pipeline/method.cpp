@@ -55,7 +55,7 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
 }
 
 /// Opens the bundled network of the lit transitions, if the network takes those of the whole cycle and there is one.
-Result<void> open_lit(engine::Precision precision, OpenedMethod& opened) {
+Result<void> open_lit(const engine::EngineOptions& options, OpenedMethod& opened) {
   const auto& codes = opened.network->model().codes;
   const auto shown = codes ? capture::codes_of_whole_cycle(*codes) : std::nullopt;
   if (!shown) return {};
@@ -111,8 +111,8 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
     opened.camera_stated_by = StatedBy::kModel;
   }
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(choice.precision));
-  E2LF_ASSIGN_OR_RETURN(recon::Reconstructor network,
-                        recon::Reconstructor::create(std::move(model), {.precision = precision}));
+  const engine::EngineOptions options{.precision = precision, .device = choice.device};
+  E2LF_ASSIGN_OR_RETURN(recon::Reconstructor network, recon::Reconstructor::create(std::move(model), options));
   opened.network = std::make_shared<const recon::Reconstructor>(std::move(network));
   if (choice.lit_where_moving) E2LF_RETURN_IF_ERROR(open_lit(precision, opened));
   return {};

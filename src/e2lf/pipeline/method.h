@@ -22,6 +22,7 @@ struct MethodChoice {
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
   size_t transitions = 0;          ///< number of event images of a cycle; 0 = unknown
   std::string precision = "auto";  ///< arithmetic of the network
+  std::string device = "cpu";      ///< see engine::EngineOptions
   bool prefers_fast = false;       ///< whether to prefer a bundled network that keeps pace with a live source
   bool lit_where_moving = false;   ///< whether to open a second network, OpenedMethod::lit
 };

@@ -8,6 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
+#include "e2lf/program/sibling_program.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -30,8 +31,9 @@ void add_method_options(CLI::App& app, MethodFlags& flags, const std::string& so
   add_camera_option(app, flags.camera,
                     cat("the camera, for networks conditioned on the sensor profile; default: the one that ", source,
                         " states, or else the one for which the model was trained"));
-  add_choice(app, "--precision", flags.precision, {"auto", "float32", "bfloat16", "int16"},
-             "arithmetic of the network: auto, float32, bfloat16 or int16");
+  add_choice(app, "--precision", flags.precision, {"auto", "float32", "bfloat16", "float16", "int16"},
+             "arithmetic of the network: auto, float32, bfloat16, float16 (with --device cuda) or int16");
+  add_device_option(app, flags.device);
 }
 
 void add_tone_options(CLI::App& app, MethodFlags& flags) {
@@ -44,8 +46,15 @@ void add_tone_options(CLI::App& app, MethodFlags& flags) {
       ->capture_default_str();
 }
 
+void add_device_option(CLI::App& app, std::string& device) {
+  app.add_option("--device", device,
+                 "what computes the network: cpu, or cuda or cuda:N in a build with torch (not tried on a GPU)")
+      ->capture_default_str();
+}
+
 Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record) {
-  pipeline::MethodChoice choice{.precision = flags.precision};
+  E2LF_RETURN_IF_ERROR(find_device(flags.device));
+  pipeline::MethodChoice choice{.precision = flags.precision, .device = flags.device};
   E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(flags.codes, record));
   if (!flags.codes.codes.empty()) {
     E2LF_ASSIGN_OR_RETURN(choice.codes, pipeline::read_patterns(flags.codes.codes));

@@ -16,16 +16,20 @@ namespace e2lf::cli {
 /// The flags of the verbs that reconstruct light fields.
 struct MethodFlags {
   CodesSource codes;
-  std::string precision = "auto", gain = "auto", black = "auto", camera;
+  std::string precision = "auto", device = "cpu", gain = "auto", black = "auto", camera;
 };
 
-/// Declares -m, --codes, --camera and --precision. `source` is what may state the camera.
+/// Declares -m, --codes, --camera, --precision and --device. `source` is what may state the camera.
 void add_method_options(CLI::App& app, MethodFlags& flags, const std::string& source);
+
+/// Declares --device.
+void add_device_option(CLI::App& app, std::string& device);
 
 /// Declares --gain and --black, for verbs whose output is a light field.
 void add_tone_options(CLI::App& app, MethodFlags& flags);
 
-/// Reads the model and the patterns that the flags name, and takes over the precision. Fails as reading them does.
+/// Finds the device, reads the model and the patterns that the flags name, and takes over the precision. Fails as
+/// find_device() and reading them do.
 [[nodiscard]] Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record);
 
 /// Adds the setup of the events and the camera that the flags name. Warns if --codes and the events differ. Fails as

@@ -8,6 +8,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/compare/jobs.h"
 #include "e2lf/compare/result_page.h"
@@ -17,6 +18,7 @@
 #include "e2lf/info/version.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
+#include "e2lf/program/sibling_program.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -27,7 +29,7 @@ namespace fs = std::filesystem;
 struct CompareArguments {
   fs::path config, output, data;
   std::vector<fs::path> merged;
-  std::string shard;
+  std::string shard, device = "cpu";
   bool again = false, json = false;
 };
 
@@ -72,6 +74,7 @@ compare::Surroundings surroundings_of(const CompareArguments& arguments) {
   };
   surroundings.hash = [](const fs::path& path) { return sha256_of(path); };
   surroundings.version = kVersion;
+  surroundings.device = arguments.device;
   return surroundings;
 }
 
@@ -130,6 +133,7 @@ void tell(const CompareArguments& arguments, const compare::Plan& plan, const co
 Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
   const char* const data = std::getenv("E2LF_DATA");
   if (arguments.data.empty() && data != nullptr) arguments.data = data;
+  E2LF_RETURN_IF_ERROR(find_device(arguments.device));
   E2LF_ASSIGN_OR_RETURN(const compare::Shard shard, parse_shard(arguments.shard));
   E2LF_ASSIGN_OR_RETURN(const compare::Config config, configuration(arguments, verb));
   RunRecord record("compare");
@@ -180,6 +184,7 @@ int run_compare(const std::vector<std::string>& arguments) {
   app.add_option("--shard", compare_arguments.shard, "compute a part of the results: 1/4 is the first of four parts");
   app.add_option("--merge", compare_arguments.merged, "copy the results of these folders")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_device_option(app, compare_arguments.device);
   app.add_flag("--again", compare_arguments.again, "compute existing results again");
   app.add_flag("--json", compare_arguments.json, "print the result as JSON");
   verb.stop_gently();

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The training verbs: pack, train and resume. The trainer itself is the program e2lf-train.
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <unistd.h>
 
 #include "e2lf/base/format.h"
 #include "e2lf/base/text.h"
@@ -12,6 +9,7 @@
 #include "e2lf/learn/data/packed_data.h"
 #include "e2lf/program/report_output.h"
 #include "e2lf/program/run_record.h"
+#include "e2lf/program/sibling_program.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -28,32 +26,18 @@ void add_report_options(CLI::App& app, ReportArguments& reports) {
   app.add_flag("--overwrite", reports.overwrite, "replace the files of --report");
 }
 
-/// Replaces this process by e2lf-train, the program in the same folder that contains training, so that only it loads
-/// torch. `threads` is as in CommonOptions. Returns only if that program is missing, with kMissingDependency.
-Result<void> become_trainer(std::vector<std::string> arguments, int threads) {
-  // Read by torch and its BLAS; without it, the trainer uses all cores.
-  if (threads > 0) ::setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
-  std::error_code status;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", status);
-  const std::string program = (self.parent_path() / "e2lf-train").string();
-  std::vector<char*> pointers = {const_cast<char*>(program.c_str())};
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  ::execv(program.c_str(), pointers.data());
-  return Error{
-      ErrorCode::kMissingDependency,
-      cat("cannot start the trainer (", std::strerror(errno),
-          "); `./run train` and `./run resume` build it, or install libtorch-dev, configure again and rebuild"),
-      program};
-}
-
-/// Continues as the trainer, with the arguments that its verbs share.
+/// Continues as e2lf-train, the program that contains training, so that only it loads torch. Adds the arguments that
+/// its verbs share.
 Result<void> train_with(std::vector<std::string> arguments, const ReportArguments& reports, const Verb& verb) {
   for (const auto& name : reports.names) arguments.insert(arguments.end(), {"--report", name.string()});
   if (reports.overwrite) arguments.emplace_back("--overwrite");
   for (const std::string& assignment : verb.overrides()) arguments.insert(arguments.end(), {"--set", assignment});
   if (verb.common().quiet) arguments.emplace_back("--quiet");
-  return become_trainer(std::move(arguments), verb.common().threads);
+  // Read by torch and its BLAS; without it, the trainer uses all cores.
+  const int threads = verb.common().threads;
+  if (threads > 0) ::setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
+  return continue_as("e2lf-train", std::move(arguments),
+                     "`./run train` and `./run resume` build it, or install libtorch-dev, configure again and rebuild");
 }
 
 }  // namespace

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/device/torch_device.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <torch/torch.h>
+
+#include "e2lf/base/contract.h"
+#include "e2lf/base/text.h"
+#include "e2lf/learn/network/network_module.h"
+
+namespace e2lf::device {
+namespace {
+
+using engine::Precision;
+
+/// Returns the device of torch with this name. Fails with kInvalidValue and, if the machine lacks it, with
+/// kMissingDependency.
+Result<torch::Device> device_of(const std::string& name) {
+  if (name == "torch-cpu") return torch::Device(torch::kCPU);
+  int number = 0;
+  const char *const begin = name.data() + std::min(name.size(), std::strlen("cuda:")), *const end =
+                                                                                           name.data() + name.size();
+  const auto parsed = std::from_chars(begin, end, number);
+  if (name != "cuda" && (!name.starts_with("cuda:") || parsed.ec != std::errc() || parsed.ptr != end || number < 0)) {
+    return Error{ErrorCode::kInvalidValue, cat("\"", name, "\" is not a device; use cpu, cuda or cuda:N"), ""};
+  }
+  const auto devices = static_cast<int>(torch::cuda::device_count());
+  if (number < devices) return torch::Device(torch::kCUDA, static_cast<torch::DeviceIndex>(number));
+  return Error{ErrorCode::kMissingDependency,
+               cat("torch finds ", devices, " CUDA devices on this machine, not ", name,
+                   "; use cpu, or install a driver and a torch with CUDA"),
+               ""};
+}
+
+/// Returns the type of the computation. Fails with kUnsupported.
+Result<torch::ScalarType> type_of(const engine::EngineOptions& options, const torch::Device& device) {
+  const bool is_checked = std::ranges::find(options.checked, Precision::kBfloat16) != options.checked.end();
+  const bool is_half = options.precision == Precision::kFloat16 ||
+                       (options.precision == Precision::kAuto && is_checked && device.is_cuda());
+  if (options.precision == Precision::kInt16 || (is_half && !device.is_cuda())) {
+    return Error{ErrorCode::kUnsupported,
+                 cat("the device ", options.device, " does not compute in ", engine::precision_name(options.precision),
+                     "; use precision auto"),
+                 ""};
+  }
+  if (is_half) return torch::kHalf;
+  return options.precision == Precision::kBfloat16 ? torch::kBFloat16 : torch::kFloat;
+}
+
+class TorchNetwork : public engine::DeviceNetwork {
+ public:
+  TorchNetwork(const model::Network& network, const torch::Device& device, torch::ScalarType type)
+      : module_(network, device), device_(device), type_(type), multiple_(model::size_multiple(network)) {}
+
+  Result<void> take(const model::Weights& weights) {
+    E2LF_RETURN_IF_ERROR(learn::load_weights(module_.parameters(), weights, ""));
+    for (const auto& [name, tensor] : module_.parameters()) weights_[name] = tensor.detach().to(type_);
+    // Fails here if torch lacks an operation, and not when the first image comes.
+    const torch::InferenceMode without_gradients;
+    const auto channels = static_cast<int64_t>(module_.network().input_channels);
+    const auto side = static_cast<int64_t>(multiple_);
+    static_cast<void>(module_.forward(torch::zeros({1, channels, side, side}).to(device_), type_, weights_));
+    return {};
+  }
+
+  [[nodiscard]] Result<void> run(std::span<const float> input, size_t height, size_t width,
+                                 std::span<float> output) const override {
+    E2LF_REQUIRE(height > 0 && width > 0 && height % multiple_ == 0 && width % multiple_ == 0,
+                 cat("height and width must be multiples of ", multiple_));
+    const size_t channels = module_.network().input_channels;
+    E2LF_REQUIRE(input.size() == channels * height * width, "the input has another size");
+    try {
+      const torch::InferenceMode without_gradients;
+      const auto image = torch::from_blob(
+          const_cast<float*>(input.data()),
+          {1, static_cast<int64_t>(channels), static_cast<int64_t>(height), static_cast<int64_t>(width)});
+      const auto result = module_.forward(image.to(device_), type_, weights_).to(torch::kCPU, torch::kFloat);
+      E2LF_REQUIRE(static_cast<size_t>(result.numel()) == output.size(), "the output has another size");
+      torch::from_blob(output.data(), result.sizes()).copy_(result);
+      return {};
+    } catch (const c10::Error& error) {
+      return Error{ErrorCode::kInternal, cat("torch failed on ", device_.str(), ": ", error.what_without_backtrace()),
+                   ""};
+    }
+  }
+
+  [[nodiscard]] Precision precision() const override {
+    if (type_ == torch::kFloat) return Precision::kFloat32;
+    return type_ == torch::kHalf ? Precision::kFloat16 : Precision::kBfloat16;
+  }
+  [[nodiscard]] std::vector<std::string> describe() const override {
+    return {cat("torch ", TORCH_VERSION, " on ", device_.str(), ", ", engine::precision_name(precision()))};
+  }
+
+ private:
+  learn::NetworkModule module_;
+  torch::Device device_;
+  torch::ScalarType type_;
+  size_t multiple_;
+  learn::NamedTensors weights_;  ///< in the type of the computation
+};
+
+Result<std::shared_ptr<const engine::DeviceNetwork>> open(const model::Network& network, const model::Weights& weights,
+                                                          const engine::EngineOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(const torch::Device device, device_of(options.device));
+  E2LF_ASSIGN_OR_RETURN(const torch::ScalarType type, type_of(options, device));
+  // The layout and the sizes are those that the engine accepts.
+  E2LF_RETURN_IF_ERROR(model::infer_shapes(network));
+  try {
+    auto opened = std::make_shared<TorchNetwork>(network, device, type);
+    E2LF_RETURN_IF_ERROR(opened->take(weights));
+    return std::shared_ptr<const engine::DeviceNetwork>(std::move(opened));
+  } catch (const ContractError& error) {
+    return Error{ErrorCode::kUnsupported, cat("torch does not have all operations of the network: ", error.what()), ""};
+  } catch (const c10::Error& error) {
+    return Error{ErrorCode::kInternal, cat("torch failed on ", options.device, ": ", error.what_without_backtrace()),
+                 ""};
+  }
+}
+
+}  // namespace
+
+void add_torch_devices() {
+  // What is called float32 is computed in it.
+  at::globalContext().setAllowTF32CuBLAS(false);
+  at::globalContext().setAllowTF32CuDNN(false);
+  for (const char* kind : {"cuda", "torch-cpu"}) {
+    const auto check = [](const std::string& name) -> Result<void> {
+      E2LF_RETURN_IF_ERROR(device_of(name));
+      return {};
+    };
+    engine::add_device_kind(kind, {check, open});
+  }
+}
+
+}  // namespace e2lf::device
