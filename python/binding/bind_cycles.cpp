@@ -29,7 +29,8 @@ namespace {
 using cycles::Schedule;
 using cycles::ScheduledPattern;
 
-constexpr const char* kSignNames[] = {"any", "on", "off"};
+constexpr Word<cycles::BurstSign> kSigns[] = {
+    {"any", cycles::BurstSign::kAny}, {"on", cycles::BurstSign::kOn}, {"off", cycles::BurstSign::kOff}};
 
 cycles::BurstSign sign_of(const std::string& name) {
   for (const auto sign : {cycles::BurstSign::kAny, cycles::BurstSign::kOn, cycles::BurstSign::kOff}) {
@@ -62,13 +63,13 @@ void bind_schedule(py::module_& module) {
                     "Time from its end to the start of the next pattern, us.")
       .def_readonly("image", &ScheduledPattern::image, "Number of the event image for its events, or None.")
       .def_property_readonly(
-          "sign", [](const ScheduledPattern& self) { return kSignNames[static_cast<size_t>(self.sign)]; },
+          "sign", [](const ScheduledPattern& self) { return word_of(self.sign, kSigns); },
           "Sign of the events that the change to it causes: \"any\", \"on\" or \"off\".")
       .def("__eq__", [](const ScheduledPattern& self, const ScheduledPattern& other) { return self == other; })
       .def(py::pickle(
           [](const ScheduledPattern& self) {
             return py::make_tuple(self.name, self.duration_us, self.overhead_us, self.image,
-                                  kSignNames[static_cast<size_t>(self.sign)]);
+                                  word_of(self.sign, kSigns));
           },
           [](const py::tuple& state) {
             return ScheduledPattern{state[0].cast<std::string>(), state[1].cast<int64_t>(), state[2].cast<int64_t>(),
@@ -118,10 +119,10 @@ void bind_schedule(py::module_& module) {
 
 using ScheduleArgument = std::variant<std::monostate, Schedule, fs::path>;
 
-Schedule schedule_of(const ScheduleArgument& argument, size_t num_codes) {
+std::optional<Schedule> schedule_of(const ScheduleArgument& argument) {
   if (const auto* schedule = std::get_if<Schedule>(&argument)) return *schedule;
   if (const auto* path = std::get_if<fs::path>(&argument)) return take(cycles::read_schedule(*path));
-  return cycles::paper_schedule(num_codes);
+  return std::nullopt;
 }
 
 /// An iterator over the cycles of a recording.
@@ -181,38 +182,18 @@ class CycleIterator {
   OneAtATime use_;
 };
 
-/// The source of the times at which patterns change, and the schedule.
-struct CycleArguments {
-  std::string source = "auto", edge = "rising";
-  ScheduleArgument schedule;
-  size_t num_codes = 4;
-  std::optional<uint16_t> channel;
-  std::optional<size_t> first_pattern;
-  bool one_trigger_per_cycle = false, filter_pixels = false;
-  std::optional<int64_t> origin_us;
-  std::string transitions = "lit";
-  bool invert_polarity = false;
-};
+constexpr Word<cycles::CycleSource> kSources[] = {{"auto", cycles::CycleSource::kAuto},
+                                                  {"triggers", cycles::CycleSource::kTriggers},
+                                                  {"bursts", cycles::CycleSource::kBursts},
+                                                  {"schedule", cycles::CycleSource::kSchedule}};
+constexpr Word<cycles::TriggerEdge> kEdges[] = {{"rising", cycles::TriggerEdge::kRising},
+                                                {"falling", cycles::TriggerEdge::kFalling},
+                                                {"both", cycles::TriggerEdge::kBoth}};
 
-std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, const CycleArguments& arguments,
-                                           const OpenArguments& open) {
-  constexpr cycles::CycleSource kSources[] = {cycles::CycleSource::kAuto, cycles::CycleSource::kTriggers,
-                                              cycles::CycleSource::kBursts, cycles::CycleSource::kSchedule};
-  constexpr cycles::TriggerEdge kEdges[] = {cycles::TriggerEdge::kRising, cycles::TriggerEdge::kFalling,
-                                            cycles::TriggerEdge::kBoth};
-  cycles::CycleOptions options;
-  options.source = kSources[check_word(arguments.source, {"auto", "triggers", "bursts", "schedule"}, "source")];
-  options.edge = kEdges[check_word(arguments.edge, {"rising", "falling", "both"}, "edge")];
-  options.schedule = schedule_of(arguments.schedule, arguments.num_codes);
-  if (check_word(arguments.transitions, {"lit", "all"}, "transitions") == 1) {
-    options.schedule = with_all_transitions(std::move(options.schedule));
-  }
-  options.channel = arguments.channel;
-  options.one_trigger_per_cycle = arguments.one_trigger_per_cycle;
-  options.invert_polarity = arguments.invert_polarity;
-  options.tracker.first_pattern = arguments.first_pattern;
-  if (arguments.filter_pixels) options.filter = cycles::PixelFilterOptions{};
-  take(pipeline::choose_source(options, arguments.origin_us));
+std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, cycles::CycleOptions options,
+                                           const pipeline::ScheduleChoice& schedule,
+                                           const std::optional<int64_t>& origin_us, const OpenArguments& open) {
+  take(pipeline::choose_source(options, origin_us));
   auto rig = std::make_shared<diagnose::RigCheck>();
   options.on_batch = [rig](const recordings::EventBatch& batch) { rig->add(batch); };
   auto reader = open_reader(path.string(), open);
@@ -232,33 +213,49 @@ void bind_cycle_reader(py::module_& module) {
                              "The patterns of the transitions, float32 [transitions + 1, view_y, view_x]; None if the "
                              "recording does not state them.")
       .def_property_readonly("views", &CycleIterator::views, kViewsDoc)
+  const cycles::CycleOptions usual;
       .def("report", &CycleIterator::report,
            "Returns the numbers of cycles found and dropped so far, with reasons, and the data that were left out.");
   module.def(
       "accumulate",
-      [](const fs::path& path, const std::string& source, const ScheduleArgument& schedule, Whole<size_t> num_codes,
-         const std::string& edge, std::optional<uint16_t> channel, std::optional<size_t> first_pattern,
-         bool one_trigger_per_cycle, std::optional<int64_t> origin_us, bool filter_pixels,
-         const std::string& transitions, bool invert_polarity, E2LF_OPEN_PARAMETERS) {
-        if (num_codes < 2) throw py::value_error("num_codes is at least 2");
-        const CycleArguments arguments{
-            source,        edge,      schedule,    num_codes,      channel, first_pattern, one_trigger_per_cycle,
-            filter_pixels, origin_us, transitions, invert_polarity};
-        return open_cycles(path, arguments, E2LF_OPEN_VALUES);
+      [](const fs::path& path, const std::string& source, const ScheduleArgument& schedule,
+         std::optional<Whole<size_t>> num_codes, const std::string& edge, std::optional<uint16_t> channel,
+         std::optional<size_t> first_pattern, bool one_trigger_per_cycle, std::optional<int64_t> origin_us,
+         int64_t trigger_delay_us, bool filter_pixels, const std::string& transitions, bool invert_polarity,
+         E2LF_OPEN_PARAMETERS) {
+        if (num_codes && *num_codes < 2) throw py::value_error("num_codes is at least 2");
+        check_word(transitions, {"auto", "lit", "all"}, "transitions");
+        cycles::CycleOptions options;
+        options.source = value_of(source, kSources, "source");
+        options.edge = value_of(edge, kEdges, "edge");
+        options.channel = channel;
+        options.one_trigger_per_cycle = one_trigger_per_cycle;
+        options.trigger_delay_us = trigger_delay_us;
+        options.invert_polarity = invert_polarity;
+        options.tracker.first_pattern = first_pattern;
+        if (filter_pixels) options.filter = cycles::PixelFilterOptions{};
+        const pipeline::ScheduleChoice choice{
+            .schedule = schedule_of(schedule), .num_patterns = num_codes, .transitions = transitions};
+        return open_cycles(path, std::move(options), choice, origin_us, E2LF_OPEN_VALUES);
       },
-      py::arg("path"), py::kw_only(), py::arg("source") = "auto", py::arg("schedule") = py::none(),
-      py::arg("num_codes") = 4, py::arg("edge") = "rising", py::arg("channel") = py::none(),
-      py::arg("first_pattern") = py::none(), py::arg("one_trigger_per_cycle") = false,
-      py::arg("origin_us") = py::none(), py::arg("filter_pixels") = false, py::arg("transitions") = "lit",
-      py::arg("invert_polarity") = false, E2LF_OPEN_ARGUMENTS,
+      py::arg("path"), py::kw_only(), py::arg("source") = word_of(usual.source, kSources),
+      py::arg("schedule") = py::none(), py::arg("num_codes") = py::none(),
+      py::arg("edge") = word_of(usual.edge, kEdges), py::arg("channel") = usual.channel,
+      py::arg("first_pattern") = usual.tracker.first_pattern,
+      py::arg("one_trigger_per_cycle") = usual.one_trigger_per_cycle, py::arg("origin_us") = py::none(),
+      py::arg("trigger_delay_us") = usual.trigger_delay_us, py::arg("filter_pixels") = usual.filter.has_value(),
+      py::arg("transitions") = pipeline::ScheduleChoice().transitions,
+      py::arg("invert_polarity") = usual.invert_polarity, E2LF_OPEN_ARGUMENTS,
       "Divides a recording into pattern cycles and accumulates their event images. Returns an iterator over "
       "Cycle(images, number, begin_us, slices, events, saturated, confidence), where images is int16 "
       "[transition, y, x].\n\n"
       "source: source of the times at which patterns change: \"triggers\", \"bursts\" (the events), \"schedule\" "
+      "num_codes: number of patterns; None = as the recording states, or else 4.\n"
       "(requires origin_us) or \"auto\".\n"
       "schedule: a Schedule or the path of its file; None = the paper's for num_codes patterns.\n"
       "edge, channel: edge and input of the triggers; channel None = all inputs.\n"
       "first_pattern: pattern of the first trigger or burst, from 0; None = determined from the recording.\n"
+      "trigger_delay_us: time from a trigger to the change of the pattern; negative if the pattern changes first.\n"
       "one_trigger_per_cycle: whether triggers mark cycles instead of patterns.\n"
       "origin_us: time at which the first pattern of any cycle began.\n"
       "filter_pixels: whether to ignore hot and flickering pixels.\n"
@@ -390,7 +387,8 @@ void bind_cycles(py::module_& module) {
   bind_event_arrays(module);
   module.def("synthesise_recording", &synthesise, py::arg("path"), py::arg("cycles"), py::arg("codes") = py::none(),
              py::kw_only(), py::arg("schedule") = py::none(), py::arg("triggers") = true, py::arg("begin_us") = 100000,
-             py::arg("seed") = 1, py::arg("camera") = nullptr, py::arg("overwrite") = false,
+             py::arg("seed") = cycles::SynthesisOptions().seed, py::arg("camera") = nullptr,
+             py::arg("overwrite") = false,
              "Writes a recording with these event images, as a camera would record it: the events are distributed over "
              "the duration of each pattern, with triggers.\n\n"
              "cycles: a list of int16 [transition, y, x], or an array [cycle, transition, y, x].\n"

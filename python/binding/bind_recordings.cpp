@@ -198,6 +198,28 @@ void bind_recording(py::module_& module) {
            [](RecordingPointer self) {
              return Slices{std::move(self), {}};
            })
+recordings::CameraSetup make_camera_setup(std::vector<std::string> trigger_channels, const fs::path& biases,
+                                          std::optional<uint32_t> max_events_per_s,
+                                          const std::vector<RegionArgument>& regions, std::string encoding,
+                                          bool switches_filters_off) {
+  if (!encoding.empty()) check_word(encoding, {"evt2", "evt2.1", "evt3"}, "encoding");
+  recordings::CameraSetup setup{.trigger_channels = std::move(trigger_channels),
+                                .biases = biases,
+                                .max_events_per_s = max_events_per_s,
+                                .regions = {},
+                                .encoding = std::move(encoding),
+                                .switches_filters_off = switches_filters_off};
+  for (const auto& [x, y, width, height] : regions) setup.regions.push_back({x, y, width, height});
+  return setup;
+}
+
+py::tuple parts_of(const recordings::CameraSetup& setup) {
+  std::vector<RegionArgument> regions;
+  for (const auto& region : setup.regions) regions.emplace_back(region.x, region.y, region.width, region.height);
+  return py::make_tuple(setup.trigger_channels, setup.biases.string(), setup.max_events_per_s, regions, setup.encoding,
+                        setup.switches_filters_off);
+}
+
       .def("__enter__", [](RecordingPointer self) { return self; })
       .def("__exit__", [](Recording& self, const py::args&) { self.close(); })
       .def("__repr__", [](const Recording& self) { return "<e2lf.Recording " + self.name() + ">"; });
@@ -211,45 +233,23 @@ void bind_camera_setup(py::module_& module) {
   py::class_<CameraSetup>(
       module, "CameraSetup",
       "The settings of a live camera that are applied before it starts. Others are left as the camera has them.")
-      .def(py::init([](std::vector<std::string> trigger_channels, const fs::path& biases,
-                       std::optional<uint32_t> max_events_per_s, const std::vector<RegionArgument>& regions,
-                       const std::string& encoding) {
-             CameraSetup setup{.trigger_channels = std::move(trigger_channels),
-                               .biases = biases,
-                               .max_events_per_s = max_events_per_s,
-                               .regions = {},
-                               .encoding = encoding};
-             if (!encoding.empty()) check_word(encoding, {"evt2", "evt2.1", "evt3"}, "encoding");
-             for (const auto& [x, y, width, height] : regions) setup.regions.push_back({x, y, width, height});
-             return setup;
-           }),
-           py::kw_only(), py::arg("trigger_channels") = std::vector<std::string>(), py::arg("biases") = "",
-           py::arg("max_events_per_s") = py::none(), py::arg("regions") = std::vector<RegionArgument>(),
-           py::arg("encoding") = "",
+      .def(py::init(&make_camera_setup), py::kw_only(), py::arg("trigger_channels") = std::vector<std::string>(),
+           py::arg("biases") = "", py::arg("max_events_per_s") = py::none(),
+           py::arg("regions") = std::vector<RegionArgument>(), py::arg("encoding") = "",
+           py::arg("switches_filters_off") = false,
            "trigger_channels: inputs to enable: \"main\", \"aux\", their number, or [\"none\"]; [] = all.\n"
            "biases: a file of biases (.bias).\n"
            "max_events_per_s: event rate above which the sensor drops events; 0 = no limit.\n"
            "regions: rectangles of the sensor that send events, (x, y, width, height) in px; [] = all.\n"
-           "encoding: \"evt2\", \"evt2.1\" or \"evt3\".")
-      .def("__eq__", [](const CameraSetup& self, const CameraSetup& other) { return self == other; })
-      .def(py::pickle(
-          [](const CameraSetup& self) {
-            std::vector<RegionArgument> regions;
-            for (const auto& region : self.regions)
-              regions.emplace_back(region.x, region.y, region.width, region.height);
-            return py::make_tuple(self.trigger_channels, self.biases.string(), self.max_events_per_s, regions,
-                                  self.encoding);
-          },
-          [](const py::tuple& state) {
-            CameraSetup setup{.trigger_channels = state[0].cast<std::vector<std::string>>(),
-                              .biases = state[1].cast<std::string>(),
-                              .max_events_per_s = state[2].cast<std::optional<uint32_t>>(),
-                              .regions = {},
-                              .encoding = state[4].cast<std::string>()};
-            for (const auto& [x, y, width, height] : state[3].cast<std::vector<RegionArgument>>())
-              setup.regions.push_back({x, y, width, height});
-            return setup;
-          }));
+           "encoding: \"evt2\", \"evt2.1\" or \"evt3\".\n"
+           "switches_filters_off: whether to switch off the anti-flicker and event trail filters of the sensor, which "
+           "drop events of the patterns.")
+      .def(py::self == py::self)
+      .def(py::pickle(&parts_of, [](const py::tuple& state) {
+        return py::cast<CameraSetup>(py::type::of<CameraSetup>()(
+            **py::dict("trigger_channels"_a = state[0], "biases"_a = state[1], "max_events_per_s"_a = state[2],
+                       "regions"_a = state[3], "encoding"_a = state[4], "switches_filters_off"_a = state[5])));
+      }));
 }
 
 /// Returns the names of the live cameras that the plugins find.

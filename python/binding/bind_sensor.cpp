@@ -79,7 +79,8 @@ void bind_sensor(py::module_& module) {
   module.def(
       "simulate", &simulate, py::arg("light_field"), py::arg("codes"), py::kw_only(), py::arg("camera") = nullptr,
       py::arg("constants") = py::none(), py::arg("event_model") = "", py::arg("scene_gain") = 1.0F,
-      py::arg("residue") = 0.0F, py::arg("seed") = 1, py::arg("map_seed") = py::none(), py::arg("colour_filter") = "",
+      py::arg("residue") = 0.0F, py::arg("seed") = sensor::EventModelOptions().seed, py::arg("map_seed") = py::none(),
+      py::arg("colour_filter") = "",
       "Simulates the event images of one cycle: int16 [transition, y, x], N - 1 transitions for N patterns.\n\n"
       "light_field: grey, [view_y, view_x, y, x]. codes: [N, view_y, view_x].\n"
       "camera: a Camera; constants, event_model and residue cannot be given for one with physical pixels.\n"

@@ -29,11 +29,6 @@ recordings::OpenOptions open_options(const std::string& name, const OpenArgument
   const size_t unit = check_word(arguments.time_unit, {"auto", "s", "ms", "us", "ns"}, "time_unit");
   const size_t restart = check_word(arguments.restart, {"continue", "split", "refuse"}, "restart");
   if (arguments.threads < 0) throw py::value_error("the number of threads cannot be negative; 0 is all cores");
-  constexpr recordings::TimeUnit kUnits[] = {recordings::TimeUnit::kAuto, recordings::TimeUnit::kSeconds,
-                                             recordings::TimeUnit::kMilliseconds, recordings::TimeUnit::kMicroseconds,
-                                             recordings::TimeUnit::kNanoseconds};
-  constexpr recordings::RestartPolicy kRestarts[] = {
-      recordings::RestartPolicy::kContinue, recordings::RestartPolicy::kSplit, recordings::RestartPolicy::kRefuse};
   recordings::OpenOptions options;
   options.format = arguments.format;
   options.width = arguments.width;
@@ -41,8 +36,8 @@ recordings::OpenOptions open_options(const std::string& name, const OpenArgument
   options.stream = arguments.stream;
   options.columns = arguments.columns;
   options.polarities = arguments.polarities;
-  options.time_unit = kUnits[unit];
-  options.restart = kRestarts[restart];
+  options.time_unit = value_of(arguments.time_unit, kTimeUnits, "time_unit");
+  options.restart = value_of(arguments.restart, kRestarts, "restart");
   options.from_us = arguments.from_us.value_or(INT64_MIN);
   options.to_us = arguments.to_us.value_or(INT64_MAX);
   if (options.from_us >= options.to_us) {

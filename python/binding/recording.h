@@ -12,13 +12,23 @@
 
 namespace e2lf::python {
 
-/// The options of open_recording() with their Python names and defaults.
+inline constexpr Word<recordings::TimeUnit> kTimeUnits[] = {{"auto", recordings::TimeUnit::kAuto},
+                                                            {"s", recordings::TimeUnit::kSeconds},
+                                                            {"ms", recordings::TimeUnit::kMilliseconds},
+                                                            {"us", recordings::TimeUnit::kMicroseconds},
+                                                            {"ns", recordings::TimeUnit::kNanoseconds}};
+inline constexpr Word<recordings::RestartPolicy> kRestarts[] = {{"continue", recordings::RestartPolicy::kContinue},
+                                                                {"split", recordings::RestartPolicy::kSplit},
+                                                                {"refuse", recordings::RestartPolicy::kRefuse}};
+
+/// The options of open_recording() with their Python names. The defaults are those of recordings::OpenOptions.
 struct OpenArguments {
-  std::string format, stream, columns, time_unit = "auto", polarities, restart = "continue";
+  std::string format, stream, columns, time_unit = word_of(recordings::OpenOptions().time_unit, kTimeUnits);
+  std::string polarities, restart = word_of(recordings::OpenOptions().restart, kRestarts);
   size_t width = 0, height = 0;
   std::optional<int64_t> from_us, to_us;
   bool relative = false, shift_time = false, strict = false;
-  int threads = 0;
+  int threads = recordings::OpenOptions().threads;
   std::optional<recordings::CameraSetup> camera_setup;
 };
 

@@ -25,7 +25,8 @@ class Error(Exception):
 class CameraSetup:
     def __init__(
             self, *, trigger_channels: Sequence[str] = [], biases: Path = "", max_events_per_s: Optional[int] = None,
-            regions: Sequence[Tuple[int, int, int, int]] = [], encoding: str = "") -> None: ...
+            regions: Sequence[Tuple[int, int, int, int]] = [], encoding: str = "",
+            switches_filters_off: bool = False) -> None: ...
 
 class Slice(NamedTuple):
     events: Array
@@ -276,14 +277,14 @@ def read_schedule(path: Path) -> Schedule: ...
 def paper_schedule(num_codes: int = 4) -> Schedule: ...
 def plain_schedule(num_codes: int, duration_us: int) -> Schedule: ...
 def accumulate(
-        path: Path, *, source: str = "auto", schedule: Union[Schedule, Path, None] = None, num_codes: int = 4,
-        edge: str = "rising", channel: Optional[int] = None, first_pattern: Optional[int] = None,
-        one_trigger_per_cycle: bool = False, origin_us: Optional[int] = None, filter_pixels: bool = False,
-        transitions: str = "lit", invert_polarity: bool = False, format: str = "", width: int = 0, height: int = 0,
-        stream: str = "", columns: str = "", time_unit: str = "auto", polarities: str = "",
-        from_us: Optional[int] = None, to_us: Optional[int] = None, relative: bool = False, shift_time: bool = False,
-        strict: bool = False, threads: int = 0, restart: str = "continue",
-        camera_setup: Optional[CameraSetup] = None) -> Cycles: ...
+        path: Path, *, source: str = "auto", schedule: Union[Schedule, Path, None] = None,
+        num_codes: Optional[int] = None, edge: str = "rising", channel: Optional[int] = None,
+        first_pattern: Optional[int] = None, one_trigger_per_cycle: bool = False, origin_us: Optional[int] = None,
+        trigger_delay_us: int = 0, filter_pixels: bool = False, transitions: str = "auto",
+        invert_polarity: bool = False, format: str = "", width: int = 0, height: int = 0, stream: str = "",
+        columns: str = "", time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None,
+        to_us: Optional[int] = None, relative: bool = False, shift_time: bool = False, strict: bool = False,
+        threads: int = 0, restart: str = "continue", camera_setup: Optional[CameraSetup] = None) -> Cycles: ...
 def event_images(events: Array, times_us: Sequence[int], width: int, height: int) -> Counts: ...
 def voxel_grid(events: Array, bins: int, width: int, height: int) -> Floats: ...
 def synthesise_recording(

@@ -30,7 +30,7 @@ enum class CycleSource {
 enum class TriggerEdge { kRising, kFalling, kBoth };
 
 struct CycleOptions {
-  CycleSource source = CycleSource::kBursts;
+  CycleSource source = CycleSource::kAuto;
   Schedule schedule = paper_schedule();
 
   bool invert_polarity = false;  ///< exchanges ON and OFF of the recording

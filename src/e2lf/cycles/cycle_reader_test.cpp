@@ -222,15 +222,14 @@ TEST(CycleReader, PatternOfTriggersThatNothingTellsIsAssumed) {
   CycleOptions options = by_triggers();
   options.schedule = synthesis.schedule;
   options.tracker.first_pattern.reset();
-  EXPECT_TRUE(cut(10, synthesis, options).cycles.empty());
-  options.tracker.likely_first_pattern = 0;
   const Outcome outcome = cut(10, synthesis, options);
   expect_exact(outcome, 10, synthesis);
   EXPECT_TRUE(outcome.report.has_assumed_first);
+  options.tracker.likely_first_pattern.reset();
+  EXPECT_TRUE(cut(10, synthesis, options).cycles.empty());
   // The paper's sequence is told by its signs: nothing is assumed.
   CycleOptions paper = by_triggers();
   paper.tracker.first_pattern.reset();
-  paper.tracker.likely_first_pattern = 0;
   EXPECT_FALSE(cut(10, SynthesisOptions(), paper).report.has_assumed_first);
 }
 

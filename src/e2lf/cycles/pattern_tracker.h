@@ -37,8 +37,8 @@ struct TrackerOptions {
   /// The pattern of the first mark; if absent, it is found from the intervals and signs of the first cycle.
   std::optional<size_t> first_pattern;
   /// The pattern of the first mark if intervals and signs leave several possibilities including this one; if absent,
-  /// the pattern is then unknown.
-  std::optional<size_t> likely_first_pattern = {};
+  /// the pattern is then unknown. Triggers are often set up to begin with the sequence; bursts ignore it.
+  std::optional<size_t> likely_first_pattern = 0;
   /// The permitted deviation of an interval, relative to the expected one.
   double tolerance = 0.2;
 };

@@ -127,15 +127,37 @@ bool CycleInput::is_without_events() const {
          std::all_of(file_.cycles.begin(), file_.cycles.end(), is_empty);
 }
 
+namespace {
+
+/// Returns true if the events of all transitions are used. Unless a network determines this, the patterns of the
+/// recording do.
+bool uses_all_transitions(const ScheduleChoice& choice, const cycles::Schedule& schedule, bool is_recorded_whole) {
+  if (choice.transitions != "auto") return choice.transitions == "all";
+  if (choice.num_wanted == schedule.num_images() + 1) return false;
+  return is_recorded_whole || choice.num_wanted == schedule.size() + 1;
+}
+
+}  // namespace
+
+Result<cycles::Schedule> choose_schedule(const ScheduleChoice& choice, const std::filesystem::path& recording,
+                                         const recordings::RecordingInfo& info) {
+  constexpr size_t kFewest = 2;
+  E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup setup, recorded_setup(recording, info));
+  const auto of_whole = setup.codes ? capture::codes_of_whole_cycle(*setup.codes) : std::nullopt;
+  const auto& shown = of_whole ? of_whole : setup.codes;
+  const size_t recorded = shown ? std::max(shown->num_patterns, kFewest) : choice.usual_patterns;
+  cycles::Schedule schedule =
+      choice.schedule ? *choice.schedule : cycles::paper_schedule(choice.num_patterns.value_or(recorded));
+  if (!uses_all_transitions(choice, schedule, of_whole.has_value())) return schedule;
+  return with_all_transitions(std::move(schedule));
+}
+
 Result<void> choose_source(cycles::CycleOptions& options, const std::optional<int64_t>& origin_us) {
   using cycles::CycleSource;
   if (options.source == CycleSource::kAuto) {
     const bool has_triggers = options.one_trigger_per_cycle || options.channel;
     options.source = has_triggers ? CycleSource::kTriggers : origin_us ? CycleSource::kSchedule : CycleSource::kAuto;
   }
-  // Triggers are often set up to begin with the sequence, which does not hold for bursts.
-  const bool may_be_triggers = options.source == CycleSource::kTriggers || options.source == CycleSource::kAuto;
-  if (may_be_triggers) options.tracker.likely_first_pattern = 0;
   if (options.source == CycleSource::kSchedule && !origin_us) {
     return Error{ErrorCode::kInvalidValue,
                  "the schedule does not state when a cycle began; give that time, or use the events as the source",

@@ -92,6 +92,21 @@ uint64_t add_counts(const capture::EventImages& more, capture::EventImages& sum)
 /// input is not live.
 [[nodiscard]] double behind_s(const cycles::Cycle& cycle);
 
+/// What determines the schedule of a recording.
+struct ScheduleChoice {
+  std::optional<cycles::Schedule> schedule = {};  ///< that of the caller; empty = the paper's
+  std::optional<size_t> num_patterns = {};        ///< of the paper's schedule; empty = as the recording states
+  size_t usual_patterns = 4;                      ///< of the paper's schedule if nothing else states it
+  /// "lit", "all", or "auto": all transitions if the network or the patterns of the recording require it.
+  std::string transitions = "auto";
+  std::optional<size_t> num_wanted = {};  ///< number of patterns of the network
+};
+
+/// Returns the schedule of a recording. Fails as recorded_setup() does.
+[[nodiscard]] Result<cycles::Schedule> choose_schedule(const ScheduleChoice& choice,
+                                                       const std::filesystem::path& recording,
+                                                       const recordings::RecordingInfo& info);
+
 /// Completes the options of a reader of cycles. An automatic source becomes the one that other options imply: triggers
 /// if their channel or kind is given, and the schedule if `origin_us`, the time at which the first pattern of any cycle
 /// began, is given. Fails with kInvalidValue if the schedule is the source and this time is missing.

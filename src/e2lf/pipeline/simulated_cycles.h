@@ -19,7 +19,7 @@ struct SimulatedCamera {
   capture::Codes codes;
   capture::SensorProfile profile = {};  ///< physical pixels, or an event model of the paper with its constants
   float gain = 1.0F, residue = 0.0F;    ///< see sensor::EventModelOptions; physical pixels ignore the residue
-  uint64_t seed = 0;
+  uint64_t seed = 1;
 };
 
 /// Returns the seed for the noise of one cycle of a static scene. The thresholds of physical pixels do not change from

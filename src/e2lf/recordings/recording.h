@@ -96,7 +96,7 @@ struct OpenOptions {
                                 ///< their names state
   std::string polarities = {};  ///< the numbers of OFF and ON in tables, e.g. "1,2"; empty = 0/1 or -1/1
   std::string stream = {};      ///< number or name of a stream of events if there are several
-  int threads = 1;              ///< number of threads of one read() call; 0 = all cores
+  int threads = 0;              ///< number of threads of one read() call; 0 = all cores
   RestartPolicy restart = RestartPolicy::kContinue;
   bool counts_reports = false;  ///< whether to sum the sensor's own counts, which takes time
 

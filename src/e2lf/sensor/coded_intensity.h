@@ -31,7 +31,7 @@ using capture::CodedIntensities;
 struct ImageOptions {
   float sigma = 0.005F;  ///< standard deviation of the noise of each pixel in each image
   float gain = 1.0F;     ///< scene brightness, which multiplies every intensity
-  uint64_t seed = 0;     ///< seed of the noise
+  uint64_t seed = 1;     ///< seed of the noise
 };
 
 /// Returns the intensity images that a measurement of this kind contains for a grey light field: gain * I_n (Eq. 1) for

@@ -27,7 +27,7 @@ struct EventModelOptions {
   /// The largest residue: the reference of each pixel starts up to this many thresholds (0 to 1) above the first log
   /// intensity, where the last event of the preceding decrease leaves it. It is 0 in the model of the paper.
   float residue = 0.0F;
-  uint64_t seed = 0;  ///< seed of the noise; use another one for each cycle
+  uint64_t seed = 1;  ///< seed of the noise; use another one for each cycle
 };
 
 /// The lower limit of noisy thresholds.

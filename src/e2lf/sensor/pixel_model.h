@@ -23,8 +23,8 @@ struct PixelThresholds {
 
 struct PixelModelOptions {
   float gain = 1.0F;      ///< scene brightness, which multiplies every intensity
-  uint64_t seed = 0;      ///< seed of what changes from cycle to cycle; use another one for each
-  uint64_t map_seed = 0;  ///< seed of the thresholds of the pixels, which are constant
+  uint64_t seed = 1;      ///< seed of what changes from cycle to cycle; use another one for each
+  uint64_t map_seed = 1;  ///< seed of the thresholds of the pixels, which are constant
 };
 
 /// Simulates the event images of one cycle as physical pixels record them, in a closed form of the camera's cycle: the
@@ -44,7 +44,7 @@ struct PixelModelOptions {
 /// Fails with kInvalidValue (a camera of another event model, or a gain that is negative or not finite) and kShape
 /// (codes that do not fit the light field, or whose first pattern is not black).
 [[nodiscard]] Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
-                                                                 const lightfield::LightField& light_field,
+                                                                 const LightFieldView& light_field,
                                                                  const capture::SensorProfile& camera,
                                                                  const PixelModelOptions& options);
 

@@ -69,8 +69,8 @@ struct StreamOptions {
   capture::PixelConstants pixel = {};
   PixelDefects defects = {};
   ReadoutLimit readout = {};
-  uint64_t seed = 0;      ///< seed of the noise
-  uint64_t map_seed = 0;  ///< seed of the constant properties of a pixel: its thresholds and whether it is hot
+  uint64_t seed = 1;      ///< seed of the noise
+  uint64_t map_seed = 1;  ///< seed of the constant properties of a pixel: its thresholds and whether it is hot
 };
 
 /// Checks the options. Fails with kInvalidValue, naming the one that is not finite or out of range.

@@ -7,7 +7,6 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/info/recording_report.h"
-#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 
@@ -15,30 +14,17 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-/// Returns true if the events of all transitions are used. Unless a network determines this, the patterns of the
-/// recording do.
-bool uses_all_transitions(const CycleFlags& flags, const cycles::Schedule& schedule, bool is_recorded_whole) {
-  if (flags.transitions != "auto") return flags.transitions == "all";
-  if (flags.num_wanted == schedule.num_images() + 1) return false;
-  return is_recorded_whole || flags.num_wanted == schedule.size() + 1;
-}
-
-/// Returns the given schedule, or the paper's for the number of patterns that the recording states.
+/// Returns the schedule that the flags and the recording state.
 Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& input,
                                      const recordings::RecordingInfo& info) {
-  constexpr size_t kFewest = 2;
-  E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup setup, pipeline::recorded_setup(input, info));
-  const auto of_whole = setup.codes ? capture::codes_of_whole_cycle(*setup.codes) : std::nullopt;
-  const auto& shown = of_whole ? of_whole : setup.codes;
-  cycles::Schedule schedule;
+  pipeline::ScheduleChoice choice{.num_patterns = flags.num_patterns,
+                                  .usual_patterns = flags.usual_patterns,
+                                  .transitions = flags.transitions,
+                                  .num_wanted = flags.num_wanted};
   if (!flags.schedule.empty()) {
-    E2LF_ASSIGN_OR_RETURN(schedule, cycles::read_schedule(flags.schedule));
-  } else {
-    const size_t recorded = shown ? std::max(shown->num_patterns, kFewest) : flags.usual_patterns;
-    schedule = cycles::paper_schedule(flags.num_patterns.value_or(recorded));
+    E2LF_ASSIGN_OR_RETURN(choice.schedule, cycles::read_schedule(flags.schedule));
   }
-  if (!uses_all_transitions(flags, schedule, of_whole.has_value())) return schedule;
-  return with_all_transitions(std::move(schedule));
+  return pipeline::choose_schedule(choice, input, info);
 }
 
 }  // namespace

@@ -77,12 +77,14 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
                  "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise "
                  "us for whole numbers and s for fractions")
       ->check(CLI::IsMember(words_of(kTimeUnits)))
+      ->capture_default_str()
       ->group(group);
   add("--polarities", flags.polarities, "numbers of OFF and ON in a table of events, e.g. 1,2; default: 0,1 or -1,1");
   app.add_option("--restart", flags.restart,
                  "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind "
                  "the earlier one, split keeps the parts separate (info, convert), refuse fails")
       ->check(CLI::IsMember(words_of(kRestartPolicies)))
+      ->capture_default_str()
       ->group(group);
   add("--from-us", flags.from_us, "recordings: leave out data before this time on the clock of the recording");
   add("--to-us", flags.to_us, "recordings: leave out data at or after this time on the clock of the recording");
@@ -120,7 +122,6 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   open.from_us = flags.from_us;
   open.to_us = flags.to_us;
   open.range = flags.is_relative ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
-  open.threads = 0;
   E2LF_ASSIGN_OR_RETURN(open.camera, camera_setup(flags.camera));
   // With a camera, damage is reported at once; for a file, the summary at the end is sufficient.
   open.policy = flags.is_strict  ? recordings::DecodePolicy::kStrict
