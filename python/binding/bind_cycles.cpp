@@ -143,7 +143,10 @@ class CycleIterator {
     }
     check_signals();
     if (!cycle) {
-      if (!std::exchange(has_ended_, true)) end();
+      if (!std::exchange(has_ended_, true)) {
+        end();
+        check_live(reader_.summary());
+      }
       throw py::stop_iteration();
     }
     cycle->confidence = rig_->add(*cycle, reader_.options());

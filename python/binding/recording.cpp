@@ -70,6 +70,10 @@ std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name
     }
     return reader;
   });
+void check_live(const recordings::DecodeSummary& summary) {
+  if (!summary.live.failure.empty()) throw ResultError({ErrorCode::kIo, summary.live.failure, ""});
+}
+
 }
 
 void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary) {
@@ -112,6 +116,7 @@ std::optional<Slice> Recording::next(const SliceSize& size) {
   {
     const StopOnInterrupt interrupt(is_live_);
     slice = without_gil([&] { return read_slice(size); });
+  if (!slice && !std::exchange(has_failed_, true)) check_live(reader_->summary());
   }
   check_signals();
   return slice;

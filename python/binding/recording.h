@@ -41,6 +41,9 @@ struct OpenArguments {
                                                                        const OpenArguments& arguments,
                                                                        bool reads_parts = false);
 
+/// Throws the failure that ended live input, such as an unplugged camera, if there was one.
+void check_live(const recordings::DecodeSummary& summary);
+
 /// Warns about data that were left out of a recording.
 void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary);
 
@@ -99,7 +102,7 @@ class Recording {
   std::optional<int64_t> slice_begin_us_;  ///< start of the next slice of fixed duration
   recordings::EventBatch batch_;           ///< the data read last, returned up to event_ and trigger_
   size_t event_ = 0, trigger_ = 0;
-  bool has_ended_ = false;
+  bool has_ended_ = false, has_failed_ = false;
   OneAtATime use_;
 };
 

@@ -2,6 +2,7 @@
 import threading
 import os
 import unittest
+from pathlib import Path
 
 import numpy as np
 
@@ -244,6 +245,33 @@ class LiveTest(InFolder):
                 except KeyboardInterrupt:
                     pass
         self.assertGreater(len(e2lf.read_events("rec.raw")[0]), 0)  # the stop is over
+
+
+class UnpluggedTest(InFolder):
+    def setUp(self):
+        super().setUp()
+        make_recording("a.raw", cycles=2)
+        # The simulated camera of the tests.
+        os.environ["E2LF_STAND_IN"] = f"serial=A1;file={Path('a.raw').resolve()};buffer=4000;period_us=0;unplug_at=20000"
+        self.addCleanup(os.environ.pop, "E2LF_STAND_IN")
+        try:
+            cameras = e2lf.find_cameras()
+        except e2lf.Error:
+            cameras = []
+        if not any("stand_in" in name for name in cameras):
+            self.skipTest("the build has no simulated camera")
+
+    def test_an_unplugged_camera_is_no_end(self):
+        for read in (lambda: e2lf.open_recording("camera://metavision"),
+                     lambda: e2lf.open_recording("camera://metavision").events(n_events=100)):
+            parts = read()
+            number = 0
+            with self.assertRaisesRegex(e2lf.Error, "connection to the camera is lost") as caught:
+                for _ in parts:
+                    number += 1
+            self.assertEqual(caught.exception.code, "io")
+            self.assertGreater(number, 0)
+            self.assertEqual(list(parts), [])
 
 
 if __name__ == "__main__":

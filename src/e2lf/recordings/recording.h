@@ -124,10 +124,10 @@ class RecordingReader {
   [[nodiscard]] const OpenOptions& options() const { return options_; }
   [[nodiscard]] const std::string& name() const { return name_; }
 
-  /// Replaces `batch` by the next events and triggers, at most `max_events` (>= kMinBatch) of each; a live source
-  /// returns what has arrived. Returns false with an empty batch at the end. Fails with kIo, with kFormat if the events
-  /// are not in order of time (Timeline), and, under the strict policy, with the first violation. After a stop request
-  /// or a failure of live input, an end inside a word is not a violation.
+  /// Replaces `batch` by the next events and triggers, at most `max_events` (>= kMinBatch) of each; live: what has
+  /// come. Returns false with an empty batch at the end; summary().live.failure tells a failure of live input from it.
+  /// Fails with kIo, with kFormat if the events are not in order of time (Timeline), and, under the strict policy, with
+  /// the first violation. After a stop request or a failure of live input, an end inside a word is not a violation.
   [[nodiscard]] Result<bool> read(EventBatch& batch, size_t max_events = kDefaultBatch);
 
   /// Declares that events with begin_us <= t < end_us (times as returned by read()) are not needed. A format that
