@@ -5,7 +5,7 @@
 #include <string>
 
 #include "e2lf/base/text.h"
-#include "python/binding/errors.h"
+#include "python/binding/calls.h"
 
 namespace e2lf::python {
 namespace {
@@ -17,32 +17,35 @@ Extents extents(Sizes... sizes) {
   return {static_cast<py::ssize_t>(sizes)...};
 }
 
-/// Returns an array over memory of `owner`, which it keeps alive; `name` identifies the type of the owner.
+/// Returns an array over memory of `owner`, which it keeps alive.
 template <typename Owner, typename Value>
-py::array own(std::unique_ptr<Owner> owner, const char* name, const Extents& shape, Value* values) {
-  const py::capsule capsule(owner.get(), name, [](PyObject* self) {
-    delete static_cast<Owner*>(PyCapsule_GetPointer(self, PyCapsule_GetName(self)));
-  });
+py::array own(std::unique_ptr<Owner> owner, const Extents& shape, Value* values) {
+  const py::capsule capsule(owner.get(), [](void* self) { delete static_cast<Owner*>(self); });
   static_cast<void>(owner.release());  // now owned by the capsule
   return py::array(py::dtype::of<Value>(), shape, {}, values, capsule);
 }
 
-constexpr const char* kLightFieldName = "e2lf.light_field";
-constexpr const char* kEventImagesName = "e2lf.event_images";
-constexpr const char* kImageName = "e2lf.image";
-
-/// Returns the owner with this name whose memory an array refers to, also through views of views; null if there is
-/// none.
-template <typename Owner>
-const Owner* find_owner(const py::array& array, const char* name) {
-  py::handle base = array;
-  while (base && py::isinstance<py::array>(base)) base = py::reinterpret_borrow<py::array>(base).base();
-  if (!base || PyCapsule_IsValid(base.ptr(), name) == 0) return nullptr;
-  return static_cast<const Owner*>(PyCapsule_GetPointer(base.ptr(), name));
+/// Returns whether the numbers of an array are of this type, in the order of bytes and at addresses of this machine.
+template <typename Value>
+bool holds(const py::array& array) {
+  bool is_aligned = reinterpret_cast<uintptr_t>(array.data()) % alignof(Value) == 0;
+  for (py::ssize_t axis = 0; axis < array.ndim(); ++axis) {
+    is_aligned = is_aligned && array.strides(axis) % static_cast<py::ssize_t>(sizeof(Value)) == 0;
+  }
+  return is_aligned && py::isinstance<py::array_t<Value, 0>>(array);
 }
 
-bool is_row_major(const py::array& array) {
-  return (array.flags() & py::array::c_style) != 0;
+/// Returns the view of an array that holds such numbers. Axes that it lacks at the end have the extent 1.
+template <typename Value, size_t kAxes>
+StridedView<Value, kAxes> view_of(const py::array& array) {
+  StridedView<Value, kAxes> view;
+  view.data = const_cast<Value*>(static_cast<const Value*>(array.data()));
+  view.extents.fill(1);
+  for (py::ssize_t axis = 0; axis < array.ndim(); ++axis) {
+    view.extents[static_cast<size_t>(axis)] = static_cast<size_t>(array.shape(axis));
+    view.strides[static_cast<size_t>(axis)] = array.strides(axis) / static_cast<py::ssize_t>(sizeof(Value));
+  }
+  return view;
 }
 
 std::vector<size_t> shape_of(const py::array& array) {
@@ -59,20 +62,19 @@ Error kind_error(const py::array& array, const char* name, const char* wanted) {
 }
 
 /// Returns integers as int16.
-std::vector<int16_t> counts_of(const py::array& array, const char* name) {
+py::array counts_of(const py::array& array, const char* name) {
   if (array.dtype().kind() != 'i' && array.dtype().kind() != 'u') {
     throw ResultError(kind_error(array, name, "event images consist of signed integers, int16"));
   }
   const py::array_t<int64_t, py::array::c_style | py::array::forcecast> wide(array);
   using Limits = std::numeric_limits<int16_t>;
-  const auto size = static_cast<size_t>(wide.size());
-  std::vector<int16_t> counts(size);
-  for (size_t i = 0; i < size; ++i) {
+  py::array_t<int16_t> counts(Extents(array.shape(), array.shape() + array.ndim()));
+  for (py::ssize_t i = 0; i < wide.size(); ++i) {
     const int64_t value = wide.data()[i];
     if (value < Limits::min() || value > Limits::max()) {
       throw ResultError({ErrorCode::kInvalidValue, cat("the count ", value, " does not fit into int16"), name});
     }
-    counts[i] = static_cast<int16_t>(value);
+    counts.mutable_data()[i] = static_cast<int16_t>(value);
   }
   return counts;
 }
@@ -90,14 +92,14 @@ py::array to_array(lightfield::LightField light_field) {
   if (shape.channels != 1) sizes.push_back(static_cast<py::ssize_t>(shape.channels));
   auto owner = std::make_unique<lightfield::LightField>(std::move(light_field));
   float* values = owner->data().data();
-  return own(std::move(owner), kLightFieldName, sizes, values);
+  return own(std::move(owner), sizes, values);
 }
 
 py::array to_array(capture::EventImages images) {
   const Extents sizes = extents(images.count, images.height, images.width);
   auto owner = std::make_unique<capture::EventImages>(std::move(images));
   int16_t* values = owner->values.data();
-  return own(std::move(owner), kEventImagesName, sizes, values);
+  return own(std::move(owner), sizes, values);
 }
 
 py::array to_array(lightfield::Image image) {
@@ -105,11 +107,15 @@ py::array to_array(lightfield::Image image) {
   if (image.channels != 1) sizes.push_back(static_cast<py::ssize_t>(image.channels));
   auto owner = std::make_unique<lightfield::Image>(std::move(image));
   float* values = owner->pixels.data();
-  return own(std::move(owner), kImageName, sizes, values);
+  return own(std::move(owner), sizes, values);
 }
 
 py::array to_array(const capture::Codes& codes) {
   return py::array_t<float>(extents(codes.num_patterns, codes.views_y, codes.views_x), codes.values.data());
+}
+
+py::object to_array(const std::optional<capture::Codes>& codes) {
+  return codes ? py::object(to_array(*codes)) : py::none();
 }
 
 py::array_t<float, py::array::c_style> floats_of(const py::array& array, const char* name) {
@@ -119,37 +125,35 @@ py::array_t<float, py::array::c_style> floats_of(const py::array& array, const c
   return py::array_t<float, py::array::c_style | py::array::forcecast>(array);
 }
 
-Borrowed<lightfield::LightField> light_field_of(const py::array& array, const char* name) {
+LentLightField light_field_of(const py::array& array, const char* name) {
   const std::vector<size_t> sizes = shape_of(array);
   const bool has_colour = sizes.size() == 5;
   if ((sizes.size() != 4 && !has_colour) || (has_colour && sizes[4] != 1 && sizes[4] != 3) || array.size() == 0) {
     throw ResultError(shape_error(array, name, "[view_y, view_x, y, x], or with [channel] of 3 at the end"));
   }
-  const lightfield::Shape shape{sizes[0], sizes[1], sizes[2], sizes[3], has_colour ? sizes[4] : 1};
-  const auto* owner = find_owner<lightfield::LightField>(array, kLightFieldName);
-  if (owner != nullptr && owner->shape() == shape && array.data() == owner->data().data() && is_row_major(array)) {
-    return {array, owner};
-  }
-  const auto floats = floats_of(array, name);
-  return Borrowed<lightfield::LightField>(lightfield::LightField(shape, {floats.data(), shape.size()}));
+  const py::array floats = holds<float>(array) ? array : py::array(floats_of(array, name));
+  return {floats, view_of<const float, 5>(floats)};
 }
 
-Borrowed<capture::EventImages> event_images_of(const py::array& array, const char* name) {
-  const std::vector<size_t> sizes = shape_of(array);
-  if (sizes.size() != 3 || array.size() == 0) {
+LightFieldOutput output_of(const py::array& array, const lightfield::Shape& shape, const char* name) {
+  if (!holds<float>(array) || !array.writeable()) {
+    throw ResultError(kind_error(array, name, "give an array of float32 that can be written"));
+  }
+  const bool has_axes = array.ndim() == (shape.channels == 1 ? 4 : 5);
+  const auto view = has_axes ? view_of<float, 5>(array) : LightFieldOutput();
+  if (!(lightfield::shape_of(view) == shape)) {
+    const std::vector<size_t> wanted = {shape.views_y, shape.views_x, shape.height, shape.width};
+    throw ResultError(shape_error(array, name, shape_text(wanted).c_str()));
+  }
+  return view;
+}
+
+LentImages event_images_of(const py::array& array, const char* name) {
+  if (array.ndim() != 3 || array.size() == 0) {
     throw ResultError(shape_error(array, name, "[transition, y, x] of one cycle"));
   }
-  const auto* owner = find_owner<capture::EventImages>(array, kEventImagesName);
-  if (owner != nullptr && array.data() == owner->values.data() && is_row_major(array) &&
-      sizes == std::vector{owner->count, owner->height, owner->width}) {
-    return {array, owner};
-  }
-  capture::EventImages images;
-  images.count = sizes[0];
-  images.height = sizes[1];
-  images.width = sizes[2];
-  images.values = counts_of(array, name);
-  return Borrowed<capture::EventImages>(std::move(images));
+  const py::array counts = holds<int16_t>(array) ? array : counts_of(array, name);
+  return {counts, view_of<const int16_t, 3>(counts)};
 }
 
 lightfield::Image image_of(const py::array& array, const char* name) {

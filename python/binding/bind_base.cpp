@@ -8,7 +8,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/info/version.h"
-#include "python/binding/errors.h"
+#include "python/binding/calls.h"
 #include "python/binding/module.h"
 
 namespace e2lf::python {

@@ -17,7 +17,7 @@ py::object calibrate(const std::vector<std::vector<py::array>>& scenes, const py
   std::vector<calibrate::StillScene> still;
   for (const auto& cycles : scenes) {
     calibrate::StillScene& scene = still.emplace_back();
-    for (const py::array& images : cycles) scene.cycles.push_back(*event_images_of(images, "scenes"));
+    for (const py::array& images : cycles) scene.cycles.push_back(owned(*event_images_of(images, "scenes")));
   }
   const capture::Codes patterns = codes_of(codes, "codes");
   const calibrate::CalibrationOptions options{.held = held, .is_even = even, .progress = progress_of(progress)};

@@ -14,11 +14,10 @@
 #include "e2lf/files/options.h"
 #include "e2lf/info/page_parts.h"
 #include "e2lf/pipeline/recorded_setup.h"
+#include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
+#include "python/binding/calls.h"
 #include "python/binding/module.h"
-#include "python/binding/orientation_arguments.h"
-#include "python/binding/outputs.h"
-#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -137,10 +136,7 @@ py::object read_event_images(const fs::path& path) {
   auto file = without_gil([&] { return capture::read_event_images(path); });
   py::list cycles;
   for (capture::EventImages& images : file.cycles) cycles.append(to_array(std::move(images)));
-  py::object codes = py::none(), camera = py::none();
-  if (file.setup.codes) codes = to_array(*file.setup.codes);
-  if (file.setup.camera) camera = py::cast(*file.setup.camera);
-  return make_tuple_of("EventImageFile", std::move(cycles), std::move(codes), std::move(camera),
+  return make_tuple_of("EventImageFile", std::move(cycles), to_array(file.setup.codes), file.setup.camera,
                        orientation_word(file.setup.views));
 }
 
@@ -151,12 +147,12 @@ void write_event_images(const fs::path& path, const std::vector<py::array>& cycl
   if (codes) setup.codes = codes_of(*codes, "codes");
   if (camera != nullptr) setup.camera = *camera;
   if (views) setup.views = take(capture::orientation_from_name(*views, "views"));
-  std::vector<Borrowed<capture::EventImages>> all;
+  std::vector<LentImages> all;
   for (const py::array& images : cycles) all.push_back(event_images_of(images, "cycles"));
   write_output(path, overwrite, [&](const fs::path& place) -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(place));
     writer.keep(setup);
-    for (const auto& images : all) E2LF_RETURN_IF_ERROR(writer.add(*images));
+    for (const auto& images : all) E2LF_RETURN_IF_ERROR(writer.add(owned(*images)));
     return writer.finish();
   });
 }
@@ -178,7 +174,7 @@ void bind_event_images(py::module_& module) {
       "event_picture",
       [](const py::array& images) {
         const auto counts = event_images_of(images, "images");
-        return to_array(info::event_picture(*counts));
+        return to_array(info::event_picture(owned(*counts)));
       },
       py::arg("images"),
       "Draws event images [transition, y, x] side by side as float32 [y, x, 3], ON events in red and OFF events in "

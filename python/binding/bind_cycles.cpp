@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Binds the module cycles to Python.
 #include <algorithm>
+#include <pybind11/operators.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 #include <variant>
@@ -15,12 +16,11 @@
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/registry.h"
+#include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
+#include "python/binding/calls.h"
 #include "python/binding/events.h"
 #include "python/binding/module.h"
-#include "python/binding/open_arguments.h"
-#include "python/binding/orientation_arguments.h"
-#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -33,10 +33,7 @@ constexpr Word<cycles::BurstSign> kSigns[] = {
     {"any", cycles::BurstSign::kAny}, {"on", cycles::BurstSign::kOn}, {"off", cycles::BurstSign::kOff}};
 
 cycles::BurstSign sign_of(const std::string& name) {
-  for (const auto sign : {cycles::BurstSign::kAny, cycles::BurstSign::kOn, cycles::BurstSign::kOff}) {
-    if (name == kSignNames[static_cast<size_t>(sign)]) return sign;
-  }
-  throw py::value_error("a sign is \"any\", \"on\" or \"off\"");
+  return value_of(name, kSigns, "sign");
 }
 
 Schedule checked(Schedule schedule) {
@@ -65,7 +62,7 @@ void bind_schedule(py::module_& module) {
       .def_property_readonly(
           "sign", [](const ScheduledPattern& self) { return word_of(self.sign, kSigns); },
           "Sign of the events that the change to it causes: \"any\", \"on\" or \"off\".")
-      .def("__eq__", [](const ScheduledPattern& self, const ScheduledPattern& other) { return self == other; })
+      .def(py::self == py::self)
       .def(py::pickle(
           [](const ScheduledPattern& self) {
             return py::make_tuple(self.name, self.duration_us, self.overhead_us, self.image,
@@ -86,7 +83,7 @@ void bind_schedule(py::module_& module) {
       .def_property_readonly("num_images", &Schedule::num_images, "Number of event images in a cycle.")
       .def_property_readonly("cycle_us", &Schedule::cycle_us, "Duration of a cycle, us.")
       .def("to_json", &cycles::schedule_text, "Returns the text of a schedule file.")
-      .def("__eq__", [](const Schedule& self, const Schedule& other) { return self == other; })
+      .def(py::self == py::self)
       .def("__len__", &Schedule::size)
       .def("__repr__",
            [](const Schedule& self) {
@@ -164,10 +161,7 @@ class CycleIterator {
     report["live"] = info::live_json(reader_.summary());
     return to_python(report);
   }
-  [[nodiscard]] py::object codes() const {
-    const auto codes = take(pipeline::setup_of_cycles(name_, reader_)).codes;
-    return codes ? py::object(to_array(*codes)) : py::none();
-  }
+  [[nodiscard]] py::object codes() const { return to_array(take(pipeline::setup_of_cycles(name_, reader_)).codes); }
   [[nodiscard]] std::optional<std::string> views() const {
     return orientation_word(take(pipeline::setup_of_cycles(name_, reader_)).views);
   }
@@ -200,6 +194,7 @@ std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, cycles::CycleOp
   auto rig = std::make_shared<diagnose::RigCheck>();
   options.on_batch = [rig](const recordings::EventBatch& batch) { rig->add(batch); };
   auto reader = open_reader(path.string(), open);
+  options.schedule = take(pipeline::choose_schedule(schedule, path, reader->info()));
   const StopOnInterrupt interrupt(recordings::is_live_recording(path.string()));
   return std::make_unique<CycleIterator>(path.string(), std::move(rig), without_gil([&] {
                                            return cycles::CycleReader::open(std::move(reader), options);
@@ -216,9 +211,9 @@ void bind_cycle_reader(py::module_& module) {
                              "The patterns of the transitions, float32 [transitions + 1, view_y, view_x]; None if the "
                              "recording does not state them.")
       .def_property_readonly("views", &CycleIterator::views, kViewsDoc)
-  const cycles::CycleOptions usual;
       .def("report", &CycleIterator::report,
            "Returns the numbers of cycles found and dropped so far, with reasons, and the data that were left out.");
+  const cycles::CycleOptions usual;
   module.def(
       "accumulate",
       [](const fs::path& path, const std::string& source, const ScheduleArgument& schedule,
@@ -253,17 +248,18 @@ void bind_cycle_reader(py::module_& module) {
       "Cycle(images, number, begin_us, slices, events, saturated, confidence), where images is int16 "
       "[transition, y, x].\n\n"
       "source: source of the times at which patterns change: \"triggers\", \"bursts\" (the events), \"schedule\" "
-      "num_codes: number of patterns; None = as the recording states, or else 4.\n"
       "(requires origin_us) or \"auto\".\n"
       "schedule: a Schedule or the path of its file; None = the paper's for num_codes patterns.\n"
+      "num_codes: number of patterns; None = as the recording states, or else 4.\n"
       "edge, channel: edge and input of the triggers; channel None = all inputs.\n"
       "first_pattern: pattern of the first trigger or burst, from 0; None = determined from the recording.\n"
-      "trigger_delay_us: time from a trigger to the change of the pattern; negative if the pattern changes first.\n"
       "one_trigger_per_cycle: whether triggers mark cycles instead of patterns.\n"
       "origin_us: time at which the first pattern of any cycle began.\n"
+      "trigger_delay_us: time from a trigger to the change of the pattern; negative if the pattern changes first.\n"
       "filter_pixels: whether to ignore hot and flickering pixels.\n"
       "transitions: event images of the changes to the active patterns a2 to aN (\"lit\"), or of all changes of the "
-      "whole cycle, from a1 to a2 until the change to the next a1 (\"all\").\n"
+      "whole cycle, from a1 to a2 until the change to the next a1 (\"all\"); \"auto\" = all if the patterns of the "
+      "recording require it.\n"
       "invert_polarity: whether to exchange ON and OFF events." E2LF_OPEN_DOC);
 }
 
@@ -271,24 +267,23 @@ void bind_cycle_reader(py::module_& module) {
 void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cycles,
                 const std::optional<py::array>& codes, const ScheduleArgument& schedule, bool triggers,
                 int64_t begin_us, Whole<uint64_t> seed, const capture::SensorProfile* camera, bool overwrite) {
-  std::vector<Borrowed<capture::EventImages>> images;
+  std::vector<LentImages> images;
   for (const py::array& each : images_of_cycles) images.push_back(event_images_of(each, "cycles"));
   if (images.empty()) throw py::value_error("at least one cycle is required");
   cycles::SynthesisOptions options;
-  options.schedule = schedule_of(schedule, images.front()->count + 1);
+  options.schedule = schedule_of(schedule).value_or(cycles::paper_schedule(images.front()->extents[0] + 1));
   if (!triggers) options.trigger_channel.reset();
   options.begin_us = begin_us;
   options.seed = seed;
   recordings::RecordingInfo info;
-  info.width = images.front()->width;
-  info.height = images.front()->height;
+  info.width = images.front()->extents[2];
+  info.height = images.front()->extents[1];
   capture::RecordedSetup setup;
   if (codes) setup.codes = codes_of(*codes, "codes");
   if (camera != nullptr) setup.camera = *camera;
   info.header = pipeline::header_of(setup);
   for (const auto& each : images) {
-    if (each->count == options.schedule.num_images() && each->width == info.width && each->height == info.height)
-      continue;
+    if (each->extents == std::array{options.schedule.num_images(), info.height, info.width}) continue;
     throw ResultError({ErrorCode::kShape,
                        "the cycles differ in size, or their number of images differs from that of the schedule",
                        "cycles"});
@@ -302,9 +297,9 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
       return Error{ErrorCode::kUnsupported,
                    "this format cannot hold triggers; write .raw, .hdf5 or .dat, or leave them out", path.string()};
     }
-    E2LF_RETURN_IF_ERROR(
-        cycles::synthesise_recording(*writer, images.size(), options,
-                                     [&](uint64_t number) -> Result<capture::EventImages> { return *images[number]; }));
+    E2LF_RETURN_IF_ERROR(cycles::synthesise_recording(
+        *writer, images.size(), options,
+        [&](uint64_t number) -> Result<capture::EventImages> { return owned(*images[number]); }));
     E2LF_RETURN_IF_ERROR(writer->finish());
     return output.commit();
   });

@@ -6,10 +6,10 @@
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_error.h"
 #include "e2lf/eval/report.h"
+#include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
-#include "python/binding/orientation_arguments.h"
 
 namespace e2lf::python {
 namespace {
@@ -17,12 +17,12 @@ namespace {
 py::object estimate(const py::array& light_field, const std::optional<std::pair<size_t, size_t>>& view,
                     const std::optional<std::pair<float, float>>& range_px, E2LF_ORIENTATION_PARAMETERS,
                     const ProgressArgument& progress) {
-  const auto field = oriented(light_field_of(light_field, "light_field"), E2LF_ORIENTATION_VALUE);
+  const lightfield::LightField field(*oriented(light_field_of(light_field, "light_field"), E2LF_ORIENTATION_VALUE));
   depth::DisparityOptions options;
   if (view) options.view = depth::ViewIndex{view->first, view->second};
   if (range_px) options.range = depth::DisparityRange{range_px->first, range_px->second};
   const ProgressFn told = progress_of(progress);
-  depth::DisparityMap map = without_gil([&] { return depth::estimate_disparity(*field, options, told); });
+  depth::DisparityMap map = without_gil([&] { return depth::estimate_disparity(field, options, told); });
   return make_tuple_of("DisparityMap", to_array(std::move(map.disparity)), to_array(std::move(map.confidence)),
                        std::pair(map.view.y, map.view.x), std::pair(map.range.least, map.range.most));
 }

@@ -17,7 +17,7 @@ namespace {
 
 /// Two light fields, or two images as light fields of one view, of the same shape.
 struct Pair {
-  Borrowed<lightfield::LightField> a, b;
+  LentLightField a, b;
 };
 
 /// Adds the axes of views to an image [y, x] or [y, x, channel].
@@ -26,14 +26,18 @@ py::array as_light_field(const py::array& array) {
   return is_image ? py::array(array[py::make_tuple(py::none(), py::none(), py::ellipsis())]) : array;
 }
 
-void check_finite(const lightfield::LightField& field, const char* name) {
-  if (std::ranges::all_of(field.data(), [](float value) { return std::isfinite(value); })) return;
-  throw ResultError({ErrorCode::kInvalidValue, "it contains NaN or infinity; replace them first", name});
+void check_finite(const LightFieldView& field, const char* name) {
+  without_gil([&]() -> Result<void> {
+    bool is_finite = true;
+    for_each_value(field, [&](float value) { is_finite = is_finite && std::isfinite(value); });
+    if (is_finite) return {};
+    return Error{ErrorCode::kInvalidValue, "it contains NaN or infinity; replace them first", name};
+  });
 }
 
 Pair pair_of(const py::array& a, const py::array& b) {
   Pair pair{light_field_of(as_light_field(a), "a"), light_field_of(as_light_field(b), "b")};
-  if (!(pair.a->shape() == pair.b->shape()))
+  if (pair.a->extents != pair.b->extents)
     throw ResultError({ErrorCode::kShape, "the two arrays differ in shape", "a, b"});
   check_finite(*pair.a, "a");
   check_finite(*pair.b, "b");
@@ -43,12 +47,13 @@ Pair pair_of(const py::array& a, const py::array& b) {
 /// Returns the mean of `metric`(view of a, view of b) over the views.
 template <typename Metric>
 double mean_over_views(const Pair& pair, const Metric& metric) {
-  const lightfield::Shape& shape = pair.a->shape();
+  const lightfield::Shape shape = lightfield::shape_of(*pair.a);
   return without_gil([&]() -> Result<double> {
     double sum = 0;
+    std::vector<float> scratch[2];
     for (size_t view = 0; view < shape.num_views(); ++view) {
       const size_t row = view / shape.views_x, column = view % shape.views_x;
-      sum += metric(pair.a->view(row, column), pair.b->view(row, column));
+      sum += metric((*pair.a)[row][column].values(scratch[0]), (*pair.b)[row][column].values(scratch[1]));
     }
     return sum / static_cast<double>(shape.num_views());
   });
@@ -70,7 +75,7 @@ double ssim(const py::array& a, const py::array& b, const std::string& window) {
   check_word(window, {"uniform7", "gaussian"}, "window");
   const auto kind = window == "gaussian" ? eval::SsimWindow::kGaussian11 : eval::SsimWindow::kUniform7;
   const Pair pair = pair_of(a, b);
-  const lightfield::Shape& shape = pair.a->shape();
+  const lightfield::Shape shape = lightfield::shape_of(*pair.a);
   const size_t least = eval::ssim_window_size(kind);
   if (shape.height < least || shape.width < least) {
     throw ResultError({ErrorCode::kShape, cat("views have at least ", least, "x", least, " px"), "a, b"});
@@ -85,8 +90,8 @@ double ssim(const py::array& a, const py::array& b, const std::string& window) {
   });
 }
 
-lightfield::LightField toned(const lightfield::LightField& field, const eval::Tone& tone) {
-  lightfield::LightField result = field;
+lightfield::LightField toned(const LightFieldView& field, const eval::Tone& tone) {
+  lightfield::LightField result(field);
   for (float& value : result.data()) value = (value - tone.black) * tone.gain;
   return result;
 }
@@ -98,7 +103,7 @@ py::object compare(const py::array& truth, const py::array& reconstruction, bool
   const auto b = light_field_of(as_light_field(reconstruction), "reconstruction");
   const ProgressFn told = progress_of(progress);
   if (fit == "none") return to_python(eval::to_json(without_gil([&] { return eval::compare(*a, *b, {clamp}, told); })));
-  if (!(a->shape() == b->shape()))
+  if (a->extents != b->extents)
     throw ResultError({ErrorCode::kShape, "the two light fields differ in shape", "reconstruction"});
   eval::Tone tone;
   Json report = eval::to_json(without_gil([&]() -> Result<eval::LightFieldMetrics> {

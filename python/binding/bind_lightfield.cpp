@@ -10,11 +10,10 @@
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"
+#include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
+#include "python/binding/calls.h"
 #include "python/binding/module.h"
-#include "python/binding/orientation_arguments.h"
-#include "python/binding/outputs.h"
-#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -93,7 +92,7 @@ void bind_pictures(py::module_& module) {
       [](const py::array& light_field, float disparity, std::optional<float> radius, float centre_y, float centre_x,
          const std::optional<py::array>& weights) {
         const auto field = light_field_of(light_field, "light_field");
-        const auto aperture = aperture_of(field->shape(), radius, centre_y, centre_x, weights);
+        const auto aperture = aperture_of(lightfield::shape_of(*field), radius, centre_y, centre_x, weights);
         return picture([&] { return lightfield::refocus(*field, disparity, aperture); });
       },
       py::arg("light_field"), py::arg("disparity"), py::kw_only(), py::arg("radius") = py::none(),
@@ -108,8 +107,8 @@ void bind_pictures(py::module_& module) {
       "horizontal_epi",
       [](const py::array& light_field, Whole<size_t> view_y, Whole<size_t> y) {
         const auto field = light_field_of(light_field, "light_field");
-        check_index(view_y, field->shape().views_y, "view_y");
-        check_index(y, field->shape().height, "y");
+        check_index(view_y, lightfield::shape_of(*field).views_y, "view_y");
+        check_index(y, lightfield::shape_of(*field).height, "y");
         return picture([&] { return lightfield::horizontal_epi(*field, view_y, y); });
       },
       py::arg("light_field"), py::arg("view_y"), py::arg("y"),
@@ -121,8 +120,8 @@ void bind_pictures(py::module_& module) {
       "vertical_epi",
       [](const py::array& light_field, Whole<size_t> view_x, Whole<size_t> x) {
         const auto field = light_field_of(light_field, "light_field");
-        check_index(view_x, field->shape().views_x, "view_x");
-        check_index(x, field->shape().width, "x");
+        check_index(view_x, lightfield::shape_of(*field).views_x, "view_x");
+        check_index(x, lightfield::shape_of(*field).width, "x");
         return picture([&] { return lightfield::vertical_epi(*field, view_x, x); });
       },
       py::arg("light_field"), py::arg("view_x"), py::arg("x"),
@@ -133,11 +132,11 @@ void bind_pictures(py::module_& module) {
       "epi_picture",
       [](const py::array& light_field, std::optional<size_t> y, std::optional<size_t> x) {
         const auto field = light_field_of(light_field, "light_field");
-        lightfield::EpiPictureOptions options = lightfield::middle_cut(field->shape());
+        lightfield::EpiPictureOptions options = lightfield::middle_cut(lightfield::shape_of(*field));
         options.y = y.value_or(options.y);
         options.x = x.value_or(options.x);
-        check_index(options.y, field->shape().height, "y");
-        check_index(options.x, field->shape().width, "x");
+        check_index(options.y, lightfield::shape_of(*field).height, "y");
+        check_index(options.x, lightfield::shape_of(*field).width, "x");
         return picture([&] { return lightfield::epi_picture(*field, options); });
       },
       py::arg("light_field"), py::kw_only(), py::arg("y") = py::none(), py::arg("x") = py::none(),
@@ -149,7 +148,7 @@ void bind_pictures(py::module_& module) {
       [](const py::array& light_field, Whole<size_t> max_width) {
         const auto field = light_field_of(light_field, "light_field");
         const lightfield::ContactSheetOptions options{.max_width = max_width};
-        if (max_width < field->shape().views_x * (1 + options.separator_px)) {
+        if (max_width < lightfield::shape_of(*field).views_x * (1 + options.separator_px)) {
           throw py::value_error("max_width is too small for one pixel per view");
         }
         return picture([&] { return lightfield::contact_sheet(*field, options); });

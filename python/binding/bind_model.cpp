@@ -12,7 +12,6 @@
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
-#include "python/binding/outputs.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;
@@ -142,8 +141,7 @@ void bind_light_field_model(py::module_& module) {
           "views", [](const Model& self) { return py::make_tuple(self.views_y, self.views_x); },
           "The number of views, (view_y, view_x).")
       .def_property_readonly(
-          "codes",
-          [](const Model& self) { return self.codes ? py::object(to_array(*self.codes)) : py::object(py::none()); },
+          "codes", [](const Model& self) { return to_array(self.codes); },
           "The patterns, float32 [N, view_y, view_x]; None if the model does not contain them.")
       .def_readonly("event_model", &Model::event_model, "The event model for which it was trained.")
       .def_readonly("black_first", &Model::black_first, "Whether the first pattern is black.")

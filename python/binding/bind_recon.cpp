@@ -8,11 +8,10 @@
 #include "e2lf/pipeline/method.h"
 #include "e2lf/recon/event_check.h"
 #include "e2lf/recon/reconstruct.h"
+#include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
-#include "python/binding/orientation_arguments.h"
-#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace {
@@ -31,12 +30,14 @@ pipeline::Tone tone_of(const GainArgument& gain) {
 
 /// Reconstructs the light field of event images.
 Result<lightfield::LightField> reconstruct_once(const pipeline::OpenedMethod& method, const pipeline::MethodUse& use,
-                                                const pipeline::Tone& tone, const capture::EventImages& images,
+                                                pipeline::Tone tone, const capture::MeasurementView& images,
                                                 const capture::Orientation& orientation, const ProgressFn& progress) {
-  E2LF_ASSIGN_OR_RETURN(auto sequence, pipeline::open_sequence(method, use, tone));
-  E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(capture::Measurement(images), progress));
-  lightfield::orient(field.light_field, orientation);
-  return std::move(field.light_field);
+  E2LF_ASSIGN_OR_RETURN(const recon::Method reconstruct, method.ready(use));
+  E2LF_ASSIGN_OR_RETURN(lightfield::LightField field, reconstruct(images, progress));
+  tone = method.complete(tone);
+  pipeline::apply_tone(images, field, tone);
+  lightfield::orient(field, orientation);
+  return field;
 }
 
 /// A network that is ready to run.
@@ -52,17 +53,31 @@ class Network {
 
   py::array reconstruct(py::array images, const GainArgument& gain, Whole<size_t> passes, Whole<size_t> cycles,
                         const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS,
-                        const ProgressArgument& progress) {
+                        const std::optional<py::array>& out, const ProgressArgument& progress) {
     if (gives_depth()) throw py::value_error("this network gives disparities and no light field; call depth()");
-    const pipeline::Tone tone = tone_of(gain);
+    pipeline::Tone tone = tone_of(gain);
     if (passes < 1) throw py::value_error("passes are at least 1");
     sum_cycles(images, cycles);
     const auto counts = event_images_of(images, "images");
     const ProgressFn told = progress_of(progress);
     const OneAtATime::Use use(use_, "reconstructor");
-    return to_array(without_gil([&] {
-      return reconstruct_once(method_, {passes, cycles, colour_filter}, tone, *counts, E2LF_ORIENTATION_VALUE, told);
-    }));
+    if (!out) {
+      return to_array(without_gil([&] {
+        return reconstruct_once(method_, {passes, cycles, colour_filter}, tone, *counts, E2LF_ORIENTATION_VALUE, told);
+      }));
+    }
+    if (passes > 1 || !colour_filter.empty()) throw py::value_error("out takes one pass, without a colour filter");
+    take(method_.ready({passes, cycles, ""}));
+    const LightFieldOutput field = output_of(*out, method_.network->field_shape(*counts), "out");
+    without_gil([&]() -> Result<void> {
+      recon::ReconstructionMemory memory;
+      E2LF_RETURN_IF_ERROR(method_.network->reconstruct_into(*counts, cycles, {}, memory, field, told));
+      tone = method_.complete(tone);
+      pipeline::apply_tone(*counts, field, tone);
+      lightfield::orient(field, E2LF_ORIENTATION_VALUE);
+      return {};
+    });
+    return *out;
   }
 
   py::object depth(py::array images, Whole<size_t> cycles, E2LF_ORIENTATION_PARAMETERS,
@@ -73,9 +88,9 @@ class Network {
     const ProgressFn told = progress_of(progress);
     const OneAtATime::Use use(use_, "reconstructor");
     depth::DisparityMap map = without_gil([&]() -> Result<depth::DisparityMap> {
-      E2LF_ASSIGN_OR_RETURN(
-          pipeline::EventDepth found,
-          pipeline::depth_of_events(method_, capture::Measurement(*counts), cycles, E2LF_ORIENTATION_VALUE, told));
+      E2LF_ASSIGN_OR_RETURN(pipeline::EventDepth found,
+                            pipeline::depth_of_events(method_, capture::Measurement(owned(*counts)), cycles,
+                                                      E2LF_ORIENTATION_VALUE, told));
       return std::move(found.map);
     });
     return make_tuple_of("DisparityMap", to_array(std::move(map.disparity)), to_array(std::move(map.confidence)),
@@ -147,7 +162,7 @@ void bind_recon(py::module_& module) {
            py::kw_only(), py::arg("precision") = "auto", py::arg("camera") = nullptr)
       .def("reconstruct", &Network::reconstruct, py::arg("images"), py::kw_only(), py::arg("gain") = "auto",
            py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("colour_filter") = "", E2LF_ORIENTATION_ARGUMENTS,
-           py::arg("progress") = py::none(),
+           py::arg("out") = py::none(), py::arg("progress") = py::none(),
            "Reconstructs a light field float32 [view_y, view_x, y, x], not clamped, from event images int16 "
            "[transition, y, x].\n\n"
            "images: event images of one cycle, or [cycle, transition, y, x], from which networks conditioned on the "
@@ -158,6 +173,7 @@ void bind_recon(py::module_& module) {
            "cycles: number of cycles over which `images` were summed, for networks conditioned on the sensor profile.\n"
            "colour_filter: colours of each 2x2 pixels of the sensor, row by row, such as \"rggb\": the light field has "
            "[channel] and half the width and height.\n" E2LF_ORIENTATION_DOC
+           "out: float32 [view_y, view_x, y, x] that receives the light field and is returned; None = a new array.\n"
            "progress: called with (done, total); an exception cancels the operation.")
       .def(
           "depth", &Network::depth, py::arg("images"), py::kw_only(), py::arg("cycles") = 1, E2LF_ORIENTATION_ARGUMENTS,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Binds the readers of the module recordings to Python.
+#include <pybind11/operators.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -9,12 +10,12 @@
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/recording.h"
+#include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
 #include "python/binding/module.h"
-#include "python/binding/open_arguments.h"
-#include "python/binding/orientation_arguments.h"
 
 namespace e2lf::python {
+using namespace pybind11::literals;
 namespace fs = std::filesystem;
 namespace {
 
@@ -57,14 +58,8 @@ py::object slice_of(Slice slice) {
   return make_tuple_of("Slice", to_array(std::move(slice.events)), std::move(triggers), begin_us, end_us);
 }
 
-py::object codes_of_recording(const Recording& recording) {
-  const auto codes = take(pipeline::recorded_setup(recording.name(), recording.reader().info())).codes;
-  return codes ? py::object(to_array(*codes)) : py::none();
-}
-
-py::object camera_of_recording(const Recording& recording) {
-  const auto camera = take(pipeline::recorded_setup(recording.name(), recording.reader().info())).camera;
-  return camera ? py::cast(*camera) : py::none();
+capture::RecordedSetup setup_of(const Recording& recording) {
+  return take(pipeline::recorded_setup(recording.name(), recording.reader().info()));
 }
 
 /// Reads the whole recording into two arrays.
@@ -147,16 +142,13 @@ void bind_recording(py::module_& module) {
           },
           "Properties that the file does not state and that were assumed.")
       .def_property_readonly(
-          "codes", &codes_of_recording,
+          "codes", [](const Recording& self) { return to_array(setup_of(self).codes); },
           "The patterns with which it was recorded, float32 [N, view_y, view_x]; None if they are unknown.")
-      .def_property_readonly("camera", &camera_of_recording,
-                             "The Camera with which it was recorded; None if it is unknown.")
       .def_property_readonly(
-          "views",
-          [](const Recording& self) {
-            return orientation_word(take(pipeline::recorded_setup(self.name(), self.reader().info())).views);
-          },
-          kViewsDoc)
+          "camera", [](const Recording& self) { return setup_of(self).camera; },
+          "The Camera with which it was recorded; None if it is unknown.")
+      .def_property_readonly(
+          "views", [](const Recording& self) { return orientation_word(setup_of(self).views); }, kViewsDoc)
       .def(
           "summary", [](Recording& self) { return to_python(info::summary_json(self.summary())); },
           "Returns a summary of the data read so far: counts of events and triggers, times in us, and the data that "
@@ -198,6 +190,14 @@ void bind_recording(py::module_& module) {
            [](RecordingPointer self) {
              return Slices{std::move(self), {}};
            })
+      .def("__enter__", [](RecordingPointer self) { return self; })
+      .def("__exit__", [](Recording& self, const py::args&) { self.close(); })
+      .def("__repr__", [](const Recording& self) { return "<e2lf.Recording " + self.name() + ">"; });
+}
+
+/// (x, y, width, height).
+using RegionArgument = std::tuple<int, int, int, int>;
+
 recordings::CameraSetup make_camera_setup(std::vector<std::string> trigger_channels, const fs::path& biases,
                                           std::optional<uint32_t> max_events_per_s,
                                           const std::vector<RegionArgument>& regions, std::string encoding,
@@ -219,14 +219,6 @@ py::tuple parts_of(const recordings::CameraSetup& setup) {
   return py::make_tuple(setup.trigger_channels, setup.biases.string(), setup.max_events_per_s, regions, setup.encoding,
                         setup.switches_filters_off);
 }
-
-      .def("__enter__", [](RecordingPointer self) { return self; })
-      .def("__exit__", [](Recording& self, const py::args&) { self.close(); })
-      .def("__repr__", [](const Recording& self) { return "<e2lf.Recording " + self.name() + ">"; });
-}
-
-/// (x, y, width, height).
-using RegionArgument = std::tuple<int, int, int, int>;
 
 void bind_camera_setup(py::module_& module) {
   using recordings::CameraSetup;

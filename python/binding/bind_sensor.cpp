@@ -8,36 +8,32 @@
 #include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
+#include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
-#include "python/binding/orientation_arguments.h"
-#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace {
 
-/// Returns a light field, whose intensities must be finite and not negative.
-Borrowed<lightfield::LightField> scene_of(const py::array& light_field) {
+/// Returns the light on the pixels: the light field itself, or behind the colour filter of this name. Its intensities
+/// must be finite and not negative.
+LentLightField light_on_sensor(const py::array& light_field, const std::string& colour_filter) {
   auto scene = light_field_of(light_field, "light_field");
-  const bool is_light = without_gil([&]() -> Result<bool> {
-    return std::ranges::all_of(scene->data(), [](float value) { return value >= 0 && std::isfinite(value); });
+  without_gil([&]() -> Result<void> {
+    bool is_light = true;
+    for_each_value(*scene, [&](float value) { is_light = is_light && value >= 0 && std::isfinite(value); });
+    if (is_light) return {};
+    return Error{ErrorCode::kInvalidValue, "it contains NaN, infinity or negative intensities; clip them first",
+                 "light_field"};
   });
-  if (is_light) return scene;
-  throw ResultError(
-      {ErrorCode::kInvalidValue, "it contains NaN, infinity or negative intensities; clip them first", "light_field"});
-}
-
-/// Returns the light on the pixels: the light field itself, or behind the colour filter of this name.
-Borrowed<lightfield::LightField> light_on_sensor(const py::array& light_field, const std::string& colour_filter) {
-  auto scene = scene_of(light_field);
   if (colour_filter.empty()) return scene;
   const capture::ColourFilter filter = take(capture::colour_filter_from_name(colour_filter));
-  if (scene->shape().channels != 3) {
+  if (scene->extents[4] != 3) {
     throw ResultError({ErrorCode::kShape, "the light field is grey; colour filters need one in colour", "light_field"});
   }
-  return Borrowed<lightfield::LightField>(
-      without_gil([&]() -> Result<lightfield::LightField> { return sensor::light_behind(filter, *scene); }));
+  auto light = without_gil([&]() -> Result<lightfield::LightField> { return sensor::light_behind(filter, *scene); });
+  return light_field_of(to_array(std::move(light)), "light_field");
 }
 
 /// Simulates the paper's model, or the physical pixels of a camera; rejects arguments that do not apply.
@@ -96,7 +92,7 @@ void bind_sensor(py::module_& module) {
   module.def(
       "coded_intensities",
       [](const py::array& light_field, const py::array& codes) {
-        const auto scene = scene_of(light_field);
+        const auto scene = light_on_sensor(light_field, "");
         const capture::Codes patterns = codes_of(codes, "codes");
         auto seen = without_gil([&] { return sensor::coded_intensities(patterns, *scene); });
         return py::array_t<float>(std::vector<size_t>{seen.count, seen.height, seen.width}, seen.values.data());

@@ -8,7 +8,6 @@
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"
-#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace {

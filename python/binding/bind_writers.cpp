@@ -10,10 +10,10 @@
 #include "e2lf/recordings/convert.h"
 #include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/registry.h"
+#include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
+#include "python/binding/calls.h"
 #include "python/binding/module.h"
-#include "python/binding/open_arguments.h"
-#include "python/binding/whole.h"
 
 namespace e2lf::python {
 namespace fs = std::filesystem;

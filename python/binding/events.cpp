@@ -13,7 +13,7 @@
 #endif
 
 #include "e2lf/base/text.h"
-#include "python/binding/errors.h"
+#include "python/binding/calls.h"
 
 namespace e2lf::python {
 namespace {
@@ -64,10 +64,6 @@ class RecordBuffers {
 RecordBuffers& buffers() {
   static auto* const all = new RecordBuffers;
   return *all;
-}
-
-py::dtype make_dtype(const char* text) {
-  return py::dtype::from_args(py::module_::import("ast").attr("literal_eval")(text));
 }
 
 struct Columns {
@@ -159,15 +155,18 @@ py::array_t<int64_t> field_of(const py::array& array, const char* name, int64_t 
 }  // namespace
 
 const py::dtype& event_dtype() {
-  static const auto* const dtype =
-      new py::dtype(make_dtype("{'names': ['x', 'y', 'p', 't'], 'formats': ['<u2', '<u2', '<i2', '<i8'], 'offsets': "
-                               "[0, 2, 4, 8], 'itemsize': 16}"));
+  static const auto* const dtype = [] {
+    PYBIND11_NUMPY_DTYPE(EventRecord, x, y, p, t);
+    return new py::dtype(py::dtype::of<EventRecord>());
+  }();
   return *dtype;
 }
 
 const py::dtype& trigger_dtype() {
-  static const auto* const dtype = new py::dtype(make_dtype(
-      "{'names': ['p', 't', 'id'], 'formats': ['<i2', '<i8', '<i2'], 'offsets': [0, 8, 16], 'itemsize': 24}"));
+  static const auto* const dtype = [] {
+    PYBIND11_NUMPY_DTYPE(TriggerRecord, p, t, id);
+    return new py::dtype(py::dtype::of<TriggerRecord>());
+  }();
   return *dtype;
 }
 

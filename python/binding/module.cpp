@@ -7,7 +7,7 @@
 #include "e2lf/formats/formats.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/video/operations.h"
-#include "python/binding/errors.h"
+#include "python/binding/calls.h"
 
 namespace e2lf::python {
 

@@ -26,8 +26,6 @@ int64_t multiple_below(int64_t t_us, int64_t step) {
 }  // namespace
 
 recordings::OpenOptions open_options(const std::string& name, const OpenArguments& arguments) {
-  const size_t unit = check_word(arguments.time_unit, {"auto", "s", "ms", "us", "ns"}, "time_unit");
-  const size_t restart = check_word(arguments.restart, {"continue", "split", "refuse"}, "restart");
   if (arguments.threads < 0) throw py::value_error("the number of threads cannot be negative; 0 is all cores");
   recordings::OpenOptions options;
   options.format = arguments.format;
@@ -70,10 +68,10 @@ std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name
     }
     return reader;
   });
-void check_live(const recordings::DecodeSummary& summary) {
-  if (!summary.live.failure.empty()) throw ResultError({ErrorCode::kIo, summary.live.failure, ""});
 }
 
+void check_live(const recordings::DecodeSummary& summary) {
+  if (!summary.live.failure.empty()) throw ResultError({ErrorCode::kIo, summary.live.failure, ""});
 }
 
 void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary) {
@@ -116,9 +114,9 @@ std::optional<Slice> Recording::next(const SliceSize& size) {
   {
     const StopOnInterrupt interrupt(is_live_);
     slice = without_gil([&] { return read_slice(size); });
-  if (!slice && !std::exchange(has_failed_, true)) check_live(reader_->summary());
   }
   check_signals();
+  if (!slice && !std::exchange(has_failed_, true)) check_live(reader_->summary());
   return slice;
 }
 

@@ -72,7 +72,8 @@ class Recording {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const recordings::RecordingReader& reader() const;
 
-  /// Returns the next slice, or nothing at the end. Slices of a fixed duration are contiguous and may be empty.
+  /// Returns the next slice, or nothing at the end. Fails once with kIo if live input failed. Slices of a fixed
+  /// duration are contiguous and may be empty.
   [[nodiscard]] std::optional<Slice> next(const SliceSize& size);
 
   /// Returns all events and triggers with begin_us <= t < end_us, from any position; reading continues after them.

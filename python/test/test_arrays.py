@@ -2,6 +2,8 @@
 import gc
 import logging
 import pickle
+import subprocess
+import sys
 import threading
 import unittest
 from pathlib import Path
@@ -45,6 +47,37 @@ class MemoryTest(unittest.TestCase):
                              e2lf.coded_intensities(scene, codes)))
         images, _ = event_images(1)
         self.assertEqual(e2lf.event_statistics(images[0]), e2lf.event_statistics(images[0].astype(np.int64)))
+
+    def test_results_go_into_memory_of_the_caller(self):
+        images, _ = event_images(1)
+        reconstructor = e2lf.Reconstructor(model())
+        for options in ({}, {"gain": 2.0, "flip_x": True}):
+            expected = reconstructor.reconstruct(images[0], **options)
+            wide = np.zeros((8, 8, 32, 96), np.float32)
+            for out in (np.empty_like(expected), wide[..., ::2], wide[:, ::-1, :, 48:]):
+                self.assertIs(reconstructor.reconstruct(images[0], out=out, **options), out)
+                self.assertTrue(same(out, expected))
+        for wrong in (np.zeros((8, 8, 32, 48)), np.zeros((8, 8, 32, 47), np.float32), np.broadcast_to(expected, expected.shape)):
+            with self.assertRaises(e2lf.Error):
+                reconstructor.reconstruct(images[0], out=wrong)
+
+    def test_arrays_of_the_caller_are_not_copied(self):
+        # A light field of 1 GB by its shape, in 8 kB, with 512 MB of address space left.
+        done = subprocess.run([sys.executable, "-c", """
+import re, resource
+import numpy as np, e2lf
+e2lf.set_num_threads(2)
+codes = e2lf.Model("e2lf-n4").codes
+scene = np.broadcast_to(np.linspace(0, 1, 2000, dtype=np.float32), (8, 8, 2000, 2000))
+images = np.broadcast_to(np.int16(1), (3, 2000, 2000))
+used = int(re.search(r"VmSize:\\s*(\\d+)", open("/proc/self/status").read())[1]) * 1024
+resource.setrlimit(resource.RLIMIT_AS, (used + (512 << 20),) * 2)
+e2lf.coded_intensities(scene, codes)
+e2lf.event_error(scene, images, codes)
+e2lf.event_statistics(images)
+assert e2lf.psnr(scene, scene) == np.inf and e2lf.auto_gain(scene) == 1
+"""], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_wrong_arrays_are_refused(self):
         codes = model().codes

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "e2lf/base/strided_view.h"
+
 namespace e2lf {
 
 /// Images of the same size: T [image, y, x], row-major.
@@ -30,7 +32,17 @@ struct Planes {
   [[nodiscard]] std::span<const T> image(size_t n) const {
     return std::span(values).subspan(n * image_size(), image_size());
   }
+  operator PlanesView<T>() { return {values.data(), {count, height, width}}; }
+  operator PlanesView<const T>() const { return {values.data(), {count, height, width}}; }
   bool operator==(const Planes&) const = default;
 };
+
+/// Returns a copy that owns its memory.
+template <typename T>
+[[nodiscard]] Planes<std::remove_const_t<T>> owned(const PlanesView<T>& view) {
+  Planes<std::remove_const_t<T>> planes(view.extents[0], view.extents[1], view.extents[2]);
+  copy_values(view, PlanesView<std::remove_const_t<T>>(planes));
+  return planes;
+}
 
 }  // namespace e2lf

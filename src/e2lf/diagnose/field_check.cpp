@@ -180,7 +180,7 @@ std::vector<Change> other_orientations(size_t side) {
 
 Result<double> error_of(const recon::Method& method, const recon::EventCheck& check,
                         const capture::EventImages& events) {
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(capture::Measurement(events), {}));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(events, {}));
   E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
   return error.least;
 }

@@ -18,17 +18,17 @@
 namespace e2lf::eval {
 namespace {
 
-using lightfield::LightField;
 using lightfield::Shape;
 
 std::string describe(const Shape& shape) {
   return shape_text({shape.views_y, shape.views_x, shape.height, shape.width, shape.channels});
 }
 
-Result<void> check_finite(const LightField& light_field, const std::string& which) {
-  const Shape& shape = light_field.shape();
+Result<void> check_finite(const LightFieldView& light_field, const std::string& which) {
+  const Shape shape = lightfield::shape_of(light_field);
+  std::vector<float> scratch;
   for (size_t view = 0; view < shape.num_views(); ++view) {
-    const auto values = light_field.view(view / shape.views_x, view % shape.views_x);
+    const auto values = light_field[view / shape.views_x][view % shape.views_x].values(scratch);
     if (std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) continue;
     return fail(ErrorCode::kInvalidValue, cat("view (", view / shape.views_x, ", ", view % shape.views_x, ")"), "the ",
                 which, " has a value that is not finite; check what wrote it");
@@ -36,11 +36,11 @@ Result<void> check_finite(const LightField& light_field, const std::string& whic
   return {};
 }
 
-Result<void> check(const LightField& truth, const LightField& reconstruction) {
-  const Shape& shape = truth.shape();
-  if (shape != reconstruction.shape()) {
+Result<void> check(const LightFieldView& truth, const LightFieldView& reconstruction) {
+  const Shape shape = lightfield::shape_of(truth);
+  if (shape != lightfield::shape_of(reconstruction)) {
     return fail(ErrorCode::kShape, "", "the light fields differ in shape: truth ", describe(shape), ", reconstruction ",
-                describe(reconstruction.shape()), "; crop or convert one of them");
+                describe(lightfield::shape_of(reconstruction)), "; crop or convert one of them");
   }
   const size_t smallest = ssim_window_size(SsimWindow::kGaussian11);
   if (shape.num_views() == 0 || shape.channels == 0 || shape.height < smallest || shape.width < smallest) {
@@ -105,9 +105,13 @@ struct ViewPair {
   size_t view_y, view_x, next_y, next_x;
 };
 
-void add_pair(const LightField& truth, const LightField& reconstruction, const ViewPair& pair, bool clamp, Sums& sums) {
-  const auto truth_here = truth.view(pair.view_y, pair.view_x), truth_next = truth.view(pair.next_y, pair.next_x);
-  const auto here = reconstruction.view(pair.view_y, pair.view_x), next = reconstruction.view(pair.next_y, pair.next_x);
+void add_pair(const LightFieldView& truth, const LightFieldView& reconstruction, const ViewPair& pair, bool clamp,
+              Sums& sums) {
+  std::vector<float> scratch[4];
+  const auto truth_here = truth[pair.view_y][pair.view_x].values(scratch[0]);
+  const auto truth_next = truth[pair.next_y][pair.next_x].values(scratch[1]);
+  const auto here = reconstruction[pair.view_y][pair.view_x].values(scratch[2]);
+  const auto next = reconstruction[pair.next_y][pair.next_x].values(scratch[3]);
   const float low = clamp ? 0.0F : std::numeric_limits<float>::lowest();
   const float high = clamp ? 1.0F : std::numeric_limits<float>::max();
   for (size_t i = 0; i < here.size(); ++i) {
@@ -117,6 +121,18 @@ void add_pair(const LightField& truth, const LightField& reconstruction, const V
     sums.truth_squares += truth_change * truth_change;
   }
   sums.count += here.size();
+}
+
+/// Calls body(true value, value) for all values in order.
+template <typename Body>
+void for_each_pair(const LightFieldView& truth, const LightFieldView& reconstruction, const Body& body) {
+  E2LF_REQUIRE(truth.extents == reconstruction.extents, "light fields must have the same shape");
+  std::vector<float> scratch[2];
+  for (size_t view = 0; view < truth.extents[0] * truth.extents[1]; ++view) {
+    const size_t view_y = view / truth.extents[1], view_x = view % truth.extents[1];
+    const auto a = truth[view_y][view_x].values(scratch[0]), b = reconstruction[view_y][view_x].values(scratch[1]);
+    for (size_t i = 0; i < a.size(); ++i) body(double{a[i]}, double{b[i]});
+  }
 }
 
 }  // namespace
@@ -136,9 +152,9 @@ double psnr_from_mse(double mse) {
   return mse > 0 ? -10 * std::log10(mse) : std::numeric_limits<double>::infinity();
 }
 
-EpiError epi_error(const LightField& truth, const LightField& reconstruction, bool clamp) {
-  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields must have the same shape");
-  const lightfield::Shape& shape = truth.shape();
+EpiError epi_error(const LightFieldView& truth, const LightFieldView& reconstruction, bool clamp) {
+  E2LF_REQUIRE(truth.extents == reconstruction.extents, "light fields must have the same shape");
+  const Shape shape = lightfield::shape_of(truth);
   std::vector<Sums> sums(shape.num_views());
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
@@ -158,20 +174,21 @@ EpiError epi_error(const LightField& truth, const LightField& reconstruction, bo
           std::sqrt(total.error_squares / total.truth_squares)};
 }
 
-Result<LightFieldMetrics> compare(const LightField& truth, const LightField& reconstruction,
+Result<LightFieldMetrics> compare(const LightFieldView& truth, const LightFieldView& reconstruction,
                                   const MetricOptions& options, const ProgressFn& progress) {
   E2LF_RETURN_IF_ERROR(check(truth, reconstruction));
-  const Shape& shape = truth.shape();
+  const Shape shape = lightfield::shape_of(truth);
   LightFieldMetrics result;
   result.views.resize(shape.num_views());
   std::mutex mutex;
   size_t done = 0;
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
+    std::vector<float> scratch[2];
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-      result.views[view] = {
-          view_y, view_x,
-          compare_views(truth.view(view_y, view_x), reconstruction.view(view_y, view_x), shape, options)};
+      result.views[view] = {view_y, view_x,
+                            compare_views(truth[view_y][view_x].values(scratch[0]),
+                                          reconstruction[view_y][view_x].values(scratch[1]), shape, options)};
       const std::lock_guard lock(mutex);
       ++done;
       if (progress) progress(done, shape.num_views());
@@ -182,46 +199,45 @@ Result<LightFieldMetrics> compare(const LightField& truth, const LightField& rec
   return result;
 }
 
-std::vector<double> psnr_of_views(const LightField& truth, const LightField& reconstruction,
+std::vector<double> psnr_of_views(const LightFieldView& truth, const LightFieldView& reconstruction,
                                   const MetricOptions& options) {
-  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields of one shape are compared");
-  const Shape& shape = truth.shape();
+  E2LF_REQUIRE(truth.extents == reconstruction.extents, "light fields of one shape are compared");
+  const Shape shape = lightfield::shape_of(truth);
   std::vector<double> psnr_db(shape.num_views());
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
+    std::vector<float> scratch[2];
     for (size_t view = begin; view < end; ++view) {
       const size_t y = view / shape.views_x, x = view % shape.views_x;
-      const std::vector<float> measured = measured_values(reconstruction.view(y, x), options);
-      psnr_db[view] = psnr_from_mse(mean_squared_error(truth.view(y, x), measured));
+      const std::vector<float> measured = measured_values(reconstruction[y][x].values(scratch[0]), options);
+      psnr_db[view] = psnr_from_mse(mean_squared_error(truth[y][x].values(scratch[1]), measured));
     }
   });
   return psnr_db;
 }
 
-float best_gain(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {
-  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields must have the same shape");
+float best_gain(const LightFieldView& truth, const LightFieldView& reconstruction) {
   double products = 0, squares = 0;
-  for (size_t i = 0; i < truth.data().size(); ++i) {
-    const double value = double{reconstruction.data()[i]};
-    products += value * double{truth.data()[i]};
+  for_each_pair(truth, reconstruction, [&](double true_value, double value) {
+    products += value * true_value;
     squares += value * value;
-  }
+  });
   return squares > 0 ? static_cast<float>(products / squares) : 0.0F;
 }
 
-Tone best_tone(const lightfield::LightField& truth, const lightfield::LightField& reconstruction) {
-  E2LF_REQUIRE(truth.shape() == reconstruction.shape(), "light fields must have the same shape");
-  const auto mean = [](std::span<const float> values) {
-    double sum = 0;
-    for (const float value : values) sum += double{value};
-    return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
-  };
-  const double mean_truth = mean(truth.data()), mean_value = mean(reconstruction.data());
+Tone best_tone(const LightFieldView& truth, const LightFieldView& reconstruction) {
+  double mean_truth = 0, mean_value = 0;
+  for_each_pair(truth, reconstruction, [&](double true_value, double value) {
+    mean_truth += true_value;
+    mean_value += value;
+  });
+  const auto count = static_cast<double>(std::max<size_t>(truth.size(), 1));
+  mean_truth /= count;
+  mean_value /= count;
   double products = 0, squares = 0;
-  for (size_t i = 0; i < truth.data().size(); ++i) {
-    const double value = double{reconstruction.data()[i]} - mean_value;
-    products += value * (double{truth.data()[i]} - mean_truth);
-    squares += value * value;
-  }
+  for_each_pair(truth, reconstruction, [&](double true_value, double value) {
+    squares += (value - mean_value) * (value - mean_value);
+    products += (value - mean_value) * (true_value - mean_truth);
+  });
   if (squares <= 0 || products <= 0) return {0.0F, static_cast<float>(mean_value)};
   const double gain = products / squares;
   return {static_cast<float>(gain), static_cast<float>(mean_value - mean_truth / gain)};
@@ -339,13 +355,13 @@ EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions
   return statistics;
 }
 
-EventStatistics event_statistics(const capture::EventImages& images, const EventRateOptions& options) {
-  E2LF_REQUIRE(images.image_size() > 0, "event images need pixels");
+EventStatistics event_statistics(const PlanesView<const int16_t>& images, const EventRateOptions& options) {
+  E2LF_REQUIRE(images.size() > 0, "event images need pixels");
   std::vector<double> events_per_pixel;
-  for (size_t transition = 0; transition < images.count; ++transition) {
+  for (size_t transition = 0; transition < images.extents[0]; ++transition) {
     uint64_t events = 0;
-    for (int16_t count : images.image(transition)) events += static_cast<uint64_t>(std::abs(int{count}));
-    events_per_pixel.push_back(static_cast<double>(events) / static_cast<double>(images.image_size()));
+    for_each_value(images[transition], [&](int16_t count) { events += static_cast<uint64_t>(std::abs(int{count})); });
+    events_per_pixel.push_back(static_cast<double>(events) / static_cast<double>(images[transition].size()));
   }
   auto statistics = event_cost(std::accumulate(events_per_pixel.begin(), events_per_pixel.end(), 0.0), options);
   statistics.events_per_pixel = std::move(events_per_pixel);

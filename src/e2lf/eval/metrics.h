@@ -30,8 +30,7 @@ struct EpiError {
 /// 1]. An error that is the same in every view does not count. Without neighbouring views, both figures are 0. If the
 /// truth does not change from view to view but the reconstruction does, `relative` is infinite. Different shapes break
 /// the contract.
-[[nodiscard]] EpiError epi_error(const lightfield::LightField& truth, const lightfield::LightField& reconstruction,
-                                 bool clamp);
+[[nodiscard]] EpiError epi_error(const LightFieldView& truth, const LightFieldView& reconstruction, bool clamp);
 
 struct MetricOptions {
   bool clamp = true;  ///< clamps the reconstruction to [0, 1] first, as saving it as a picture would
@@ -61,20 +60,18 @@ struct LightFieldMetrics {
 /// Compares a reconstruction with the true light field. Float values are used as they are, without rounding to 8 bits.
 /// The views are distributed among threads; the figures do not depend on their number. Fails with kShape (different
 /// shapes, or views smaller than 11x11) and kInvalidValue (NaN or infinity; the location names the view).
-[[nodiscard]] Result<LightFieldMetrics> compare(const lightfield::LightField& truth,
-                                                const lightfield::LightField& reconstruction,
+[[nodiscard]] Result<LightFieldMetrics> compare(const LightFieldView& truth, const LightFieldView& reconstruction,
                                                 const MetricOptions& options = {}, const ProgressFn& progress = {});
 
 /// Computes the PSNR of each view, in view order, as compare() does for any size of views. It is infinite for equal
 /// views. Different shapes break the contract.
-[[nodiscard]] std::vector<double> psnr_of_views(const lightfield::LightField& truth,
-                                                const lightfield::LightField& reconstruction,
+[[nodiscard]] std::vector<double> psnr_of_views(const LightFieldView& truth, const LightFieldView& reconstruction,
                                                 const MetricOptions& options = {});
 
 /// Returns the factor g that minimises the squared error between the truth and g times the reconstruction, so that a
 /// method made for another brightness is not penalised for that alone. It is 0 for a black reconstruction. Different
 /// shapes break the contract.
-[[nodiscard]] float best_gain(const lightfield::LightField& truth, const lightfield::LightField& reconstruction);
+[[nodiscard]] float best_gain(const LightFieldView& truth, const LightFieldView& reconstruction);
 
 /// The brightness (value - black) * gain of a light field.
 struct Tone {
@@ -83,7 +80,7 @@ struct Tone {
 
 /// Returns the tone of the reconstruction that minimises the squared error from the truth. The gain is 0 for a
 /// reconstruction without contrast. Different shapes break the contract.
-[[nodiscard]] Tone best_tone(const lightfield::LightField& truth, const lightfield::LightField& reconstruction);
+[[nodiscard]] Tone best_tone(const LightFieldView& truth, const LightFieldView& reconstruction);
 
 /// The two variants of SSIM used in light-field papers (Wang et al., "Image quality assessment", TIP 2004), as computed
 /// by scikit-image with data_range 1, K1 = 0.01, K2 = 0.03 and sample covariance (NP / (NP - 1), where NP is the number
@@ -125,7 +122,7 @@ struct EventStatistics {
 /// Counts the events of one cycle. An event image holds the sum of signed events, in which ON and OFF events of a pixel
 /// within one transition cancel. The figures are therefore lower bounds for noisy recordings. Images without pixels and
 /// rates that are not positive break the contract.
-[[nodiscard]] EventStatistics event_statistics(const capture::EventImages& images,
+[[nodiscard]] EventStatistics event_statistics(const PlanesView<const int16_t>& images,
                                                const EventRateOptions& options = {});
 
 /// Computes time and data rate for a known number of events per pixel. `events_per_pixel` is left empty.

@@ -29,6 +29,21 @@ TEST(Psnr, FollowsFromTheMeanSquaredError) {
   EXPECT_DOUBLE_EQ(mean_squared_error(a, b), 0.125);
 }
 
+TEST(Compare, ViewsOfMemoryAreMeasuredAsTheirCopies) {
+  const LightField truth = noise_light_field({4, 4, 30, 40, 1}, 1), other = noise_light_field({4, 4, 30, 40, 1}, 2);
+  const auto crop = [](const LightField& whole) {
+    LightFieldView view = whole;
+    return LightFieldView(&view[1][0][3][5][0], {2, 2, 20, 15, 1}, {view.strides[0], 2 * view.strides[1], 40, 2, 1});
+  };
+  const LightField a(crop(truth)), b(crop(other));
+  const auto of_views = compare(crop(truth), crop(other)).value(), of_copies = compare(a, b).value();
+  EXPECT_EQ(of_views.mean.psnr_db, of_copies.mean.psnr_db);
+  EXPECT_EQ(of_views.mean.ssim_gaussian, of_copies.mean.ssim_gaussian);
+  EXPECT_EQ(of_views.epi.rms, of_copies.epi.rms);
+  EXPECT_EQ(best_gain(crop(truth), crop(other)), best_gain(a, b));
+  EXPECT_EQ(best_tone(crop(truth), crop(other)).black, best_tone(a, b).black);
+}
+
 TEST(Compare, AveragesTheDecibelsOfTheViews) {
   const LightField truth({1, 2, 12, 13, 1});
   LightField reconstruction(truth.shape());

@@ -56,8 +56,8 @@ Image shrink(const Image& image, size_t width, size_t height) {
   return small;
 }
 
-Image contact_sheet(const LightField& light_field, const ContactSheetOptions& options) {
-  const Shape& shape = light_field.shape();
+Image contact_sheet(const LightFieldView& light_field, const ContactSheetOptions& options) {
+  const Shape shape = shape_of(light_field);
   const size_t gap = options.separator_px;
   E2LF_REQUIRE(shape.size() > 0, "a contact sheet needs views");
   E2LF_REQUIRE(options.max_width >= shape.views_x + gap * (shape.views_x - 1), "the sheet is too narrow for its views");

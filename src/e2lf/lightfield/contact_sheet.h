@@ -21,7 +21,7 @@ struct ContactSheetOptions {
 /// Returns all views in one picture, in the order of the aperture, scaled down by a common factor so that the sheet is
 /// at most max_width wide. The contract is broken if max_width leaves less than a pixel per view or if the light field
 /// has no pixels.
-[[nodiscard]] Image contact_sheet(const LightField& light_field, const ContactSheetOptions& options = {});
+[[nodiscard]] Image contact_sheet(const LightFieldView& light_field, const ContactSheetOptions& options = {});
 
 /// Returns the image with each pixel repeated times_y x times_x times.
 [[nodiscard]] Image enlarged(const Image& image, size_t times_y, size_t times_x);

@@ -17,8 +17,8 @@ bool fits(size_t first, size_t count, size_t step, size_t extent) {
 
 }  // namespace
 
-Result<LightField> crop(const LightField& light_field, const CropRegion& region) {
-  const Shape& shape = light_field.shape();
+Result<LightField> crop(const LightFieldView& light_field, const CropRegion& region) {
+  const Shape shape = shape_of(light_field);
   if (!fits(region.y, region.height, 1, shape.height) || !fits(region.x, region.width, 1, shape.width)) {
     return Error{ErrorCode::kInvalidValue,
                  cat("cannot crop ", region.height, "x", region.width, " pixels at (y ", region.y, ", x ", region.x,
@@ -26,20 +26,13 @@ Result<LightField> crop(const LightField& light_field, const CropRegion& region)
                  ""};
   }
   LightField cropped({shape.views_y, shape.views_x, region.height, region.width, shape.channels});
-  const size_t row_size = region.width * shape.channels;
-  float* target = cropped.data().data();
-  for (size_t view = 0; view < shape.num_views(); ++view) {
-    const auto source = light_field.view(view / shape.views_x, view % shape.views_x);
-    for (size_t y = 0; y < region.height; ++y, target += row_size) {
-      const size_t begin = ((region.y + y) * shape.width + region.x) * shape.channels;
-      std::copy_n(source.data() + begin, row_size, target);
-    }
-  }
+  const LightFieldOutput to = cropped;
+  copy_values(LightFieldView(&light_field[0][0][region.y][region.x][0], to.extents, light_field.strides), to);
   return cropped;
 }
 
-Result<LightField> select_views(const LightField& light_field, const ViewGrid& grid) {
-  const Shape& shape = light_field.shape();
+Result<LightField> select_views(const LightFieldView& light_field, const ViewGrid& grid) {
+  const Shape shape = shape_of(light_field);
   if (!fits(grid.first_view_y, grid.views_y, grid.step, shape.views_y) ||
       !fits(grid.first_view_x, grid.views_x, grid.step, shape.views_x)) {
     return Error{ErrorCode::kInvalidValue,
@@ -49,37 +42,38 @@ Result<LightField> select_views(const LightField& light_field, const ViewGrid& g
                  ""};
   }
   LightField selected({grid.views_y, grid.views_x, shape.height, shape.width, shape.channels});
-  for (size_t view_y = 0; view_y < grid.views_y; ++view_y) {
-    for (size_t view_x = 0; view_x < grid.views_x; ++view_x) {
-      const auto source =
-          light_field.view(grid.first_view_y + grid.step * view_y, grid.first_view_x + grid.step * view_x);
-      std::copy(source.begin(), source.end(), selected.view(view_y, view_x).begin());
-    }
-  }
+  const LightFieldOutput to = selected;
+  LightFieldView from(light_field[grid.first_view_y][grid.first_view_x].data, to.extents, light_field.strides);
+  for (const size_t axis : {0, 1}) from.strides[axis] *= static_cast<ptrdiff_t>(grid.step);
+  copy_values(from, to);
   return selected;
 }
 
-Image view_image(const LightField& light_field, size_t view_y, size_t view_x) {
-  const Shape& shape = light_field.shape();
+Image view_image(const LightFieldView& light_field, size_t view_y, size_t view_x) {
+  const Shape shape = shape_of(light_field);
   E2LF_REQUIRE(view_y < shape.views_y && view_x < shape.views_x, "the light field has no such view");
   Image image(shape.width, shape.height, shape.channels);
-  const auto view = light_field.view(view_y, view_x);
-  std::copy(view.begin(), view.end(), image.pixels.begin());
+  copy_values(light_field[view_y][view_x],
+              StridedView<float, 3>(image.pixels.data(), {shape.height, shape.width, shape.channels}));
   return image;
 }
 
 namespace fs = std::filesystem;
 using capture::Orientation;
 
-void orient(LightField& light_field, const Orientation& orientation) {
-  const Shape& shape = light_field.shape();
+void orient(const LightFieldOutput& light_field, const Orientation& orientation) {
+  const Shape shape = shape_of(light_field);
+  std::vector<float> scratch(shape.view_size());
   for (size_t row = 0; row < shape.views_y; ++row) {
     for (size_t column = 0; column < shape.views_x; ++column) {
       const size_t to_row = orientation.flip_y ? shape.views_y - 1 - row : row;
       const size_t to_column = orientation.flip_x ? shape.views_x - 1 - column : column;
       if (row * shape.views_x + column >= to_row * shape.views_x + to_column) continue;
-      const auto view = light_field.view(row, column), other = light_field.view(to_row, to_column);
-      std::swap_ranges(view.begin(), view.end(), other.begin());
+      const auto view = light_field[row][column], other = light_field[to_row][to_column];
+      const StridedView<float, 3> held(scratch.data(), view.extents);
+      copy_values(view, held);
+      copy_values(other, view);
+      copy_values(held, other);
     }
   }
 }

@@ -19,7 +19,7 @@ struct CropRegion {
 };
 
 /// Cuts the same rectangle out of every view. Fails with kInvalidValue if it is empty or extends beyond the views.
-[[nodiscard]] Result<LightField> crop(const LightField& light_field, const CropRegion& region);
+[[nodiscard]] Result<LightField> crop(const LightFieldView& light_field, const CropRegion& region);
 
 /// A grid of views: first_view + step * i along each axis, for i in [0, views).
 struct ViewGrid {
@@ -30,14 +30,14 @@ struct ViewGrid {
 
 /// Selects a sub-grid of the views, e.g. the central 8x8 of 9x9, or every second view, where the disparity per view
 /// step grows by the factor `step`. Fails with kInvalidValue if the grid is empty or extends beyond the existing views.
-[[nodiscard]] Result<LightField> select_views(const LightField& light_field, const ViewGrid& grid);
+[[nodiscard]] Result<LightField> select_views(const LightFieldView& light_field, const ViewGrid& grid);
 
 /// Returns one view as an image. A view that does not exist breaks the contract.
-[[nodiscard]] Image view_image(const LightField& light_field, size_t view_y, size_t view_x);
+[[nodiscard]] Image view_image(const LightFieldView& light_field, size_t view_y, size_t view_x);
 
 /// Reorders the views in place according to capture::Orientation. Applying it twice restores the order. With kTurned,
 /// every disparity changes its sign.
-void orient(LightField& light_field, const capture::Orientation& orientation);
+void orient(const LightFieldOutput& light_field, const capture::Orientation& orientation);
 
 /// Returns the note "views" for the run record of a reconstruction: the orientation of the capture's views, and the
 /// orientation in which the files still store them.

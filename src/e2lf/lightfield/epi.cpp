@@ -49,27 +49,28 @@ void frame(Image& canvas, const Box& box, const Colour& colour) {
 
 }  // namespace
 
-Image horizontal_epi(const LightField& light_field, size_t view_y, size_t y) {
-  const Shape& shape = light_field.shape();
+Image horizontal_epi(const LightFieldView& light_field, size_t view_y, size_t y) {
+  const Shape shape = shape_of(light_field);
   E2LF_REQUIRE(view_y < shape.views_y && y < shape.height, "the light field has no such row");
   Image epi(shape.width, shape.views_x, shape.channels);
   const size_t row_size = shape.width * shape.channels;
   for (size_t view_x = 0; view_x < shape.views_x; ++view_x) {
-    std::copy_n(light_field.view(view_y, view_x).data() + y * row_size, row_size,
-                epi.pixels.data() + view_x * row_size);
+    copy_values(light_field[view_y][view_x][y],
+                StridedView<float, 2>(epi.pixels.data() + view_x * row_size, {shape.width, shape.channels}));
   }
   return epi;
 }
 
-Image vertical_epi(const LightField& light_field, size_t view_x, size_t x) {
-  const Shape& shape = light_field.shape();
+Image vertical_epi(const LightFieldView& light_field, size_t view_x, size_t x) {
+  const Shape shape = shape_of(light_field);
   E2LF_REQUIRE(view_x < shape.views_x && x < shape.width, "the light field has no such column");
   Image epi(shape.views_y, shape.height, shape.channels);
   for (size_t view_y = 0; view_y < shape.views_y; ++view_y) {
-    const auto view = light_field.view(view_y, view_x);
+    const auto view = light_field[view_y][view_x];
     for (size_t y = 0; y < shape.height; ++y) {
-      std::copy_n(view.data() + (y * shape.width + x) * shape.channels, shape.channels,
-                  epi.pixels.data() + (y * shape.views_y + view_y) * shape.channels);
+      for (size_t c = 0; c < shape.channels; ++c) {
+        epi.pixels[(y * shape.views_y + view_y) * shape.channels + c] = view[y][x][c];
+      }
     }
   }
   return epi;
@@ -84,8 +85,8 @@ EpiPictureOptions middle_cut(const Shape& shape) {
   return options;
 }
 
-Image epi_picture(const LightField& light_field, const EpiPictureOptions& options) {
-  const Shape& shape = light_field.shape();
+Image epi_picture(const LightFieldView& light_field, const EpiPictureOptions& options) {
+  const Shape shape = shape_of(light_field);
   E2LF_REQUIRE(options.px_per_view > 0, "an EPI needs at least one pixel for each view");
   const Image view = view_image(light_field, options.view_y, options.view_x);
   const Image below = horizontal_epi(light_field, options.view_y, options.y);

@@ -11,11 +11,11 @@ namespace e2lf::lightfield {
 /// Returns the horizontal epipolar plane image (EPI) of one pixel row in one row of views as [view_x, x]. A point of
 /// disparity d moves by +d px from each row of the EPI to the next. A view or pixel row that does not exist breaks the
 /// contract.
-[[nodiscard]] Image horizontal_epi(const LightField& light_field, size_t view_y, size_t y);
+[[nodiscard]] Image horizontal_epi(const LightFieldView& light_field, size_t view_y, size_t y);
 
 /// Returns the vertical EPI of one pixel column in one column of views as [y, view_y]. A point moves down by d px from
 /// each column of the EPI to the next.
-[[nodiscard]] Image vertical_epi(const LightField& light_field, size_t view_x, size_t x);
+[[nodiscard]] Image vertical_epi(const LightFieldView& light_field, size_t view_x, size_t x);
 
 /// The place of the cut and the layout of the EPI picture.
 struct EpiPictureOptions {
@@ -32,6 +32,6 @@ struct EpiPictureOptions {
 /// Draws a colour picture as usual in papers: the view with the cut row (blue) and column (green) marked, its
 /// horizontal EPI below in a blue frame, and its vertical EPI to the right in a green one. The size is width + gap +
 /// views_y * px_per_view by height + gap + views_x * px_per_view. A cut outside the light field breaks the contract.
-[[nodiscard]] Image epi_picture(const LightField& light_field, const EpiPictureOptions& options);
+[[nodiscard]] Image epi_picture(const LightFieldView& light_field, const EpiPictureOptions& options);
 
 }  // namespace e2lf::lightfield

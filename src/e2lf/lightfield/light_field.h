@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/base/strided_view.h"
 #include "e2lf/base/uninitialised.h"
 
 namespace e2lf::lightfield {
@@ -21,6 +22,11 @@ struct Shape {
   bool operator==(const Shape&) const = default;
 };
 
+/// Returns the shape of the light field behind a view.
+[[nodiscard]] inline Shape shape_of(const LightFieldView& view) {
+  return {view.extents[0], view.extents[1], view.extents[2], view.extents[3], view.extents[4]};
+}
+
 /// A 4-D light field: float32 [view_y, view_x, y, x] (grey) or [view_y, view_x, y, x, channel], row-major, with values
 /// in [0, 1]. The view number is views_x * view_y + view_x. The disparity d is in px per view step: a point at x in
 /// view (r, c) is at x + d in view (r, c + 1), and likewise for rows.
@@ -30,6 +36,10 @@ class LightField {
   explicit LightField(const Shape& shape) : shape_(shape), data_(shape.size(), 0.0F) {}
   LightField(const Shape& shape, std::span<const float> data) : shape_(shape), data_(data.begin(), data.end()) {
     E2LF_REQUIRE(data_.size() == shape_.size(), "the data of a light field must fill its shape");
+  }
+  /// Copies the light field behind a view.
+  explicit LightField(const LightFieldView& view) : shape_(shape_of(view)), data_(view.size()) {
+    copy_values(view, LightFieldOutput(*this));
   }
   /// Returns a light field whose values are not set, for a caller that sets all of them.
   [[nodiscard]] static LightField unset(const Shape& shape) {
@@ -51,6 +61,9 @@ class LightField {
     return data().subspan(offset(view_y, view_x), shape_.view_size());
   }
 
+  operator LightFieldView() const { return {data_.data(), extents()}; }
+  operator LightFieldOutput() { return {data_.data(), extents()}; }
+
   [[nodiscard]] float& at(size_t view_y, size_t view_x, size_t y, size_t x, size_t channel = 0) {
     return data_[offset(view_y, view_x) + (y * shape_.width + x) * shape_.channels + channel];
   }
@@ -59,6 +72,9 @@ class LightField {
   }
 
  private:
+  [[nodiscard]] std::array<size_t, 5> extents() const {
+    return {shape_.views_y, shape_.views_x, shape_.height, shape_.width, shape_.channels};
+  }
   [[nodiscard]] size_t offset(size_t view_y, size_t view_x) const {
     E2LF_ASSERT(view_y < shape_.views_y && view_x < shape_.views_x);
     return (view_y * shape_.views_x + view_x) * shape_.view_size();

@@ -197,15 +197,7 @@ LightFieldKind kind_of_folder(LightFieldFormat format) {
   return format == LightFieldFormat::kStanford ? LightFieldKind::kStanfordFolder : LightFieldKind::kViewFolder;
 }
 
-Image view_to_write(const LightField& light_field, size_t view_y, size_t view_x) {
-  const Shape& shape = light_field.shape();
-  Image image(shape.width, shape.height, shape.channels);
-  const std::span<const float> view = light_field.view(view_y, view_x);
-  std::copy(view.begin(), view.end(), image.pixels.begin());
-  return image;
-}
-
-Result<void> write_folder(const fs::path& path, const LightField& light_field, const WriteOptions& options,
+Result<void> write_folder(const fs::path& path, const LightFieldView& light_field, const WriteOptions& options,
                           const ProgressFn& progress) {
   E2LF_ASSIGN_OR_RETURN(ResultFolder folder, ResultFolder::create(path, options.overwrite));
   E2LF_RETURN_IF_ERROR(write_views(folder.path(), light_field, options.format, progress));
@@ -238,10 +230,10 @@ LightFieldFormat format_of_path(const fs::path& path) {
   return LightFieldFormat::kPng8;
 }
 
-Result<void> write_views(const fs::path& folder, const LightField& light_field, LightFieldFormat format,
+Result<void> write_views(const fs::path& folder, const LightFieldView& light_field, LightFieldFormat format,
                          const ProgressFn& progress) {
   E2LF_REQUIRE(is_folder_format(format), "views are written in a folder format");
-  const Shape& shape = light_field.shape();
+  const Shape shape = shape_of(light_field);
   if (format == LightFieldFormat::kHci && shape.views_x > kHciColumns) {
     return Error{ErrorCode::kShape, cat("HCI names number at most 9 view columns, not ", shape.views_x, "; write png"),
                  folder.string()};
@@ -254,8 +246,8 @@ Result<void> write_views(const fs::path& folder, const LightField& light_field, 
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-      const Result<void> status = write_png(folder / written_view_name(kind, view_y, view_x),
-                                            view_to_write(light_field, view_y, view_x), depth);
+      const Result<void> status =
+          write_png(folder / written_view_name(kind, view_y, view_x), view_image(light_field, view_y, view_x), depth);
       const std::lock_guard lock(mutex);
       if (!status.ok() && !error) error = status.error();
       ++done;
@@ -266,9 +258,9 @@ Result<void> write_views(const fs::path& folder, const LightField& light_field, 
   return {};
 }
 
-Result<void> write_light_field(const fs::path& path, const LightField& light_field, const WriteOptions& options,
+Result<void> write_light_field(const fs::path& path, const LightFieldView& light_field, const WriteOptions& options,
                                const ProgressFn& progress) {
-  E2LF_REQUIRE(light_field.shape().size() > 0, "a light field to write has samples");
+  E2LF_REQUIRE(light_field.size() > 0, "a light field to write has samples");
   if (is_folder_format(options.format)) return write_folder(path, light_field, options, progress);
   E2LF_RETURN_IF_ERROR(check_output(path, options.overwrite));
   if (options.format == LightFieldFormat::kNpy) return write_npy_light_field(path, light_field);

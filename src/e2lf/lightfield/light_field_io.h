@@ -115,12 +115,12 @@ struct WriteOptions {
 /// Writes a light field to `path`, a folder or a file depending on the format, which appears either whole or not at
 /// all. Views are encoded in parallel. Fails with kExists, kIo, and with kShape or kUnsupported if the format cannot
 /// hold the light field.
-[[nodiscard]] Result<void> write_light_field(const std::filesystem::path& path, const LightField& light_field,
+[[nodiscard]] Result<void> write_light_field(const std::filesystem::path& path, const LightFieldView& light_field,
                                              const WriteOptions& options = {}, const ProgressFn& progress = {});
 
 /// Writes the views in a folder format (is_folder_format()) into an existing folder, e.g. a part of a ResultFolder that
 /// holds other results, too.
-[[nodiscard]] Result<void> write_views(const std::filesystem::path& folder, const LightField& light_field,
+[[nodiscard]] Result<void> write_views(const std::filesystem::path& folder, const LightFieldView& light_field,
                                        LightFieldFormat format, const ProgressFn& progress = {});
 
 }  // namespace e2lf::lightfield

@@ -11,13 +11,13 @@ namespace {
 
 /// A view with its weight and shifts.
 struct ShiftedView {
-  const float* pixels = nullptr;
+  StridedView<const float, 3> pixels;
   float weight = 0;
   ShiftFilter vertical, horizontal;
 };
 
-std::vector<ShiftedView> shifted_views(const LightField& light_field, float disparity, const Aperture& aperture) {
-  const Shape& shape = light_field.shape();
+std::vector<ShiftedView> shifted_views(const LightFieldView& light_field, float disparity, const Aperture& aperture) {
+  const Shape shape = shape_of(light_field);
   const float light = std::accumulate(aperture.weights.begin(), aperture.weights.end(), 0.0F);
   E2LF_REQUIRE(light > 0, "the aperture lets no light through");
   const float middle_y = static_cast<float>(shape.views_y - 1) / 2,
@@ -28,7 +28,7 @@ std::vector<ShiftedView> shifted_views(const LightField& light_field, float disp
       const float weight = aperture.weights[view_y * shape.views_x + view_x];
       E2LF_REQUIRE(weight >= 0, "weights of an aperture cannot be negative");
       if (weight == 0) continue;
-      views.push_back({light_field.view(view_y, view_x).data(), weight / light,
+      views.push_back({light_field[view_y][view_x], weight / light,
                        make_shift_filter(disparity * (static_cast<float>(view_y) - middle_y)),
                        make_shift_filter(disparity * (static_cast<float>(view_x) - middle_x))});
     }
@@ -36,9 +36,14 @@ std::vector<ShiftedView> shifted_views(const LightField& light_field, float disp
   return views;
 }
 
-/// Adds the shifted view to one output row. `padded` is scratch space for the vertically filtered row, extended by
+struct Scratch {
+  std::vector<float> padded, row;
+};
+
+/// Adds the shifted view to one output row. `padded` is the vertically filtered row, extended by
 /// copies of its first and last pixel, so that the horizontal filter needs no bounds checks.
-void add_row(const ShiftedView& view, const Shape& shape, size_t y, std::vector<float>& padded, float* out) {
+void add_row(const ShiftedView& view, const Shape& shape, size_t y, Scratch& scratch, float* out) {
+  std::vector<float>& padded = scratch.padded;
   const size_t row_size = shape.width * shape.channels;
   const auto width = static_cast<ptrdiff_t>(shape.width), last_row = static_cast<ptrdiff_t>(shape.height) - 1;
   const ptrdiff_t first = std::clamp<ptrdiff_t>(view.horizontal.first, -width - kShiftTaps, width);
@@ -51,7 +56,7 @@ void add_row(const ShiftedView& view, const Shape& shape, size_t y, std::vector<
     const float tap = view.weight * view.vertical.taps[k];
     if (tap == 0) continue;
     const ptrdiff_t row = std::clamp<ptrdiff_t>(static_cast<ptrdiff_t>(y) + view.vertical.first + k, 0, last_row);
-    const float* source = view.pixels + static_cast<size_t>(row) * row_size;
+    const auto source = view.pixels[static_cast<size_t>(row)].values(scratch.row);
     for (size_t i = 0; i < row_size; ++i) middle[i] += tap * source[i];
   }
   for (size_t i = 0; i < pad_left * shape.channels; ++i) padded[i] = middle[i % shape.channels];
@@ -86,8 +91,8 @@ Aperture round_aperture(const Shape& shape, const RoundAperture& disc) {
   return aperture;
 }
 
-Image refocus(const LightField& light_field, float disparity, const Aperture& aperture) {
-  const Shape& shape = light_field.shape();
+Image refocus(const LightFieldView& light_field, float disparity, const Aperture& aperture) {
+  const Shape shape = shape_of(light_field);
   E2LF_REQUIRE(shape.size() > 0, "a light field needs pixels to be refocused");
   E2LF_REQUIRE(aperture.views_y == shape.views_y && aperture.views_x == shape.views_x &&
                    aperture.weights.size() == shape.num_views(),
@@ -96,11 +101,11 @@ Image refocus(const LightField& light_field, float disparity, const Aperture& ap
   const auto views = shifted_views(light_field, disparity, aperture);
   Image image(shape.width, shape.height, shape.channels);
   parallel_for(shape.height, 8, [&](size_t begin, size_t end) {
-    std::vector<float> padded;
+    Scratch scratch;
     // The loop over views is outside of that over rows because the rows of one view are contiguous in memory.
     for (const ShiftedView& view : views) {
       for (size_t y = begin; y < end; ++y) {
-        add_row(view, shape, y, padded, image.pixels.data() + y * shape.width * shape.channels);
+        add_row(view, shape, y, scratch, image.pixels.data() + y * shape.width * shape.channels);
       }
     }
   });

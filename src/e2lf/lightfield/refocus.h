@@ -54,6 +54,6 @@ struct RoundAperture {
 /// are interpolated by Catmull-Rom cubics, and pixels outside of a view are replaced by the nearest one inside. The
 /// result does not depend on the number of threads. An aperture of another size, a negative weight or zero total weight
 /// breaks the contract.
-[[nodiscard]] Image refocus(const LightField& light_field, float disparity, const Aperture& aperture);
+[[nodiscard]] Image refocus(const LightFieldView& light_field, float disparity, const Aperture& aperture);
 
 }  // namespace e2lf::lightfield

@@ -29,19 +29,28 @@ class FieldMaker {
       memory_ = {};
       samples_ = samples;
     }
-    return fast_->reconstruct_into(measurement, samples, views, memory_, field);
+    return make_with(*fast_, measurement, samples, views, memory_, field);
   }
 
   /// Computes all views to the bit as reconstruct() does. Any thread may call it.
   [[nodiscard]] Result<void> make_exactly(const capture::Measurement& measurement, size_t samples,
                                           lightfield::LightField& field) const {
     recon::ReconstructionMemory memory;
-    return reconstructor_.reconstruct_into(measurement, samples, {}, memory, field);
+    return make_with(reconstructor_, measurement, samples, {}, memory, field);
   }
 
   [[nodiscard]] const recon::Reconstructor& reconstructor() const { return reconstructor_; }
 
  private:
+  [[nodiscard]] static Result<void> make_with(const recon::Reconstructor& network,
+                                              const capture::Measurement& measurement, size_t samples,
+                                              std::span<const size_t> views, recon::ReconstructionMemory& memory,
+                                              lightfield::LightField& field) {
+    const lightfield::Shape shape = network.field_shape(measurement);
+    if (!(field.shape() == shape)) field = lightfield::LightField::unset(shape);
+    return network.reconstruct_into(measurement, samples, views, memory, field);
+  }
+
   recon::Reconstructor reconstructor_;
   std::optional<recon::Reconstructor> fast_;  ///< the network prepared for samples_
   size_t samples_ = 0;

@@ -152,7 +152,7 @@ TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   ASSERT_TRUE(frozen.has_value());
   EXPECT_EQ(frozen->cycle.counts.events, cycle_images(0));
   const recon::Reconstructor network = reconstructor();
-  pipeline::FieldSequence sequence([&](const capture::Measurement& measured,
+  pipeline::FieldSequence sequence([&](const capture::MeasurementView& measured,
                                        const ProgressFn& progress) { return network.reconstruct(measured, progress); },
                                    {.gain = {}, .black = {}}, {});
   const pipeline::Field expected = sequence.next(capture::Measurement(cycle_images(0))).value();

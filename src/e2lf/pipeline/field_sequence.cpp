@@ -11,25 +11,24 @@
 namespace e2lf::pipeline {
 
 recon::Method colour_method(recon::Method grey, const capture::ColourFilter& filter) {
-  return [grey = std::move(grey), filter](const capture::Measurement& measurement,
+  return [grey = std::move(grey), filter](const capture::MeasurementView& measurement,
                                           const ProgressFn& progress) -> Result<lightfield::LightField> {
     if (measurement.kind != capture::MeasurementKind::kEventImages) {
       return Error{ErrorCode::kInvalidValue,
                    "colours can only be reconstructed from event images; leave the filter out", ""};
     }
-    const capture::EventImages& images = measurement.events;
-    if (images.height % 2 != 0 || images.width % 2 != 0) {
+    const auto [transitions, height, width] = measurement.events.extents;
+    if (height % 2 != 0 || width % 2 != 0) {
       return Error{ErrorCode::kShape,
-                   cat("event images of ", images.width, "x", images.height,
+                   cat("event images of ", width, "x", height,
                        " px do not divide into blocks of 2x2 colour filters; leave the filter out or crop the events"),
                    ""};
     }
     lightfield::LightField colour;
     for (size_t place = 0; place < 4; ++place) {
       const size_t channel = filter.channels[place];
-      E2LF_ASSIGN_OR_RETURN(
-          const lightfield::LightField one,
-          grey(capture::Measurement(capture::behind_filter(images, place)), progress_of_pass(progress, place, 4)));
+      E2LF_ASSIGN_OR_RETURN(const lightfield::LightField one, grey(capture::behind_filter(measurement.events, place),
+                                                                   progress_of_pass(progress, place, 4)));
       if (place == 0) {
         lightfield::Shape shape = one.shape();
         shape.channels = 3;
@@ -40,6 +39,15 @@ recon::Method colour_method(recon::Method grey, const capture::ColourFilter& fil
     }
     return colour;
   };
+}
+
+void apply_tone(const capture::MeasurementView& measurement, const LightFieldOutput& field, Tone& tone) {
+  // Without events, the brightness of the scene is unknown; a later cycle determines it.
+  const bool has_scene = !capture::has_events(measurement.kind) || !capture::is_without_events(measurement.events);
+  if (!tone.black && has_scene) tone.black = recon::auto_black(field);
+  const float black = tone.black.value_or(0.0F);
+  if (!tone.gain && has_scene) tone.gain = recon::auto_gain(field, black);
+  recon::apply_tone(field, black, tone.gain.value_or(1.0F));
 }
 
 Result<Field> FieldSequence::next(const capture::Measurement& measurement, const ProgressFn& progress,
@@ -57,13 +65,9 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   E2LF_ASSIGN_OR_RETURN(field.light_field, (lit ? *lit_ : method_)(used, progress));
   field.reconstruct_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (observer) E2LF_RETURN_IF_ERROR(observer(field.light_field, used, field.is_of_lit));
-  // Without events, the brightness of the scene is unknown; a later cycle determines it.
-  const bool has_scene = !capture::has_events(used.kind) || !capture::is_without_events(used.events);
-  if (!tone_.black && has_scene) tone_.black = recon::auto_black(field.light_field);
+  apply_tone(used, field.light_field, tone_);
   field.black = tone_.black.value_or(0.0F);
-  if (!tone_.gain && has_scene) tone_.gain = recon::auto_gain(field.light_field, field.black);
   field.gain = tone_.gain.value_or(1.0F);
-  recon::apply_tone(field.light_field, field.black, field.gain);
   return field;
 }
 

@@ -29,6 +29,9 @@ struct Tone {
   std::optional<float> black = 0.0F;  ///< empty = auto_black()
 };
 
+/// Determines the empty values of a tone from the light field of a measurement that has events, and applies the tone.
+void apply_tone(const capture::MeasurementView& measurement, const LightFieldOutput& field, Tone& tone);
+
 /// Receives each light field before its brightness is changed, and the measurement from which it was reconstructed.
 using FieldObserver =
     std::function<Result<void>(const lightfield::LightField&, const capture::Measurement&, bool is_of_lit)>;

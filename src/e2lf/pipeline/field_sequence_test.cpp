@@ -11,8 +11,8 @@ namespace e2lf::pipeline {
 namespace {
 
 /// Returns a method whose light field is constant: the first count divided by 100.
-Result<lightfield::LightField> constant_field(const capture::Measurement& measurement, const ProgressFn&) {
-  const capture::EventImages& images = measurement.events;
+Result<lightfield::LightField> constant_field(const capture::MeasurementView& measurement, const ProgressFn&) {
+  const capture::EventImages images = owned(measurement.events);
   if (images.values[0] < 0) return Error{ErrorCode::kInvalidValue, "no light", ""};
   lightfield::LightField field({8, 8, images.height, images.width});
   for (float& value : field.data()) value = static_cast<float>(images.values[0]) / 100;
@@ -61,10 +61,10 @@ TEST(FieldSequence, ShowsTheObserverTheUnprocessedLightField) {
 }
 
 TEST(FieldSequence, TakesTheLitTransitionsOfCyclesInWhichTheSceneMoves) {
-  const recon::Method lit = [](const capture::Measurement& measured,
+  const recon::Method lit = [](const capture::MeasurementView& measured,
                                const ProgressFn&) -> Result<lightfield::LightField> {
-    EXPECT_EQ(measured.events.count, 3U);
-    return lightfield::LightField({8, 8, measured.events.height, measured.events.width});
+    EXPECT_EQ(measured.events.extents[0], 3U);
+    return lightfield::LightField({8, 8, measured.height(), measured.width()});
   };
   FieldSequence sequence(constant_field, {.gain = 1.0F}, lit);
   // The second of the two last patterns is brighter on the left, its inverse is not darker there.

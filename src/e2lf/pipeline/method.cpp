@@ -62,8 +62,7 @@ Result<void> open_lit(const engine::EngineOptions& options, OpenedMethod& opened
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network, bundled_network(*shown, opened.camera));
   if (!network) return {};
   if (model::is_conditioned_on_camera(network->model) && opened.camera) network->model.camera = opened.camera;
-  E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit,
-                        recon::Reconstructor::create(std::move(network->model), {.precision = precision}));
+  E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit, recon::Reconstructor::create(std::move(network->model), options));
   opened.lit = std::make_shared<const recon::Reconstructor>(std::move(lit));
   return {};
 }
@@ -114,7 +113,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   const engine::EngineOptions options{.precision = precision, .device = choice.device};
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor network, recon::Reconstructor::create(std::move(model), options));
   opened.network = std::make_shared<const recon::Reconstructor>(std::move(network));
-  if (choice.lit_where_moving) E2LF_RETURN_IF_ERROR(open_lit(precision, opened));
+  if (choice.lit_where_moving) E2LF_RETURN_IF_ERROR(open_lit(options, opened));
   return {};
 }
 
@@ -197,12 +196,12 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   }
   recon::Method method = method_of(network, use);
   if (algorithm == "regularised") {
-    method = [known = *codes](const capture::Measurement& measured, const ProgressFn& progress) {
-      return recon::reconstruct_regularised(measured.events, known.codes, known.constants, {}, progress);
+    method = [known = *codes](const capture::MeasurementView& measured, const ProgressFn& progress) {
+      return recon::reconstruct_regularised(owned(measured.events), known.codes, known.constants, {}, progress);
     };
   } else if (!network) {
-    method = [known = *codes](const capture::Measurement& measured, const ProgressFn&) {
-      return recon::reconstruct_by_inversion(measured.events, known.codes, known.constants);
+    method = [known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {
+      return recon::reconstruct_by_inversion(owned(measured.events), known.codes, known.constants);
     };
   }
   if (use.colour_filter.empty()) return method;
@@ -211,7 +210,7 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
 }
 
 recon::Method method_of(std::shared_ptr<const recon::Reconstructor> network, const MethodUse& use) {
-  return [network = std::move(network), use](const capture::Measurement& measured, const ProgressFn& progress) {
+  return [network = std::move(network), use](const capture::MeasurementView& measured, const ProgressFn& progress) {
     return network->reconstruct(measured, progress, use.passes, use.cycles);
   };
 }

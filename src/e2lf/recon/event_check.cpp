@@ -21,7 +21,7 @@ using Differences = std::array<uint64_t, kResidueParts>;
 class PixelCheck {
  public:
   PixelCheck(const EventCheck& check, const capture::CodedIntensities& intensities, float gain,
-             const capture::EventImages& given)
+             const PlanesView<const int16_t>& given)
       : intensities_(intensities),
         given_(given),
         inverse_gain_(1.0F / gain),
@@ -39,7 +39,7 @@ class PixelCheck {
       float reference = levels_[0] + tau_ * static_cast<float>(part) / (kResidueParts - 1);
       for (size_t k = 1; k < levels_.size(); ++k) {
         const auto count = static_cast<int>((levels_[k] - reference) / tau_);
-        differences[part] += static_cast<uint64_t>(std::abs(cycles_ * count - int{given_.image(k - 1)[pixel]}));
+        differences[part] += static_cast<uint64_t>(std::abs(cycles_ * count - int{given_[k - 1].value(pixel)}));
         reference = is_reference_aware_ ? reference + tau_ * static_cast<float>(count) : levels_[k];
       }
     }
@@ -47,7 +47,7 @@ class PixelCheck {
 
  private:
   const capture::CodedIntensities& intensities_;
-  const capture::EventImages& given_;
+  PlanesView<const int16_t> given_;
   float inverse_gain_, eps_, tau_;
   int cycles_;
   bool is_reference_aware_;
@@ -64,31 +64,31 @@ capture::SensorProfile average_pixels(capture::SensorProfile camera) {
   return camera;
 }
 
-Result<EventError> pixel_error(const EventCheck& check, const lightfield::LightField& light_field, float gain,
-                               const capture::EventImages& given) {
+Result<EventError> pixel_error(const EventCheck& check, const LightFieldView& light_field, float gain,
+                               const PlanesView<const int16_t>& given) {
   E2LF_ASSIGN_OR_RETURN(
       const capture::EventImages counted,
       sensor::simulate_pixel_events(check.codes, light_field, average_pixels(*check.pixels), {.gain = 1.0F / gain}));
   const auto cycles = static_cast<int>(check.cycles);
   uint64_t sum = 0;
-  for (size_t i = 0; i < given.values.size(); ++i) {
-    sum += static_cast<uint64_t>(std::abs(cycles * int{counted.values[i]} - int{given.values[i]}));
+  for (size_t i = 0; i < given.size(); ++i) {
+    sum += static_cast<uint64_t>(std::abs(cycles * int{counted.values[i]} - int{given.value(i)}));
   }
-  const double mean = static_cast<double>(sum) / static_cast<double>(given.values.size() * check.cycles);
+  const double mean = static_cast<double>(sum) / static_cast<double>(given.size() * check.cycles);
   return EventError{.at_first = mean, .least = mean};
 }
 
 }  // namespace
 
-Result<EventError> event_error(const EventCheck& check, const lightfield::LightField& light_field, float gain,
-                               const capture::EventImages& given) {
-  if (check.codes.num_patterns != given.count + 1) {
+Result<EventError> event_error(const EventCheck& check, const LightFieldView& light_field, float gain,
+                               const PlanesView<const int16_t>& given) {
+  if (check.codes.num_patterns != given.extents[0] + 1) {
     return Error{ErrorCode::kShape,
-                 cat("the codes have ", check.codes.num_patterns, " patterns, the events ", given.count,
+                 cat("the codes have ", check.codes.num_patterns, " patterns, the events ", given.extents[0],
                      " transitions; give the codes with which the events were recorded"),
                  ""};
   }
-  if (light_field.shape().height != given.height || light_field.shape().width != given.width) {
+  if (light_field.extents[2] != given.extents[1] || light_field.extents[3] != given.extents[2]) {
     return Error{ErrorCode::kShape, "the light field and the events differ in size", ""};
   }
   if (check.pixels) return pixel_error(check, light_field, gain, given);
@@ -105,7 +105,7 @@ Result<EventError> event_error(const EventCheck& check, const lightfield::LightF
   });
 
   const auto mean = [&](uint64_t sum) {
-    return static_cast<double>(sum) / static_cast<double>(given.values.size() * check.cycles);
+    return static_cast<double>(sum) / static_cast<double>(given.size() * check.cycles);
   };
   const auto least = std::min_element(differences.begin(), differences.end());
   return EventError{mean(differences[0]), mean(*least),

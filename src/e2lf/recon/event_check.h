@@ -35,7 +35,7 @@ struct EventError {
 /// least are equal in this case. No ground truth is needed, so that real captures, whose references may have a residue,
 /// can be checked. `gain` is the factor by which the light field was multiplied. Fails with kShape unless there is one
 /// pattern more than transitions, and as sensor::coded_intensities() does.
-[[nodiscard]] Result<EventError> event_error(const EventCheck& check, const lightfield::LightField& light_field,
-                                             float gain, const capture::EventImages& given);
+[[nodiscard]] Result<EventError> event_error(const EventCheck& check, const LightFieldView& light_field, float gain,
+                                             const PlanesView<const int16_t>& given);
 
 }  // namespace e2lf::recon

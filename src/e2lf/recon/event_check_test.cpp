@@ -85,8 +85,8 @@ TEST(EventErrors, OfPhysicalPixelsTellTheLightFieldAndTheCamera) {
 
 TEST(EventErrors, RefuseCodesAndSizesThatDoNotFit) {
   const EventCheck check{capture::default_codes(), {}};
-  EXPECT_EQ(event_error(check, scene(), 1.0F, {2, 48, 64}).error().code, ErrorCode::kShape);
-  EXPECT_EQ(event_error(check, scene(), 1.0F, {3, 48, 63}).error().code, ErrorCode::kShape);
+  EXPECT_EQ(event_error(check, scene(), 1.0F, capture::EventImages(2, 48, 64)).error().code, ErrorCode::kShape);
+  EXPECT_EQ(event_error(check, scene(), 1.0F, capture::EventImages(3, 48, 63)).error().code, ErrorCode::kShape);
 }
 
 }  // namespace

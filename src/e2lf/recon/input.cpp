@@ -73,20 +73,22 @@ void fill_conditioning(std::span<const float> conditioning, float scale, size_t 
 }
 
 /// Fills the planes of all groups that are made from event counts.
-void fill_counts(const capture::EventImages& images, std::span<const model::InputGroup> groups,
+void fill_counts(const PlanesView<const int16_t>& images, std::span<const model::InputGroup> groups,
                  std::span<const size_t> first_channels, const InputConditions& conditions, InputPlanes& planes) {
   const IntensityTable table(conditions.constants, conditions.cycles);
+  const auto [transitions, height, width] = images.extents;
   parallel_for(planes.height, 8, [&](size_t begin, size_t end) {
+    std::vector<int16_t> scratch;
     for (size_t y = begin; y < end; ++y) {
-      RowState state{std::vector<int>(images.width), std::vector<int>(images.width)};
-      for (size_t k = 0; k < images.count; ++k) {
-        const auto counts = images.image(k).subspan(std::min(y, images.height - 1) * images.width, images.width);
+      RowState state{std::vector<int>(width), std::vector<int>(width)};
+      for (size_t k = 0; k < transitions; ++k) {
+        const auto counts = images[k][std::min(y, height - 1)].values(scratch);
         add_counts(counts, state);
         for (size_t g = 0; g < groups.size(); ++g) {
           if (!is_of_counts(groups[g])) continue;
           float* row = planes.values.data() + ((first_channels[g] + k) * planes.height + y) * planes.width;
           fill_row(groups[g], counts, state, table, conditions.cycles, row);
-          std::fill(row + images.width, row + planes.width, row[images.width - 1]);
+          std::fill(row + width, row + planes.width, row[width - 1]);
         }
       }
     }
@@ -94,12 +96,13 @@ void fill_counts(const capture::EventImages& images, std::span<const model::Inpu
 }
 
 /// Fills the planes of intensity images, which are extended in the same way as counts.
-void fill_images(const capture::CodedIntensities& images, float scale, size_t first_channel, InputPlanes& planes) {
-  for (size_t n = 0; n < images.count; ++n) {
+void fill_images(const PlanesView<const float>& images, float scale, size_t first_channel, InputPlanes& planes) {
+  const auto [count, height, width] = images.extents;
+  for (size_t n = 0; n < count; ++n) {
     for (size_t y = 0; y < planes.height; ++y) {
-      const auto from = images.image(n).subspan(std::min(y, images.height - 1) * images.width, images.width);
+      const auto from = images[n][std::min(y, height - 1)];
       float* row = planes.values.data() + ((first_channel + n) * planes.height + y) * planes.width;
-      for (size_t x = 0; x < planes.width; ++x) row[x] = scale * from[std::min(x, images.width - 1)];
+      for (size_t x = 0; x < planes.width; ++x) row[x] = scale * from[std::min(x, width - 1)];
     }
   }
 }
@@ -117,13 +120,13 @@ LensPlace lens_place(size_t pixel, size_t lenses) {
   return {before, std::min(before + 1, lenses - 1), clamped - static_cast<float>(before)};
 }
 
-void fill_lens_array(const capture::CodedIntensities& image, float scale, size_t first_channel, InputPlanes& planes) {
+void fill_lens_array(const PlanesView<const float>& image, float scale, size_t first_channel, InputPlanes& planes) {
   constexpr size_t kSide = capture::kLensPixels;
-  const size_t rows = image.height / kSide, columns = image.width / kSide;
+  const size_t rows = image.extents[1] / kSide, columns = image.extents[2] / kSide;
   parallel_for(kSide * kSide, 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const auto at = [&](size_t row, size_t column) {
-        return image.values[(row * kSide + view / kSide) * image.width + column * kSide + view % kSide];
+        return image[0][row * kSide + view / kSide][column * kSide + view % kSide];
       };
       for (size_t y = 0; y < planes.height; ++y) {
         const LensPlace v = lens_place(y, rows);
@@ -141,14 +144,15 @@ void fill_lens_array(const capture::CodedIntensities& image, float scale, size_t
 
 }  // namespace
 
-Result<InputPlanes> network_input(const capture::Measurement& measurement, std::span<const model::InputGroup> groups,
-                                  const InputConditions& conditions, size_t size_multiple) {
+Result<InputPlanes> network_input(const capture::MeasurementView& measurement,
+                                  std::span<const model::InputGroup> groups, const InputConditions& conditions,
+                                  size_t size_multiple) {
   InputPlanes planes;
   E2LF_RETURN_IF_ERROR(network_input(measurement, groups, conditions, size_multiple, planes));
   return planes;
 }
 
-Result<void> network_input(const capture::Measurement& measurement, std::span<const model::InputGroup> groups,
+Result<void> network_input(const capture::MeasurementView& measurement, std::span<const model::InputGroup> groups,
                            const InputConditions& conditions, size_t size_multiple, InputPlanes& planes) {
   E2LF_REQUIRE(conditions.cycles >= 1, "counts are of one cycle at least");
   E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");
@@ -156,8 +160,8 @@ Result<void> network_input(const capture::Measurement& measurement, std::span<co
   if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
     E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
   }
-  const std::vector<size_t> first_channels =
-      group_begins(groups, measurement.events.count, conditions.conditioning.size(), measurement.images.count);
+  const std::vector<size_t> first_channels = group_begins(
+      groups, measurement.events.extents[0], conditions.conditioning.size(), measurement.images.extents[0]);
   planes.resize(first_channels.back(), round_up(measurement.height(), size_multiple),
                 round_up(measurement.width(), size_multiple));
   if (std::any_of(groups.begin(), groups.end(), is_of_counts)) {

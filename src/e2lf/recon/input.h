@@ -86,12 +86,12 @@ struct InputConditions {
 /// columns at the bottom and right repeat the last ones, because the absence of events would look like a black frame to
 /// a network. Fails with kInvalidValue if a group needs constants that are not positive. If `measurement` lacks the
 /// data for a group, the contract is broken.
-[[nodiscard]] Result<InputPlanes> network_input(const capture::Measurement& measurement,
+[[nodiscard]] Result<InputPlanes> network_input(const capture::MeasurementView& measurement,
                                                 std::span<const model::InputGroup> groups,
                                                 const InputConditions& conditions, size_t size_multiple = 1);
 
 /// Computes the same input in `planes`, whose memory is reused.
-[[nodiscard]] Result<void> network_input(const capture::Measurement& measurement,
+[[nodiscard]] Result<void> network_input(const capture::MeasurementView& measurement,
                                          std::span<const model::InputGroup> groups, const InputConditions& conditions,
                                          size_t size_multiple, InputPlanes& planes);
 

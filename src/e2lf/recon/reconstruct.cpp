@@ -21,13 +21,13 @@ constexpr double kBrightQuantile = 0.995, kDarkQuantile = 0.005;
 constexpr float kMostBlack = 0.15F;  ///< relative to the bright level; keeps the contrast of scenes without black
 
 /// Returns a quantile of the finite values, or 0 if there are none.
-float level_of(std::span<const float> values, double quantile) {
+float level_of(const LightFieldView& values, double quantile) {
   // An odd stride visits the columns of an image evenly even if its width is a power of two.
   const size_t stride = values.size() / kSamples | 1;
   std::vector<float> samples;
   samples.reserve(values.size() / stride + 1);
   for (size_t i = 0; i < values.size(); i += stride) {
-    if (std::isfinite(values[i])) samples.push_back(values[i]);
+    if (const float value = values.value(i); std::isfinite(value)) samples.push_back(value);
   }
   if (samples.empty()) return 0;
   const auto rank = static_cast<ptrdiff_t>(quantile * static_cast<double>(samples.size() - 1));
@@ -37,20 +37,20 @@ float level_of(std::span<const float> values, double quantile) {
 
 }  // namespace
 
-float auto_gain(const lightfield::LightField& light_field, float black) {
-  const float level = level_of(light_field.data(), kBrightQuantile) - black;
+float auto_gain(const LightFieldView& light_field, float black) {
+  const float level = level_of(light_field, kBrightQuantile) - black;
   if (level <= 0 || (level >= 0.7F && level <= 1.0F)) return 1;
   return std::clamp(0.9F / level, 0.25F, 64.0F);
 }
 
-float auto_black(const lightfield::LightField& light_field) {
-  const float bright = std::max(0.0F, level_of(light_field.data(), kBrightQuantile));
-  return std::clamp(level_of(light_field.data(), kDarkQuantile), 0.0F, kMostBlack * bright);
+float auto_black(const LightFieldView& light_field) {
+  const float bright = std::max(0.0F, level_of(light_field, kBrightQuantile));
+  return std::clamp(level_of(light_field, kDarkQuantile), 0.0F, kMostBlack * bright);
 }
 
-void apply_tone(lightfield::LightField& light_field, float black, float gain) {
+void apply_tone(const LightFieldOutput& light_field, float black, float gain) {
   if (black == 0.0F && gain == 1.0F) return;
-  for (float& value : light_field.data()) value = gain * (value - black);
+  for_each_value(light_field, [&](float& value) { value = gain * (value - black); });
 }
 
 std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple) {
@@ -73,38 +73,30 @@ std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple) {
 namespace {
 
 template <typename Value>
-void extend_image(std::span<const Value> from, size_t width, const GridShift& shift, std::span<Value> to) {
-  const size_t wider = width + shift.x, higher = to.size() / wider;
-  for (size_t y = 0; y < higher; ++y) {
-    const auto from_row = from.subspan((y - std::min(y, shift.y)) * width, width);
-    const auto to_row = to.subspan(y * wider, wider);
-    std::fill_n(to_row.begin(), shift.x, from_row.front());
-    std::copy(from_row.begin(), from_row.end(), to_row.begin() + static_cast<std::ptrdiff_t>(shift.x));
+Planes<Value> extend(const PlanesView<const Value>& from, const GridShift& shift) {
+  const auto [count, height, width] = from.extents;
+  if (count == 0) return {};
+  Planes<Value> planes(count, height + shift.y, width + shift.x);
+  Value* to = planes.values.data();
+  for (size_t n = 0; n < count; ++n) {
+    for (size_t y = 0; y < planes.height; ++y) {
+      const auto row = from[n][y - std::min(y, shift.y)];
+      for (size_t x = 0; x < planes.width; ++x) *to++ = row[x - std::min(x, shift.x)];
+    }
   }
+  return planes;
 }
 
 }  // namespace
 
-capture::Measurement extend(const capture::Measurement& measurement, const GridShift& shift) {
-  const capture::EventImages& events = measurement.events;
-  const capture::CodedIntensities& images = measurement.images;
+capture::Measurement extend(const capture::MeasurementView& measurement, const GridShift& shift) {
   E2LF_REQUIRE(measurement.height() > 0 && measurement.width() > 0, "images must not be empty");
   E2LF_REQUIRE(measurement.kind != capture::MeasurementKind::kLensArray || shift == GridShift(),
                "lenses cannot be shifted");
   capture::Measurement extended;
   extended.kind = measurement.kind;
-  if (events.count > 0) {
-    extended.events = capture::EventImages(events.count, events.height + shift.y, events.width + shift.x);
-  }
-  if (images.count > 0) {
-    extended.images = capture::CodedIntensities(images.count, images.height + shift.y, images.width + shift.x);
-  }
-  for (size_t k = 0; k < events.count; ++k) {
-    extend_image(events.image(k), events.width, shift, extended.events.image(k));
-  }
-  for (size_t n = 0; n < images.count; ++n) {
-    extend_image(images.image(n), images.width, shift, extended.images.image(n));
-  }
+  extended.events = extend(measurement.events, shift);
+  extended.images = extend(measurement.images, shift);
   return extended;
 }
 
@@ -121,14 +113,13 @@ void add_crop(const lightfield::LightField& larger, const GridShift& shift, ligh
   }
 }
 
-/// Returns the shape of the result. The two outputs of a depth network have the place of views.
-lightfield::Shape output_shape(const model::Model& model, const capture::Measurement& measurement) {
-  const bool is_depth = model::is_depth_network(model);
-  return {is_depth ? 1 : model.views_y, is_depth ? model::kDepthOutputs : model.views_x, measurement.height(),
+}  // namespace
+
+lightfield::Shape Reconstructor::field_shape(const capture::MeasurementView& measurement) const {
+  const bool is_depth = model::is_depth_network(model_);
+  return {is_depth ? 1 : model_.views_y, is_depth ? model::kDepthOutputs : model_.views_x, measurement.height(),
           measurement.width()};
 }
-
-}  // namespace
 
 Result<Reconstructor> Reconstructor::create(model::Model model, const engine::EngineOptions& given) {
   engine::EngineOptions options = given;
@@ -171,7 +162,7 @@ Result<Reconstructor> Reconstructor::prepared_for(size_t cycles) const {
   return other;
 }
 
-Result<void> Reconstructor::fill_input(const capture::Measurement& measurement, size_t cycles,
+Result<void> Reconstructor::fill_input(const capture::MeasurementView& measurement, size_t cycles,
                                        InputPlanes& planes) const {
   E2LF_REQUIRE(!constant_cycles_ || *constant_cycles_ == cycles, "the number of cycles is built into the network");
   InputConditions conditions{model_.camera->constants, {}, cycles};
@@ -195,7 +186,7 @@ size_t Reconstructor::num_passes(size_t wanted) const {
   return std::clamp<size_t>(wanted, 1, side * side);
 }
 
-Result<void> Reconstructor::check(const capture::Measurement& measurement) const {
+Result<void> Reconstructor::check(const capture::MeasurementView& measurement) const {
   const capture::MeasurementKind wanted = model_.measurement();
   if (measurement.kind != wanted) {
     return Error{
@@ -204,63 +195,64 @@ Result<void> Reconstructor::check(const capture::Measurement& measurement) const
             " takes ", capture::measurement_name(wanted), "; use a model that was trained for it"),
         ""};
   }
-  const capture::EventImages& events = measurement.events;
-  if (capture::has_events(wanted) && (events.count + 1 != model_.num_patterns || events.image_size() == 0)) {
-    return Error{ErrorCode::kShape,
-                 cat("there are ", events.count, " event images of ", events.width, "x", events.height,
-                     " but the model was trained for ", model_.num_patterns - 1,
-                     "; use the model that belongs to the patterns of the recording"),
-                 ""};
+  const auto [transitions, height, width] = measurement.events.extents;
+  if (capture::has_events(wanted) && (transitions + 1 != model_.num_patterns || height * width == 0)) {
+    return Error{
+        ErrorCode::kShape,
+        cat("there are ", transitions, " event images of ", width, "x", height, " but the model was trained for ",
+            model_.num_patterns - 1, "; use the model that belongs to the patterns of the recording"),
+        ""};
   }
-  const capture::CodedIntensities& images = measurement.images;
+  const auto [count, image_height, image_width] = measurement.images.extents;
   const size_t num_images = capture::num_images(wanted, model_.num_patterns);
-  if (images.count != num_images || (num_images > 0 && images.image_size() == 0)) {
+  if (count != num_images || (num_images > 0 && image_height * image_width == 0)) {
     return Error{ErrorCode::kShape,
-                 cat("there are ", images.count, " intensity images of ", images.width, "x", images.height,
+                 cat("there are ", count, " intensity images of ", image_width, "x", image_height,
                      " but the model was trained for ", num_images, "; use the model that belongs to the patterns"),
                  ""};
   }
-  const bool has_lenses = images.height % capture::kLensPixels == 0 && images.width % capture::kLensPixels == 0;
+  const bool has_lenses = image_height % capture::kLensPixels == 0 && image_width % capture::kLensPixels == 0;
   if (wanted != capture::MeasurementKind::kLensArray || has_lenses) return {};
   return Error{ErrorCode::kShape,
-               cat("an image of ", images.width, "x", images.height,
+               cat("an image of ", image_width, "x", image_height,
                    " does not consist of complete lenses; crop it to multiples of ", capture::kLensPixels, " pixels"),
                ""};
 }
 
-Result<void> Reconstructor::reconstruct_into(const capture::Measurement& measurement, size_t cycles,
+Result<void> Reconstructor::reconstruct_into(const capture::MeasurementView& measurement, size_t cycles,
                                              std::span<const size_t> views, ReconstructionMemory& memory,
-                                             lightfield::LightField& field) const {
+                                             const LightFieldOutput& field, const ProgressFn& progress) const {
   E2LF_RETURN_IF_ERROR(check(measurement));
+  const lightfield::Shape shape = field_shape(measurement);
+  E2LF_REQUIRE(lightfield::shape_of(field) == shape, "the output has another shape");
   E2LF_RETURN_IF_ERROR(fill_input(measurement, cycles, memory.input));
-  const lightfield::Shape shape = output_shape(model_, measurement);
-  if (!(field.shape() == shape)) field = lightfield::LightField::unset(shape);
   if (!std::ranges::equal(memory.views, views)) {
     memory.views.assign(views.begin(), views.end());
     memory.some = views.empty() ? std::nullopt : engine_->with_outputs(memory.views);
   }
   const engine::Engine& engine = memory.some ? *memory.some : *engine_;
   const size_t height = memory.input.height, width = memory.input.width;
-  if (height == shape.height && width == shape.width) {
-    return engine.run_frame(memory.input.values, height, width, memory.rows, field.data());
+  if (height == shape.height && width == shape.width && field.is_row_major()) {
+    return engine.run_frame(memory.input.values, height, width, memory.rows, {field.data, field.size()}, progress);
   }
   memory.uncropped.resize(shape.num_views() * height * width);
-  E2LF_RETURN_IF_ERROR(engine.run_frame(memory.input.values, height, width, memory.rows, memory.uncropped));
-  for (size_t row = 0; row < shape.num_views() * shape.height; ++row) {
-    const size_t view = row / shape.height, y = row % shape.height;
+  E2LF_RETURN_IF_ERROR(engine.run_frame(memory.input.values, height, width, memory.rows, memory.uncropped, progress));
+  LightFieldView computed(memory.uncropped.data(), {shape.views_y, shape.views_x, height, width, 1});
+  computed.extents = field.extents;
+  for (size_t view = 0; view < shape.num_views(); ++view) {
     if (memory.some && !std::ranges::binary_search(views, view)) continue;
-    const float* const from = memory.uncropped.data() + (view * height + y) * width;
-    std::copy_n(from, shape.width, field.data().data() + row * shape.width);
+    const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
+    copy_values(computed[view_y][view_x], field[view_y][view_x]);
   }
   return {};
 }
 
-Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measurement& measurement,
+Result<lightfield::LightField> Reconstructor::reconstruct(const capture::MeasurementView& measurement,
                                                           const ProgressFn& progress, size_t passes,
                                                           size_t cycles) const {
   E2LF_REQUIRE(cycles == 1 || model::is_conditioned_on_camera(model_), "the network must know of several cycles");
   E2LF_RETURN_IF_ERROR(check(measurement));
-  const lightfield::Shape shape = output_shape(model_, measurement);
+  const lightfield::Shape shape = field_shape(measurement);
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));
   lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {

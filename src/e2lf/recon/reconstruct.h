@@ -22,16 +22,16 @@ namespace e2lf::recon {
 /// the sensor's dark level than the training data of the model. The gain is 1 if the level is already bright (0.7..1)
 /// or if there is no light. It is always in [0.25, 64]. Brightness is measured above `black`, which the caller
 /// subtracts afterwards.
-[[nodiscard]] float auto_gain(const lightfield::LightField& light_field, float black = 0.0F);
+[[nodiscard]] float auto_gain(const LightFieldView& light_field, float black = 0.0F);
 
 /// Returns the brightness that should become black: the 0.5 % quantile over the views, limited to between 0 and 0.15 of
 /// the bright level. It is meant for cameras whose events determine brightness only up to a constant: if the
 /// photoreceptor lags, a dark level of the scene cannot be distinguished from a slower receptor
 /// (docs/experiments/camera-fit.md).
-[[nodiscard]] float auto_black(const lightfield::LightField& light_field);
+[[nodiscard]] float auto_black(const LightFieldView& light_field);
 
 /// Subtracts `black` and multiplies by `gain`, in place.
-void apply_tone(lightfield::LightField& light_field, float black, float gain);
+void apply_tone(const LightFieldOutput& light_field, float black, float gain);
 
 /// The position of the upper left pixel of an image on the grid of a network.
 struct GridShift {
@@ -46,16 +46,16 @@ struct GridShift {
 
 /// Extends images at the top and on the left by repeating their first rows and columns. The images must not be empty.
 /// The image behind a lens array can only be extended by whole lenses and therefore allows no shift.
-[[nodiscard]] capture::Measurement extend(const capture::Measurement& measurement, const GridShift& shift);
+[[nodiscard]] capture::Measurement extend(const capture::MeasurementView& measurement, const GridShift& shift);
 
 /// A method that reconstructs a light field from a measurement: a network or the inversion.
-using Method =
-    std::function<Result<lightfield::LightField>(const capture::Measurement& measurement, const ProgressFn& progress)>;
+using Method = std::function<Result<lightfield::LightField>(const capture::MeasurementView& measurement,
+                                                            const ProgressFn& progress)>;
 
 /// Memory that one reconstruction after the other uses again. It belongs to one Reconstructor.
 struct ReconstructionMemory {
   InputPlanes input;
-  std::vector<float> uncropped;  ///< used for images whose size is no multiple of the network's
+  std::vector<float> uncropped;  ///< used if the output is no row-major image of a multiple of the network's size
   engine::FrameState rows;
   std::vector<size_t> views;                ///< views that `some` contains
   std::optional<engine::Engine> some = {};  ///< computes these views alone
@@ -77,17 +77,20 @@ class Reconstructor {
   /// several `cycles` of a static scene if model::is_conditioned_on_camera(). Fails with kInvalidValue if the
   /// measurement is not of the kind that the model takes, with kShape if the number of images does not match its
   /// patterns or if they are empty, and as Engine::run does.
-  [[nodiscard]] Result<lightfield::LightField> reconstruct(const capture::Measurement& measurement,
+  [[nodiscard]] Result<lightfield::LightField> reconstruct(const capture::MeasurementView& measurement,
                                                            const ProgressFn& progress = {}, size_t passes = 1,
                                                            size_t cycles = 1) const;
 
-  /// Computes one pass of reconstruct() into `field`, whose memory is reused if it has the right shape. If the network
-  /// permits it, only the views with the numbers `views`, in ascending order, are computed and the others are not
-  /// changed; if `views` is empty, all are computed. Networks that are not conditioned on the sensor profile receive
-  /// the mean of the `cycles`. Fails as reconstruct() does.
-  [[nodiscard]] Result<void> reconstruct_into(const capture::Measurement& measurement, size_t cycles,
+  /// Computes one pass of reconstruct() into `field`, memory of the caller with field_shape(); another shape breaks the
+  /// contract. If the network permits it, only the views with the numbers `views`, in ascending order, are computed and
+  /// the others are not changed; if `views` is empty, all are computed. Networks that are not conditioned on the sensor
+  /// profile receive the mean of the `cycles`. Fails as reconstruct() does.
+  [[nodiscard]] Result<void> reconstruct_into(const capture::MeasurementView& measurement, size_t cycles,
                                               std::span<const size_t> views, ReconstructionMemory& memory,
-                                              lightfield::LightField& field) const;
+                                              const LightFieldOutput& field, const ProgressFn& progress = {}) const;
+
+  /// Returns the shape of the result. The two outputs of a depth network have the place of views.
+  [[nodiscard]] lightfield::Shape field_shape(const capture::MeasurementView& measurement) const;
 
   /// Returns the same network for measurements of exactly `cycles` cycles, with the sensor profile built into its
   /// weights if the network is conditioned on it by convolutions, and in int16 instead of float32 if this was checked
@@ -106,8 +109,8 @@ class Reconstructor {
   [[nodiscard]] const engine::Engine& engine() const { return *engine_; }
 
  private:
-  [[nodiscard]] Result<void> check(const capture::Measurement& measurement) const;
-  [[nodiscard]] Result<void> fill_input(const capture::Measurement& measurement, size_t cycles,
+  [[nodiscard]] Result<void> check(const capture::MeasurementView& measurement) const;
+  [[nodiscard]] Result<void> fill_input(const capture::MeasurementView& measurement, size_t cycles,
                                         InputPlanes& planes) const;
 
   Reconstructor(model::Model model, engine::Engine engine)

@@ -49,6 +49,22 @@ TEST(Reconstructor, OddSizesAreExtendedAndCropped) {
   }
 }
 
+TEST(Reconstructor, ReadsAndWritesMemoryWithStrides) {
+  const auto reconstructor = Reconstructor::create(toy_model(), {engine::Precision::kFloat32}).value();
+  const capture::EventImages images = numbered_images();
+  std::vector<int16_t> wide(5 * 14);
+  const PlanesView<int16_t> every_second(wide.data(), {1, 5, 7}, {0, 14, 2});
+  copy_values(PlanesView<const int16_t>(images), every_second);
+  // The views in reversed order, with the pixels of two light fields taking turns.
+  std::vector<float> memory(2 * 64 * 35, -1.0F);
+  const LightFieldOutput output =
+      LightFieldOutput(memory.data(), {8, 8, 5, 7, 1}, {560, 70, 14, 2, 0}).reversed(0).reversed(1);
+  ReconstructionMemory scratch;
+  ASSERT_TRUE(reconstructor.reconstruct_into(PlanesView<const int16_t>(every_second), 1, {}, scratch, output));
+  EXPECT_TRUE(std::ranges::equal(lightfield::LightField(output).data(), reconstructor.reconstruct(images)->data()));
+  for (size_t i = 1; i < memory.size(); i += 2) ASSERT_EQ(memory[i], -1.0F);
+}
+
 /// View 0 is the intensity that the camera's threshold gives a count, view 1 the trait that tells it from the paper's,
 /// view 2 the one of several cycles.
 model::Model told_model() {

@@ -23,8 +23,8 @@ void add_scaled(const float* values, float weight, float* sum, size_t count);
 
 /// Computes the coded intensities of the pixels [first, first + count) of `light_field`, which the codes must fit, into
 /// sums[n * stride + i], i < count.
-void code_block(const capture::Codes& codes, const lightfield::LightField& light_field, size_t first, size_t count,
-                float* sums, size_t stride);
+void code_block(const capture::Codes& codes, const LightFieldView& light_field, size_t first, size_t count, float* sums,
+                size_t stride);
 
 /// Consecutive pixels of an image, numbered from first_pixel. intensities: [num_patterns][kBlockPixels], counts:
 /// [num_patterns - 1][kBlockPixels]. All entries up to kBlockPixels must be readable and writable.

@@ -12,8 +12,8 @@
 
 namespace e2lf::sensor {
 
-Result<void> check_fit(const capture::Codes& codes, const lightfield::LightField& light_field) {
-  const lightfield::Shape& shape = light_field.shape();
+Result<void> check_fit(const capture::Codes& codes, const LightFieldView& light_field) {
+  const lightfield::Shape shape = lightfield::shape_of(light_field);
   if (shape.channels != 1) {
     return fail(ErrorCode::kShape, "", "the light field has ", shape.channels, " channels; convert it to grey first");
   }
@@ -25,23 +25,28 @@ Result<void> check_fit(const capture::Codes& codes, const lightfield::LightField
   return {};
 }
 
-void code_block(const capture::Codes& codes, const lightfield::LightField& light_field, size_t first, size_t count,
-                float* sums, size_t stride) {
-  const lightfield::Shape& shape = light_field.shape();
+void code_block(const capture::Codes& codes, const LightFieldView& light_field, size_t first, size_t count, float* sums,
+                size_t stride) {
+  const lightfield::Shape shape = lightfield::shape_of(light_field);
   for (size_t n = 0; n < codes.num_patterns; ++n) std::fill_n(sums + n * stride, count, 0.0F);
+  std::vector<float> scratch;
   for (size_t view = 0; view < shape.num_views(); ++view) {
-    const float* values = light_field.data().data() + view * shape.view_size() + first;
+    // Learned patterns are mostly closed, so that views blocked by all patterns are never read.
+    const float* values = nullptr;
     for (size_t n = 0; n < codes.num_patterns; ++n) {
       const float weight = codes.pattern(n)[view] / static_cast<float>(shape.num_views());
-      // Learned patterns are mostly closed, so that views blocked by all patterns are never read.
-      if (weight != 0) add_scaled(values, weight, sums + n * stride, count);
+      if (weight == 0) continue;
+      if (values == nullptr) {
+        values = light_field[view / shape.views_x][view % shape.views_x].values(scratch, first, count).data();
+      }
+      add_scaled(values, weight, sums + n * stride, count);
     }
   }
 }
 
-Result<CodedIntensities> coded_intensities(const capture::Codes& codes, const lightfield::LightField& light_field) {
+Result<CodedIntensities> coded_intensities(const capture::Codes& codes, const LightFieldView& light_field) {
   E2LF_RETURN_IF_ERROR(check_fit(codes, light_field));
-  const lightfield::Shape& shape = light_field.shape();
+  const lightfield::Shape shape = lightfield::shape_of(light_field);
   CodedIntensities intensities(codes.num_patterns, shape.height, shape.width);
   const size_t num_pixels = intensities.image_size();
   for_block_ranges(num_pixels, [&](size_t begin, size_t end) {
@@ -54,18 +59,18 @@ Result<CodedIntensities> coded_intensities(const capture::Codes& codes, const li
   return intensities;
 }
 
-lightfield::LightField light_behind(const capture::ColourFilter& filter, const lightfield::LightField& colour) {
-  const lightfield::Shape& shape = colour.shape();
+lightfield::LightField light_behind(const capture::ColourFilter& filter, const LightFieldView& colour) {
+  const lightfield::Shape shape = lightfield::shape_of(colour);
   E2LF_REQUIRE(shape.channels == 3, "colour filters need colour");
   lightfield::LightField light({shape.views_y, shape.views_x, 2 * shape.height, 2 * shape.width});
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
-      const auto from = colour.view(view / shape.views_x, view % shape.views_x);
+      const auto from = colour[view / shape.views_x][view % shape.views_x];
       const auto to = light.view(view / shape.views_x, view % shape.views_x);
       for (size_t y = 0; y < 2 * shape.height; ++y) {
         for (size_t x = 0; x < 2 * shape.width; ++x) {
           const size_t channel = filter.channels[2 * (y % 2) + x % 2];
-          to[y * 2 * shape.width + x] = from[(y / 2 * shape.width + x / 2) * 3 + channel];
+          to[y * 2 * shape.width + x] = from[y / 2][x / 2][channel];
         }
       }
     }
@@ -77,8 +82,8 @@ namespace {
 
 using capture::kLensPixels;
 
-Result<CodedIntensities> lens_array_image(const lightfield::LightField& light_field) {
-  const lightfield::Shape& shape = light_field.shape();
+Result<CodedIntensities> lens_array_image(const LightFieldView& light_field) {
+  const lightfield::Shape shape = lightfield::shape_of(light_field);
   if (shape.views_y != kLensPixels || shape.views_x != kLensPixels || shape.channels != 1) {
     return fail(ErrorCode::kShape, "", "a lens array requires 8x8 grey views, but the light field has ", shape.views_y,
                 "x", shape.views_x, " of ", shape.channels, " channels; convert it first");
@@ -94,8 +99,8 @@ Result<CodedIntensities> lens_array_image(const lightfield::LightField& light_fi
         const size_t right = std::min(left + kLensPixels, shape.width);
         float sum = 0;
         for (size_t j = top; j < bottom; ++j) {
-          const float* row = light_field.data().data() + view * shape.view_size() + j * shape.width;
-          for (size_t i = left; i < right; ++i) sum += row[i];
+          const auto row = light_field[view / kLensPixels][view % kLensPixels][j];
+          for (size_t i = left; i < right; ++i) sum += row[i][0];
         }
         image.values[y * image.width + x] = sum / static_cast<float>((bottom - top) * (right - left));
       }
@@ -126,7 +131,7 @@ void add_noise(const ImageOptions& options, CodedIntensities& images) {
 }  // namespace
 
 Result<CodedIntensities> measure_images(capture::MeasurementKind kind, const capture::Codes& codes,
-                                        const lightfield::LightField& light_field, const ImageOptions& options) {
+                                        const LightFieldView& light_field, const ImageOptions& options) {
   for (const auto& [name, value] : {std::pair("gain", options.gain), std::pair("noise", options.sigma)}) {
     if (std::isfinite(value) && value >= 0.0F) continue;
     return fail(ErrorCode::kInvalidValue, "", "the ", name, " of intensity images is ", value, "; use zero or more");

@@ -17,16 +17,15 @@ using capture::CodedIntensities;
 /// order of their numbers, so that the result is the same for any number of threads and any instruction set. Fails with
 /// kShape if the views of codes and light field differ or if the light field has colour.
 [[nodiscard]] Result<CodedIntensities> coded_intensities(const capture::Codes& codes,
-                                                         const lightfield::LightField& light_field);
+                                                         const LightFieldView& light_field);
 
 /// Checks that `codes` can be applied to `light_field`, as coded_intensities() does.
-[[nodiscard]] Result<void> check_fit(const capture::Codes& codes, const lightfield::LightField& light_field);
+[[nodiscard]] Result<void> check_fit(const capture::Codes& codes, const LightFieldView& light_field);
 
 /// Returns the light on the pixels of a sensor with colour filters: a grey light field of twice the height and width,
 /// in which each pixel of a 2x2 block takes the channel of its filter. All four see the same point; the parallax within
 /// a block is neglected. A grey light field breaks the contract.
-[[nodiscard]] lightfield::LightField light_behind(const capture::ColourFilter& filter,
-                                                  const lightfield::LightField& colour);
+[[nodiscard]] lightfield::LightField light_behind(const capture::ColourFilter& filter, const LightFieldView& colour);
 
 struct ImageOptions {
   float sigma = 0.005F;  ///< standard deviation of the noise of each pixel in each image
@@ -42,7 +41,7 @@ struct ImageOptions {
 /// with kInvalidValue for a gain or noise that is negative or not finite.
 [[nodiscard]] Result<capture::CodedIntensities> measure_images(capture::MeasurementKind kind,
                                                                const capture::Codes& codes,
-                                                               const lightfield::LightField& light_field,
+                                                               const LightFieldView& light_field,
                                                                const ImageOptions& options);
 
 }  // namespace e2lf::sensor

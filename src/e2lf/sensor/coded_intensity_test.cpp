@@ -26,6 +26,14 @@ capture::Codes random_codes(size_t num_patterns, size_t views_y, size_t views_x)
   return codes;
 }
 
+TEST(CodedIntensity, AViewOfMemoryGivesWhatItsCopyGives) {
+  const auto light_field = random_light_field();
+  const LightFieldView flipped = LightFieldView(light_field).reversed(1).reversed(3);
+  const auto codes = random_codes(3, 4, 3);
+  EXPECT_EQ(coded_intensities(codes, flipped).value(),
+            coded_intensities(codes, lightfield::LightField(flipped)).value());
+}
+
 TEST(CodedIntensity, OpenApertureIsTheMeanOfTheViews) {
   const auto light_field = random_light_field();
   capture::Codes open(1, 4, 3);

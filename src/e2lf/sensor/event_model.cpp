@@ -94,9 +94,9 @@ Result<capture::EventImages> simulate_events(const CodedIntensities& intensities
   });
 }
 
-Result<capture::EventImages> simulate_events(const capture::Codes& codes, const lightfield::LightField& light_field,
+Result<capture::EventImages> simulate_events(const capture::Codes& codes, const LightFieldView& light_field,
                                              const EventModelOptions& options) {
-  const ImageSize size = {codes.num_patterns, light_field.shape().height, light_field.shape().width};
+  const ImageSize size = {codes.num_patterns, light_field.extents[2], light_field.extents[3]};
   E2LF_RETURN_IF_ERROR(validate(options));
   E2LF_RETURN_IF_ERROR(check_size(size));
   E2LF_RETURN_IF_ERROR(check_fit(codes, light_field));
@@ -121,17 +121,16 @@ std::array<float, 2> box_muller(uint32_t word0, uint32_t word1) {
 
 }  // namespace
 
-Result<CodedIntensities> reference_coded_intensities(const capture::Codes& codes,
-                                                     const lightfield::LightField& light_field) {
+Result<CodedIntensities> reference_coded_intensities(const capture::Codes& codes, const LightFieldView& light_field) {
   E2LF_RETURN_IF_ERROR(check_fit(codes, light_field));
-  const lightfield::Shape& shape = light_field.shape();
+  const lightfield::Shape shape = lightfield::shape_of(light_field);
   CodedIntensities intensities(codes.num_patterns, shape.height, shape.width);
   for (size_t n = 0; n < codes.num_patterns; ++n) {
     for (size_t view = 0; view < shape.num_views(); ++view) {
       const float weight = codes.pattern(n)[view] / static_cast<float>(shape.num_views());
-      const float* source = light_field.data().data() + view * shape.view_size();
+      const auto source = light_field[view / shape.views_x][view % shape.views_x];
       float* sum = intensities.image(n).data();
-      for (size_t i = 0; i < shape.view_size(); ++i) sum[i] += weight * source[i];
+      for (size_t i = 0; i < shape.view_size(); ++i) sum[i] += weight * source.value(i);
     }
   }
   return intensities;

@@ -55,7 +55,7 @@ inline constexpr uint64_t kResidueStream = uint64_t{1} << 32;
 
 /// Simulates the events directly from a light field. The coded intensities never leave the cache.
 [[nodiscard]] Result<capture::EventImages> simulate_events(const capture::Codes& codes,
-                                                           const lightfield::LightField& light_field,
+                                                           const LightFieldView& light_field,
                                                            const EventModelOptions& options);
 
 /// Checks the options as simulate_events() does.
@@ -66,7 +66,7 @@ inline constexpr uint64_t kResidueStream = uint64_t{1} << 32;
 /// bit-identical. Event counts are equal unless a quotient lies within rounding of a whole number (about one in a
 /// million).
 [[nodiscard]] Result<CodedIntensities> reference_coded_intensities(const capture::Codes& codes,
-                                                                   const lightfield::LightField& light_field);
+                                                                   const LightFieldView& light_field);
 [[nodiscard]] Result<capture::EventImages> reference_simulate_events(const CodedIntensities& intensities,
                                                                      const EventModelOptions& options);
 

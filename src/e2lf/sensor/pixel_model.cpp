@@ -204,8 +204,7 @@ PixelThresholds draw_thresholds(const capture::PixelConstants& constants, uint64
   return {constants[kThresholdOn] * factor(on), constants[kThresholdOff] * factor(off)};
 }
 
-Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes,
-                                                   const lightfield::LightField& light_field,
+Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes, const LightFieldView& light_field,
                                                    const capture::SensorProfile& camera,
                                                    const PixelModelOptions& options) {
   E2LF_RETURN_IF_ERROR(check(codes, camera, options));

@@ -22,18 +22,12 @@ Result<ColourFilter> colour_filter_from_name(const std::string& name) {
   return filter;
 }
 
-EventImages behind_filter(const EventImages& images, size_t place) {
-  E2LF_REQUIRE(images.height % 2 == 0 && images.width % 2 == 0 && place < 4, "filters cover blocks of 2x2 pixels");
-  EventImages part(images.count, images.height / 2, images.width / 2);
-  for (size_t k = 0; k < images.count; ++k) {
-    const auto from = images.image(k);
-    const auto to = part.image(k);
-    for (size_t y = 0; y < part.height; ++y) {
-      const size_t row = (2 * y + place / 2) * images.width + place % 2;
-      for (size_t x = 0; x < part.width; ++x) to[y * part.width + x] = from[row + 2 * x];
-    }
-  }
-  return part;
+PlanesView<const int16_t> behind_filter(const PlanesView<const int16_t>& images, size_t place) {
+  const auto [count, height, width] = images.extents;
+  E2LF_REQUIRE(height % 2 == 0 && width % 2 == 0 && place < 4, "filters cover blocks of 2x2 pixels");
+  return {&images[0][place / 2][place % 2],
+          {count, height / 2, width / 2},
+          {images.strides[0], 2 * images.strides[1], 2 * images.strides[2]}};
 }
 
 }  // namespace e2lf::capture

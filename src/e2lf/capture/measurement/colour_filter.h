@@ -20,8 +20,8 @@ struct ColourFilter {
 /// Parses four letters r, g and b, each of which must occur. Fails with kInvalidValue.
 [[nodiscard]] Result<ColourFilter> colour_filter_from_name(const std::string& name);
 
-/// Extracts the event images of the pixels behind filter `place` (0 to 3) of each 2x2 block, at half the width and
-/// height. An odd width or height breaks the contract.
-[[nodiscard]] EventImages behind_filter(const EventImages& images, size_t place);
+/// Returns the event images of the pixels behind filter `place` (0 to 3) of each 2x2 block, at half the width and
+/// height, in the same memory. An odd width or height breaks the contract.
+[[nodiscard]] PlanesView<const int16_t> behind_filter(const PlanesView<const int16_t>& images, size_t place);
 
 }  // namespace e2lf::capture

@@ -20,11 +20,11 @@ TEST(ColourFilter, IsReadRowByRow) {
 TEST(BehindFilter, TakesOnePixelOfEachBlock) {
   EventImages images(2, 2, 4);
   for (size_t i = 0; i < images.values.size(); ++i) images.values[i] = static_cast<int16_t>(i);
-  const EventImages part = behind_filter(images, 2);  // lower left
+  const EventImages part = owned(behind_filter(images, 2));  // lower left
   EXPECT_EQ(part.height, 1U);
   EXPECT_EQ(part.width, 2U);
   EXPECT_THAT(part.values, testing::ElementsAre(4, 6, 12, 14));
-  EXPECT_THAT(behind_filter(images, 1).values, testing::ElementsAre(1, 3, 9, 11));
+  EXPECT_THAT(owned(behind_filter(images, 1)).values, testing::ElementsAre(1, 3, 9, 11));
 }
 
 }  // namespace

@@ -26,8 +26,9 @@ using EventImages = Planes<int16_t>;
 }
 
 /// Returns whether no pixel has an event.
-[[nodiscard]] inline bool is_without_events(const EventImages& images) {
-  return std::ranges::all_of(images.values, [](int16_t count) { return count == 0; });
+[[nodiscard]] inline bool is_without_events(const PlanesView<const int16_t>& images) {
+  std::vector<int16_t> scratch;
+  return std::ranges::all_of(images.values(scratch), [](int16_t count) { return count == 0; });
 }
 
 /// The data that a camera records of one light field. Intensity images have the units of coded intensities: 1 is white
@@ -60,6 +61,22 @@ struct Measurement {
 
   [[nodiscard]] size_t height() const { return has_events(kind) ? events.height : images.height; }
   [[nodiscard]] size_t width() const { return has_events(kind) ? events.width : images.width; }
+};
+
+/// A measurement in memory that somebody else owns.
+struct MeasurementView {
+  // What owns the memory converts implicitly, as to other views.
+  MeasurementView(const Measurement& owner)  // NOLINT(google-explicit-constructor)
+      : kind(owner.kind), events(owner.events), images(owner.images) {}
+  MeasurementView(const EventImages& owner) : events(owner) {}                    // NOLINT(google-explicit-constructor)
+  MeasurementView(const PlanesView<const int16_t>& events_) : events(events_) {}  // NOLINT(google-explicit-constructor)
+
+  MeasurementKind kind = MeasurementKind::kEventImages;
+  PlanesView<const int16_t> events;
+  PlanesView<const float> images;
+
+  [[nodiscard]] size_t height() const { return (has_events(kind) ? events.extents : images.extents)[1]; }
+  [[nodiscard]] size_t width() const { return (has_events(kind) ? events.extents : images.extents)[2]; }
 };
 
 /// The number of pixels that a lens covers along each axis: one for each view.

@@ -96,7 +96,7 @@ Result<void> check_network(const model::Model& model, const cycles::Schedule& sc
 FineMethod fine_method(recon::Reconstructor network, const capture::Orientation& views) {
   constexpr size_t kPasses = 4;
   return [network = std::move(network), views](const live::LiveField& frozen) -> Result<lightfield::LightField> {
-    const auto method = [&](const capture::Measurement& counts, const ProgressFn& progress) {
+    const auto method = [&](const capture::MeasurementView& counts, const ProgressFn& progress) {
       return network.reconstruct(counts, progress, network.num_passes(kPasses), frozen.cycle.cycles);
     };
     pipeline::FieldSequence sequence(method, {.gain = frozen.gain, .black = frozen.black});

@@ -214,13 +214,15 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   return from_stored(array, options, location);
 }
 
-Result<void> write_hdf5(const std::filesystem::path& path, const LightField& light_field) {
-  const Shape& shape = light_field.shape();
+Result<void> write_hdf5(const std::filesystem::path& path, const LightFieldView& light_field) {
+  const Shape shape = shape_of(light_field);
+  std::vector<float> scratch;
+  const auto values = light_field.values(scratch);
   const std::vector<size_t> extents = {shape.num_views(), shape.height, shape.width};
-  if (shape.channels == 1) return write_set(path, "LF_y", extents, light_field.data());
+  if (shape.channels == 1) return write_set(path, "LF_y", extents, values);
   std::vector<float> grey(shape.num_views() * shape.height * shape.width);
   for (size_t i = 0; i < grey.size(); ++i) {
-    const float* pixel = light_field.data().data() + 3 * i;
+    const float* pixel = values.data() + 3 * i;
     grey[i] = grey_of(pixel[0], pixel[1], pixel[2]);
   }
   return write_set(path, "LF_y", extents, grey);

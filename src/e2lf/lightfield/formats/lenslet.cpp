@@ -167,18 +167,18 @@ Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOpt
   return from_stored(array, options, location);
 }
 
-Result<void> write_lenslet(const std::filesystem::path& path, const LightField& light_field) {
-  const Shape& shape = light_field.shape();
+Result<void> write_lenslet(const std::filesystem::path& path, const LightFieldView& light_field) {
+  const Shape shape = shape_of(light_field);
   const AxisStrides strides = huwvc_strides(shape);
   Image mosaic(shape.width * shape.views_x, shape.height * shape.views_y, shape.channels);
   parallel_for(shape.height, 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {
       for (size_t view = 0; view < shape.num_views(); ++view) {
         const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-        const float* row = light_field.view(view_y, view_x).data() + y * shape.width * shape.channels;
+        const auto row = light_field[view_y][view_x][y];
         float* out = mosaic.pixels.data() + view_y * strides.view_y + view_x * strides.view_x + y * strides.y;
         for (size_t x = 0; x < shape.width; ++x) {
-          std::copy_n(row + x * shape.channels, shape.channels, out + x * strides.x);
+          for (size_t c = 0; c < shape.channels; ++c) out[x * strides.x + c] = row[x][c];
         }
       }
     }

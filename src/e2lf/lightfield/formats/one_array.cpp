@@ -181,25 +181,26 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   return from_stored(array, options, location);
 }
 
-Result<void> write_npy_light_field(const std::filesystem::path& path, const LightField& light_field) {
-  const Shape& shape = light_field.shape();
+Result<void> write_npy_light_field(const std::filesystem::path& path, const LightFieldView& light_field) {
+  const Shape shape = shape_of(light_field);
   std::vector<size_t> extents = {shape.views_y, shape.views_x, shape.height, shape.width};
   if (shape.channels == 3) extents.push_back(3);
-  return write_npy(path, make_npy<float>(std::move(extents), light_field.data()));
+  std::vector<float> scratch;
+  return write_npy(path, make_npy<float>(std::move(extents), light_field.values(scratch)));
 }
 
-Result<void> write_mat(const std::filesystem::path& path, const LightField& light_field) {
-  const Shape& shape = light_field.shape();
+Result<void> write_mat(const std::filesystem::path& path, const LightFieldView& light_field) {
+  const Shape shape = shape_of(light_field);
   const AxisStrides strides = matlab_uvhwc_strides(shape);
   std::vector<float> samples(shape.size());
   parallel_for(shape.width, 8, [&](size_t begin, size_t end) {
     for (size_t x = begin; x < end; ++x) {
       for (size_t view = 0; view < shape.num_views(); ++view) {
         const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-        const float* pixel = light_field.view(view_y, view_x).data() + x * shape.channels;
+        const auto from = light_field[view_y][view_x];
         float* out = samples.data() + view_y * strides.view_y + view_x * strides.view_x + x * strides.x;
-        for (size_t y = 0; y < shape.height; ++y, pixel += shape.width * shape.channels) {
-          for (size_t c = 0; c < shape.channels; ++c) out[y * strides.y + c * strides.channel] = pixel[c];
+        for (size_t y = 0; y < shape.height; ++y) {
+          for (size_t c = 0; c < shape.channels; ++c) out[y * strides.y + c * strides.channel] = from[y][x][c];
         }
       }
     }

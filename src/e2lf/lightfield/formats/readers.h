@@ -129,16 +129,16 @@ struct ViewFiles {
 
 /// Reads `LF` of a MATLAB file older than version 7.3.
 [[nodiscard]] Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions& options);
-[[nodiscard]] Result<void> write_mat(const std::filesystem::path& path, const LightField& light_field);
+[[nodiscard]] Result<void> write_mat(const std::filesystem::path& path, const LightFieldView& light_field);
 
 /// Returns true if an HDF5 file has one of the data sets that read_hdf5 reads: `LF`, `LF_y` or `Hr_SAI_y`.
 [[nodiscard]] bool hdf5_has_light_field(const std::filesystem::path& path);
 [[nodiscard]] Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOptions& options);
 /// Writes the luma of the views as `LF_y`.
-[[nodiscard]] Result<void> write_hdf5(const std::filesystem::path& path, const LightField& light_field);
+[[nodiscard]] Result<void> write_hdf5(const std::filesystem::path& path, const LightFieldView& light_field);
 
 [[nodiscard]] Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOptions& options);
-[[nodiscard]] Result<void> write_lenslet(const std::filesystem::path& path, const LightField& light_field);
+[[nodiscard]] Result<void> write_lenslet(const std::filesystem::path& path, const LightFieldView& light_field);
 
 /// Returns the array of an .npz archive that holds the light field, or null.
 [[nodiscard]] const NpyArray* find_light_field(const NpzArrays& arrays);
@@ -146,6 +146,6 @@ struct ViewFiles {
 [[nodiscard]] std::optional<Shape> npy_shape(const NpyArray& array);
 [[nodiscard]] Result<LightField> from_npy(const NpyArray& array, const ReadOptions& options,
                                           const std::string& location);
-[[nodiscard]] Result<void> write_npy_light_field(const std::filesystem::path& path, const LightField& light_field);
+[[nodiscard]] Result<void> write_npy_light_field(const std::filesystem::path& path, const LightFieldView& light_field);
 
 }  // namespace e2lf::lightfield
