@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "e2lf/base/contract.h"
+#include "e2lf/learn/data/dataset.h"
 
 #if E2LF_LEARN_KERNELS
-#include "e2lf/learn/data/dataset.h"
 #include "e2lf/learn/data/view_renderer.h"
 #endif
 
