@@ -27,11 +27,11 @@ Json header_of(const Model& model) {
 Json header_of(const VideoModel& model) {
   return video::video_header_to_json(model);
 }
-const std::optional<capture::Codes>* codes_of_model(const Model& model) {
-  return &model.codes;
+py::object codes_of_model(const Model& model) {
+  return to_array(model.codes);
 }
-const std::optional<capture::Codes>* codes_of_model(const VideoModel&) {
-  return nullptr;
+py::object codes_of_model(const VideoModel&) {
+  return py::none();
 }
 Result<void> decode(std::span<const uint8_t> bytes, Model& model) {
   E2LF_ASSIGN_OR_RETURN(model, model::decode_model(bytes, "model"));
@@ -40,31 +40,6 @@ Result<void> decode(std::span<const uint8_t> bytes, Model& model) {
 Result<void> decode(std::span<const uint8_t> bytes, VideoModel& model) {
   E2LF_ASSIGN_OR_RETURN(model, video::decode_video_model(bytes, "model"));
   return {};
-}
-
-constexpr const char* kCodesTensor = "aperture.codes";
-
-/// Returns the content of the file of a model.
-template <typename AnyModel>
-Safetensors file_of(const AnyModel& model) {
-  Safetensors file;
-  file.metadata[model::kMetadataKey] = json_line(header_of(model));
-  for (const model::WeightShape& tensor : model::weight_shapes(model.network)) {
-    file.tensors[tensor.name] = make_tensor(tensor.shape, model.weights.at(tensor.name));
-  }
-  const auto* codes = codes_of_model(model);
-  if (codes != nullptr && *codes) {
-    file.tensors[kCodesTensor] =
-        make_tensor({(*codes)->num_patterns, (*codes)->views_y, (*codes)->views_x}, (*codes)->values);
-  }
-  return file;
-}
-
-template <typename AnyModel>
-std::shared_ptr<AnyModel> decoded(std::span<const uint8_t> bytes) {
-  auto model = std::make_shared<AnyModel>();
-  without_gil([&] { return decode(bytes, *model); });
-  return model;
 }
 
 Tensor tensor_of(const py::array& array, const char* name) {
@@ -80,8 +55,10 @@ std::shared_ptr<AnyModel> model_of(const py::dict& header, const std::map<std::s
   Safetensors file;
   file.metadata[model::kMetadataKey] = json_line(from_python(header));
   for (const auto& [name, values] : weights) file.tensors[name] = tensor_of(values, name.c_str());
-  if (codes) file.tensors[kCodesTensor] = tensor_of(*codes, "codes");
-  return decoded<AnyModel>(encode_safetensors(file));
+  if (codes) file.tensors["aperture.codes"] = tensor_of(*codes, "codes");
+  auto model = std::make_shared<AnyModel>();
+  without_gil([&] { return decode(encode_safetensors(file), *model); });
+  return model;
 }
 
 template <typename AnyModel>
@@ -109,12 +86,11 @@ void bind_common(py::class_<AnyModel, std::shared_ptr<AnyModel>>& bound) {
       .def("__str__", [](const AnyModel& self) { return summary_text(self); })
       .def(py::pickle(
           [](const AnyModel& self) {
-            const auto bytes = encode_safetensors(file_of(self));
-            return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+            return py::make_tuple(to_python(header_of(self)), weights_of(self), codes_of_model(self));
           },
-          [](const py::bytes& bytes) {
-            const auto text = static_cast<std::string_view>(bytes);
-            return decoded<AnyModel>({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+          [](const py::tuple& parts) {
+            return model_of<AnyModel>(parts[0].cast<py::dict>(), parts[1].cast<std::map<std::string, py::array>>(),
+                                      parts[2].cast<std::optional<py::array>>());
           }));
 }
 

@@ -84,9 +84,7 @@ py::tuple read_events(const fs::path& path, const OpenArguments& arguments) {
 
 /// Decodes a recording without making arrays, for comparison in bench/python/iterate.py.
 uint64_t count_events(const fs::path& path, int threads) {
-  OpenArguments arguments;
-  arguments.threads = threads;
-  const auto reader = open_reader(path.string(), arguments);
+  const auto reader = open_reader(path.string(), {.threads = threads});
   return without_gil([&]() -> Result<uint64_t> {
     recordings::EventBatch batch;
     for (bool more = true; more;) {
@@ -152,8 +150,7 @@ void bind_recording(py::module_& module) {
       .def(
           "summary", [](Recording& self) { return to_python(info::summary_json(self.summary())); },
           "Returns a summary of the data read so far: counts of events and triggers, times in us, and the data that "
-          "were "
-          "left out, with reasons.")
+          "were left out, with reasons.")
       .def(
           "slices",
           [](RecordingPointer self, std::optional<int64_t> delta_t, std::optional<int64_t> n_events) {
@@ -162,8 +159,7 @@ void bind_recording(py::module_& module) {
           py::arg("delta_t") = py::none(), py::arg("n_events") = py::none(),
           "Iterates over Slice(events, triggers, begin_us, end_us).\n\n"
           "delta_t: duration of each slice in us. Slices are contiguous and may be empty. The first begins at from_us, "
-          "or "
-          "else at the multiple of delta_t before the first event.\n"
+          "or else at the multiple of delta_t before the first event.\n"
           "n_events: number of events in each slice; the last may have fewer.\n"
           "If both are given, a slice ends at the earlier limit; if neither is given, slices are returned as decoded.")
       .def(
@@ -179,8 +175,7 @@ void bind_recording(py::module_& module) {
           [](Recording& self, int64_t begin_us, int64_t end_us) { return slice_of(self.between(begin_us, end_us)); },
           py::arg("begin_us"), py::arg("end_us"),
           "Returns the Slice begin_us <= t < end_us. Calls may be in any order, and reading continues after the slice. "
-          "Not "
-          "available for streams.")
+          "Not available for streams.")
       .def("seek", &Recording::seek, py::arg("t_us"), "Seeks to the first event or trigger with t >= t_us.")
       .def("next_part", &Recording::next_part,
            "Continues with the next part, which has its own times, after iterating has ended with restart=\"split\". "
@@ -281,22 +276,21 @@ void bind_recordings(py::module_& module) {
       [](const fs::path& path, const std::string& format, size_t width, size_t height, const std::string& stream,
          const std::string& columns, const std::string& time_unit, const std::string& polarities,
          const ProgressArgument& progress) {
-        OpenArguments arguments;
-        arguments.format = format;
-        arguments.width = width;
-        arguments.height = height;
-        arguments.stream = stream;
-        arguments.columns = columns;
-        arguments.time_unit = time_unit;
-        arguments.polarities = polarities;
-        return describe(path, arguments, progress);
+        return describe(path,
+                        {.format = format,
+                         .stream = stream,
+                         .columns = columns,
+                         .time_unit = time_unit,
+                         .polarities = polarities,
+                         .width = width,
+                         .height = height},
+                        progress);
       },
       py::arg("path"), py::kw_only(), py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0,
       py::arg("stream") = "", py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("polarities") = "",
       py::arg("progress") = py::none(),
       "Describes a file or folder. Returns a dict with `kind` and the content of `e2lf info --json`. Recordings are "
-      "read "
-      "to their end.\n\n"
+      "read to their end.\n\n"
       "format, width, height, stream, columns, time_unit, polarities: as for open_recording().\n"
       "progress: called with (done, total); an exception cancels the operation.");
 }

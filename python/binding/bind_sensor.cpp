@@ -87,8 +87,7 @@ void bind_sensor(py::module_& module) {
       "seed: seed of the noise, which should differ from cycle to cycle. map_seed: seed of the constant properties of "
       "physical pixels; None = seed.\n"
       "colour_filter: colours of each 2x2 pixels of the sensor, row by row, such as \"rggb\"; the light field must "
-      "have "
-      "[channel], and the images are twice as high and wide.");
+      "have [channel], and the images are twice as high and wide.");
   module.def(
       "coded_intensities",
       [](const py::array& light_field, const py::array& codes) {

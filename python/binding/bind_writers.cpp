@@ -147,8 +147,7 @@ void bind_writers(py::module_& module) {
       py::arg("path"), py::arg("output"), py::kw_only(), py::arg("output_format") = "", py::arg("overwrite") = false,
       py::arg("progress") = py::none(), E2LF_OPEN_ARGUMENTS,
       "Converts a recording to another format in bounded memory. Returns a dict with counts, warnings and the data "
-      "that "
-      "were left out.\n\n"
+      "that were left out.\n\n"
       "output_format: if empty, determined by the extension.\n"
       "progress: called with (events so far, 0)." E2LF_OPEN_DOC);
 }

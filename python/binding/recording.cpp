@@ -97,19 +97,20 @@ Recording::~Recording() {
   count_readers(-1);
 }
 
-const recordings::RecordingReader& Recording::reader() const {
+recordings::RecordingReader& Recording::reader() const {
   if (!reader_) throw py::value_error("the recording is closed");
   return *reader_;
 }
 
-recordings::RecordingReader& Recording::open_reader() {
-  if (!reader_) throw py::value_error("the recording is closed");
-  return *reader_;
+void Recording::discard_batch() {
+  batch_.clear();
+  event_ = trigger_ = 0;
+  has_ended_ = false;
 }
 
 std::optional<Slice> Recording::next(const SliceSize& size) {
   const OneAtATime::Use use(use_, kWhat);
-  static_cast<void>(open_reader());
+  static_cast<void>(reader());
   std::optional<Slice> slice;
   {
     const StopOnInterrupt interrupt(is_live_);
@@ -122,15 +123,12 @@ std::optional<Slice> Recording::next(const SliceSize& size) {
 
 Slice Recording::between(int64_t begin_us, int64_t end_us) {
   const OneAtATime::Use use(use_, kWhat);
-  recordings::RecordingReader& reader = open_reader();
   Slice slice;
   slice.begin_us = begin_us;
   slice.end_us = end_us;
   without_gil([&]() -> Result<void> {
-    E2LF_RETURN_IF_ERROR(reader.seek(begin_us));
-    batch_.clear();
-    event_ = trigger_ = 0;
-    has_ended_ = false;
+    E2LF_RETURN_IF_ERROR(reader().seek(begin_us));
+    discard_batch();
     return fill(slice, std::nullopt, end_us);
   });
   slice_begin_us_ = end_us;
@@ -140,35 +138,29 @@ Slice Recording::between(int64_t begin_us, int64_t end_us) {
 
 bool Recording::next_part() {
   const OneAtATime::Use use(use_, kWhat);
-  recordings::RecordingReader& reader = open_reader();
-  const bool more = without_gil([&] { return reader.next_part(); });
+  const bool more = without_gil([&] { return reader().next_part(); });
   if (!more) return false;
-  batch_.clear();
-  event_ = trigger_ = 0;
-  has_ended_ = false;
+  discard_batch();
   slice_begin_us_.reset();
   return true;
 }
 
 void Recording::seek(int64_t t_us) {
   const OneAtATime::Use use(use_, kWhat);
-  recordings::RecordingReader& reader = open_reader();
-  without_gil([&] { return reader.seek(t_us); });
-  batch_.clear();
-  event_ = trigger_ = 0;
-  has_ended_ = false;
+  without_gil([&] { return reader().seek(t_us); });
+  discard_batch();
   slice_begin_us_ = t_us;
 }
 
 recordings::DecodeSummary Recording::summary() {
   const OneAtATime::Use use(use_, kWhat);
-  return open_reader().summary();
+  return reader().summary();
 }
 
 void Recording::close() {
   const OneAtATime::Use use(use_, kWhat);
+  discard_batch();
   batch_ = {};
-  event_ = trigger_ = 0;
   reader_.reset();
 }
 

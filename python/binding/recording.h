@@ -23,13 +23,14 @@ inline constexpr Word<recordings::RestartPolicy> kRestarts[] = {{"continue", rec
 
 /// The options of open_recording() with their Python names. The defaults are those of recordings::OpenOptions.
 struct OpenArguments {
-  std::string format, stream, columns, time_unit = word_of(recordings::OpenOptions().time_unit, kTimeUnits);
-  std::string polarities, restart = word_of(recordings::OpenOptions().restart, kRestarts);
+  std::string format = {}, stream = {}, columns = {},
+              time_unit = word_of(recordings::OpenOptions().time_unit, kTimeUnits);
+  std::string polarities = {}, restart = word_of(recordings::OpenOptions().restart, kRestarts);
   size_t width = 0, height = 0;
-  std::optional<int64_t> from_us, to_us;
+  std::optional<int64_t> from_us = {}, to_us = {};
   bool relative = false, shift_time = false, strict = false;
   int threads = recordings::OpenOptions().threads;
-  std::optional<recordings::CameraSetup> camera_setup;
+  std::optional<recordings::CameraSetup> camera_setup = {};
 };
 
 /// Returns the options of a reader. Fails with kInvalidValue for an unknown word and an empty range of time.
@@ -70,7 +71,8 @@ class Recording {
   Recording& operator=(const Recording&) = delete;
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] const recordings::RecordingReader& reader() const;
+  /// Throws ValueError if the recording is closed.
+  [[nodiscard]] recordings::RecordingReader& reader() const;
 
   /// Returns the next slice, or nothing at the end. Fails once with kIo if live input failed. Slices of a fixed
   /// duration are contiguous and may be empty.
@@ -90,11 +92,10 @@ class Recording {
   [[nodiscard]] Result<std::optional<Slice>> read_slice(const SliceSize& size);
   [[nodiscard]] Result<bool> refill();
   [[nodiscard]] int64_t next_us() const;
-  void begin_at_next(int64_t delta_us);
+  void discard_batch();
   [[nodiscard]] Result<void> fill(Slice& slice, std::optional<size_t> most_events, int64_t end_us);
   void take_events(Slice& slice, size_t end);
   void take_triggers(Slice& slice, int64_t end_us);
-  recordings::RecordingReader& open_reader();
 
   std::string name_;
   bool is_live_;
