@@ -136,19 +136,19 @@ export class TimeAxis {
       const first = cycle.slices[0];
       const last = cycle.slices.at(-1);
       if (!first || !last || x(last[1]) - x(first[0]) <= 24) continue;
-      this.drawText(context, String(cycle.number), (x(first[0]) + x(last[1])) / 2, style);
+      this.drawText(context, String(cycle.number), (x(first[0]) + x(last[1])) / 2, 0, style);
     }
   }
 
-  /** Draws a label at the top on its own background. */
-  private drawText(context: CanvasRenderingContext2D, text: string, middle: number, style: (name: string) => string): void {
+  /** Draws a label in a line from the top on its own background. */
+  private drawText(context: CanvasRenderingContext2D, text: string, middle: number, line: number, style: (name: string) => string): void {
     context.font = '11px sans-serif';
     context.textAlign = 'center';
     const width = context.measureText(text).width + 8;
     context.fillStyle = style('--surface');
-    context.fillRect(middle - width / 2, 0, width, 17);
+    context.fillRect(middle - width / 2, 17 * line, width, 17);
     context.fillStyle = style('--ink');
-    context.fillText(text, middle, 13);
+    context.fillText(text, middle, 17 * line + 13);
   }
 
   private drawRate(context: CanvasRenderingContext2D, x: (timeUs: number) => number, width: number, height: number, style: (name: string) => string): void {
@@ -168,7 +168,7 @@ export class TimeAxis {
     context.fillRect(0, middle, width, 1);
     const text = `${rateText((most / bin_us) * 1e6)} at the edges`;
     context.font = '11px sans-serif';
-    this.drawText(context, text, width - context.measureText(text).width / 2 - 6, style);
+    this.drawText(context, text, width - context.measureText(text).width / 2 - 6, 1, style);
   }
 
   private drawTicks(context: CanvasRenderingContext2D, x: (timeUs: number) => number, from: number, to: number, width: number, height: number, style: (name: string) => string): void {

@@ -3,11 +3,14 @@
 import { clamp, element, placeOn } from './dom';
 import { followPinch } from './pinch';
 import { setSize } from './screen';
-import type { State } from './state';
+import type { Key, State } from './state';
 
 const mostPixelPx = 48; // the largest size of a pixel of the picture on the screen
 const sharpPixelPx = 2; // from this size on, pixels have edges
 const wheelZoom = 1.2;
+
+/** What the part that is shown depends on. */
+export const keysOfPart: Key[] = ['zoom', 'panx', 'pany'];
 
 export const zoomKeys: [keys: string, does: string][] = [
   ['z and Z', 'zoom in and out, as the wheel and two fingers do'],

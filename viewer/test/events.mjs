@@ -1,8 +1,8 @@
 // Event images, recordings and models.
 import assert from 'node:assert/strict';
-import { look, phone, pinch, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
+import { assertNear, look, phone, pinch, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
 
-const large = '.events > canvas.counts';
+const large = '.frame canvas.counts';
 
 export const tests = {
   'event images: colours, histogram, patterns, cycles': ({ url, expected }) => withPage(url('events.html', 'image=1&limit=4'), {}, async (page) => {
@@ -24,8 +24,24 @@ export const tests = {
     assert.notDeepEqual(await rowOf(page, large, 30), before);
   }),
 
+  'the wheel and keys zoom event images and recordings': async ({ url }) => {
+    for (const file of ['events.html', 'recording.html']) {
+      await withPage(url(file, ''), {}, async (page) => {
+        const box = await page.locator(large).boundingBox();
+        await page.mouse.move(box.x + 1, box.y + 1);
+        await page.mouse.wheel(0, -100);
+        const { zoom, panx, pany } = await stateOf(page);
+        assertNear([Number(zoom), Number(panx), Number(pany)], [1.2, 0.5 / 1.2, 0.5 / 1.2], 0.01, `${file}: the corner stays`);
+        const wide = (await page.locator(large).boundingBox()).width;
+        assert.ok(Math.abs(wide / box.width - 1.2) < 0.01, `${file}: ${wide} of ${box.width} px`);
+        await page.keyboard.press('Z');
+        assert.equal((await stateOf(page)).zoom, undefined, `${file}: and back`);
+      });
+    }
+  },
+
   'a recording: frames, rate, triggers, zoom': ({ url }) => withPage(url('recording.html', ''), {}, async (page) => {
-    const picture = '#stage > canvas.counts';
+    const picture = '.frame canvas.counts';
     assert.deepEqual(await sizeOf(page, picture), [64, 48]);
     const box = await page.locator('canvas.axis').boundingBox();
     await page.mouse.click(box.x + box.width / 2, box.y + 40);

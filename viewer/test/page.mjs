@@ -67,7 +67,7 @@ export const tests = {
   'on a phone event images and models are not cut off': async ({ url }) => {
     await withPage(url('events.html', ''), phone, async (page) => {
       const stage = await page.locator('#stage').boundingBox();
-      for (const what of await page.locator('.events > canvas.counts, .thumbnail').all()) {
+      for (const what of await page.locator('.frame canvas.counts, .thumbnail').all()) {
         const box = await what.boundingBox();
         assert.ok(box.y >= stage.y && box.y + box.height <= stage.y + stage.height, `${box.y} to ${box.y + box.height}`);
       }

@@ -1,8 +1,9 @@
 // The event images of a cycle: one in full size, and below it thumbnails of all with the patterns before and after.
 import { busy } from '../busy';
-import { CountLegend, drawCounts, Histogram, limitText, mostLimit, type CountImage } from '../counts';
+import { countKeys, CountPicture } from '../count_picture';
+import { drawCounts, type CountImage } from '../counts';
 import { inflateCounts, type EventImagesItem } from '../document';
-import { canvas, clamp, element, placeOn } from '../dom';
+import { canvas, clamp, element } from '../dom';
 import { patternFigure } from '../patterns';
 import { fit, setSize, type Context, type Screen } from '../screen';
 import type { Key } from '../state';
@@ -11,30 +12,23 @@ import { isDark } from '../theme';
 export class EventsScreen implements Screen {
   readonly keys: [string, string][] = [
     ['left and right', 'the transition before and after'],
-    ['[ and ]', 'stronger and weaker colours'],
     ['< and >', 'the cycle before and after'],
+    ...countKeys,
   ];
-  private readonly large: HTMLCanvasElement;
+  private readonly large: CountPicture;
   private readonly thumbnails: HTMLCanvasElement[] = [];
   private readonly strip = element('div', { class: 'strip' });
-  private readonly histogram = new Histogram();
-  private readonly legend = new CountLegend();
   private counts: Int16Array | null = null;
   private loaded = -1;
-  private cursor: { x: number; y: number } | null = null;
 
   constructor(
     private readonly context: Context,
     private readonly item: EventImagesItem,
   ) {
-    this.large = canvas(`${item.name}: event image, ON red, OFF blue`, 'counts');
+    this.large = new CountPicture(context, `${item.name}: event image, ON red, OFF blue`, item);
     this.addControls();
     for (let i = 0; i < item.transitions; ++i) this.addThumbnail(i);
-    context.stage.append(element('div', { class: 'events' }, this.large, this.strip));
-    this.large.addEventListener('pointerdown', (event) => this.point(event));
-    this.large.addEventListener('pointermove', (event) => this.point(event));
-    // A lifted finger also leaves the element; the selected point is kept then.
-    this.large.addEventListener('pointerleave', (event) => event.pointerType === 'mouse' && this.point(null));
+    context.stage.append(element('div', { class: 'events' }, this.large.root, this.strip));
     this.load();
   }
 
@@ -55,11 +49,11 @@ export class EventsScreen implements Screen {
     const { cycles, transitions } = this.item;
     panel.group('Event image',
       panel.slider('image', 'Transition', { low: 0, high: transitions - 1, step: 1, text: (value) => `${value + 1} of ${transitions}` }),
-      panel.slider('limit', 'Full colour at', { low: 0, high: mostLimit, step: 1, text: limitText }), this.legend.root);
+      ...this.large.controls);
     if (cycles.length > 1) {
       panel.group('Time', panel.slider('cycle', 'Cycle', { low: 0, high: cycles.length - 1, step: 1, text: (value) => cycles[value]?.label ?? '' }));
     }
-    panel.group('Histogram under the cursor', this.histogram.root);
+    this.large.addHistogram();
   }
 
   private load(): void {
@@ -90,23 +84,11 @@ export class EventsScreen implements Screen {
       drawCounts(target, this.image(i), limit, isDark());
       target.parentElement!.setAttribute('aria-pressed', String(i === this.chosen()));
     });
-    this.legend.show(drawCounts(this.large, this.image(this.chosen()), limit, isDark()), isDark());
-    this.histogram.show(this.image(this.chosen()), this.cursor);
-  }
-
-  private point(event: PointerEvent | null): void {
-    const { width, height } = this.item;
-    if (!this.counts) return;
-    if (event) {
-      const { x, y } = placeOn(this.large, event);
-      this.cursor = { x: clamp(Math.floor(x * width), 0, width - 1), y: clamp(Math.floor(y * height), 0, height - 1) };
-    } else {
-      this.cursor = null;
-    }
-    this.histogram.show(this.image(this.chosen()), this.cursor);
+    this.large.show(this.image(this.chosen()));
   }
 
   follow(key: Key): void {
+    if (this.large.follow(key)) return;
     if (key === 'cycle' || key === 'tab') this.load();
     if (key === 'image' || key === 'tab') this.thumbnails[this.chosen()]!.scrollIntoView({ block: 'nearest', inline: 'nearest' });
     this.draw();
@@ -117,7 +99,7 @@ export class EventsScreen implements Screen {
     const { width, height, transitions } = this.item;
     const stripHeight = clamp(stage.clientHeight * 0.25, 90, 180);
     const patterns = this.item.codes ? 2 * 66 : 0;
-    setSize(this.large, ...fit(width, height, stage.clientWidth - 16, stage.clientHeight - stripHeight - 32));
+    this.large.layout(stage.clientWidth - 16, stage.clientHeight - stripHeight - 32);
     const size = fit(width, height, Math.max(stage.clientWidth / transitions - patterns - 24, 60), stripHeight - 12);
     for (const thumbnail of this.thumbnails) setSize(thumbnail, ...size);
   }
@@ -127,16 +109,14 @@ export class EventsScreen implements Screen {
     switch (key) {
       case 'ArrowLeft': state.set('image', Math.max(this.chosen() - 1, 0)); return true;
       case 'ArrowRight': state.set('image', Math.min(this.chosen() + 1, this.item.transitions - 1)); return true;
-      case '[': state.set('limit', Math.max(state.get('limit') - 1, 0)); return true;
-      case ']': state.set('limit', Math.min(state.get('limit') + 1, mostLimit)); return true;
       case '<': state.set('cycle', Math.max(state.get('cycle') - 1, 0)); return true;
       case '>': state.set('cycle', Math.min(state.get('cycle') + 1, this.item.cycles.length - 1)); return true;
-      default: return false;
+      default: return this.large.press(key);
     }
   }
 
   pictures(): { name: string; canvas: HTMLCanvasElement }[] {
-    return [{ name: `transition-${this.chosen() + 1}`, canvas: this.large }];
+    return [{ name: `transition-${this.chosen() + 1}`, canvas: this.large.canvas }];
   }
 
   close(): void {}

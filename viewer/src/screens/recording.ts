@@ -1,11 +1,11 @@
 // A recording as frames of accumulated events, with its event rate, triggers and cycles.
 import { busy } from '../busy';
-import { CountLegend, drawCounts, Histogram, limitText, mostLimit, type CountImage } from '../counts';
+import { countKeys, CountPicture } from '../count_picture';
+import type { CountImage } from '../counts';
 import { inflateCounts, type RecordingItem } from '../document';
-import { canvas, clamp, element, placeOn } from '../dom';
-import { fit, setSize, type Context, type Screen } from '../screen';
+import { clamp, element } from '../dom';
+import { setSize, type Context, type Screen } from '../screen';
 import type { Key } from '../state';
-import { isDark } from '../theme';
 import { TimeAxis } from '../time_axis';
 
 const axisPx = 150;
@@ -17,16 +17,13 @@ export class RecordingScreen implements Screen {
     ['space', 'play and stop'],
     ['+ and -', 'zoom in time, as the wheel and two fingers do on the time axis'],
     ['shift and wheel', 'along the time axis'],
-    ['[ and ]', 'stronger and weaker colours'],
+    ...countKeys,
   ];
-  private readonly picture: HTMLCanvasElement;
+  private readonly picture: CountPicture;
   private readonly axis: TimeAxis;
-  private readonly histogram = new Histogram();
-  private readonly legend = new CountLegend();
   private readonly playButton: HTMLElement;
   private shown: { number: number; image: CountImage } | null = null;
   private wanted = -1;
-  private cursor: { x: number; y: number } | null = null;
   private timer = 0;
 
   constructor(
@@ -34,7 +31,7 @@ export class RecordingScreen implements Screen {
     private readonly item: RecordingItem,
   ) {
     const { panel, state } = context;
-    this.picture = canvas(`${item.name}: events of a stretch of time, ON red, OFF blue`, 'counts');
+    this.picture = new CountPicture(context, `${item.name}: events of a stretch of time, ON red, OFF blue`, item);
     this.axis = new TimeAxis(item, state, (timeUs) => this.goTo(timeUs));
     this.playButton = panel.button('Play', () => this.play());
     const frameText = (number: number) => {
@@ -47,13 +44,9 @@ export class RecordingScreen implements Screen {
       panel.button('Zoom in', () => this.zoom(0.5)), panel.button('Zoom out', () => this.zoom(2)),
       panel.button('All of it', () => this.axis.zoom(1e6, 0.5)),
       element('p', { class: 'figures' }, this.about()));
-    panel.group('Picture', panel.slider('limit', 'Full colour at', { low: 0, high: mostLimit, step: 1, text: limitText }), this.legend.root);
-    panel.group('Histogram under the cursor', this.histogram.root);
-    context.stage.append(this.picture, this.axis.canvas);
-    this.picture.addEventListener('pointerdown', (event) => this.point(event));
-    this.picture.addEventListener('pointermove', (event) => this.point(event));
-    // A lifted finger also leaves the element; the selected point is kept then.
-    this.picture.addEventListener('pointerleave', (event) => event.pointerType === 'mouse' && this.point(null));
+    panel.group('Picture', ...this.picture.controls);
+    this.picture.addHistogram();
+    context.stage.append(this.picture.root, this.axis.canvas);
     this.load();
   }
 
@@ -107,23 +100,11 @@ export class RecordingScreen implements Screen {
   private draw(): void {
     this.axis.draw(this.frame());
     if (!this.shown) return;
-    this.legend.show(drawCounts(this.picture, this.shown.image, this.context.state.get('limit'), isDark()), isDark());
-    this.histogram.show(this.shown.image, this.cursor);
-  }
-
-  private point(event: PointerEvent | null): void {
-    if (!this.shown) return;
-    const { width, height } = this.item;
-    if (event) {
-      const { x, y } = placeOn(this.picture, event);
-      this.cursor = { x: clamp(Math.floor(x * width), 0, width - 1), y: clamp(Math.floor(y * height), 0, height - 1) };
-    } else {
-      this.cursor = null;
-    }
-    this.histogram.show(this.shown.image, this.cursor);
+    this.picture.show(this.shown.image);
   }
 
   follow(key: Key): void {
+    if (this.picture.follow(key)) return;
     const frame = this.item.frames[this.frame()];
     if (key === 'frame' && frame) this.axis.reveal(frame.begin_us);
     if (key === 'frame' || key === 'tab') this.load();
@@ -132,27 +113,24 @@ export class RecordingScreen implements Screen {
 
   layout(): void {
     const { stage } = this.context;
-    setSize(this.picture, ...fit(this.item.width, this.item.height, stage.clientWidth - 16, stage.clientHeight - axisPx - 32));
+    this.picture.layout(stage.clientWidth - 16, stage.clientHeight - axisPx - 32);
     setSize(this.axis.canvas, stage.clientWidth - 16, axisPx);
     this.draw();
   }
 
   press(key: string): boolean {
-    const { state } = this.context;
     switch (key) {
       case 'ArrowLeft': this.step(-1); return true;
       case 'ArrowRight': this.step(1); return true;
       case ' ': this.play(); return true;
       case '+': this.zoom(0.8); return true;
       case '-': this.zoom(1.25); return true;
-      case '[': state.set('limit', Math.max(state.get('limit') - 1, 0)); return true;
-      case ']': state.set('limit', Math.min(state.get('limit') + 1, mostLimit)); return true;
-      default: return false;
+      default: return this.picture.press(key);
     }
   }
 
   pictures(): { name: string; canvas: HTMLCanvasElement }[] {
-    return [{ name: `frame-${this.frame()}`, canvas: this.picture }, { name: 'rate', canvas: this.axis.canvas }];
+    return [{ name: `frame-${this.frame()}`, canvas: this.picture.canvas }, { name: 'rate', canvas: this.axis.canvas }];
   }
 
   close(): void {
