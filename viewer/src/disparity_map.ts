@@ -1,6 +1,7 @@
-// The disparity map of a light field: its values, and a texture for the shaders of pictures and reliefs.
+// The disparity map of a light field: its values, their confidence, and a texture for the shaders of pictures and reliefs.
 import { inflateCounts, type Disparity, type Source } from './document';
 import type { Painter, Uniform } from './painter';
+import type { State } from './state';
 
 const unknown = -32768;
 const far = 1e4; // the value that the shader treats as unknown
@@ -9,14 +10,18 @@ export class DisparityMap {
   /** Nearest and farthest, px per view: the ends of the colours. */
   range: [number, number] = [0, 1];
   version = 0; // counts the changes of the map
+  readonly hasConfidence: boolean;
   private milli = new Int16Array();
+  private confidence: Int16Array | null = null; // in thousandths
   private readonly texture: WebGLTexture;
   private cycle = -1;
   private loading = 0;
 
-  /** `view` is the one (row, column) whose pixels these are, `views` their number. */
-  constructor(private readonly painter: Painter, readonly size: [number, number], private readonly views: [number, number], private readonly view: [number, number]) {
-    this.texture = painter.numbers(null, 1, 1, new Float32Array([far]));
+  /** `views` is the number of rows and columns of views. */
+  constructor(private readonly painter: Painter, readonly size: [number, number], private readonly views: [number, number], private readonly about: Omit<Disparity, 'maps'>) {
+    this.texture = painter.pairs(null, 1, 1, new Float32Array([far, 1]));
+    this.range = about.range;
+    this.hasConfidence = about.confidences !== undefined;
   }
 
   get isKnown(): boolean {
@@ -24,20 +29,25 @@ export class DisparityMap {
   }
 
   /** Loads the map of a cycle unless it is loaded. */
-  async load(cycle: number, { maps }: Disparity, source: Source): Promise<void> {
+  async load(cycle: number, { maps, confidences }: Disparity, source: Source): Promise<void> {
     const number = Math.min(Math.max(Math.round(cycle), 0), maps.length - 1);
     if (number === this.cycle) return;
     this.cycle = number;
     const turn = ++this.loading;
-    const milli = await inflateCounts(await source.part(maps[number]!));
-    if (turn === this.loading) this.set(milli); // otherwise, another cycle was requested meanwhile
+    const inflated = async (part: number) => inflateCounts(await source.part(part));
+    const [milli, confidence] = await Promise.all([inflated(maps[number]!), confidences ? inflated(confidences[number]!) : null]);
+    if (turn === this.loading) this.set(milli, confidence); // otherwise, another cycle was requested meanwhile
   }
 
-  /** Sets the map [y, x] in thousandths of a px per view; -32768 = unknown. */
-  set(milli: Int16Array): void {
+  /** Sets the map [y, x] in thousandths of a px per view, where -32768 is unknown, and its confidence in thousandths. */
+  set(milli: Int16Array, confidence: Int16Array | null = null): void {
     this.milli = milli;
+    this.confidence = confidence;
     ++this.version;
-    this.painter.numbers(this.texture, ...this.size, Float32Array.from(milli, (value) => (value === unknown ? far : value / 1000)));
+    const pairs = new Float32Array(2 * milli.length).fill(1);
+    milli.forEach((value, i) => (pairs[2 * i] = value === unknown ? far : value / 1000));
+    confidence?.forEach((value, i) => (pairs[2 * i + 1] = value / 1000));
+    this.painter.pairs(this.texture, ...this.size, pairs);
   }
 
   /** Returns the disparity in px per view step at a pixel of the view of the map; null if it is unknown. */
@@ -46,14 +56,23 @@ export class DisparityMap {
     return value === undefined || value === unknown ? null : value / 1000;
   }
 
-  /** Sets the uniforms of the shaders. `viewpoint` is in view steps from the middle of the grid. */
-  uniforms(opacity: number, viewpoint: { x: number; y: number }): Record<string, Uniform> {
-    const [[rows, columns], [row, column]] = [this.views, this.view];
+  /** Describes a pixel in words; null if its disparity is unknown. */
+  textAt(x: number, y: number): string | null {
+    const disparity = this.at(x, y);
+    const confidence = this.confidence?.[y * this.size[0] + x];
+    if (disparity === null) return null;
+    return `${disparity.toFixed(3)} px per view${confidence === undefined ? '' : `, confidence ${(confidence / 1000).toFixed(2)}`}`;
+  }
+
+  /** Sets the uniforms of the shaders. */
+  uniforms(state: State, opacity: number): Record<string, Uniform> {
+    const [[rows, columns], [row, column]] = [this.views, this.about.view];
     return {
       disparities: this.texture,
       overlay: this.isKnown ? opacity : 0,
       overlayRange: this.range,
-      viewpoint: [viewpoint.x, viewpoint.y],
+      leastConfidence: this.hasConfidence ? state.get('sure') : 0,
+      viewpoint: [state.get('x'), state.get('y')],
       mapView: [column - (columns - 1) / 2, row - (rows - 1) / 2],
       layer: row * columns + column,
     };

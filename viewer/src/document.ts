@@ -27,6 +27,7 @@ export interface Disparity {
   view: [number, number]; // row, column: the view whose pixels they are
   range: [number, number]; // nearest and farthest, px per view
   maps: number[]; // the part of each cycle, or one for all: int16 [y, x], deflated, in thousandths of a px per view; -32768 = unknown
+  confidences?: number[]; // the parts of the confidences of the same pixels: int16 [y, x], deflated, in thousandths
 }
 
 export interface EventImagesItem {

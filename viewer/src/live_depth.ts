@@ -57,14 +57,14 @@ export class LiveDepth {
     const [width, height] = map.size;
     const light = toneOfGrey(picture.texture, map.size);
     if (isRelief) relief.paint(target, state, 1, light);
-    else this.painter.paint(target, width, height, pictureOfMap, { ...light, ...map.uniforms(1, { x: 0, y: 0 }) });
+    else this.painter.paint(target, width, height, pictureOfMap, { ...light, ...map.uniforms(state, 1) });
   }
 
   private sized(width: number, height: number): NonNullable<LiveDepth['shown']> {
     const size = this.shown?.map.size;
     if (this.shown && size?.[0] === width && size[1] === height) return this.shown;
     this.close();
-    const map = new DisparityMap(this.painter, [width, height], [1, 1], [0, 0]);
+    const map = new DisparityMap(this.painter, [width, height], [1, 1], { view: [0, 0], range: [0, 1] });
     this.shown = { map, relief: new Relief(this.painter, map), picture: this.painter.pictures(width, height, 1, true) };
     return this.shown;
   }

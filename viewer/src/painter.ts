@@ -82,12 +82,12 @@ export class Painter {
     return made;
   }
 
-  /** Uploads one float32 per pixel for texelFetch; replaces the content of `table`. */
-  numbers(table: WebGLTexture | null, width: number, height: number, values: Float32Array): WebGLTexture {
+  /** Uploads two float32 per pixel for texelFetch; replaces the content of `table`. */
+  pairs(table: WebGLTexture | null, width: number, height: number, values: Float32Array): WebGLTexture {
     const gl = this.gl;
     const made = table ?? gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, made);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, width, height, 0, gl.RED, gl.FLOAT, values);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, width, height, 0, gl.RG, gl.FLOAT, values);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
     return made;

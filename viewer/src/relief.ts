@@ -58,7 +58,7 @@ export class Relief {
     const margin = 0.85; // so that a turned relief fits
     const values = {
       ...picture,
-      ...this.map.uniforms(state.get('overlay'), { x: 0, y: 0 }),
+      ...this.map.uniforms(state, state.get('overlay')),
       turned: [Math.sin(turn), Math.cos(turn), Math.sin(tip), Math.cos(tip)],
       deep: state.get('depth'),
       shown: [2 * state.get('panx') - 1, 1 - 2 * state.get('pany'), margin * state.get('zoom')],
@@ -106,12 +106,12 @@ void main() {
   gl_Position = vec4(shown.z * (vec2(p.x, p.y * size.x / size.y) - shown.xy * w), -0.3 * p.z, w);
 }`;
 
-const reliefShader = `${disparityColours}
+const reliefShader = `${disparityColours}uniform highp sampler2D disparities;
 in vec2 at;
 in float disparity;
 in vec3 position;
 void main() {
   vec3 normal = normalize(cross(dFdx(position), dFdy(position)));
   vec3 picture = shown(sampled(false, vec3(at / size, layer))).rgb;
-  colour = vec4(mix(picture, (0.45 + 0.55 * abs(normal.z)) * colourOf(disparity), overlay), 1.0);
+  colour = vec4(mix(picture, (0.45 + 0.55 * abs(normal.z)) * colourOf(disparity), overlay * opacityOf(texelFetch(disparities, ivec2(at), 0).g, at)), 1.0);
 }`;

@@ -32,9 +32,14 @@ vec4 shown(vec3 light) { return vec4(pow(clamp(gain * light, 0.0, 1.0), vec3(pow
 const head = `${lightFields}in vec2 place;
 `;
 
-// Dark violet is far, yellow near.
+// Dark violet is far, yellow near. Where the confidence is low, the picture shows through in stripes.
 const colourOf = `uniform float overlay;    // opacity of the colours of a disparity map; 0 = no map
 uniform vec2 overlayRange;
+uniform float leastConfidence;
+float opacityOf(float confidence, vec2 p) {
+  float period = max(size.x / 64.0, 6.0);    // of the stripes, px
+  return confidence < leastConfidence && mod(p.x + p.y, period) < 0.4 * period ? 0.0 : 1.0;
+}
 vec3 colourOf(float disparity) {
   float share = clamp((disparity - overlayRange.x) / max(overlayRange.y - overlayRange.x, 1e-6), 0.0, 1.0) * 4.0;
   vec3 stops[5] = vec3[5](${nearToFar.map((stop) => `vec3(${stop.map((value) => (value / 255).toFixed(4))})`).join(', ')});
@@ -47,8 +52,8 @@ vec3 colourOf(float disparity) {
 export const pictureOfMap = `${head}${colourOf}uniform highp sampler2D disparities;
 void main() {
   vec3 picture = shown(sampled(false, vec3(place, 0.0))).rgb;
-  float disparity = texelFetch(disparities, ivec2(place * size), 0).r;
-  colour = vec4(disparity > 1e3 ? picture : mix(picture, colourOf(disparity), overlay), 1.0);
+  vec2 found = texelFetch(disparities, ivec2(place * size), 0).rg;
+  colour = vec4(found.r > 1e3 ? picture : mix(picture, colourOf(found.r), overlay * opacityOf(found.g, place * size)), 1.0);
 }`;
 
 /** The beginning of the shader of reliefs; `layer` is the number of the view on it. */
@@ -65,8 +70,8 @@ uniform float split, boost;
 uniform highp sampler2D disparities;    // px per view of the pixels of one view
 uniform vec2 viewpoint, mapView;
 
-float disparityAt(vec2 p) {
-  return texelFetch(disparities, ivec2(clamp(p, vec2(0.0), size - 1.0)), 0).r;
+vec2 foundAt(vec2 p) {
+  return texelFetch(disparities, ivec2(clamp(p, vec2(0.0), size - 1.0)), 0).rg;
 }
 // The map follows the scene: from another viewpoint, each point of its view is shifted by its own disparity.
 vec3 overlaid(vec3 picture) {
@@ -74,12 +79,12 @@ vec3 overlaid(vec3 picture) {
   vec2 shifted = p + (focus.x + dot(focus.yz, place - 0.5)) * viewpoint;
   vec2 from = shifted;
   for (int i = 0; i < 4; ++i) {
-    float disparity = disparityAt(from);
+    float disparity = foundAt(from).r;
     if (disparity > 1e3) return picture;    // unknown
     from = shifted - disparity * (viewpoint - mapView);
   }
-  float disparity = disparityAt(from);
-  return disparity > 1e3 ? picture : mix(picture, colourOf(disparity), overlay);
+  vec2 found = foundAt(from);
+  return found.r > 1e3 ? picture : mix(picture, colourOf(found.r), overlay * opacityOf(found.g, from));
 }
 
 vec3 light(bool isSecond) {

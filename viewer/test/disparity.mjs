@@ -50,6 +50,17 @@ export const tests = {
     assert.ok(Math.max(...red.map((value, i) => Math.abs(value - blue[i]))) > 60, 'colours');
   }),
 
+  'pixels of a low confidence are hatched': ({ url }) => withPage(url('depth.html', 'x=0.5&y=0.5&show=disparity&sure=0'), {}, async (page) => {
+    const numGrey = async () => {
+      const [red, green, blue] = [await rowOf(page, 'canvas.picture', 24, 0), await rowOf(page, 'canvas.picture', 24, 1), await rowOf(page, 'canvas.picture', 24, 2)];
+      return red.filter((value, x) => value === green[x] && value === blue[x]).length;
+    };
+    assert.equal(await numGrey(), 0, 'no stripes');
+    await look(page, 'x=0.5&y=0.5&show=disparity&sure=1');
+    const numHatched = await numGrey();
+    assert.ok(numHatched > 16 && numHatched < 32, `stripes of 0.4 of the width, ${numHatched} of 64 px`);
+  }),
+
   'the folder of e2lf depth alone shows the light field with its map, or the map where that is gone': async ({ url }) => {
     await withPage(url('depth_alone.html', ''), {}, async (page) => {
       assert.equal(await page.locator('canvas.map').count(), 1, 'the views are there');

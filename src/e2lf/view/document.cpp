@@ -80,7 +80,8 @@ void Document::add_light_field(const std::string& name, const std::shared_ptr<Li
             {"cycles", std::move(described)}});
 }
 
-void Document::add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x) {
+void Document::add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x,
+                             const std::vector<lightfield::Image>& confidences) {
   Json& field = items_.at(item);
   std::vector<std::vector<int16_t>> numbers;
   Json parts = Json::array();
@@ -91,6 +92,13 @@ void Document::add_disparity(size_t item, const std::vector<lightfield::Image>& 
   }
   const auto [near, far] = usual_range(numbers);
   field["disparity"] = {{"view", {view_y, view_x}}, {"range", {near, far}}, {"maps", std::move(parts)}};
+  if (confidences.empty()) return;
+  E2LF_REQUIRE(confidences.size() == maps.size(), "each map has its confidences");
+  parts = Json::array();
+  for (const lightfield::Image& confidence : confidences) {
+    parts.push_back(add_part(counts_part(thousandths(confidence))));
+  }
+  field["disparity"]["confidences"] = std::move(parts);
 }
 
 void Document::add_event_images(const std::string& name, const std::vector<capture::EventImages>& cycles,

@@ -50,8 +50,10 @@ class Document {
 
   /// Adds disparity maps to a light field, given by its number among the items: one map, or one per cycle, in px per
   /// view step, for the pixels of view (view_y, view_x). Maps of another size than the views break the contract. Values
-  /// are stored in thousandths and clamped to +-32 px; values that are not finite are stored as unknown.
-  void add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x);
+  /// are stored in thousandths and clamped to +-32 px; values that are not finite are stored as unknown. `confidences`,
+  /// in [0, 1], are those of the same pixels, if they are known.
+  void add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x,
+                     const std::vector<lightfield::Image>& confidences = {});
 
   /// Adds event images of one or more cycles, all of one shape. `codes` may be null.
   void add_event_images(const std::string& name, const std::vector<capture::EventImages>& cycles,

@@ -42,7 +42,9 @@ TEST(Document, DisparitiesAreThousandthsWithTheirUsualRange) {
   for (size_t i = 0; i < 200; ++i) map.pixels[i] = static_cast<float>(i) / 100.0F;
   map.pixels[3] = std::nanf("");
   map.pixels[199] = 100.0F;
-  document.add_disparity(0, {map}, 4, 3);
+  lightfield::Image confidence = map;
+  confidence.pixels[7] = 0.25F;
+  document.add_disparity(0, {map}, 4, 3, {confidence});
   const Json disparity = Json::parse(document.description())["items"][0]["disparity"];
   EXPECT_EQ(disparity["view"], (Json{4, 3}));
   EXPECT_EQ(disparity["range"], (Json{0.01, 1.98}));
@@ -53,6 +55,9 @@ TEST(Document, DisparitiesAreThousandthsWithTheirUsualRange) {
   EXPECT_EQ(numbers[7], 70);
   EXPECT_EQ(numbers[3], -32768);
   EXPECT_EQ(numbers[199], 32000);
+  const auto sure = document.parts().at(disparity["confidences"][0])();
+  ASSERT_EQ(uncompress(reinterpret_cast<Bytef*>(numbers.data()), &size, sure->data(), sure->size()), Z_OK);
+  EXPECT_EQ(numbers[7], 250);
 }
 
 TEST(Document, CodesOfAnotherNumberOfPatternsAreLeftOut) {

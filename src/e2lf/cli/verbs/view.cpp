@@ -56,7 +56,7 @@ std::string name_of(const fs::path& path) {
 
 /// Disparity maps of one view, px per view step: one, or one for each cycle.
 struct DisparityMaps {
-  std::vector<Image> maps;
+  std::vector<Image> maps, confidences;
   depth::ViewIndex view;
 };
 
@@ -94,20 +94,26 @@ depth::ViewIndex view_of(const fs::path& path, const lightfield::Shape& shape) {
 }
 
 /// Reads the disparity maps of a light field with the given shape and number of cycles: float32 [y, x] as .npy or .pfm,
-/// or a folder that `e2lf depth` wrote (disparity.npy, or one in each of cycle_00000 ...). The record beside the maps
-/// states to which view they belong; without a record it is depth::middle_view(). Fails with kNotFound, kFormat, and
-/// kShape (the size or number of the maps does not match).
+/// or a folder that `e2lf depth` wrote (disparity.npy and confidence.npy, in each of cycle_00000 ...). The record
+/// beside the maps states to which view they belong; without a record it is depth::middle_view(). Fails with kNotFound,
+/// kFormat, and kShape (the size or number of the maps does not match).
 Result<DisparityMaps> read_disparity(const fs::path& path, const lightfield::Shape& shape, size_t cycles) {
   const std::vector<fs::path> files = files_of(path);
   if (files.size() != 1 && files.size() != cycles) {
     return fail(ErrorCode::kShape, path, "there are ", files.size(), " disparity maps for ", cycles,
                 " cycles; give one, or those of this light field");
   }
-  DisparityMaps found{{}, view_of(path, shape)};
+  DisparityMaps found{{}, {}, view_of(path, shape)};
   for (const fs::path& file : files) {
     E2LF_ASSIGN_OR_RETURN(Image map, read_map(file, shape));
     found.maps.push_back(std::move(map));
+    const fs::path beside = file.parent_path() / "confidence.npy";
+    std::error_code error;
+    if (file == path || !fs::exists(beside, error)) continue;
+    E2LF_ASSIGN_OR_RETURN(Image confidence, read_map(beside, shape));
+    found.confidences.push_back(std::move(confidence));
   }
+  if (found.confidences.size() < found.maps.size()) found.confidences.clear();
   return found;
 }
 
@@ -194,7 +200,7 @@ class DocumentMaker {
 
   Result<void> add_disparity(const fs::path& path, const ShownCycles& shown) {
     E2LF_ASSIGN_OR_RETURN(const DisparityMaps found, read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
-    document_.add_disparity(shown.item, found.maps, found.view.y, found.view.x);
+    document_.add_disparity(shown.item, found.maps, found.view.y, found.view.x, found.confidences);
     return {};
   }
 
