@@ -52,6 +52,18 @@ const chosenTab = (page) => page.locator('#tabs button[aria-selected=true]').tex
 const figures = (page) => page.evaluate(() => Object.fromEntries([...document.querySelectorAll('dl dt')].map((name) => [name.textContent, name.nextSibling.textContent])));
 
 export const tests = {
+  'connections that never finish their requests neither hold the pictures nor the end': () => withInstrument(async (address, statistics) => {
+    const { port } = new URL(address);
+    await Promise.all(Array.from({ length: 100 }, () => new Promise((resolve) => {
+      const socket = net.connect(port, '127.0.0.1', () => { socket.write('GET / HTTP/1.1\r\nHost: '); resolve(); });
+      socket.on('error', () => {});
+    })));
+    const fields = async () => (await statistics()).fields;
+    await until('a light field comes', async () => (await fields()) > 0);
+    const before = await fields();
+    await until('further ones come', async () => (await fields()) > before);
+  }, 'longer.raw'),
+
   'light fields at the pace of the cycles, and a frozen one is that of reconstruct': () => withInstrument((address, statistics) =>
     withPage(`${address}#tab=1`, {}, async (page) => {
       const shown = async () => Number(await page.evaluate(() => document.querySelector('.pane')?.dataset.cycle ?? -1));

@@ -75,6 +75,10 @@ bool has_viewer() {
   return true;
 }
 
+Result<void> require_viewer() {
+  return {};
+}
+
 Result<std::unique_ptr<LiveView>> start_live_view(const std::string& name, const std::filesystem::path& folder,
                                                   uint16_t port) {
   view::Document nothing_yet;

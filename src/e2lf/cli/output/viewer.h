@@ -17,6 +17,8 @@ namespace e2lf::cli {
 
 /// Returns true if this build includes `e2lf view`.
 [[nodiscard]] bool has_viewer();
+/// Fails without it, so that verbs say so before they open anything.
+[[nodiscard]] Result<void> require_viewer();
 
 /// Shows the light fields of a reconstruction in a browser while they are being computed. The viewer is served by a
 /// separate thread.

@@ -11,6 +11,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/method_flags.h"
+#include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cli/verbs/live_page.h"
 #include "e2lf/diagnose/field_check.h"
@@ -282,6 +283,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
 }
 
 Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
+  if (!arguments.has_no_page) E2LF_RETURN_IF_ERROR(require_viewer());
   if (!is_live(arguments.source)) {
     return fail(ErrorCode::kInvalidValue, arguments.source,
                 "a file is not a live source; give replay:FILE to play it at its own speed");

@@ -21,6 +21,10 @@ bool has_viewer() {
   return false;
 }
 
+Result<void> require_viewer() {
+  return no_viewer();
+}
+
 Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const Shown& /*truth*/,
                                    const Shown& /*reconstruction*/,
                                    const std::optional<depth::DisparityError>& /*error*/) {

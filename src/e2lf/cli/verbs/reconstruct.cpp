@@ -102,6 +102,7 @@ void say_motion(const fs::path& input, const Json& cycles, const std::string& ne
 }
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
+  if (arguments.view) E2LF_RETURN_IF_ERROR(require_viewer());
   if (arguments.port != 0 && !arguments.view) {
     return fail(ErrorCode::kInvalidValue, "--port", "a port is only used by --view; leave it out, or add --view");
   }
