@@ -336,10 +336,11 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
     const bool is_clear =
         change && (change->code == "polarity-better-inverted" ||
                    change->figures["error"] < kClearRatio * change->figures["unchanged_error"].get<double>());
-    if (change && (is_clear || !places)) explained.findings.push_back(std::move(*change));
-    if (places && !is_clear) explained.findings.push_back(std::move(*places));
+    const bool is_of_places = places && !is_clear && (places->severity != Severity::kNote || !change);
+    if (is_of_places) explained.findings.push_back(std::move(*places));
+    if (change && !is_of_places) explained.findings.push_back(std::move(*change));
   }
-  if (explained.findings.empty()) add_ratio(explained);
+  if (!has_doubt(explained.findings)) add_ratio(explained);
   return std::optional(std::move(explained));
 }
 

@@ -14,11 +14,13 @@
 namespace e2lf::diagnose {
 namespace {
 
-constexpr size_t kNoiseRadius = 1, kDetailRadius = 8, kWindowRadius = 5;  // px
-constexpr float kLargestDisparity = 2.5F, kDisparityStep = 0.25F;         // px per view step
+constexpr size_t kNoiseRadius = 1, kDetailRadius = 8;              // px
+constexpr float kLargestDisparity = 2.5F, kDisparityStep = 0.25F;  // px per view step
 
 constexpr size_t kMostSideOfParallax = 512;  // px
-constexpr double kMismatchRatio = 0.975;     // docs/troubleshooting.md states how often it is wrong
+// docs/troubleshooting.md states how often these thresholds are wrong.
+constexpr double kMismatchRatio = 0.97;  // below it, other places are right
+constexpr double kConfirmed = 1.003;     // above it, the stated ones are
 
 capture::EventImages middle_part(const capture::EventImages& events) {
   const size_t height = std::min(events.height, kMostSideOfParallax),
@@ -84,9 +86,15 @@ Images unrelated(const Images& images, size_t height, size_t width) {
   return displaced;
 }
 
+/// Returns the radius of the windows that are compared, in px. A large window averages noise, but a small image has too
+/// few of them.
+size_t window_radius(size_t height, size_t width) {
+  return std::clamp<size_t>(std::min(height, width) / 24, 5, 16);
+}
+
 /// Returns the mean over the pixels of the variance between the images at the disparity that fits best.
 double mismatch(const Images& images, const std::vector<Place>& places, size_t height, size_t width) {
-  const size_t size = height * width;
+  const size_t size = height * width, radius = window_radius(height, width);
   std::vector<float> least(size, std::numeric_limits<float>::infinity()), sum(size), squares(size);
   for (float disparity = -kLargestDisparity; disparity <= kLargestDisparity; disparity += kDisparityStep) {
     std::ranges::fill(sum, 0.0F);
@@ -102,7 +110,7 @@ double mismatch(const Images& images, const std::vector<Place>& places, size_t h
     }
     const auto count = static_cast<float>(images.size());
     for (size_t i = 0; i < size; ++i) squares[i] = squares[i] / count - sum[i] * sum[i] / (count * count);
-    const std::vector<float> around = recon::box_sums(squares, height, width, kWindowRadius);
+    const std::vector<float> around = recon::box_sums(squares, height, width, radius);
     for (size_t i = 0; i < size; ++i) least[i] = std::min(least[i], around[i]);
   }
   return std::accumulate(least.begin(), least.end(), 0.0) / static_cast<double>(size);
@@ -174,7 +182,15 @@ std::optional<Finding> check_places(const capture::EventImages& events, const ca
   const float on_per_off = is_pixel ? camera->pixel[kThresholdOff] / camera->pixel[kThresholdOn] : 1.0F;
   const std::vector<OtherPlaces> places = compare_places(middle_part(events), codes, on_per_off);
   const auto best = std::ranges::min_element(places, {}, &OtherPlaces::mismatch);
-  if (best == places.end() || best->mismatch >= kMismatchRatio) return std::nullopt;
+  if (best == places.end() || best->mismatch > kConfirmed) return std::nullopt;
+  if (best->mismatch >= kMismatchRatio) {
+    return Finding{"patterns-undecided",
+                   Severity::kNote,
+                   "the parallax between the event images does not tell in which order and orientation the patterns "
+                   "were shown",
+                   "use more light or a scene with depth, or sum more cycles of a still scene",
+                   {{"mismatch", best->mismatch}, {"change", best->name}}};
+  }
   const double percent = std::round(1000 * (1 - best->mismatch)) / 10;
   return Finding{best->is_order ? "order-better-changed" : "orientation-better-changed",
                  Severity::kError,

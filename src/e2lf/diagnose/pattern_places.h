@@ -35,7 +35,9 @@ struct OtherPlaces {
                                                       float on_per_off);
 
 /// Returns the finding that other places agree clearly better than the stated ones with the events in the middle of the
-/// image, if they do. The camera states the thresholds; without one, those of the paper's event model are taken.
+/// image, or a note that other places agree as well, so that nothing is known of them: in dim light, and in scenes
+/// without depth. Returns nothing if the stated places agree best. The camera states the thresholds; without one, those
+/// of the paper's event model are taken.
 [[nodiscard]] std::optional<Finding> check_places(const capture::EventImages& events, const capture::Codes& codes,
                                                   const std::optional<capture::SensorProfile>& camera);
 

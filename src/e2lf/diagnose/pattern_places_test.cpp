@@ -46,6 +46,15 @@ TEST(ComparePlaces, NamesExchangedAndTurnedPatterns) {
   EXPECT_EQ(best_for(shown), "with mirrored patterns");
 }
 
+TEST(ComparePlaces, StatesThatAFlatSceneTellsNothing) {
+  lightfield::LightField wall(lightfield::Shape{8, 8, 60, 80, 1});
+  std::ranges::fill(wall.data(), 0.4F);
+  const auto finding = check_places(sensor::simulate_events(three_openings(), wall, {}).value(), three_openings(), {});
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->code, "patterns-undecided");
+  EXPECT_EQ(finding->severity, Severity::kNote);
+}
+
 TEST(ComparePlaces, SaysNothingWithoutThreePlaces) {
   const capture::Codes two(3, 8, 8);
   EXPECT_TRUE(compare_places(capture::EventImages(2, 20, 20), two, 1).empty());
