@@ -59,6 +59,7 @@ void LiveReader::report() {
 void LiveReader::add_findings(const diagnose::Findings& findings) {
   const std::lock_guard lock(findings_mutex_);
   other_findings_.insert(other_findings_.end(), findings.begin(), findings.end());
+  statistics_.add_findings(diagnose::to_json(findings));  // after the end, there is no further report
   announce(findings);
 }
 

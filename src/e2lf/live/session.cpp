@@ -11,6 +11,12 @@
 
 namespace e2lf::live {
 
+namespace {
+
+constexpr uint64_t kCyclesBeforeCheck = 20;
+
+}  // namespace
+
 Session::Session(std::unique_ptr<LiveReader> reader, std::vector<FieldMaker> makers, SessionOptions options)
     : reader_(std::move(reader)),
       makers_(std::move(makers)),
@@ -33,8 +39,9 @@ void Session::join() {
 }
 
 void Session::start() {
+  LiveField prepared = prepare();
   reading_ = std::thread([this] { read(); });
-  reconstructing_ = std::thread([this] { reconstruct(); });
+  reconstructing_ = std::thread([this, field = std::move(prepared)]() mutable { reconstruct(std::move(field)); });
   showing_ = std::thread([this] { show(); });
 }
 
@@ -66,10 +73,8 @@ void Session::read() {
   slot_.close();
 }
 
-void Session::reconstruct() {
+void Session::reconstruct(LiveField field) {
   LiveCycle cycle;
-  LiveField field;
-  prepare(field);
   while (slot_.take(cycle)) {
     const bool is_depth = wants_depth();
     if (is_depth) {
@@ -92,6 +97,7 @@ void Session::reconstruct() {
   }
   {
     const std::lock_guard lock(field_mutex_);
+    if (shown_.serial > 0) begin_check(shown_.cycle);
     is_last_ = true;
   }
   field_changed_.notify_one();
@@ -164,11 +170,12 @@ std::shared_ptr<const ShownDepth> Session::depth(uint64_t after, std::chrono::mi
   return is_wanted() ? depth_ : nullptr;
 }
 
-/// Prepares the network and its memory before the first cycle, which is then not late. An error would also be that of
-/// the first cycle.
-void Session::prepare(LiveField& field) {
+/// Prepares the network and its memory before the source is read, so that the first cycles are not late. An error would
+/// also be that of the first cycle.
+LiveField Session::prepare() {
   const cycles::CycleReader& cycles = reader_->cycles();
   const recordings::RecordingInfo& info = cycles.recording().info();
+  LiveField field;
   LiveCycle dark;
   dark.cycles = reader_->average();
   dark.counts.events = capture::EventImages(cycles.schedule().num_images(), info.height, info.width);
@@ -177,13 +184,15 @@ void Session::prepare(LiveField& field) {
     field.level = pace_.level();
   }
   (void)make_views(dark, false, field);
+  return field;
 }
 
 Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const Clock::time_point begin = Clock::now();
   const bool has_events = !capture::is_without_events(cycle.counts.events);
   bool finds_tone = false;
-  if (has_events) begin_check(cycle);
+  // The check would take the processors from the first cycles, whose pace determines the size.
+  if (made_ >= kCyclesBeforeCheck) begin_check(cycle);
   {
     const std::lock_guard lock(settings_mutex_);
     field.level = pace_.level();
@@ -212,7 +221,10 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
 void Session::begin_check(const LiveCycle& cycle) {
   // Wrong times explain whatever the check would find.
   const auto source = reader_->cycles().options().source;
-  if (!options_.check || checking_.joinable() || diagnose::is_doubtful(cycle.confidence, source)) return;
+  if (!options_.check || checking_.joinable() || diagnose::is_doubtful(cycle.confidence, source) ||
+      capture::is_without_events(cycle.counts.events)) {
+    return;
+  }
   checking_ = std::thread([this, events = cycle.counts.events] { reader_->add_findings(options_.check(events)); });
 }
 

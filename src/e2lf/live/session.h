@@ -112,8 +112,8 @@ class Session {
 
  private:
   void read();
-  void reconstruct();
-  void prepare(LiveField& field);
+  void reconstruct(LiveField field);
+  [[nodiscard]] LiveField prepare();
   void show();
   [[nodiscard]] Result<void> make(LiveCycle& cycle, LiveField& field);
   [[nodiscard]] bool wants_depth() const;

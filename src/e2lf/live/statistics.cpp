@@ -100,6 +100,11 @@ void Statistics::set_report(const cycles::CycleReport& report, const recordings:
   report_ = std::move(json);
 }
 
+void Statistics::add_findings(const Json& findings) {
+  const std::lock_guard lock(mutex_);
+  for (const Json& finding : findings) report_["findings"].push_back(finding);
+}
+
 Statistics::Rates Statistics::rates_of_window(Clock::time_point now) const {
   const double s = std::max(1e-3, seconds_between(window_begin_, now));
   Rates rates;

@@ -46,6 +46,8 @@ class Statistics {
   void add_field(double latency_s, double reconstruct_s);
   /// Replaces the reader's report about cycles, its summary of the data that was left out, and the check of the rig.
   void set_report(const cycles::CycleReport& report, const recordings::DecodeSummary& summary, Json rig);
+  /// Adds findings, in JSON, to those of the report.
+  void add_findings(const Json& findings);
 
   /// Returns all figures: totals, latencies, the rates of the last second, and the report of the reader.
   [[nodiscard]] Json json(Clock::time_point now = Clock::now()) const;
