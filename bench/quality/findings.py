@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
 """Counts how often each finding is right and wrong on simulated recordings whose mistake is known.
 
-    python3 bench/quality/findings.py SCENE...      with e2lf in PATH; SCENE is a light field
+    python3 bench/quality/findings.py [--parts images,triggers,motion] [--lights 1,0.2] [--seeds N] SCENE...
+
+with e2lf in PATH; SCENE is a light field, which only the images need. "Stated" counts the runs in which e2lf says that
+the patterns are undecided. "motion" counts how often `--transitions auto` uses the lit transitions alone.
 """
 
+import argparse
 import csv
 import json
 import subprocess
@@ -14,7 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-MODEL, CAMERA, SIDE, LIGHTS, CYCLES, SEEDS = "e2lf-n4-camera", "evk4-lcos", 256, (1.0, 0.2), 8, 10
+MODEL, CAMERA, SIDE, CYCLES = "e2lf-n4-camera", "evk4-lcos", 256, 8
+SPEEDS = (0.25, 0.5, 1, 2, 4, 8, 16)  # px per cycle at the rim of the turntable
 
 # The change of the patterns on the aperture [pattern, view_y, view_x], and of the event images [cycle, transition, y, x].
 PATTERNS = {"a2 and a3 exchanged": lambda codes: codes[[0, 2, 1, 3]],
@@ -73,6 +78,7 @@ def check_images(way: str, light: float, arrays: dict, folder: Path, found: Coun
         found[row, "runs"] += 1
         found[row, "warned"] += check["verdict"] == "doubtful"
         found[row, "named"] += EXPECTED.get(way) in codes
+        found[row, "stated"] += "patterns-undecided" in codes
     print(f"{way}, light {light}: ratio {check['ratio']:.3f}, contrast {check['contrast']:.2f}, {codes}", file=sys.stderr, flush=True)
 
 
@@ -97,20 +103,42 @@ def check_triggers(recording: Path, folder: Path, found: Counter) -> None:
                      "--sensor-width", size["width"], "--sensor-height", size["height"], "--overwrite")
         codes = [finding["code"] for finding in json.loads(result.stdout)["findings"]] if result.returncode == 0 else \
             [result.stderr]
+        confidence = json.loads(result.stdout)["least_confidence"] if result.returncode == 0 else 0
+        found[way, "unsure"] += confidence < 0.3  # is_doubtful() of cycles from triggers
         found[way, "runs"] += 1
         found[way, "warned"] += codes != []
         found[way, "named"] += any(expected in code for code in codes) if expected else 0
-        print(f"{way}: {codes}", file=sys.stderr, flush=True)
+        print(f"{way}: confidence {confidence:.2f}, {codes}", file=sys.stderr, flush=True)
+
+
+def check_motion(speed: float, folder: Path) -> str:
+    """Returns how many cycles of a turntable were reconstructed from their lit transitions."""
+    width, cycle_s, rim = 160, 0.095, 0.84
+    rpm = 60 * speed / (2 * np.pi * rim * width * cycle_s)
+    whole = "e2lf-n4-cycle-camera"
+    run("simulate", "--turntable", rpm, "--width", width, "--height", 120, "-m", whole, "--camera", CAMERA, "--cycles", 4,
+        "-o", folder / "turning.npz", "--overwrite", "--quiet").check_returncode()
+    run("reconstruct", folder / "turning.npz", "-m", whole, "-o", folder / "turned", "--overwrite").check_returncode()
+    cycles = json.loads((folder / "turned" / "run.json").read_text())["notes"]["cycles"]
+    motion = [cycle["motion"] for cycle in cycles]
+    return f"| {speed} | {min(motion):.3f} | {max(motion):.3f} | {sum(c['transitions'] == 'lit' for c in cycles)} of {len(cycles)} |"
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE")
+    parser.add_argument("--parts", default="images,triggers,motion")
+    parser.add_argument("--lights", default="1,0.2", help="brightness of the scenes")
+    parser.add_argument("--seeds", type=int, default=10, help="recordings with triggers")
+    arguments = parser.parse_args()
+    parts, lights = arguments.parts.split(","), [float(light) for light in arguments.lights.split(",")]
     found: Counter = Counter()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         run("codes", "show", "-m", MODEL, "-o", folder / "codes.npy").check_returncode()
         codes = np.load(folder / "codes.npy")
-        for scene in sys.argv[1:]:
-            for light in LIGHTS:
+        for scene in arguments.scenes if "images" in parts else []:
+            for light in lights:
                 simulate(scene, folder / "right.npz", MODEL, light)
                 for way, change in IMAGES.items():
                     arrays = middle_of(folder / "right.npz")
@@ -120,13 +148,19 @@ def main() -> None:
                     simulate(scene, folder / "other.npz", folder / "other.npy", light)
                     check_images(way, light, middle_of(folder / "other.npz"), folder, found)
         run("demo", "-o", folder / "demo", "--width", 96, "--height", 64).check_returncode()
-        for seed in range(SEEDS):
+        for seed in range(arguments.seeds if "triggers" in parts else 0):
             simulate(folder / "demo" / "scene", folder / "rig.raw", MODEL, 1.0, "--cycles", CYCLES, "--seed", seed)
             check_triggers(folder / "rig.raw", folder, found)
-    print("| mistake | runs | warned | named |\n|---|---|---|---|")
-    ways = [row for way in [*IMAGES, *PATTERNS] for row in (way, *(f"{way}, light {light}" for light in LIGHTS))]
-    for way in [*ways, *TRIGGERS]:
-        print(f"| {way} | {found[way, 'runs']} | {found[way, 'warned']} | {found[way, 'named']} |")
+        print("| px per cycle | least motion | most | lit |\n|---|---|---|---|")
+        for speed in SPEEDS if "motion" in parts else []:
+            print(check_motion(speed, folder), flush=True)
+    print("| mistake | runs | warned | named | stated |\n|---|---|---|---|---|")
+    ways = [row for way in [*IMAGES, *PATTERNS] for row in (way, *(f"{way}, light {light}" for light in lights))]
+    for way in ways:
+        print("| " + " | ".join([way, *(str(found[way, what]) for what in ("runs", "warned", "named", "stated"))]) + " |")
+    print("| mistake | runs | warned | named | confidence below 0.3 |\n|---|---|---|---|---|")
+    for way in TRIGGERS:
+        print("| " + " | ".join([way, *(str(found[way, what]) for what in ("runs", "warned", "named", "unsure"))]) + " |")
 
 
 if __name__ == "__main__":

@@ -58,7 +58,7 @@ export const tests = {
     assert.equal(await numGrey(), 0, 'no stripes');
     await look(page, 'x=0.5&y=0.5&show=disparity&sure=1');
     const numHatched = await numGrey();
-    assert.ok(numHatched > 16 && numHatched < 32, `stripes of 0.4 of the width, ${numHatched} of 64 px`);
+    assert.ok(numHatched > 20 && numHatched < 40, `stripes, ${numHatched} of 64 px`);
   }),
 
   'the folder of e2lf depth alone shows the light field with its map, or the map where that is gone': async ({ url }) => {
