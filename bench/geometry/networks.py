@@ -170,6 +170,11 @@ def plane_sweep(x, layer):
     """Compares P pictures of G features, [batch, P G, y, x], at K disparities: [batch, K, y, x]. Picture p is read at offset_p * d.
     The result is the mean over the features of the sum of the products of all pairs, C / (1 + E), where E is the sum of the squares and
     both are averaged over a window."""
+    with torch.autocast(x.device.type, enabled=False):  # half precision hides small evidence
+        return _plane_sweep(x.float(), layer)
+
+
+def _plane_sweep(x, layer):
     offsets, disparities, kernel = layer["offsets"], layer["disparities"], layer["kernel"]
     batch, channels, height, width = x.shape
     planes, features = len(disparities), channels // len(offsets)

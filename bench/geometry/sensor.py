@@ -4,6 +4,8 @@ import math
 import numpy as np
 import torch
 
+from scenes import to_device
+
 THRESHOLD_FLOOR, RELATIVE_FLOOR = 0.01, 0.3
 FIXED_CONDITIONS = 16  # as in capture::conditioning_vector()
 
@@ -53,7 +55,7 @@ class Conditions:
 
     def planes(self, values):
         """Returns a value per sample, shaped to be multiplied with [batch, y, x]."""
-        return torch.as_tensor(np.asarray(values, np.float32), device=self.device).view(-1, 1, 1)
+        return to_device(np.asarray(values, np.float32), self.device).view(-1, 1, 1)
 
     def conditioning(self, num_patterns, cycles):
         """Returns the vectors that describe the sensor to a network, as capture::conditioning_vector()."""
@@ -73,13 +75,7 @@ class Conditions:
         rows.append(zero + 0.25 * math.log2(cycles))
         of_code = lambda k: transmission[:, k] if k < transmission.shape[1] else np.ones(batch)
         rows += [5 * (of_code(k) / of_code(0) - 1) for k in range(1, num_patterns - 1)]
-        return torch.as_tensor(np.stack(rows, 1).astype(np.float32), device=self.device)
-
-
-def coded_intensities(views, codes):
-    """Returns the intensities through the codes [N, 64] and the open aperture, [batch, N + 1, y, x]."""
-    opened = torch.cat([codes, torch.ones_like(codes[:1])]) / codes.shape[1]
-    return torch.einsum("pv,bvyx->bpyx", opened, views)
+        return to_device(np.stack(rows, 1).astype(np.float32), self.device)
 
 
 def count_events(intensities, conditions, whole_cycle, cycles=1):
@@ -91,15 +87,16 @@ def count_events(intensities, conditions, whole_cycle, cycles=1):
         chosen = np.nonzero(conditions.is_pixel == is_pixel)[0]
         if not len(chosen):
             continue
-        at = torch.as_tensor(chosen, device=light.device)
-        found = sum(count(codes[at], full[at], conditions, at, whole_cycle) for _ in range(cycles)) / cycles
+        at = to_device(chosen, light.device)
+        mismatch = torch.randn(3, *full[at].shape, device=light.device)  # of the pixels: the same in each cycle
+        found = sum(count(codes[at], full[at], conditions, at, whole_cycle, mismatch) for _ in range(cycles)) / cycles
         if counts is None:
             counts = found.new_empty(len(light), *found.shape[1:])
         counts[at] = found
     return counts
 
 
-def count_paper(codes, full, conditions, at, whole_cycle):
+def count_paper(codes, full, conditions, at, whole_cycle, _):
     of = lambda values: conditions.planes(values)[at]
     shown = torch.cat([codes, full[:, None] - codes, codes[:, :1]], 1).clamp_min(0) if whole_cycle else codes
     levels = torch.log(shown + of(conditions.eps).unsqueeze(1))
@@ -113,10 +110,10 @@ def count_paper(codes, full, conditions, at, whole_cycle):
     return torch.stack(counts, 1)
 
 
-def count_pixel(codes, full, conditions, at, whole_cycle):
+def count_pixel(codes, full, conditions, at, whole_cycle, mismatch):
     """As learn::simulate_pixel_events() with one sub-window."""
     of = {key: conditions.planes(values)[at] for key, values in conditions.pixel.items()}
-    transmission = torch.as_tensor(conditions.transmission.astype(np.float32), device=full.device)[at]
+    transmission = to_device(conditions.transmission.astype(np.float32), full.device)[at]
     num_codes, eps = codes.shape[1], of["eps"]
     shown, inverses = [], []
     for n in range(num_codes):
@@ -133,9 +130,9 @@ def count_pixel(codes, full, conditions, at, whole_cycle):
         settled = -torch.log(inverse_level)
         return inverse_level, settled + (level - settled) * torch.exp(-of["amplifier_rate_hz"] * seconds)
 
-    common = 1 + of["mismatch"] * torch.randn_like(full)
-    on, off = (of[key] * (common + of["mismatch_each"] * torch.randn_like(full)).clamp_min(RELATIVE_FLOOR)
-               for key in ("threshold_on", "threshold_off"))
+    common = 1 + of["mismatch"] * mismatch[0]
+    on, off = (of[key] * (common + of["mismatch_each"] * each).clamp_min(RELATIVE_FLOOR)
+               for key, each in zip(("threshold_on", "threshold_off"), mismatch[1:]))
     inverse_level, level = follow(shown[0], of["black_time_s"], 1 / start, torch.log(start))
     reference = level + off * of["reset_span"] * torch.rand_like(full) - of["reset_offset"]
     counts = []

@@ -1,8 +1,8 @@
 """Trains a network from events to disparity, or from events to a light field made of layers.
 
 usage: train.py DATA OUT --kind depth|layers [--whole-cycle] [--camera FILE] [--seconds S] [--profile]
-DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from OUT/network.pt, which has the averaged weights and the list of layers.
-Requires torch, numpy, pillow and a C++ compiler; runs on the CPU or on one GPU.
+DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from --start, a network.pt, of which it takes what fits.
+Requires torch, numpy, pillow and a C++ compiler, or nvcc; runs on the CPU or on one GPU.
 """
 import argparse
 import contextlib
@@ -20,9 +20,12 @@ from PIL import Image
 
 import networks
 from scenes import VIEWS, Batches
-from sensor import FIXED_CONDITIONS, Conditions, coded_intensities, count_events, network_input
+from sensor import FIXED_CONDITIONS, Conditions, count_events, network_input
 
 SURE = 0.15  # scale of the likelihood of a plane, px per view step
+AVERAGED_CYCLES = 0.2  # share of the steps with the mean of several cycles of a scene that does not move
+NEWEST = 0.001  # weight of the newest weights in their average
+TOLERANCE = 0.2  # error of a disparity that counts as wrong, px per view step
 
 
 def read_model(path):
@@ -80,8 +83,13 @@ class Optimiser:
                 self.weights[name].sub_(step, alpha=rate * 0.2 * math.sqrt(max(shape[0], math.prod(shape[1:]))))
         self.steps += 1
         for name, weight in self.weights.items():
-            self.average[name].lerp_(weight, max(0.001, 9 / (10 + self.steps)))
+            self.average[name].lerp_(weight, max(NEWEST, 9 / (10 + self.steps)))
             weight.grad = None
+
+    @torch.no_grad()
+    def begin(self):
+        """Starts the average at the present weights."""
+        self.average = {k: v.detach().clone() for k, v in self.weights.items()}
 
     def state(self):
         return {"momenta": self.momenta, "adam": self.adam.state_dict(), "average": self.average, "steps": self.steps}
@@ -105,24 +113,22 @@ def orthogonalise(matrices):
 class Task:
     """What a kind of network learns: its inputs, loss and figures."""
 
-    def __init__(self, options, start):
+    def __init__(self, options, codes):
         self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
         self.kind, self.whole_cycle = options.kind, options.whole_cycle
         text = options.camera.read_text() if options.camera else ""
         self.camera = json.loads(re.sub(r"^\s*//.*$", "", text, flags=re.M)) if text else None
-        self.codes = start["aperture.codes"].view(-1, 64).to(self.device)
+        self.codes = torch.from_numpy(codes).to(self.device)
         self.num_patterns = 2 * len(self.codes) + 1 if options.whole_cycle else len(self.codes)
         channels = 3 * (self.num_patterns - 1) + (FIXED_CONDITIONS + self.num_patterns - 2 if self.camera else 0)
         build = networks.depth_network if options.kind == "depth" else networks.layers_network
         self.network = networks.Network(build(centroids(self.codes), options.whole_cycle), channels).to(self.device)
         networks.start_features(self.network, self.num_patterns)
-        if options.kind == "layers":
-            self._start_layers(start)
         self.network.to(memory_format=torch.channels_last)
         self.rng = np.random.default_rng(options.seed)
 
     @torch.no_grad()
-    def _start_layers(self, start):
+    def start_from_views(self, start):
         """Starts from a network for light fields: its levels, and its central views as the intensities of all planes."""
         moved = {re.sub("^middle_1", "up2_0", re.sub("^middle_0", "down2_0", name)): value for name, value in start.items()}
         for name, weight in self.network.weights.items():
@@ -137,8 +143,27 @@ class Task:
             elif name in moved and moved[name].shape == weight.shape:
                 weight.copy_(moved[name])
 
+    @torch.no_grad()
+    def start_from(self, path):
+        """Takes the weights of another network, whose first layers may have fewer inputs, where their names are those of this one; for
+        layers, also those of a model for light fields."""
+        if path.suffix == ".safetensors":
+            self.start_from_views(read_model(path))
+            return
+        other = torch.load(path, map_location=self.device)
+        for name, weight in self.network.weights.items():
+            known = other["weights"].get(name, torch.empty(0))
+            if known.shape == weight.shape:
+                weight.copy_(known)
+            elif known.dim() > 1 and known.shape[0] == weight.shape[0] and other["num_patterns"] == self.num_patterns:
+                weight.zero_()[:, :known.shape[1]] = known
+            else:
+                print("starts at random:", name)
+
     def _autocast(self):
-        return torch.autocast("cuda", torch.bfloat16) if self.device.type == "cuda" else contextlib.nullcontext()
+        """Half precision for the steps of the training: an evaluation in it would be pessimistic."""
+        is_step = self.device.type == "cuda" and torch.is_grad_enabled()
+        return torch.autocast("cuda", torch.bfloat16) if is_step else contextlib.nullcontext()
 
     def apply(self, coded, conditions, cycles):
         """Returns the output of the network for the events of the intensities through the codes and the open aperture."""
@@ -149,24 +174,25 @@ class Task:
         with self._autocast():
             return self.network(x)
 
-    def loss(self, coded, disparity, views, places):
+    def loss(self, coded, disparity, known, views, places):
         """Returns the loss of a batch of scenes.Batches, and its figures."""
-        batch, device = len(coded), self.device
-        coded, disparity, views = coded.to(device), disparity.to(device), views.to(device)
-        conditions = Conditions(batch, self.rng, device, self.camera, camera_share=0.25, residue_share=0.3 if self.camera else 0.0)
-        cycles = 2 ** int(self.rng.integers(1, 5)) if self.camera and self.rng.random() < 0.1 else 1
-        y = self.apply(coded, conditions, cycles)
+        batch = len(coded)
+        conditions = Conditions(batch, self.rng, self.device, self.camera, camera_share=0.3, residue_share=0.3 if self.camera else 0.0)
+        cycles = 2 ** int(self.rng.integers(1, 5)) if self.rng.random() < AVERAGED_CYCLES else 1
+        y = self.apply(coded, conditions, cycles).float()
         if self.kind == "depth":
-            return self._depth_loss(y.float(), disparity)
-        return self._layers_loss(y, views, disparity, conditions.planes(conditions.gain), places)
+            return self._depth_loss(y, disparity, known)
+        return self._layers_loss(y, views, disparity, known, conditions.planes(conditions.gain), places)
 
-    def _depth_loss(self, y, disparity):
-        """The negative logarithm of a Laplace likelihood."""
+    def _depth_loss(self, y, disparity, known):
+        """The negative logarithm of a Laplace likelihood, and a bounded error that prefers the likeliest disparity to the median."""
         error, log_scale = (y[:, 0] - disparity).abs(), y[:, 1].clamp(-4, 4)
-        loss = (error * torch.exp(-log_scale) + log_scale + 0.05 * error).mean()
-        return loss, {"loss": loss, "off by 0.2": (error > 0.2).float().mean()}
+        each = error * torch.exp(-log_scale) + log_scale + 0.05 * error + 0.5 * error / (error + TOLERANCE)
+        share = known / known.sum().clamp_min(1)
+        loss = (each * share).sum()
+        return loss, {"loss": loss, "off by 0.2": ((error > TOLERANCE) * share).sum()}
 
-    def _layers_loss(self, y, views, disparity, gain, places):
+    def _layers_loss(self, y, views, disparity, known, gain, places):
         """The root of the squared error of the views, and the likelihood of the planes that view (4, 4) sees."""
         rows, columns = places
         picture, shares = networks.render_layers(y, [row - 3.5 for row in rows], [column - 3.5 for column in columns])
@@ -174,39 +200,36 @@ class Task:
         truth = (views * gain[:, None, None]).permute(1, 3, 0, 2, 4)
         # Row and column 4 are always drawn, the others with probability 3 / 7.
         weight = torch.tensor([1.0, *[7 / (len(rows) - 1)] * (len(rows) - 1)], device=self.device) / VIEWS
-        error = torch.einsum("rybcx,r,c->b", (picture.float() - truth).square(), weight, weight) / (height * width) / gain.flatten()
+        error = torch.einsum("rybcx,r,c->b", (picture - truth).square(), weight, weight) / (height * width) / gain.flatten()
         loss = (error + 1e-6).sqrt().mean()
         planes = torch.tensor(networks.PLANES, device=self.device).view(-1, 1, 1, 1)
-        seen, disparity = shares[:, 0, :, :, 0].float(), disparity.permute(1, 0, 2)
+        seen, disparity, known = shares[:, 0, :, :, 0], disparity.permute(1, 0, 2), known.permute(1, 0, 2)
+        known = known / known.sum().clamp_min(1)
         likelihood = (seen * torch.exp(-(disparity - planes).abs() / SURE)).sum(0)
-        nll = -torch.log(likelihood + 1e-3).mean()
-        off = (((seen * planes).sum(0) - disparity).abs() > 0.2).float().mean()
+        nll = -(torch.log(likelihood + 1e-3) * known).sum()
+        off = ((((seen * planes).sum(0) - disparity).abs() > TOLERANCE) * known).sum()
         return loss + 0.01 * nll, {"root error": loss, "likelihood": nll, "off by 0.2": off}
 
     @torch.no_grad()
     def evaluate(self, folder, is_pixel, cycles=1):
-        """Returns the share of disparities off by 0.2 px in %, and the PSNR of layers in dB, of the scenes of a folder."""
-        figures = {}
+        """Returns the share of disparities off by 0.2 px in %, and of layers the root of the squared error of coded images in dB."""
+        figures, inside = {}, slice(15, -15)
         for path in sorted(folder.glob("scene-*.npz")):
             scene = np.load(path)
-            views = torch.as_tensor(scene["views"], device=self.device).float().div(255)
-            height, width = (length // 64 * 64 for length in views.shape[1:])
-            views = views[None, :, :height, :width]
+            height, width = (length // 64 * 64 for length in scene["coded"].shape[1:])
+            coded = torch.as_tensor(scene["coded"][None, :, :height, :width].astype(np.float32), device=self.device)
             torch.manual_seed(11)
-            stated = Conditions(1, self.rng, self.device, self.camera, camera_share=float(is_pixel), stated=True)
-            y = self.apply(coded_intensities(views, self.codes), stated, cycles).float()
+            y = self.apply(coded, Conditions(1, self.rng, self.device, self.camera, camera_share=float(is_pixel), stated=True), cycles).float()
             disparity = y[0, 0] if self.kind == "depth" else self._disparity_of_layers(y)
             name = path.stem[6:] + ("@camera" if is_pixel else "") + (f"x{cycles}" if cycles > 1 else "")
-            if "disparity" in scene:
-                inside = slice(15, -15)
-                truth = torch.as_tensor(scene["disparity"][:height, :width], device=self.device)
-                off = ((disparity - truth).abs() > 0.2).float()[inside, inside]
-                figures[name] = f"{100 * float(off.mean()):.1f} %"
-                if self.kind == "depth":
-                    scale = y[0, 1][inside, inside]
-                    figures[name] += f" (surer half {100 * float(off[scale < scale.median()].mean()):.1f} %)"
-            if self.kind == "layers":
-                figures[name] = f"{figures.get(name, '')} {self._psnr(y, views):.2f} dB".strip()
+            truth = torch.as_tensor(scene["disparity"][:height, :width].astype(np.float32), device=self.device)
+            off = ((disparity - truth).abs() > TOLERANCE).float()[inside, inside]
+            figures[name] = f"{100 * float(off.mean()):.1f} %"
+            if self.kind == "depth":
+                scale = y[0, 1][inside, inside]
+                figures[name] += f" (surer half {100 * float(off[scale < scale.median()].mean()):.1f} %)"
+            if "views" in scene:
+                figures[name] += f" {self._psnr(y, scene['views'][:, :height, :width]):.2f} dB" if self.kind == "layers" else ""
         return figures
 
     def _disparity_of_layers(self, y):
@@ -217,16 +240,17 @@ class Task:
         error, steps = 0.0, [view - 3.5 for view in range(8)]
         for row in range(8):
             picture, _ = networks.render_layers(y, [row - 3.5], steps)
-            error += float((picture[0, :, 0].permute(1, 0, 2).clamp(0, 1) - views[0, 8 * row:8 * row + 8]).square().mean()) / 8
+            truth = torch.as_tensor(views[8 * row:8 * row + 8], device=self.device).float() / 255
+            error += float((picture[0, :, 0].permute(1, 0, 2).clamp(0, 1) - truth).square().mean()) / 8
         return -10 * math.log10(error)
 
 
 def train(options):
     torch.manual_seed(options.seed)
     torch.set_flush_denormal(True)
-    torch.backends.cudnn.benchmark = True
+    torch.backends.cudnn.benchmark = torch.backends.cudnn.allow_tf32 = torch.backends.cuda.matmul.allow_tf32 = True
     options.out.mkdir(parents=True, exist_ok=True)
-    task = Task(options, read_model(options.data / "start.safetensors"))
+    task = Task(options, np.load(options.data / "codes.npy"))
     optimiser = Optimiser(task.network)
     checkpoint, trained_s = options.out / "checkpoint.pt", 0.0
     if checkpoint.exists():
@@ -234,14 +258,14 @@ def train(options):
         task.network.load_state_dict(state["network"])
         optimiser.restore(state["optimiser"])
         trained_s = state["trained_s"]
-    elif (options.out / "network.pt").exists():  # without the state of the optimiser, of which some machines return none
-        task.network.load_state_dict({f"weights.{name}": weight for name, weight in torch.load(options.out / "network.pt")["weights"].items()})
-    batch, size = (24, 192) if options.kind == "depth" else (16, 128)
+    elif options.start:
+        task.start_from(options.start)
+        optimiser.begin()
+    batch, size = (48, 256) if options.kind == "depth" else (16, 192)
     batch, size = options.batch or batch, options.size or size
-    scenes = Batches(read_photos(options.data), task.codes.cpu(), batch, size, options.seed + 1000 * optimiser.steps,
-                     0 if options.kind == "depth" else VIEWS // 2)
-    batches = iter(torch.utils.data.DataLoader(scenes, batch_size=None, num_workers=options.workers))
-    reported = time.time()
+    batches = Batches(read_photos(options.data), sorted(options.data.glob("real-*.npz")), task.codes, batch, size, options.seed + optimiser.steps,
+                      0 if options.kind == "depth" else VIEWS // 2, task.device)
+    began = reported = time.time()
     begin = reported - trained_s
     sums, count = {}, 0
 
@@ -259,6 +283,13 @@ def train(options):
             weight.data.copy_(trained[name])
         return figures
 
+    def step(rate):
+        loss, figures = task.loss(*batches.next())
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(task.network.parameters(), 5.0 if options.kind == "depth" else 0.1)
+        optimiser.step(rate)
+        return figures
+
     def save():
         torch.save({"network": task.network.state_dict(), "optimiser": optimiser.state(), "trained_s": time.time() - begin}, checkpoint)
         torch.save({"layers": task.network.layers, "weights": optimiser.average, "num_patterns": task.num_patterns}, options.out / "network.pt")
@@ -266,19 +297,30 @@ def train(options):
     while (share := (time.time() - begin) / options.seconds) < 1:
         # A constant rate first, then down to zero.
         rate = options.rate * min(1, (optimiser.steps + 1) / 100) * min(1, (1 - share) / 0.55)
-        loss, figures = task.loss(*next(batches))
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(task.network.parameters(), 5.0 if options.kind == "depth" else 0.1)
-        optimiser.step(rate)
-        for name, value in figures.items():
+        if options.profile and count == 20:
+            print_profile(lambda: step(rate))
+        for name, value in step(rate).items():
             sums[name] = sums.get(name, 0) + value.detach()
         count += 1
+        if count == 200 and not options.profile:
+            print(f"{count * batch / (time.time() - reported):.0f} samples/s", flush=True)
+        if time.time() - began > options.pause_s:
+            break
         if time.time() - reported > options.report_s:
             report(share)
             save()
             sums, count, reported = {}, 0, time.time()
-    report(1)
+    report(min(1, (time.time() - begin) / options.seconds))
     save()
+
+
+def print_profile(step):
+    """Prints where the time of five steps goes."""
+    with torch.profiler.profile() as profile:
+        for _ in range(5):
+            step()
+    key = "self_cuda_time_total" if torch.cuda.is_available() else "self_cpu_time_total"
+    print(profile.key_averages().table(sort_by=key, row_limit=25, max_name_column_width=60), flush=True)
 
 
 def main():
@@ -289,19 +331,16 @@ def main():
     parser.add_argument("--whole-cycle", action="store_true")
     parser.add_argument("--camera", type=pathlib.Path, help="a camera file of physical pixels, for a quarter of the samples")
     parser.add_argument("--seconds", type=float, default=600)
-    parser.add_argument("--report-s", type=float, default=300)
+    parser.add_argument("--report-s", type=float, default=150)
     parser.add_argument("--batch", type=int, default=0)
     parser.add_argument("--size", type=int, default=0, help="height and width of the synthesised views in px")
-    parser.add_argument("--workers", type=int, default=0, help="number of processes that render scenes; 0: the process of the training")
+    parser.add_argument("--start", type=pathlib.Path, help="a network.pt to start from, or for layers a model for light fields")
+    parser.add_argument("--pause-s", type=float, default=math.inf, help="stop after this time; another run continues")
     parser.add_argument("--rate", type=float, default=1e-3, help="largest rate of learning")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--profile", action="store_true", help="print where the time of the run goes")
+    parser.add_argument("--profile", action="store_true", help="print where the time of five steps goes")
     options = parser.parse_args()
-    with torch.profiler.profile() if options.profile else contextlib.nullcontext() as profile:
-        train(options)
-    if profile:
-        key = "self_cuda_time_total" if torch.cuda.is_available() else "self_cpu_time_total"
-        print(profile.key_averages().table(sort_by=key, row_limit=25))
+    train(options)
 
 
 if __name__ == "__main__":
