@@ -103,3 +103,9 @@ fails 2 "record" "$E2LF" reconstruct --config events.npz.run.json
 grep -q "events.npz has changed since the earlier run" err.txt || fail "$(cat err.txt)"
 fails 1 "--view" "$E2LF" reconstruct events.npz -m "$model" --port 5000 -o port
 absent port
+
+part settings
+# Messages of the library name settings, which the command line and Python translate; only the programs name options.
+grep -rnE '"([^"]*[ (])?--[a-z]' "$TESTSUITE/../src/e2lf" --include='*.cpp' --include='*.h' --exclude='*_test.cpp' --exclude='*_main.cpp' \
+  --exclude-dir={cli,program,info} | grep -vE '`[^`]*--[a-z]|page\.cpp:' >options.txt || true
+[ ! -s options.txt ] || fail "the library names options of the command line: $(cat options.txt)"
