@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -25,6 +26,12 @@ class TorchDevice : public testing::Test {
   }
 };
 
+/// The device to test, for a machine with a GPU; torch on the CPU otherwise.
+std::string tested_device() {
+  const char* const named = std::getenv("E2LF_DEVICE");
+  return named != nullptr ? named : "torch-cpu";
+}
+
 model::Model bundled(const std::string& name) {
   return model::read_model(*bundled_file_named(kBundledModels, name)).value();
 }
@@ -41,7 +48,7 @@ std::vector<float> output_of(const Engine& engine, const model::Network& network
 TEST_F(TorchDevice, ComputesEveryBundledNetworkAsTheEngineDoes) {
   for (const std::string& name : bundled_names(kBundledModels)) {
     const model::Model model = bundled(name);
-    const auto engine = Engine::create(model.network, model.weights, {.device = "torch-cpu"});
+    const auto engine = Engine::create(model.network, model.weights, {.device = tested_device()});
     if (std::ranges::any_of(model.network.layers,
                             [](const model::Layer& layer) { return layer.op == "plane-sweep"; })) {
       EXPECT_EQ(engine.error().code, ErrorCode::kUnsupported) << name;
