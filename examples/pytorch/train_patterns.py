@@ -5,6 +5,7 @@ python3 train_patterns.py MODEL.safetensors [STEPS [LIGHT_FIELD ...]]     withou
 import sys
 
 import torch
+from torch.nn.utils.clip_grad import clip_grad_norm_
 from torch.utils.data import DataLoader
 
 import e2lf
@@ -32,7 +33,7 @@ for step, truth in enumerate(patches, 1):
     loss = ((network(events) - truth) ** 2).mean()
     optimiser.zero_grad()
     loss.backward()
-    torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+    clip_grad_norm_(network.parameters(), 1.0)
     optimiser.step()
     schedule.step()
     if step % 100 == 0 or step == steps:

@@ -80,7 +80,8 @@ def texture(side: int, draws: torch.Generator) -> Tensor:
     """Returns a random texture in [0, 1]: noise of several sizes around a grey level, with random contrast."""
     level, contrast = torch.rand(2, generator=draws).tolist()
     octaves = [(smooth_noise(side, cell, draws) - 0.5) * weight for cell, weight in ((3, 0.5), (8, 1.0), (24, 1.0))]
-    return (level + 2 * contrast * torch.stack(octaves).sum(0)).clamp(0, 1)
+    grey: Tensor = level + 2 * contrast * torch.stack(octaves).sum(0)
+    return grey.clamp(0, 1)
 
 
 def synthesise(size: int, draws: torch.Generator, *, views: Tuple[int, ...] = (8, 8),
@@ -113,6 +114,6 @@ def synthesise(size: int, draws: torch.Generator, *, views: Tuple[int, ...] = (8
             maps.append((cover * (4 + 40 * torch.rand((), generator=draws))).add(0.5).clamp(0, 1))
         layers = torch.stack(maps)[None].expand(len(places), -1, -1, -1)
         seen = F.grid_sample(layers, places, mode="bilinear", padding_mode="border", align_corners=False)
-        coverage = seen[:, 1:].clamp(0, 1) if number else 1.0
+        coverage = seen[:, 1:].clamp(0, 1) if number else torch.ones(())
         field = field * (1 - coverage) + seen[:, :1] * coverage
     return field.clamp(0, 1).reshape(*views[:2], size, size)
