@@ -4,7 +4,7 @@
     python3 bench/quality/findings.py [--parts images,triggers,motion] [--lights 1,0.2] [--seeds N] SCENE...
 
 with e2lf in PATH; SCENE is a light field, which only the images need. "Stated" counts the runs in which e2lf says that
-the patterns are undecided. "motion" counts how often `--transitions auto` uses the lit transitions alone.
+the patterns are undecided, "unsure" those with a confidence below 0.3. "motion" counts how often `--transitions auto` uses the lit transitions alone.
 """
 
 import argparse
@@ -124,6 +124,13 @@ def check_motion(speed: float, folder: Path) -> str:
     return f"| {speed} | {min(motion):.3f} | {max(motion):.3f} | {sum(c['transitions'] == 'lit' for c in cycles)} of {len(cycles)} |"
 
 
+def print_table(found: Counter, last: str, ways: list) -> None:
+    if ways:
+        print(f"| mistake | runs | warned | named | {last} |\n|---|---|---|---|---|")
+    for way in ways:
+        print("| " + " | ".join([way, *(str(found[way, what]) for what in ("runs", "warned", "named", last))]) + " |")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", metavar="SCENE")
@@ -151,16 +158,12 @@ def main() -> None:
         for seed in range(arguments.seeds if "triggers" in parts else 0):
             simulate(folder / "demo" / "scene", folder / "rig.raw", MODEL, 1.0, "--cycles", CYCLES, "--seed", seed)
             check_triggers(folder / "rig.raw", folder, found)
-        print("| px per cycle | least motion | most | lit |\n|---|---|---|---|")
-        for speed in SPEEDS if "motion" in parts else []:
-            print(check_motion(speed, folder), flush=True)
-    print("| mistake | runs | warned | named | stated |\n|---|---|---|---|---|")
+        if "motion" in parts:
+            print("| px per cycle | least motion | most | lit |\n|---|---|---|---|")
+            print(*(check_motion(speed, folder) for speed in SPEEDS), sep="\n", flush=True)
     ways = [row for way in [*IMAGES, *PATTERNS] for row in (way, *(f"{way}, light {light}" for light in lights))]
-    for way in ways:
-        print("| " + " | ".join([way, *(str(found[way, what]) for what in ("runs", "warned", "named", "stated"))]) + " |")
-    print("| mistake | runs | warned | named | confidence below 0.3 |\n|---|---|---|---|---|")
-    for way in TRIGGERS:
-        print("| " + " | ".join([way, *(str(found[way, what]) for what in ("runs", "warned", "named", "unsure"))]) + " |")
+    print_table(found, "stated", ways if "images" in parts else [])
+    print_table(found, "unsure", list(TRIGGERS) if "triggers" in parts else [])
 
 
 if __name__ == "__main__":
