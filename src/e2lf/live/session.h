@@ -38,8 +38,8 @@ struct SessionOptions {
   std::optional<float> gain = {}, black = {};      ///< empty = determined from the first cycle that has events
   capture::Orientation views = {};                 ///< orientation in which the views are reconstructed
   std::optional<recon::Reconstructor> depth = {};  ///< network of disparities, for the same event images
-  /// Judges the events of the twenty-first cycle, or of the last one of a shorter source, in a thread of its own; empty =
-  /// not at all.
+  /// Judges the events of the twenty-first cycle, or of the last one of a shorter source, in a thread of its own; empty
+  /// = not at all.
   std::function<diagnose::Findings(const capture::EventImages&)> check = {};
   std::function<void(const FieldReport&)> on_field = {};
   std::function<void(const QualityLevel&)> on_level =
