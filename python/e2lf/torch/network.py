@@ -83,18 +83,19 @@ class ConvGraph(nn.Module):
             self.load_state_dict({name: torch.tensor(value) for name, value in weights.items()})
 
     def _add(self, name: str, weight: Tensor, bias: Tensor) -> None:
-        """Registers a pair of parameters below modules that are named after the parts of `name`."""
-        module: nn.Module = self
+        """Registers a pair of parameters below modules that are named after the parts of `name`, which add_module() refuses
+        where a module has such an attribute."""
+        module: Any = self
         for part in name.split("."):
-            if part not in module._modules:
-                module.add_module(part, nn.Module())
-            module = module._modules[part]  # type: ignore[assignment]
+            module = module._modules.setdefault(part, nn.Module())
         module.register_parameter("weight", nn.Parameter(weight))
         module.register_parameter("bias", nn.Parameter(bias))
 
     def weights_of(self, name: str) -> Tuple[Tensor, Tensor]:
         """Returns the weight and the bias of a layer, or of a part "<layer>.gates" of a cell."""
-        module: Any = self.get_submodule(name)
+        module: Any = self
+        for part in name.split("."):
+            module = module._modules[part]
         return module.weight, module.bias
 
     def forward(self, x: Tensor, state: Optional[State] = None) -> Tensor:
