@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The target of event images: the first byte chooses .npz, .npy, .mat or a folder's first image, the rest is the file.
+// The target of event images: the first byte chooses .npz, .npy or a folder's first image, the rest is the file.
 // An .npz may hold another measurement.
+#include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/capture/measurement/measurement_io.h"
 #include "require.h"
 #include "scratch.h"
@@ -31,7 +32,7 @@ void check_measurements(const std::filesystem::path& path, const std::filesystem
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace e2lf;
   using fuzz::require;
-  constexpr const char* kNames[] = {"input.npz", "input.npy", "event_image_00000.npy", "input.mat"};
+  constexpr const char* kNames[] = {"input.npz", "input.npy", "event_image_00000.npy"};
   static const fuzz::ScratchFolder folder;
   folder.clear();
   std::span<const uint8_t> input(data, size);

@@ -3,7 +3,7 @@
 
 #include <zlib.h>
 
-#include "e2lf/capture/measurement/event_image_io.h"
+#include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/sensor_profile.h"
@@ -175,10 +175,6 @@ Result<void> write_event_images(const fs::path& folder) {
       write_choice(out / "hybrid", 0, encode_npz({{"events", cycles}, {"images", sums}, {"codes", codes}})));
   const NpyArray lenses = make_npy<float>({1, 8, 16}, std::vector<float>(128, 0.5F));
   E2LF_RETURN_IF_ERROR(write_choice(out / "lenses", 0, encode_npz({{"lens_array", lenses}})));
-  const std::span<const uint8_t> data(reinterpret_cast<const uint8_t*>(counts.data()), 2 * counts.size());
-  const MatVariable matlab{"events", MatClass::kInt16, {4, 5, 3, 2}, data};
-  E2LF_ASSIGN_OR_RETURN(Bytes bytes, encode_mat(std::span(&matlab, 1), "events.mat"));
-  E2LF_RETURN_IF_ERROR(write_choice(out / "mat", 3, std::move(bytes)));
   return write_choice(out / "folder", 2, encode_npy(image));
 }
 

@@ -22,10 +22,8 @@ for a, b in zip(first, second):
     assert (a + b)[112:912, 240:1040].min() == 255 and (a + b).sum() == 255 * 800 * 800
 PY
 py frames.py display png
-for bits in 1 8; do
-  "$E2LF" codes render -m "$model" -o "bmp$bits" --format bmp --bits "$bits" --rotate 90 --flip-x
-  py frames.py "bmp$bits" bmp
-done
+"$E2LF" codes render -m "$model" -o turned --rotate 90 --flip-x
+py frames.py turned png
 "$E2LF" codes render -m "$model" -o png1 --bits 1 --quiet
 echo mine >png1/notes
 fails 1 "(--overwrite)" "$E2LF" codes render -m "$model" -o png1 --bits 1

@@ -67,14 +67,6 @@ fails 1 'single view' "$E2LF" depth plane.npy -o x --views 1
 fails 1 'overwrite' "$E2LF" depth plane.npy -o out
 fails 1 'recording' "$E2LF" depth one.ply -o x
 absent x x.ply
-# Views that are flipped along one axis fit no depth.
-"$E2LF" demo -o demo --width 160 --height 120 --quiet
-for flip in x y; do
-  "$E2LF" convert demo/scene "flipped_$flip.npy" "--flip-$flip" --quiet
-  "$E2LF" depth "flipped_$flip.npy" -o "flipped_$flip" --quiet 2>stderr.txt
-  grep -q "flipped along one axis.*--flip-$flip" stderr.txt || fail "$flip: $(cat stderr.txt)"
-done
-
 # From events, by a depth network: a file, a folder for each cycle; what is refused.
 py "$TESTSUITE/geometry_models.py" "$TESTSUITE/../models/e2lf-n4.safetensors"
 "$E2LF" simulate plane.npy -m depth.safetensors -o events.npz --quiet

@@ -51,7 +51,5 @@ exists models/e2lf-n4-camera.onnx
 demo() { e2lf demo -o out/demo --quiet; }
 page docs/outputs.md demo
 exists outputs/quality.html
-page docs/experiments/equivalence.md
-exists equivalence/equivalence/index.html
 page docs/compare.md comparison
 exists compare/out/compare/index.html compare/all/table.csv

@@ -25,13 +25,6 @@ convert "$lf/05_02.png" -crop 1x48+30+0 +repage -depth 8 gray:truth.gray
 convert column.png -crop 1x48+5+0 +repage -depth 8 gray:made.gray
 cmp truth.gray made.gray || fail "the column of view (5, 2)"
 
-# A quilt has the name that displays read; the leftmost view is at the bottom left.
-"$E2LF" animate "$lf" -o quilt.png --columns 4 --rows 2 --views 7 --quiet
-exists quilt_qs4x2a1.33.png
-[ "$(identify -format '%wx%h' quilt_qs4x2a1.33.png)" = 256x96 ] || fail "the size of a quilt"
-"$E2LF" animate "$lf" -o named_qs1x1a1.33.png --columns 1 --rows 1 --quiet
-exists named_qs1x1a1.33.png
-
 fails 1 'there is no row 48; give 0 to 47' "$E2LF" epi "$lf" --row 48 -o x.png
 fails 1 '--row' "$E2LF" epi "$lf" --view 2 -o x.png
 fails 1 'aperture' "$E2LF" refocus "$lf" --disparity=0 --aperture 0 -o x.png

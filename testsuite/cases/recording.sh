@@ -2,11 +2,11 @@
 "$E2LF" demo -o demo --width 96 --height 64 --quiet
 "$E2LF" simulate demo/scene -o truth.npz --cycles 4 --quiet
 "$E2LF" simulate demo/scene -o recording.raw --cycles 4 --quiet
-"$E2LF" info recording.raw --json --plot rate.svg >info.json
+"$E2LF" info recording.raw --json --report rate.svg >info.json
 [ "$(json info.json "(j['format'], j['triggers'], j['num_violations'] if 'num_violations' in j else 0)")" = "('evt3', 64, 0)" ] || fail "info"
 grep -q '^<svg' rate.svg || fail "no plot"
 "$E2LF" accumulate recording.raw -o triggers.npz --source triggers --quiet
-"$E2LF" accumulate recording.raw -o bursts.npz --source bursts --plot cycles.svg --json >bursts.json
+"$E2LF" accumulate recording.raw -o bursts.npz --source bursts --report cycles.svg --json >bursts.json
 [ "$(json bursts.json "[cycle['number'] for cycle in j['each']]")" = "[0, 1, 2, 3]" ] || fail "the cycles found"
 check "$(json bursts.json "min(cycle['confidence'] for cycle in j['each'])") == $(json bursts.json "j['least_confidence']") > 0.2"
 [ "$(grep -o 'fill="#228833" fill-opacity' cycles.svg | wc -l)" -eq 12 ] || fail "the picture does not show four cycles of three images"

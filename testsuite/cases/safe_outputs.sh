@@ -28,7 +28,7 @@ refused "is an input" "$E2LF" convert "replay:cap/rec.raw?speed=10" cap/rec.raw 
 refused "is an input" "$E2LF" convert - cap/rec.raw --format evt3 --overwrite <cap/rec.raw
 refused "lies in an input" "$E2LF" simulate demo/scene -o demo/scene/ev.npz
 refused "put it beside that, e.g. at $PWD/demo/x.json" "$E2LF" eval demo/scene demo/recon -o demo/recon/x.json
-refused "is an input" "$E2LF" accumulate cap/rec.raw -o x.npz --plot plot.svg --overwrite
+refused "is an input" "$E2LF" accumulate cap/rec.raw -o x.npz --report plot.svg --overwrite
 refused "is an input" "$E2LF" pack demo/scene ev.npz -o ev.npz --overwrite
 refused "is an input" "$E2LF" eval demo/scene demo/recon -o ev.npz --events ev.npz --overwrite
 mkdir folder.npz

@@ -45,13 +45,10 @@ cmp events.npz seven.npz
 accumulate=("$E2LF" accumulate recording.raw -o images.npz)
 fails 2 "--max-cycles: \"-1\" is not a whole number" "${accumulate[@]}" --max-cycles -1
 fails 2 "--origin-us: \"99999999999999999999\" is not a whole number" "${accumulate[@]}" --origin-us 99999999999999999999
-fails 2 ".jpg" "${accumulate[@]}" --plot cycles.jpg
+fails 2 ".jpg" "${accumulate[@]}" --report cycles.jpg
 fails 2 "none.json" "${accumulate[@]}" --schedule none.json
 absent images.npz cycles.png
-fails 2 ".jpg" "$E2LF" info recording.raw --plot rate.jpg
-for thing in demo/scene events.npz "$model"; do
-  fails 1 "--plot" "$E2LF" info "$thing" --plot rate.svg
-done
+fails 1 "chart" "$E2LF" info demo/scene --report rate.svg
 absent rate.png rate.svg
 reconstruct=("$E2LF" reconstruct events.npz -m "$model" -o out)
 fails 2 "none.json" "${reconstruct[@]}" --schedule none.json
@@ -101,7 +98,6 @@ fails 2 "record" "$E2LF" reconstruct --config events.npz.run.json
 "$E2LF" simulate demo/scene -m "$model" --seed 8 -o events.npz --overwrite --quiet
 "$E2LF" reconstruct --config out/run.json -o changed >out.txt 2>err.txt
 grep -q "events.npz has changed since the earlier run" err.txt || fail "$(cat err.txt)"
-fails 1 "--view" "$E2LF" reconstruct events.npz -m "$model" --port 5000 -o port
 absent port
 
 part settings

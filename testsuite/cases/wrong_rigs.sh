@@ -134,7 +134,7 @@ fails 1 "times" "$E2LF" accumulate rig.raw -o out.npz --schedule fast.json
 fails 1 "schedule-other" "$E2LF" accumulate rig.raw -o out.npz --patterns 7
 fails 1 "--channel 0" "$E2LF" accumulate rig.raw -o out.npz --channel 5
 # B6: each trigger is drawn, the first one too, with its sign in every cycle.
-"$E2LF" accumulate rig.raw -o plot.npz --plot cycles.svg --quiet
+"$E2LF" accumulate rig.raw -o plot.npz --report cycles.svg --quiet
 py - <<'PY'
 import re
 svg = open("cycles.svg").read()

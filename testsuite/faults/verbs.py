@@ -182,8 +182,7 @@ def prepare(e2lf, folder):
                                    "inversion", "--max-cycles", "4", "--quiet"], "recon", recording, True),
         Verb("model export", e2lf, ["model", "export", "{source}", "-o", "{result}", "--quiet"], "model.onnx",
              MODELS / "e2lf-n4.safetensors", False),
-        Verb("animate", e2lf, ["animate", "{source}", "-o", "{result}", "--columns", "4", "--rows", "2", "--quiet"],
-             "quilt_qs4x2a1.33.png", scene, False),
+        Verb("epi", e2lf, ["epi", "{source}", "-o", "{result}", "--quiet"], "epi.png", scene, False),
         Comparison("compare", e2lf, ["compare", "{source}", "-o", "{result}", "--quiet"], "tables",
                    folder / "compare.json", False),
     ]

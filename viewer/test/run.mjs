@@ -11,7 +11,7 @@ const wanted = process.argv.slice(2);
 let failed = 0;
 
 await startBrowser();
-for (const file of ['light_field', 'disparity', 'film', 'compare', 'events', 'page', 'server', 'live', 'instrument']) {
+for (const file of ['light_field', 'disparity', 'film', 'compare', 'events', 'page', 'server', 'instrument']) {
   const { tests } = await import(`./${file}.mjs`);
   for (const [name, test] of Object.entries(tests)) {
     if (wanted.length > 0 && !wanted.some((word) => `${file} ${name}`.includes(word))) continue;

@@ -52,11 +52,4 @@ struct Calibration {
 [[nodiscard]] Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const capture::Codes& codes,
                                             const capture::SensorProfile& start, const CalibrationOptions& options);
 
-/// Estimates the factor on both thresholds of each flat pixel from its own counts, as the posterior mean with the
-/// mismatch of the camera as the prior. It is NaN where the scene is not flat. With more cycles, the estimate becomes
-/// more certain; after a single one, the factor is close to 1.
-[[nodiscard]] Plane threshold_map(const std::vector<StillScene>& scenes, const capture::Codes& codes,
-                                  const capture::SensorProfile& camera, const std::vector<PixelState>& states,
-                                  bool is_even = false);
-
 }  // namespace e2lf::calibrate

@@ -197,41 +197,5 @@ TEST(FitParameters, SpreadAsTheStartingCameraStatesOrAsPlausible) {
   EXPECT_EQ(spreads.at("threshold_off"), 0.2);
 }
 
-TEST(ThresholdMap, TellsPixelsOfHighAndLowThresholdsApart) {
-  auto truth = plain_camera();
-  truth.pixel[kMismatch] = truth.pixel[kMismatchEach] = 0.0F;
-  const auto field = patches(0.3F, 2.0F);
-  const auto scaled = [&](float factor) {
-    auto camera = truth;
-    camera.pixel[kThresholdOn] *= factor;
-    camera.pixel[kThresholdOff] *= factor;
-    return simulate(camera, field, 16);
-  };
-  // A chequerboard of both.
-  StillScene scene = scaled(0.9F);
-  const StillScene high = scaled(1.1F);
-  const size_t width = scene.cycles[0].width;
-  const auto is_high = [&](size_t p) { return (p / width + p % width) % 2 == 1; };
-  for (size_t c = 0; c < scene.cycles.size(); ++c) {
-    for (size_t n = 0; n < 3; ++n) {
-      for (size_t p = 0; p < scene.cycles[c].image_size(); ++p) {
-        if (is_high(p)) scene.cycles[c].image(n)[p] = high.cycles[c].image(n)[p];
-      }
-    }
-  }
-  truth.pixel[kMismatch] = 0.1F;
-  const auto states = std::vector<PixelState>(scene.cycles[0].image_size(), PixelState::kGood);
-  const Plane map = threshold_map({scene}, capture::default_codes(), truth, states);
-  double sum[2] = {0.0, 0.0}, count[2] = {0.0, 0.0};
-  for (size_t p = 0; p < map.values.size(); ++p) {
-    if (std::isnan(map.values[p])) continue;
-    sum[is_high(p) ? 1 : 0] += map.values[p];
-    count[is_high(p) ? 1 : 0] += 1.0;
-  }
-  ASSERT_GT(count[0], 1000.0);
-  EXPECT_NEAR(sum[0] / count[0], 0.9, 0.03);
-  EXPECT_NEAR(sum[1] / count[1], 1.1, 0.03);
-}
-
 }  // namespace
 }  // namespace e2lf::calibrate

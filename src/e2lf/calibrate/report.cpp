@@ -79,19 +79,17 @@ std::string constants_text(const Calibration& calibration) {
   return text + "kept: the input does not determine this constant, so it keeps the value of the starting camera\n";
 }
 
-std::string agreement_text(const std::vector<Agreement>& agreements, bool with_place) {
+std::string agreement_text(const std::vector<Agreement>& agreements) {
   if (agreements.empty()) return "";
   const auto column = [&](const char* title, size_t entries) {
     const int width = static_cast<int>(6 * std::min(entries, kShown));
     return format("  %*s |%*s", width, title, width, "model");
   };
   const Moments& moments = agreements.front().measured;
-  std::string text = with_place ? format("%6s %6s", "x", "y") : "";
-  text += format("%7s %8s %6s %6s", "E1+E2", "samples", "TV", "chance");
+  std::string text = format("%7s %8s %6s %6s", "E1+E2", "samples", "TV", "chance");
   text += column("mean", moments.mean.size()) + column("deviation", moments.deviation.size()) +
           column("correlation", moments.correlation.size()) + "\n";
   for (const Agreement& each : agreements) {
-    if (with_place) text += format("%6.2f %6.2f", each.x, each.y);
     text += format("%7.2f %8.0f %6.3f %6.3f", each.brightness, each.samples, each.total_variation, each.chance);
     const auto pair = [&](const std::vector<double>& measured, const std::vector<double>& simulated) {
       text += "  " + numbers(measured) + " |" + numbers(simulated);
@@ -131,12 +129,12 @@ double mean_total_variation(const AgreementReport& report) {
 
 }  // namespace
 
-std::string report_text(const Calibration& calibration, bool with_places) {
+std::string report_text(const Calibration& calibration) {
   std::string text = constants_text(calibration);
   text +=
       format("\n%zu flat pixels; %zu hot and %zu dead of %zu\n\n", calibration.flat_pixels,
              count(calibration, PixelState::kHot), count(calibration, PixelState::kDead), calibration.states.size());
-  text += agreement_text(calibration.agreement.rows, false);
+  text += agreement_text(calibration.agreement.rows);
   text += format("mean total variation %.3f (first guess: %.3f)\n", mean_total_variation(calibration.agreement),
                  mean_total_variation(calibration.first_agreement));
   text +=
@@ -145,7 +143,6 @@ std::string report_text(const Calibration& calibration, bool with_places) {
       "transitions what was measured | what the constants imply; TV, the total variation, is near \"chance\" where "
       "they "
       "agree\n";
-  if (with_places) text += "\n" + agreement_text(calibration.agreement.places, true);
   return text;
 }
 

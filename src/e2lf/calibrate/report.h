@@ -9,8 +9,8 @@
 namespace e2lf::calibrate {
 
 /// Formats a calibration as text: constants with their ranges, bad pixels, and measured counts beside those of the
-/// model, by brightness. `with_places` adds a table by field position.
-[[nodiscard]] std::string report_text(const Calibration& calibration, bool with_places);
+/// model, by brightness.
+[[nodiscard]] std::string report_text(const Calibration& calibration);
 
 /// Returns the calibration as JSON: {"constants": [..], "warnings": [..], "pixels": {..}, "rows": [..], "places": [..],
 /// "first_guess": {..}}.

@@ -24,7 +24,6 @@ int run_convert(const std::vector<std::string>& arguments);
 int run_demo(const std::vector<std::string>& arguments);
 int run_depth(const std::vector<std::string>& arguments);
 int run_epi(const std::vector<std::string>& arguments);
-int run_equivalence(const std::vector<std::string>& arguments);
 int run_eval(const std::vector<std::string>& arguments);
 int run_info(const std::vector<std::string>& arguments);
 int run_live(const std::vector<std::string>& arguments);

@@ -26,7 +26,7 @@ enum class FilmFormat {
   return fail(ErrorCode::kUnsupported, path, "this is not the extension of a film; use .gif, .webm or .mp4");
 }
 
-/// Fails with kMissingDependency if this build has no libraries for films and for PNG images of charts.
+/// Fails with kMissingDependency if this build has no libraries for films.
 [[nodiscard]] Result<void> check_film_support();
 
 struct FilmOptions {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The implementation for builds without the FFmpeg libraries.
-#include "e2lf/film/draw_svg.h"
 #include "e2lf/film/film_file.h"
 
 namespace e2lf::film {
@@ -8,19 +7,14 @@ namespace e2lf::film {
 struct FilmFile::Impl {};
 
 Result<void> check_film_support() {
-  return Error{
-      ErrorCode::kMissingDependency,
-      "this build cannot write films or PNG files of charts; install libavcodec-dev, libavformat-dev, libavutil-dev "
-      "and libswscale-dev and build again, or write a chart as .svg",
-      ""};
+  return Error{ErrorCode::kMissingDependency,
+               "this build cannot write films; install libavcodec-dev, libavformat-dev, libavutil-dev "
+               "and libswscale-dev and build again, or write a chart as .svg",
+               ""};
 }
 
 Result<FilmFile> FilmFile::create(const std::filesystem::path& /*path*/, const FilmOptions& /*options*/,
                                   const lightfield::Image& /*first*/) {
-  return check_film_support().error();
-}
-
-Result<lightfield::Image> draw_svg(const std::string& /*svg*/, size_t /*width*/) {
   return check_film_support().error();
 }
 

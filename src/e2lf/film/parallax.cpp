@@ -2,12 +2,9 @@
 #include "e2lf/film/parallax.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
-#include "e2lf/base/text.h"
 #include "e2lf/lightfield/refocus.h"
 
 namespace e2lf::film {
@@ -74,36 +71,6 @@ Image picture_from(const LightField& light_field, const Viewpoint& viewpoint, fl
     }
   }
   return lightfield::refocus(light_field, still_px, aperture);
-}
-
-Result<Image> quilt_picture(const LightField& light_field, const Quilt& quilt, float still_px) {
-  const Shape& shape = light_field.shape();
-  E2LF_REQUIRE(quilt.columns > 0 && quilt.rows > 0, "a quilt has pictures");
-  constexpr size_t kMostPixels = size_t{1} << 28;
-  if (shape.width * shape.height > kMostPixels / (quilt.columns * quilt.rows)) {
-    return fail(ErrorCode::kUnsupported, "", "a quilt of ", quilt.columns, "x", quilt.rows, " pictures of ",
-                shape.width, "x", shape.height, " px has more than 2^28 px; use fewer");
-  }
-  Image all(quilt.columns * shape.width, quilt.rows * shape.height, shape.channels);
-  const size_t pictures = quilt.columns * quilt.rows, row = shape.width * shape.channels;
-  for (size_t i = 0; i < pictures; ++i) {
-    const float share = pictures == 1 ? 0.5F : static_cast<float>(i) / static_cast<float>(pictures - 1);
-    const Viewpoint viewpoint{0.5F * static_cast<float>(shape.views_y - 1),
-                              share * static_cast<float>(shape.views_x - 1)};
-    const Image picture = picture_from(light_field, viewpoint, still_px);
-    const size_t top = (quilt.rows - 1 - i / quilt.columns) * shape.height, left = i % quilt.columns;
-    for (size_t y = 0; y < shape.height; ++y) {
-      std::copy_n(picture.pixels.data() + y * row, row, all.pixels.data() + ((top + y) * quilt.columns + left) * row);
-    }
-  }
-  return all;
-}
-
-std::string quilt_suffix(const Shape& shape, const Quilt& quilt) {
-  std::array<char, 16> aspect{};
-  std::snprintf(aspect.data(), aspect.size(), "%.2f",
-                static_cast<double>(shape.width) / static_cast<double>(shape.height));
-  return cat("_qs", quilt.columns, "x", quilt.rows, "a", aspect.data());
 }
 
 }  // namespace e2lf::film

@@ -32,21 +32,4 @@ struct Viewpoint {
 [[nodiscard]] lightfield::Image picture_from(const lightfield::LightField& light_field, const Viewpoint& viewpoint,
                                              float still_px);
 
-struct Quilt {
-  size_t columns = 8, rows = 6;
-};
-
-/// The largest side of a quilt that displays with parallax read, in px.
-inline constexpr size_t kMostQuiltPx = 8192;
-
-/// Renders pictures from viewpoints along the middle row of views into one image, as displays with horizontal parallax
-/// expect it: the leftmost viewpoint is at the bottom left, the next one to its right, and so on row by row upwards.
-/// Fails with kUnsupported if the image has more than 2^28 px.
-[[nodiscard]] Result<lightfield::Image> quilt_picture(const lightfield::LightField& light_field, const Quilt& quilt,
-                                                      float still_px);
-
-/// Returns the suffix that such displays read in the name of a quilt, e.g. "_qs8x6a1.33": columns, rows, and the aspect
-/// ratio of a picture.
-[[nodiscard]] std::string quilt_suffix(const lightfield::Shape& shape, const Quilt& quilt);
-
 }  // namespace e2lf::film

@@ -49,21 +49,5 @@ TEST(PictureFrom, IsAViewWhereThatIsAndAPlaneStandsStillBetween) {
   EXPECT_THROW((void)picture_from(light_field, {0, 3.5F}, 0), ContractError);
 }
 
-TEST(Quilt, BeginsAtTheBottomLeftWithTheLeftmostView) {
-  LightField light_field({1, 6, 2, 3, 1});
-  for (size_t view = 0; view < 6; ++view) {
-    for (float& value : light_field.view(0, view)) value = 0.1F * static_cast<float>(view);
-  }
-  const Image all = quilt_picture(light_field, {.columns = 3, .rows = 2}, 0).value();
-  ASSERT_EQ(all.width, 9U);
-  ASSERT_EQ(all.height, 4U);
-  EXPECT_NEAR(all.pixels[3 * 9], 0.0F, 1e-6);      // bottom left
-  EXPECT_NEAR(all.pixels[3 * 9 + 8], 0.2F, 1e-6);  // bottom right
-  EXPECT_NEAR(all.pixels[0], 0.3F, 1e-6);          // top left
-  EXPECT_NEAR(all.pixels[8], 0.5F, 1e-6);
-  EXPECT_EQ(quilt_suffix({8, 8, 384, 512, 1}, {}), "_qs8x6a1.33");
-  EXPECT_EQ(quilt_picture(light_field, {.columns = 10000, .rows = 10000}, 0).error().code, ErrorCode::kUnsupported);
-}
-
 }  // namespace
 }  // namespace e2lf::film

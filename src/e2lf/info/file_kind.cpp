@@ -10,7 +10,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/measurement_io.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/result_folder.h"
@@ -117,12 +116,6 @@ Result<FileKind> archive_kind(const fs::path& path) {
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
 }
 
-/// Returns whether a MATLAB file contains event images. Files since version 7.3 are HDF5 files and contain none.
-bool holds_event_images(const fs::path& path) {
-  const auto names = mat_variables(path);
-  return names && std::find(names->begin(), names->end(), "events") != names->end();
-}
-
 /// The name of a kind with its article, and what can be done with it where another kind is required.
 struct KindText {
   FileKind kind;
@@ -172,7 +165,6 @@ Result<FileKind> file_kind(const fs::path& path) {
   if (extension == ".json" && read_json(path).value_or(Json()).is_object()) return FileKind::kSettings;
   if (extension == ".npz") return archive_kind(path);
   if (extension == ".npy") return array_kind(path);
-  if (extension == ".mat" && holds_event_images(path)) return FileKind::kEventImages;
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
 }
 

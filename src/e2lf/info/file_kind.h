@@ -10,7 +10,7 @@ namespace e2lf::info {
 /// The kinds of inputs that a path can denote. Every verb calls file_kind(), so that all agree.
 enum class FileKind {
   kRecording,    ///< events: a file, or a live source
-  kEventImages,  ///< event images: .npz, .npy, .mat, or a folder of event_image_00000.npy ...
+  kEventImages,  ///< event images: .npz, .npy, or a folder of event_image_00000.npy ...
   kImages,       ///< a measurement with intensity images (.npz): see capture/measurement/measurement_io.h
   kLightField,   ///< a light field of any format
   kCycles,       ///< a folder of cycle_00000 ..., a light field in each

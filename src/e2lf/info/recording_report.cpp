@@ -50,7 +50,7 @@ Error no_cycle_error(const fs::path& input, const diagnose::RigCheck& rig, const
   return {ErrorCode::kInvalidValue,
           cat(finding.code, ": ", diagnose::text_of(finding, "--"), " (", rig.triggers_text(reader.schedule()),
               dropped_text(reader.report()),
-              "). `e2lf accumulate ... --plot cycles.svg` shows the event rate and the triggers"),
+              "). `e2lf accumulate ... --report cycles.svg` shows the event rate and the triggers"),
           input.string()};
 }
 

@@ -56,8 +56,7 @@ Error BadSamples::error(const std::string& location) const {
   if (not_finite > 0) {
     return {ErrorCode::kInvalidValue,
             cat("contains ", not_finite, " value", not_finite == 1 ? " that is" : "s that are",
-                " not finite (NaN or infinity), the first bad one is ", first,
-                "; replace them, a light field has values in [0, 1]"),
+                " not finite (NaN or infinity); the first is ", first, "; replace them by values in [0, 1]"),
             location};
   }
   const std::string what =
@@ -109,10 +108,10 @@ Result<void> check_values(const LightField& light_field, float assumed_white, co
 Result<void> check_axes(const Shape& stored, const std::string& location) {
   constexpr size_t kFewViews = 32;
   if (stored.views_y <= stored.height || stored.views_x <= stored.width) return {};
-  const std::string found = cat("read as [view_y, view_x, y, x] these are ", stored.views_y, "x", stored.views_x,
-                                " views of ", stored.width, "x", stored.height, " px");
+  const std::string found = cat("with the axes [view_y, view_x, y, x], the array has ", stored.views_y, "x",
+                                stored.views_x, " views of ", stored.width, "x", stored.height, " px");
   if (std::max(stored.views_y, stored.views_x) > kFewViews) {
-    return Error{ErrorCode::kShape, cat(found, "; the axes are in another order, transpose them"), location};
+    return Error{ErrorCode::kShape, cat(found, "; the axes are probably in another order; transpose them"), location};
   }
   log_warning(cat(location, ": ", found, "; if the axes are in another order, transpose them"));
   return {};
@@ -134,9 +133,9 @@ Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const ch
   if (wanted.count == 0 && chosen.first < stored) chosen.count = (stored - 1 - chosen.first) / wanted.step + 1;
   if (chosen.count == 0 || chosen.first >= stored || chosen.count - 1 > (stored - 1 - chosen.first) / wanted.step) {
     return Error{ErrorCode::kShape,
-                 cat("holds ", stored, " view ", axis, "s, not enough for ", std::max<size_t>(wanted.count, 1),
-                     wanted.first ? cat(" from number ", *wanted.first) : "", " with step ", wanted.step,
-                     "; give a light field with more views"),
+                 cat("has ", stored, " view ", axis, "s, which is fewer than the requested ",
+                     std::max<size_t>(wanted.count, 1), wanted.first ? cat(" from number ", *wanted.first) : "",
+                     " with step ", wanted.step, "; give a light field with more views"),
                  location};
   }
   if (wanted.count > 0 && !wanted.first) chosen.first = (stored - ((wanted.count - 1) * wanted.step + 1)) / 2;
@@ -315,13 +314,13 @@ Result<void> check_memory(const Shape& shape, size_t bytes_each, const ReadOptio
                           const std::string& location) {
   double bytes = static_cast<double>(bytes_each);
   for (const size_t extent : {shape.views_y, shape.views_x, shape.height, shape.width, shape.channels}) {
-    if (extent == 0) return Error{ErrorCode::kShape, "a light field without samples; check the file", location};
+    if (extent == 0) return Error{ErrorCode::kShape, "the light field has no samples; check the file", location};
     bytes *= static_cast<double>(extent);
   }
   if (bytes <= static_cast<double>(options.max_bytes)) return {};
   return Error{ErrorCode::kUnsupported,
-               cat("takes ", bytes / 1e9, " GB, more than the limit of ", static_cast<double>(options.max_bytes) / 1e9,
-                   " GB; raise the limit or read fewer views"),
+               cat("requires ", bytes / 1e9, " GB, which exceeds the limit of ",
+                   static_cast<double>(options.max_bytes) / 1e9, " GB; raise the limit or read fewer views"),
                location};
 }
 

@@ -9,17 +9,16 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// Returns true if `count` items that begin at `first` and are `step` apart lie in [0, extent). The test cannot
-/// overflow.
-bool fits(size_t first, size_t count, size_t step, size_t extent) {
-  return count > 0 && step > 0 && first < extent && count - 1 <= (extent - 1 - first) / step;
+/// Returns whether a range is not empty and lies inside the extent.
+bool fits(size_t first, size_t count, size_t extent) {
+  return count > 0 && first < extent && count <= extent - first;
 }
 
 }  // namespace
 
 Result<LightField> crop(const LightFieldView& light_field, const CropRegion& region) {
   const Shape shape = shape_of(light_field);
-  if (!fits(region.y, region.height, 1, shape.height) || !fits(region.x, region.width, 1, shape.width)) {
+  if (!fits(region.y, region.height, shape.height) || !fits(region.x, region.width, shape.width)) {
     return Error{ErrorCode::kInvalidValue,
                  cat("cannot crop ", region.height, "x", region.width, " pixels at (y ", region.y, ", x ", region.x,
                      ") from views of ", shape.height, "x", shape.width, "; choose a region inside the views"),
@@ -29,24 +28,6 @@ Result<LightField> crop(const LightFieldView& light_field, const CropRegion& reg
   const LightFieldOutput to = cropped;
   copy_values(LightFieldView(&light_field[0][0][region.y][region.x][0], to.extents, light_field.strides), to);
   return cropped;
-}
-
-Result<LightField> select_views(const LightFieldView& light_field, const ViewGrid& grid) {
-  const Shape shape = shape_of(light_field);
-  if (!fits(grid.first_view_y, grid.views_y, grid.step, shape.views_y) ||
-      !fits(grid.first_view_x, grid.views_x, grid.step, shape.views_x)) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("cannot take ", grid.views_y, "x", grid.views_x, " views with step ", grid.step, " from (",
-                     grid.first_view_y, ", ", grid.first_view_x, ") of ", shape.views_y, "x", shape.views_x,
-                     "; choose a grid inside the aperture"),
-                 ""};
-  }
-  LightField selected({grid.views_y, grid.views_x, shape.height, shape.width, shape.channels});
-  const LightFieldOutput to = selected;
-  LightFieldView from(light_field[grid.first_view_y][grid.first_view_x].data, to.extents, light_field.strides);
-  for (const size_t axis : {0, 1}) from.strides[axis] *= static_cast<ptrdiff_t>(grid.step);
-  copy_values(from, to);
-  return selected;
 }
 
 Image view_image(const LightFieldView& light_field, size_t view_y, size_t view_x) {

@@ -32,23 +32,6 @@ TEST(Crop, RefusesWhatLeavesTheViews) {
   }
 }
 
-TEST(SelectViews, TakesEverySecondView) {
-  const LightField whole = indexed_light_field({5, 6, 2, 2, 1});
-  const LightField part = select_views(whole, {1, 0, 2, 3, 2}).value();
-  EXPECT_EQ(part.shape(), (Shape{2, 3, 2, 2, 1}));
-  EXPECT_EQ(part.at(0, 0, 1, 1), whole.at(1, 0, 1, 1));
-  EXPECT_EQ(part.at(1, 2, 0, 1), whole.at(3, 4, 0, 1));
-}
-
-TEST(SelectViews, RefusesViewsThatAreNotThere) {
-  const LightField whole = indexed_light_field({5, 6, 2, 2, 1});
-  EXPECT_TRUE(select_views(whole, {0, 1, 3, 3, 2}));
-  for (const ViewGrid& grid : {ViewGrid{1, 0, 3, 3, 2}, {0, 0, 5, 7, 1}, {0, 0, 0, 1, 1}, {0, 0, 1, 1, 0}}) {
-    ASSERT_FALSE(select_views(whole, grid));
-    EXPECT_EQ(select_views(whole, grid).error().code, ErrorCode::kInvalidValue);
-  }
-}
-
 TEST(ViewImage, IsTheView) {
   const LightField whole = indexed_light_field({2, 2, 3, 4, 3});
   const Image image = view_image(whole, 1, 0);

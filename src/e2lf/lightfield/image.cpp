@@ -53,25 +53,27 @@ Result<void> check_image_size(const RawImage& image, double least_bytes, size_t 
   const double pixels = static_cast<double>(image.width) * static_cast<double>(image.height);
   if (least_bytes > static_cast<double>(file_bytes)) {
     return Error{ErrorCode::kTruncated,
-                 cat("the image claims ", image.width, "x", image.height, " pixels, more than its ", file_bytes,
-                     " bytes can hold; copy it again"),
+                 cat("the header states ", image.width, "x", image.height, " pixels, which is more than the ",
+                     file_bytes, " bytes of the file can contain; copy the file again"),
                  name};
   }
   if (pixels <= kMaxPixels) return {};
   return Error{ErrorCode::kUnsupported,
-               cat("the image has ", image.width, "x", image.height, " pixels; only 2^28 are read, cut it in parts"),
+               cat("the image has ", image.width, "x", image.height,
+                   " pixels, but at most 2^28 are supported; split it into parts"),
                name};
 }
 
 Result<RawImage> decode_raw_image(std::span<const uint8_t> bytes, const std::string& name) {
   if (is_png(bytes)) return decode_png(bytes, name);
   if (is_jpeg(bytes)) return decode_jpeg(bytes, name);
-  if (bytes.empty()) return Error{ErrorCode::kFormat, "the image is empty; copy it again", name};
+  if (bytes.empty()) return Error{ErrorCode::kFormat, "the file is empty; copy it again", name};
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with("version https://git-lfs")) {
-    return Error{ErrorCode::kFormat, "a pointer of Git LFS and not the image; fetch it with `git lfs pull`", name};
+    return Error{ErrorCode::kFormat,
+                 "the file is a Git LFS pointer instead of an image; fetch the image with `git lfs pull`", name};
   }
-  return Error{ErrorCode::kFormat, "neither a PNG nor a JPEG image; convert it to PNG", name};
+  return Error{ErrorCode::kFormat, "the file is neither a PNG nor a JPEG image; convert it to PNG", name};
 }
 
 float largest_sample(const RawImage& image) {
@@ -147,75 +149,21 @@ Result<void> write_png(const std::filesystem::path& path, const ByteImage& image
   return write_file(path, bytes);
 }
 
-namespace {
-
-/// Returns row `y` of `image`, padded with zeros to a multiple of `alignment` bytes. At one bit per pixel, a byte holds
-/// eight pixels.
-std::vector<uint8_t> packed_row(const ByteImage& image, size_t y, BitDepth depth, size_t alignment) {
-  const uint8_t* pixels = image.pixels.data() + y * image.width;
-  const size_t bytes = depth == BitDepth::k1 ? (image.width + 7) / 8 : image.width;
-  std::vector<uint8_t> row((bytes + alignment - 1) / alignment * alignment);
-  for (size_t x = 0; x < image.width; ++x) {
-    if (depth == BitDepth::k8) {
-      row[x] = pixels[x];
-    } else if (pixels[x] >= 128) {
-      row[x / 8] = static_cast<uint8_t>(row[x / 8] | (0x80U >> (x % 8)));
-    }
-  }
-  return row;
-}
-
-void put(std::vector<uint8_t>& bytes, uint32_t value, size_t count) {
-  for (size_t i = 0; i < count; ++i) bytes.push_back(static_cast<uint8_t>(value >> (8 * i)));
-}
-
-}  // namespace
-
-Result<std::vector<uint8_t>> encode_grey_png(const ByteImage& image, BitDepth depth) {
+Result<std::vector<uint8_t>> encode_bilevel_png(const ByteImage& image) {
   E2LF_REQUIRE(image.channels == 1, "the picture is grey");
-  if (depth == BitDepth::k8) return encode_png(image);
   RawImage raw;
   raw.width = image.width;
   raw.height = image.height;
   raw.is_bilevel = true;
+  const size_t row_bytes = (image.width + 7) / 8;
+  raw.samples.resize(row_bytes * image.height);
   for (size_t y = 0; y < image.height; ++y) {
-    const auto row = packed_row(image, y, depth, 1);
-    raw.samples.insert(raw.samples.end(), row.begin(), row.end());
+    for (size_t x = 0; x < image.width; ++x) {
+      uint8_t& eight = raw.samples[y * row_bytes + x / 8];
+      if (image.pixels[y * image.width + x] >= 128) eight = static_cast<uint8_t>(eight | (0x80U >> (x % 8)));
+    }
   }
   return encode_png_rows(raw);
-}
-
-/// Writes a Windows bitmap: file header, BITMAPINFOHEADER, palette of greys, and rows from bottom to top.
-std::vector<uint8_t> encode_grey_bmp(const ByteImage& image, BitDepth depth) {
-  E2LF_REQUIRE(image.channels == 1, "the picture is grey");
-  constexpr uint32_t kHeaders = 14 + 40, kPixelsPerMetre = 3780;
-  const uint32_t bits = depth == BitDepth::k1 ? 1 : 8, colours = 1U << bits;
-  const auto row_bytes = static_cast<uint32_t>(packed_row(image, 0, depth, 4).size());
-  const uint32_t data = row_bytes * static_cast<uint32_t>(image.height), begin = kHeaders + 4 * colours;
-  std::vector<uint8_t> bytes = {'B', 'M'};
-  put(bytes, begin + data, 4);
-  put(bytes, 0, 4);
-  put(bytes, begin, 4);
-  put(bytes, 40, 4);
-  put(bytes, static_cast<uint32_t>(image.width), 4);
-  put(bytes, static_cast<uint32_t>(image.height), 4);
-  put(bytes, 1, 2);  // planes
-  put(bytes, bits, 2);
-  put(bytes, 0, 4);  // not compressed
-  put(bytes, data, 4);
-  put(bytes, kPixelsPerMetre, 4);
-  put(bytes, kPixelsPerMetre, 4);
-  put(bytes, colours, 4);
-  put(bytes, 0, 4);  // all colours are important
-  for (uint32_t colour = 0; colour < colours; ++colour) {
-    const uint32_t grey = colour * 255 / (colours - 1);
-    put(bytes, grey * 0x010101U, 4);
-  }
-  for (size_t y = image.height; y-- > 0;) {
-    const auto row = packed_row(image, y, depth, 4);
-    bytes.insert(bytes.end(), row.begin(), row.end());
-  }
-  return bytes;
 }
 
 }  // namespace e2lf::lightfield

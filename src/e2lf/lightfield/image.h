@@ -61,12 +61,8 @@ enum class PngDepth { k8, k16 };
                                      PngDepth depth = PngDepth::k8, const std::string& view_grid = {});
 [[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const ByteImage& image);
 
-/// The depth of pictures for displays: 1 bit per pixel (white from 128 on) or 8 bits.
-enum class BitDepth { k1, k8 };
-
-/// Encodes a grey picture as PNG, or as uncompressed BMP with a grey palette. Fails with kInternal if libpng fails. A
+/// Encodes a grey picture as PNG with 1 bit per pixel, white from 128 on. Fails with kInternal if libpng fails. A
 /// colour picture breaks the contract.
-[[nodiscard]] Result<std::vector<uint8_t>> encode_grey_png(const ByteImage& image, BitDepth depth);
-[[nodiscard]] std::vector<uint8_t> encode_grey_bmp(const ByteImage& image, BitDepth depth);
+[[nodiscard]] Result<std::vector<uint8_t>> encode_bilevel_png(const ByteImage& image);
 
 }  // namespace e2lf::lightfield

@@ -12,7 +12,8 @@
 
 namespace e2lf::program {
 
-/// Declares --report: files that report on the run, a page (.html) or its tables (.csv, .tex).
+/// Declares --report: files that report on the run, a page (.html), its tables (.csv, .tex) or its first
+/// chart (.svg).
 void add_report_option(CLI::App& app, std::vector<std::filesystem::path>& names);
 
 /// The files of --report.
@@ -22,7 +23,7 @@ class ReportOutput {
   [[nodiscard]] static Result<ReportOutput> open(const std::vector<std::filesystem::path>& names,
                                                  const OutputRules& rules);
   [[nodiscard]] bool is_wanted() const { return !files_.empty(); }
-  /// Writes the report to all files. Fails with kIo, and as OutputFile::commit() does.
+  /// Writes the report to all files. Fails with kIo, and as report::file_text() and OutputFile::commit() do.
   [[nodiscard]] Result<void> write(const report::Page& page);
 
  private:
@@ -35,22 +36,5 @@ class ReportOutput {
 
 /// Creates the page of a verb with its title and the command line.
 [[nodiscard]] report::Page verb_page(const std::string& title);
-
-/// Declares --plot: a chart, as .svg or .png.
-void add_chart_option(CLI::App& app, std::filesystem::path& name, const std::string& help);
-
-/// The file of --plot.
-class ChartOutput {
- public:
-  /// Checks the file, if there is a name, before any work. Fails as OutputFile::create() does.
-  [[nodiscard]] static Result<ChartOutput> open(const std::filesystem::path& name, OutputRules rules);
-  [[nodiscard]] bool is_wanted() const { return file_.has_value(); }
-  /// Writes the chart. Fails with kIo, and as film::draw_svg() and OutputFile::commit() do.
-  [[nodiscard]] Result<void> write(const std::string& svg);
-
- private:
-  std::filesystem::path name_;
-  std::optional<OutputFile> file_;
-};
 
 }  // namespace e2lf::program

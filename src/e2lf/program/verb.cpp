@@ -270,7 +270,7 @@ Result<Json> Verb::read_config() {
         config_};
   }
   for (const char* name : kNotRepeated) config["options"].erase(name);
-  missing_inputs_ = find_recorded_paths(config, app_);
+  resolve_recorded_paths(config, app_);
   earlier_run_ = std::move(config);
   return earlier_run_["options"];
 }
@@ -284,15 +284,6 @@ Result<std::vector<std::string>> Verb::configured_flags() {
   }
   for (const std::string& assignment : overrides_) E2LF_RETURN_IF_ERROR(apply_override(config, assignment));
   return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
-}
-
-/// Fails if inputs of an earlier run no longer exist and the command line names no others.
-Result<void> Verb::check_inputs() const {
-  for (const MissingInput& input : missing_inputs_) {
-    const CLI::results_t& values = app_.get_option(input.flag)->results();
-    if (std::find(values.begin(), values.end(), input.placed) != values.end()) return input.error;
-  }
-  return {};
 }
 
 Result<void> Verb::refuse_options(const std::string& group, const std::string& what) const {
@@ -340,7 +331,6 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
     return usage_error(message);
   }
   if (const auto capped = apply_isa_cap(); !capped) return usage_error(capped.error().text());
-  if (const auto found = check_inputs(); !found) return exit_code(found);
   set_num_threads(common_.threads);
   set_log_sink(common_.quiet ? print_warnings : print_log);
   if (stops_gently_) stop_on_signals();

@@ -25,17 +25,10 @@ namespace e2lf::program {
 int run_program(const char* name, int argc, char** argv,
                 const std::function<int(const std::vector<std::string>& arguments)>& run);
 
-/// An input of an earlier run that no longer exists, and the flag that can name another one.
-struct MissingInput {
-  std::string flag, placed;  ///< the flag, and its value unless the user sets another
-  Error error;
-};
-
-/// Resolves the paths of a run's record, so that the run can be repeated from any folder. A relative path is resolved
-/// against the folder in which the run was started ("folder" of the record), or against the current folder if it does
-/// not exist there. Changes the options in `record` that `app` declares as paths or that the record lists as inputs,
-/// and the list of inputs. Returns the inputs that exist in neither folder.
-[[nodiscard]] std::vector<MissingInput> find_recorded_paths(Json& record, const CLI::App& app);
+/// Resolves the relative paths of a run's record against the folder in which the run was started ("folder" of the
+/// record), so that the run can be repeated from any folder: those of the inputs, and those of the options that `app`
+/// declares as paths.
+void resolve_recorded_paths(Json& record, const CLI::App& app);
 
 /// The flags that every verb has.
 struct CommonOptions {
@@ -102,13 +95,11 @@ class Verb {
   [[nodiscard]] int exit_code(const Result<void>& result) const;
   [[nodiscard]] Result<Json> read_config();
   [[nodiscard]] Result<std::vector<std::string>> configured_flags();
-  [[nodiscard]] Result<void> check_inputs() const;
   std::string name_, example_;
   CLI::App app_;
   CommonOptions common_;
   std::string config_;
   Json earlier_run_;
-  std::vector<MissingInput> missing_inputs_;
   std::vector<std::string> overrides_;
   mutable std::string failed_input_;
   bool keeps_overrides_ = false, stops_gently_ = false;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/inversion.h"
 
-#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -50,25 +49,6 @@ Result<capture::CodedIntensities> invert_events(const capture::EventImages& imag
     }
   });
   return intensities;
-}
-
-capture::EventImages permute_events(const capture::EventImages& images, std::span<const size_t> order) {
-  std::vector<size_t> sorted(order.begin(), order.end());
-  std::sort(sorted.begin(), sorted.end());
-  E2LF_REQUIRE(sorted.size() == images.count + 1, "an order must hold every pattern");
-  for (size_t n = 0; n < sorted.size(); ++n) E2LF_REQUIRE(sorted[n] == n, "an order must hold every pattern once");
-
-  capture::EventImages permuted(images.count, images.height, images.width);
-  parallel_for(images.image_size(), kMinChunk, [&](size_t begin, size_t end) {
-    std::vector<int> levels(order.size());
-    for (size_t pixel = begin; pixel < end; ++pixel) {
-      for (size_t k = 0; k < images.count; ++k) levels[k + 1] = levels[k] + images.image(k)[pixel];
-      for (size_t k = 0; k < images.count; ++k) {
-        permuted.image(k)[pixel] = capture::saturated(levels[order[k + 1]] - levels[order[k]]);
-      }
-    }
-  });
-  return permuted;
 }
 
 }  // namespace e2lf::recon

@@ -29,9 +29,4 @@ struct InversionOptions {
 [[nodiscard]] Result<capture::CodedIntensities> invert_events(const capture::EventImages& images,
                                                               const InversionOptions& options);
 
-/// Computes the virtual event images of the same patterns shown in another order (Eq. 11): image i leads from pattern
-/// order[i] to pattern order[i + 1]. `order` must contain each of 0 .. N - 1 once, or the contract is broken. Sums
-/// beyond int16 are saturated.
-[[nodiscard]] capture::EventImages permute_events(const capture::EventImages& images, std::span<const size_t> order);
-
 }  // namespace e2lf::recon

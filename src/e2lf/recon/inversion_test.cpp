@@ -77,26 +77,5 @@ TEST(Inversion, WrongInputsAreRefused) {
   }
 }
 
-TEST(PermutedEvents, AreSumsAlongTheWayBetweenPatterns) {
-  capture::EventImages images(3, 1, 1);
-  images.values = {-4, 7, -2};
-  const std::vector<size_t> order = {1, 0, 3, 2};
-  const auto permuted = permute_events(images, order);
-  EXPECT_EQ(permuted.values, (std::vector<int16_t>{4, 1, 2}));  // 1 to 0, 0 to 3, 3 to 2
-}
-
-TEST(PermutedEvents, InverseOrderBringsThemBack) {
-  const auto images = count_events(random_intensities(2));
-  const std::vector<size_t> order = {2, 0, 4, 1, 3}, inverse = {1, 3, 0, 4, 2};
-  EXPECT_NE(permute_events(images, order), images);
-  EXPECT_EQ(permute_events(permute_events(images, order), inverse), images);
-}
-
-TEST(PermutedEvents, OrderMustHoldEveryPatternOnce) {
-  const capture::EventImages images(2, 1, 1);
-  EXPECT_THROW(std::ignore = permute_events(images, std::vector<size_t>{0, 1}), ContractError);
-  EXPECT_THROW(std::ignore = permute_events(images, std::vector<size_t>{0, 1, 1}), ContractError);
-}
-
 }  // namespace
 }  // namespace e2lf::recon

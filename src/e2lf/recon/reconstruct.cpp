@@ -150,9 +150,9 @@ Result<Reconstructor> Reconstructor::prepared_for(size_t cycles) const {
     first += model::num_input_channels(model_.input[group].kind, model_.num_patterns);
   }
   if (group == model_.input.size()) return rounded();
-  std::vector<float> told = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
-  for (float& value : told) value *= model_.input[group].scale;
-  auto built = model::with_constant_inputs(model_.network, *weights_, first, told);
+  std::vector<float> conditioning = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
+  for (float& value : conditioning) value *= model_.input[group].scale;
+  auto built = model::with_constant_inputs(model_.network, *weights_, first, conditioning);
   if (!built) return rounded();
   E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(built->network, built->weights, options));
   Reconstructor other(model_, std::move(engine));

@@ -24,22 +24,22 @@ double scene(double x, double y) {
 /// The counts of a whole cycle of a scene that moves by `px_per_pattern` from pattern to pattern, with noise of the log
 /// intensity at each.
 capture::EventImages play(double px_per_pattern, double noise) {
-  constexpr double kEps = 0.02, kTau = 0.3;
+  constexpr double kDark = 0.02, kThreshold = 0.3;
   capture::EventImages images(2 * kCodes, kHeight, kWidth);
   const CounterRng rng(7, 0);
   for (size_t y = 0; y < kHeight; ++y) {
     for (size_t x = 0; x < kWidth; ++x) {
-      double reference = std::log(kEps);
+      double reference = std::log(kDark);
       for (size_t n = 0; n < images.count; ++n) {
         const size_t shown = (n + 1) % (2 * kCodes), code = shown % kCodes;
         const double place = static_cast<double>(x) + px_per_pattern * static_cast<double>(n);
         const double open = share(code, place, static_cast<double>(y));
         const double light = scene(place, static_cast<double>(y)) * (shown < kCodes ? open : 1 - open);
         const size_t draw = (n * kHeight + y) * kWidth + x;
-        const double now = std::log(light + kEps) + noise * (rng.uniform(draw) - 0.5) * std::sqrt(12.0);
-        const double count = std::trunc((now - reference) / kTau);
+        const double now = std::log(light + kDark) + noise * (rng.uniform(draw) - 0.5) * std::sqrt(12.0);
+        const double count = std::trunc((now - reference) / kThreshold);
         images.image(n)[y * kWidth + x] = static_cast<int16_t>(count);
-        reference += kTau * count;
+        reference += kThreshold * count;
       }
     }
   }

@@ -7,6 +7,7 @@
 
 #include "e2lf/base/contract.h"
 #include "e2lf/base/text.h"
+#include "e2lf/report/chart.h"
 
 namespace e2lf::report {
 namespace {
@@ -95,6 +96,7 @@ Page& Page::pictures(const std::vector<Picture>& pictures) {
 }
 
 Page& Page::drawing(std::string_view svg, std::string_view caption) {
+  if (first_drawing_.empty()) first_drawing_ = svg;
   body_ += cat("<figure>", svg);
   if (!caption.empty()) body_ += cat("<figcaption>", escaped(caption), "</figcaption>");
   body_ += "</figure>\n";
@@ -114,12 +116,19 @@ Result<FileFormat> file_format_of(const std::filesystem::path& path) {
   if (extension == ".html") return FileFormat::kHtml;
   if (extension == ".csv") return FileFormat::kCsv;
   if (extension == ".tex") return FileFormat::kLatex;
-  return fail(ErrorCode::kUnsupported, path,
-              "reports are pages (.html) or their tables (.csv, .tex); use one of these extensions");
+  if (extension == ".svg") return FileFormat::kSvg;
+  return fail(
+      ErrorCode::kUnsupported, path,
+      "reports are pages (.html), their tables (.csv, .tex) or their first chart (.svg); use one of these extensions");
 }
 
-std::string file_text(const Page& page, FileFormat format) {
+Result<std::string> file_text(const Page& page, FileFormat format) {
   if (format == FileFormat::kHtml) return page.html();
+  if (format == FileFormat::kSvg) {
+    if (page.first_drawing().empty())
+      return fail(ErrorCode::kUnsupported, "", "there is no chart to write as .svg; write a page (.html)");
+    return file_svg(page.first_drawing());
+  }
   E2LF_REQUIRE(!page.tables().empty(), "a table can only be written to a page with tables");
   if (format == FileFormat::kCsv) return table_csv(page.tables().front());
   std::string text;

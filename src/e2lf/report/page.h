@@ -43,11 +43,13 @@ class Page {
 
   /// Returns the tables added by table(), in order.
   [[nodiscard]] const std::vector<Table>& tables() const { return tables_; }
+  /// Returns the first drawing, or an empty text.
+  [[nodiscard]] const std::string& first_drawing() const { return first_drawing_; }
 
  private:
   Page& add(const Table& table);
 
-  std::string title_, body_;
+  std::string title_, body_, first_drawing_;
   std::vector<Table> tables_;
 };
 
@@ -56,13 +58,15 @@ enum class FileFormat {
   kHtml,   ///< the page
   kCsv,    ///< its first table
   kLatex,  ///< all of its tables
+  kSvg,    ///< its first drawing
 };
 
-/// Determines the format from the extension .html, .csv or .tex. Fails with kUnsupported for any other.
+/// Determines the format from the extension .html, .csv, .tex or .svg. Fails with kUnsupported for any other.
 [[nodiscard]] Result<FileFormat> file_format_of(const std::filesystem::path& path);
 
-/// Returns the text of a report file. A page without tables breaks the contract unless the format is kHtml.
-[[nodiscard]] std::string file_text(const Page& page, FileFormat format);
+/// Returns the text of a report file. A page without tables breaks the contract for kCsv and kLatex. Fails with
+/// kUnsupported for kSvg if the page has no drawing.
+[[nodiscard]] Result<std::string> file_text(const Page& page, FileFormat format);
 
 /// Escapes a text for HTML and XML, for use in elements and in quoted attributes: `& < > " '` become entities. Bytes
 /// that are not valid UTF-8, which names of files may contain, and characters that XML forbids become U+FFFD.

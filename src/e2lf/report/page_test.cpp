@@ -71,9 +71,9 @@ TEST(FileText, IsThePageOrItsTables) {
   Table second{"two", {{"m"}}, {{text_cell("x")}}};
   Page page("title");
   page.facts({{"threads", 2}}).table(first).table(second);
-  EXPECT_EQ(file_text(page, FileFormat::kHtml), page.html());
-  EXPECT_EQ(file_text(page, FileFormat::kCsv), "number\r\n1.25\r\n");
-  const std::string latex = file_text(page, FileFormat::kLatex);
+  EXPECT_EQ(file_text(page, FileFormat::kHtml).value(), page.html());
+  EXPECT_EQ(file_text(page, FileFormat::kCsv).value(), "number\r\n1.25\r\n");
+  const std::string latex = file_text(page, FileFormat::kLatex).value();
   EXPECT_LT(latex.find("\\caption{one}"), latex.find("\\caption{two}"));
   EXPECT_THAT(latex, Not(HasSubstr("threads")));
 }

@@ -59,8 +59,7 @@ size_t Document::add_part(Part part) {
   return parts_.size() - 1;
 }
 
-void Document::add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles,
-                               const std::vector<std::string>& notes) {
+void Document::add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles) {
   const lightfield::Shape shape = cycles->shape();
   Json described = Json::array();
   for (size_t cycle = 0; cycle < cycles->size(); ++cycle) {
@@ -69,7 +68,6 @@ void Document::add_light_field(const std::string& name, const std::shared_ptr<Li
       views.push_back(add_part([cycles, cycle, view] { return cycles->png(cycle, view); }));
     }
     described.push_back({{"label", cycles->label(cycle)}, {"views", std::move(views)}});
-    if (!notes.empty()) described.back()["note"] = notes.at(cycle);
   }
   add_item({{"kind", "light_field"},
             {"name", name},

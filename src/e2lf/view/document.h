@@ -40,10 +40,8 @@ using Part = std::function<Result<std::vector<uint8_t>>()>;
 /// read by viewer/src/document.ts.
 class Document {
  public:
-  /// Adds a light field of one or more cycles. Each view becomes an 8-bit PNG: round(255 * clamp(value)). `notes` are
-  /// shown beside the labels of the cycles; there is one for each, or none.
-  void add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles,
-                       const std::vector<std::string>& notes = {});
+  /// Adds a light field of one or more cycles. Each view becomes an 8-bit PNG: round(255 * clamp(value)).
+  void add_light_field(const std::string& name, const std::shared_ptr<LightFieldCycles>& cycles);
 
   /// Marks the document as growing, so that the page requests the description repeatedly.
   void set_growing() { is_growing_ = true; }

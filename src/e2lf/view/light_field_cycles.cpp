@@ -41,17 +41,8 @@ void LightFieldCycles::add(const std::string& name, lightfield::LightField light
   const std::lock_guard lock(mutex_);
   E2LF_REQUIRE(paths_.empty() || light_field.shape() == shape_, "the cycles of a recording have one shape");
   shape_ = light_field.shape();
-  // It is read back unchanged: all views, in colour, with values outside of [0, 1].
-  options_.views_y.count = options_.views_x.count = 0;
-  options_.colour = true;
-  options_.range = lightfield::RangePolicy::kKeep;
-  newest_ = std::make_shared<const lightfield::LightField>(std::move(light_field));
+  added_.push_back(std::make_shared<const lightfield::LightField>(std::move(light_field)));
   paths_.emplace_back(name);
-}
-
-void LightFieldCycles::set_folder(const fs::path& folder) {
-  const std::lock_guard lock(mutex_);
-  folder_ = folder;
 }
 
 size_t LightFieldCycles::size() const {
@@ -72,9 +63,9 @@ std::string LightFieldCycles::label(size_t cycle) const {
 
 Result<std::shared_ptr<const lightfield::LightField>> LightFieldCycles::read(size_t cycle) {
   const std::lock_guard lock(mutex_);
-  if (newest_ && cycle + 1 == paths_.size()) return newest_;
+  if (!added_.empty()) return added_.at(cycle);
   if (kept_ && kept_cycle_ == cycle) return kept_;
-  const fs::path path = folder_ / paths_[cycle];
+  const fs::path& path = paths_[cycle];
   E2LF_ASSIGN_OR_RETURN(auto light_field, lightfield::read_light_field(path, options_));
   if (!(light_field.shape() == shape_)) {
     return Error{ErrorCode::kShape, "has another size than the first cycle; show it separately", path.string()};

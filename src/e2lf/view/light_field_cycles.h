@@ -28,11 +28,8 @@ class LightFieldCycles {
                                                                       const lightfield::ReadOptions& options);
   static constexpr uint64_t kMostBytes = uint64_t{1} << 30;
 
-  /// Adds a cycle that has just been made and that will be stored in folder()/name. The newest one is kept in memory.
-  /// Another shape than that of the first one breaks the contract.
+  /// Adds a cycle, which stays in memory. Another shape than that of the first one breaks the contract.
   void add(const std::string& name, lightfield::LightField light_field);
-  /// Sets the folder in which the added cycles are stored from now on.
-  void set_folder(const std::filesystem::path& folder);
 
   [[nodiscard]] size_t size() const;
   [[nodiscard]] lightfield::Shape shape() const;
@@ -50,12 +47,12 @@ class LightFieldCycles {
 
   using Kept = std::shared_ptr<const lightfield::LightField>;
 
-  std::vector<std::filesystem::path> paths_;  ///< relative to folder_ for added cycles
-  std::filesystem::path folder_;
+  std::vector<std::filesystem::path> paths_;
   lightfield::ReadOptions options_;
   lightfield::Shape shape_;
   mutable std::mutex mutex_;
-  Kept kept_, newest_;  ///< the one read last, and the one added last
+  std::vector<Kept> added_;  ///< all cycles, if they were added
+  Kept kept_;                ///< the one read last
   size_t kept_cycle_ = 0;
 };
 

@@ -22,8 +22,6 @@ using EventImageFile = CyclesFile<EventImages>;
 /// Reads event images from
 ///  - an .npz file with `events` [cycles, N-1, y, x] or [N-1, y, x] (any integer type, or floats with integral values)
 ///  and optionally `codes`, `camera`, `views` and `findings`;
-///  - a .mat file before version 7.3 with the same arrays, whose axes are in MATLAB's order: events (y, x, N-1,
-///  cycles), codes (view_y, view_x, N), the others (1, length);
 ///  - an .npy file of either shape;
 ///  - a folder of event_image_00000.npy, ... as the paper's software writes them, [y, x] or [y, x, 1], one per
 ///  transition.
@@ -31,20 +29,5 @@ using EventImageFile = CyclesFile<EventImages>;
 /// such file or array, or a missing number in a folder), kUnsupported (another extension), and as setup_from_arrays()
 /// and the readers of these formats do.
 [[nodiscard]] Result<EventImageFile> read_event_images(const std::filesystem::path& path);
-
-/// Writes an .npz file with `events` int16 [cycles, N-1, y, x] and the setup; see setup_to_arrays(). All cycles
-/// must have the same shape. Fails with kIo.
-[[nodiscard]] Result<void> write_event_images(const std::filesystem::path& path, const EventImageFile& file);
-
-}  // namespace e2lf::capture
-
-/// Arrays of event images in MATLAB files, which read_event_images() converts.
-namespace e2lf::capture {
-
-/// Reads the arrays `events`, `codes`, `camera` and `views` that a .mat file before version 7.3 contains, with their
-/// axes in numpy's order: events [cycles, N-1, y, x] or [N-1, y, x], codes [N, view_y, view_x], camera and views
-/// [length]. Fails as find_mat_array() does, and with kUnsupported (not real numbers) and kFormat (the number of
-/// elements does not match the extents).
-[[nodiscard]] Result<NpzArrays> read_event_arrays_mat(const std::filesystem::path& path);
 
 }  // namespace e2lf::capture

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/measurement/event_image_io.h"
-
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -11,8 +9,8 @@
 #include <unistd.h>
 
 #include "e2lf/base/little_endian.h"
+#include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/mat5.h"
 
 namespace e2lf::capture {
 namespace {
@@ -61,43 +59,6 @@ TEST_F(EventImageFiles, ArchiveRoundTripKeepsCyclesAndCodes) {
   EXPECT_EQ(read->setup.codes, file.setup.codes);
   EXPECT_EQ(read->setup.views, file.setup.views);
   EXPECT_FALSE(read->setup.camera);
-}
-
-TEST_F(EventImageFiles, MatlabFileHasTheAxesInMatlabsOrder) {
-  std::vector<int16_t> counts(60);  // (y, x, N-1, cycles) = (3, 5, 2, 2), column-major
-  for (size_t i = 0; i < counts.size(); ++i) {
-    const size_t y = i % 3, x = i / 3 % 5, image = i / 15;
-    counts[i] = static_cast<int16_t>(15 * image + 5 * y + x);
-  }
-  const std::span<const uint8_t> data(reinterpret_cast<const uint8_t*>(counts.data()), 2 * counts.size());
-  const MatVariable variable{"events", MatClass::kInt16, {3, 5, 2, 2}, data};
-  ASSERT_TRUE(write_file(folder_ / "events.mat", encode_mat(std::span(&variable, 1), "").value()));
-  const auto read = read_event_images(folder_ / "events.mat");
-  ASSERT_TRUE(read) << read.error().text();
-  ASSERT_EQ(read->cycles.size(), 2U);
-  for (size_t i = 0; i < 60; ++i) EXPECT_EQ(read->cycles[i / 30].values[i % 30], static_cast<int16_t>(i));
-}
-
-TEST_F(EventImageFiles, MatlabFileOfOneImageHasTwoAxes) {
-  const std::vector<double> counts = {1, -2, 3, 4, 5, 6};
-  const std::span<const uint8_t> data(reinterpret_cast<const uint8_t*>(counts.data()), counts.size() * sizeof(double));
-  const MatVariable variable{"events", MatClass::kDouble, {2, 3}, data};
-  const std::vector<uint8_t> bytes = encode_mat(std::span(&variable, 1), "").value();
-  ASSERT_TRUE(write_file(folder_ / "one.mat", bytes));
-  const auto read = read_event_images(folder_ / "one.mat");
-  ASSERT_TRUE(read) << read.error().text();
-  EventImages expected(1, 2, 3);
-  expected.values = {1, 3, 5, -2, 4, 6};
-  EXPECT_EQ(read->cycles, std::vector<EventImages>{expected});
-}
-
-TEST_F(EventImageFiles, MatlabFileWithoutEventsIsAnError) {
-  const std::vector<uint8_t> none = encode_mat({}, "").value();
-  ASSERT_TRUE(write_file(folder_ / "none.mat", none));
-  EXPECT_EQ(failure(folder_ / "none.mat"), ErrorCode::kNotFound);
-  std::vector<uint8_t> short_file(none.begin(), none.begin() + 100);
-  ASSERT_TRUE(write_file(folder_ / "short.mat", short_file));
-  EXPECT_EQ(failure(folder_ / "short.mat"), ErrorCode::kTruncated);
 }
 
 TEST_F(EventImageFiles, ThreeAxesAreOneCycleOfAnyNumericType) {

@@ -328,6 +328,14 @@ class UnfinishedFile {
 
 }  // namespace
 
+Result<void> write_event_images(const fs::path& path, const EventImageFile& file) {
+  E2LF_REQUIRE(!file.cycles.empty(), "writing event images needs at least one cycle");
+  E2LF_ASSIGN_OR_RETURN(EventImageWriter writer, EventImageWriter::create(path));
+  writer.keep(file.setup);
+  for (const EventImages& cycle : file.cycles) E2LF_RETURN_IF_ERROR(writer.add(cycle));
+  return writer.finish();
+}
+
 Result<uint64_t> recover_event_images(const fs::path& unfinished, const fs::path& path) {
   UnfinishedFile file(unfinished);
   if (!file.open()) {

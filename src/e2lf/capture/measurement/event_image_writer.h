@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "e2lf/base/result.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/measurement/recorded_setup.h"
 
@@ -38,6 +39,10 @@ class EventImageWriter {
   explicit EventImageWriter(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// Writes an .npz file with `events` int16 [cycles, N-1, y, x] and the setup; see setup_to_arrays(). All cycles
+/// must have the same shape. Fails with kIo.
+[[nodiscard]] Result<void> write_event_images(const std::filesystem::path& path, const EventImageFile& file);
 
 /// Copies the complete cycles of a file that was never finished, with its codes, camera and views, to `path`, and
 /// returns their number. Writes no file if there are none. Fails with kIo, and with kFormat if `unfinished` is another

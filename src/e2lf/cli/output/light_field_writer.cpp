@@ -42,7 +42,7 @@ std::string cycle_name(size_t cycle) {
   return formatted("cycle_%05zu", cycle);
 }
 
-Result<lightfield::LightField> LightFieldWriter::process(const pipeline::CycleImages& cycle, const fs::path& folder) {
+Result<void> LightFieldWriter::process(const pipeline::CycleImages& cycle, const fs::path& folder) {
   check_events(cycle);
   const bool is_confirmed =
       options_.is_confirmed && !(cycle.cycle && diagnose::is_doubtful(cycle.cycle->confidence, cycle.source));
@@ -73,7 +73,7 @@ Result<lightfield::LightField> LightFieldWriter::process(const pipeline::CycleIm
   about.update(comparison);
   if (cycle.is_live()) live_log_.add(about["number"], about["events"], about["latency_s"]);
   cycles_.push_back(std::move(about));
-  return std::move(field.light_field);
+  return {};
 }
 
 Json LightFieldWriter::notes() const {

@@ -47,8 +47,8 @@ class LightFieldWriter {
   LightFieldWriter(LightFieldWriterOptions options, pipeline::FieldSequence sequence)
       : options_(std::move(options)), sequence_(std::move(sequence)) {}
 
-  /// Reconstructs a cycle and writes it to an existing folder. Returns the light field in upright orientation.
-  Result<lightfield::LightField> process(const pipeline::CycleImages& cycle, const std::filesystem::path& folder);
+  /// Reconstructs a cycle and writes it to an existing folder.
+  [[nodiscard]] Result<void> process(const pipeline::CycleImages& cycle, const std::filesystem::path& folder);
 
   /// Returns the notes about the orientation of the views for the run records.
   [[nodiscard]] Json notes() const;

@@ -20,28 +20,6 @@ namespace e2lf::cli {
 /// Fails without it, so that verbs say so before they open anything.
 [[nodiscard]] Result<void> require_viewer();
 
-/// Shows the light fields of a reconstruction in a browser while they are being computed. The viewer is served by a
-/// separate thread.
-class LiveView {
- public:
-  virtual ~LiveView() = default;
-
-  /// Adds a completed cycle; `note` is shown beside it. Views that exceed a browser's memory are omitted, with a
-  /// warning.
-  virtual void add(const std::string& cycle, lightfield::LightField light_field, const std::string& note) = 0;
-
-  /// Sets the folder of the cycles.
-  virtual void set_folder(const std::filesystem::path& folder) = 0;
-
-  /// Declares that no cycle will follow, and continues to serve until stop_requested(). Fails with kIo.
-  [[nodiscard]] virtual Result<void> finish() = 0;
-};
-
-/// Starts serving and prints the address to standard error. `name` is that of the light field, and `folder` is where
-/// the cycles are written. Fails with kIo if the port is in use.
-[[nodiscard]] Result<std::unique_ptr<LiveView>> start_live_view(const std::string& name,
-                                                                const std::filesystem::path& folder, uint16_t port);
-
 /// A light field, with the disparities of its middle view.
 struct Shown {
   const lightfield::LightField& light_field;

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct AccumulateArguments {
-  fs::path input, output, plot, codes;
+  fs::path input, output, codes;
   std::vector<fs::path> reports;
   CycleFlags cycles;
   OrientationFlags orientation;
@@ -166,13 +166,11 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");
   OutputRules rules = output_rules(verb, {arguments.input, arguments.cycles.schedule, arguments.codes});
-  E2LF_ASSIGN_OR_RETURN(ChartOutput chart, ChartOutput::open(arguments.plot, rules));
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   rules.recover = recover_cycles;
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   RunRecord record("accumulate");
   CyclePlot plot;
-  const bool is_plotted = chart.is_wanted() || reports.is_wanted();
   std::optional<capture::EventImages> first;  // for the report
   PlacesCheck places;
   diagnose::RigCheck rig;
@@ -185,7 +183,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   }
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
                         open_cycles(arguments.input, wanted_cycles(arguments.cycles, {.codes = codes}),
-                                    observer(bar, rig, is_plotted ? &plot : nullptr)));
+                                    observer(bar, rig, reports.is_wanted() ? &plot : nullptr)));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader, codes));
   setup.views = arguments.orientation.after(setup.views);
@@ -205,7 +203,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
       cycles.back()["latency_s"] = latency_s;
       live_log.add(cycle->number, cycle->events, latency_s);
     }
-    if (is_plotted) plot.add(*cycle);
+    if (reports.is_wanted()) plot.add(*cycle);
   }
   record.end_step("accumulate");
   hide_progress();
@@ -214,8 +212,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   const recordings::DecodeSummary summary = reader.summary();
   warn_of_losses(arguments.input, summary);
   verb.note_failed_input(summary.live.failure);
-  // Plot and report are written first, because they show why no cycle was found.
-  if (chart.is_wanted()) E2LF_RETURN_IF_ERROR(chart.write(plot.svg()));
+  // The report is written first, because it shows why no cycle was found.
   if (reports.is_wanted()) {
     const std::vector<recordings::Loss> losses = recordings::losses(summary);
     const Json facts = {{"recording", arguments.input.string()},
@@ -261,8 +258,6 @@ int run_accumulate(const std::vector<std::string>& arguments) {
                   "recording, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")
       ->required();
   verb.app().add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
-  add_chart_option(verb.app(), accumulation.plot,
-                   "write the event rate with the triggers or bursts and the cycles found, as a picture (.svg, .png)");
   add_report_option(verb.app(), accumulation.reports);
   add_codes_option(
       verb.app(), accumulation.codes,

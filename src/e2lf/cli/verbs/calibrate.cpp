@@ -15,7 +15,6 @@
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/npy.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/model/model.h"
 #include "e2lf/program/inputs.h"
@@ -31,11 +30,11 @@ namespace {
 
 struct CalibrateArguments {
   std::vector<fs::path> inputs;
-  fs::path output, threshold_map, bad_pixels;
+  fs::path output;
   CodesSource codes;
   std::string camera = "evk4-lcos", name;
   std::vector<std::string> held;
-  bool is_even = false, keep_out = false, places = false;
+  bool is_even = false, keep_out = false;
   CycleFlags cycles;
 };
 
@@ -102,44 +101,6 @@ void match_transitions(const std::string& wanted, capture::Codes& codes, std::ve
   }
 }
 
-/// Fails if two outputs, or an output and the record of the camera file, have the same name.
-Result<void> check_distinct(const CalibrateArguments& arguments) {
-  std::vector<fs::path> names;
-  for (const fs::path& path :
-       {arguments.output, record_path_beside(arguments.output), arguments.threshold_map, arguments.bad_pixels}) {
-    if (path.empty()) continue;
-    std::error_code error;
-    const fs::path name = fs::weakly_canonical(fs::absolute(path, error), error);
-    if (std::find(names.begin(), names.end(), name) != names.end()) {
-      return fail(ErrorCode::kInvalidValue, path, "two outputs have this name; give each a different name");
-    }
-    names.push_back(name);
-  }
-  return {};
-}
-
-template <typename T>
-Result<void> write_map(const OutputFile& output, const calibrate::StillScene& scene, std::span<const T> values) {
-  const capture::EventImages& first = scene.cycles.front();
-  return write_npy(output.path(), make_npy<T>({first.height, first.width}, values));
-}
-
-Result<void> write_maps(std::optional<OutputFile>& thresholds, std::optional<OutputFile>& bad,
-                        const std::vector<calibrate::StillScene>& scenes, const capture::Codes& codes,
-                        const calibrate::Calibration& calibration, bool is_even) {
-  if (thresholds) {
-    const calibrate::Plane map =
-        calibrate::threshold_map(scenes, codes, calibration.camera, calibration.states, is_even);
-    E2LF_RETURN_IF_ERROR(write_map<float>(*thresholds, scenes.front(), map.values));
-  }
-  if (bad) {
-    std::vector<uint8_t> states;
-    for (const calibrate::PixelState state : calibration.states) states.push_back(static_cast<uint8_t>(state));
-    E2LF_RETURN_IF_ERROR(write_map<uint8_t>(*bad, scenes.front(), states));
-  }
-  return {};
-}
-
 /// Returns by how much the events that a network's light field implies differ from the actual ones, given a sensor
 /// profile.
 Result<double> error_with_camera(model::Model model, const capture::SensorProfile& camera, const capture::Codes& codes,
@@ -204,13 +165,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   const CommonOptions& common = verb.common();
   std::vector<fs::path> inputs = arguments.inputs;
   inputs.insert(inputs.end(), {arguments.codes.codes, arguments.codes.model, arguments.camera});
-  OutputRules rules = output_rules(verb, inputs);
-  E2LF_RETURN_IF_ERROR(check_distinct(arguments));
-  rules.ending = ".json";
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
-  rules.ending = ".npy";
-  E2LF_ASSIGN_OR_RETURN(auto thresholds, OutputFile::create_optional(arguments.threshold_map, rules));
-  E2LF_ASSIGN_OR_RETURN(auto bad, OutputFile::create_optional(arguments.bad_pixels, rules));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, inputs, ".json"));
   RunRecord record("calibrate");
   E2LF_ASSIGN_OR_RETURN(capture::SensorProfile start, load_camera(arguments.camera, record));
   std::vector<Source> sources;
@@ -234,7 +189,6 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
                                                                                         .progress = bar.callback()}));
   record.end_step("calibrate");
   for (const std::string& warning : calibration.warnings) log_warning(warning);
-  E2LF_RETURN_IF_ERROR(write_maps(thresholds, bad, scenes, codes, calibration, arguments.is_even));
   Json report = calibrate::report_json(calibration);
   E2LF_ASSIGN_OR_RETURN(report["event_check"], compare_cameras(std::move(model), codes, start, calibration.camera,
                                                                scenes.front().cycles.front()));
@@ -242,15 +196,11 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   if (is_worse) log_warning(comparison_text(report["event_check"]));
   record.note("report", report);
   E2LF_RETURN_IF_ERROR(write_file(output.path(), calibrate::camera_json(calibration).dump(2) + "\n"));
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
-  for (std::optional<OutputFile>* map : {&thresholds, &bad}) {
-    if (*map) E2LF_RETURN_IF_ERROR((*map)->commit());
-  }
-  E2LF_RETURN_IF_ERROR(output.commit());
+  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   if (common.json) {
     std::printf("%s\n", report.dump(2).c_str());
   } else if (!common.quiet) {
-    std::printf("%s", calibrate::report_text(calibration, arguments.places).c_str());
+    std::printf("%s", calibrate::report_text(calibration).c_str());
     if (report["event_check"].is_null()) {
       std::printf(
           "not compared with the starting camera, because no bundled network was found for these patterns "
@@ -287,10 +237,6 @@ int run_calibrate(const std::vector<std::string>& arguments) {
                "the scenes are known to be uniform, e.g. a card that fills the image: do not search for flat areas");
   app.add_flag("--keep-out", calibration.keep_out,
                "fit to every second square of 64 px of the image, and compare on the others");
-  app.add_flag("--places", calibration.places, "also print the comparison by position in the image");
-  app.add_option("--threshold-map", calibration.threshold_map,
-                 "write the factor on the thresholds of each flat pixel (.npy, float32; NaN elsewhere)");
-  app.add_option("--bad-pixels", calibration.bad_pixels, "write which pixels are hot (1) and dead (2) (.npy, uint8)");
   add_cycle_options(app, calibration.cycles);
   return verb.run(arguments, [&] { return calibrate_camera(calibration, verb); });
 }

@@ -17,7 +17,6 @@
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
-using lightfield::BitDepth;
 using lightfield::ByteImage;
 namespace {
 
@@ -67,7 +66,6 @@ int run_codes_show(const std::vector<std::string>& arguments) {
 struct RenderArguments {
   DisplayFlags display;
   fs::path output;
-  std::string format = "png";
   unsigned bits = 8;
 };
 
@@ -77,13 +75,13 @@ struct NamedFrame {
   ByteImage picture;
 };
 
-std::vector<NamedFrame> named_frames(const RenderArguments& arguments, DisplaySequence& sequence) {
+std::vector<NamedFrame> named_frames(DisplaySequence& sequence) {
   std::vector<NamedFrame> frames;
   for (ByteImage& picture : sequence.frames) {
     std::string name = sequence.schedule.patterns[frames.size()].name;
     std::replace(name.begin(), name.end(), ' ', '_');
-    frames.push_back({cat("frame_", frames.size() < 10 ? "0" : "", frames.size(), "_", name, ".", arguments.format),
-                      std::move(picture)});
+    frames.push_back(
+        {cat("frame_", frames.size() < 10 ? "0" : "", frames.size(), "_", name, ".png"), std::move(picture)});
   }
   return frames;
 }
@@ -121,10 +119,9 @@ std::string csv_of(const cycles::Schedule& schedule, const std::vector<NamedFram
   return text;
 }
 
-Result<void> write_frame(const fs::path& folder, const NamedFrame& frame, const RenderArguments& arguments) {
-  const BitDepth depth = arguments.bits == 1 ? BitDepth::k1 : BitDepth::k8;
-  if (arguments.format == "bmp") return write_file(folder / frame.file, encode_grey_bmp(frame.picture, depth));
-  E2LF_ASSIGN_OR_RETURN(const auto bytes, encode_grey_png(frame.picture, depth));
+Result<void> write_frame(const fs::path& folder, const NamedFrame& frame, unsigned bits) {
+  E2LF_ASSIGN_OR_RETURN(const auto bytes,
+                        bits == 1 ? encode_bilevel_png(frame.picture) : lightfield::encode_png(frame.picture));
   return write_file(folder / frame.file, bytes);
 }
 
@@ -138,10 +135,10 @@ Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   RunRecord record("codes render");
   E2LF_ASSIGN_OR_RETURN(DisplaySequence sequence, display_sequence(arguments.display, record));
   E2LF_RETURN_IF_ERROR(check_depth(arguments, sequence.codes));
-  const std::vector<NamedFrame> frames = named_frames(arguments, sequence);
+  const std::vector<NamedFrame> frames = named_frames(sequence);
   const CodesSource& source = arguments.display.codes;
   E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {source.model, source.codes}));
-  for (const NamedFrame& frame : frames) E2LF_RETURN_IF_ERROR(write_frame(folder.path(), frame, arguments));
+  for (const NamedFrame& frame : frames) E2LF_RETURN_IF_ERROR(write_frame(folder.path(), frame, arguments.bits));
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.json", cycles::schedule_text(sequence.schedule)));
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.csv", csv_of(sequence.schedule, frames)));
   E2LF_RETURN_IF_ERROR(capture::write_codes(folder.path() / "codes.json", sequence.codes));
@@ -162,7 +159,6 @@ int run_codes_render(const std::vector<std::string>& arguments) {
   CLI::App& app = verb.app();
   add_display_options(app, render_arguments.display);
   app.add_option("-o,--output", render_arguments.output, "folder to write")->required();
-  add_choice(app, "--format", render_arguments.format, {"png", "bmp"}, "png or bmp");
   app.add_option("--bits", render_arguments.bits, "bits per pixel: 1 or 8")
       ->check(CLI::IsMember({1, 8}))
       ->capture_default_str();

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_image_io.h"
+#include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/options.h"

@@ -45,13 +45,6 @@ void warn_of_turned_views(const fs::path& path, const depth::OcclusionSign& sign
                   " places), so that near and far are exchanged; give --turn-views"));
 }
 
-void warn_of_flipped_views(const fs::path& path, depth::FlippedAxis axis) {
-  const char* options[] = {"", "--flip-x", "--flip-y", "--flip-x or --flip-y, whichever makes near objects near"};
-  if (axis == depth::FlippedAxis::kNone) return;
-  log_warning(cat(path.string(), ": the views are probably flipped along one axis: no depth fits all of them, but one ",
-                  "does after flipping; give ", options[static_cast<size_t>(axis)]));
-}
-
 const char* verdict_name(depth::OcclusionSign::Verdict verdict) {
   using Verdict = depth::OcclusionSign::Verdict;
   return verdict == Verdict::kUpright ? "upright" : verdict == Verdict::kTurned ? "turned" : "undecided";
@@ -69,8 +62,6 @@ Result<DisparityResult> estimate(const DepthArguments& arguments, const fs::path
   const depth::ViewIndex view = map.view;
   const depth::OcclusionSign sign = depth::occlusion_sign(light_field, map);
   warn_of_turned_views(path, sign);
-  E2LF_ASSIGN_OR_RETURN(const depth::FlippedAxis axis, depth::find_flipped_axis(light_field, map));
-  warn_of_flipped_views(path, axis);
   const Json occlusion = {
       {"views", verdict_name(sign.verdict)}, {"confidence", json_number(sign.confidence())}, {"places", sign.places}};
   Json about = {{"residual", json_number(map.residual)}, {"occlusion", occlusion}};

@@ -30,7 +30,7 @@ namespace {
 struct EvalArguments {
   fs::path truth, reconstruction, events, true_disparity, output;
   std::vector<std::string> named;  ///< "NAME=PATH"
-  bool no_clamp = false, csv = false, fit_gain = false;
+  bool no_clamp = false, fit_gain = false;
   std::vector<fs::path> reports;
 };
 
@@ -205,12 +205,9 @@ Json json_of(const std::vector<eval::EvalRow>& rows, const Truth& truth, size_t 
   return rows.size() == 1 ? methods.front() : Json{{"methods", methods}};
 }
 
-void print_rows(const std::vector<eval::EvalRow>& rows, const Truth& truth, const EvalArguments& arguments,
-                const CommonOptions& common) {
+void print_rows(const std::vector<eval::EvalRow>& rows, const Truth& truth, const CommonOptions& common) {
   if (common.json) {
     std::printf("%s", json_text(json_of(rows, truth, truth.field.shape().channels)).c_str());
-  } else if (arguments.csv) {
-    std::printf("%s", report::table_csv(eval::quality_table(rows)).c_str());
   } else if (!common.quiet) {
     std::printf("%s%s", report::table_text(eval::quality_table(rows)).c_str(), tone_text(rows).c_str());
     if (truth.disparity) std::printf("%s\n", disparity_text(truth).c_str());
@@ -313,7 +310,7 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(const report::Page page, eval_page(all, truth));
     E2LF_RETURN_IF_ERROR(reports.write(page));
   }
-  print_rows(rows, truth, arguments, verb.common());
+  print_rows(rows, truth, verb.common());
   return {};
 }
 
@@ -341,7 +338,6 @@ int run_eval(const std::vector<std::string>& arguments) {
       "the folder of the true light field, else those that `e2lf depth` finds in it");
   app.add_option("-o,--output", evaluation.output, "also write the result to this JSON file");
   add_report_option(app, evaluation.reports);
-  app.add_flag("--csv", evaluation.csv, "print comma-separated values");
   app.add_flag("--no-clamp", evaluation.no_clamp, "do not clamp the reconstruction to [0, 1] before measuring");
   return verb.run(arguments, [&] { return evaluate(evaluation, verb); });
 }

@@ -22,7 +22,6 @@ namespace {
 
 struct InfoArguments {
   fs::path path;
-  fs::path plot;  ///< chart of the event rate; empty = none
   std::vector<fs::path> reports;
   RecordingFlags recording;
   LightFieldFlags light_field{.views = 0};
@@ -47,10 +46,9 @@ Result<void> print_recording(const InfoArguments& arguments, ReportOutput& repor
   const CommonOptions& common = verb.common();
   constexpr size_t kPlotBins = 2000;
   recordings::EventRateCounter rate(kPlotBins);
-  E2LF_ASSIGN_OR_RETURN(ChartOutput chart, ChartOutput::open(arguments.plot, output_rules(verb, {arguments.path})));
   DescribeOptions options;
   E2LF_ASSIGN_OR_RETURN(options.recording, open_options(arguments.path, arguments.recording, true));
-  if (chart.is_wanted() || reports.is_wanted()) {
+  if (reports.is_wanted()) {
     options.on_batch = [&rate](const recordings::EventBatch& batch) { rate.add(batch); };
   }
   ProgressBar bar("read", common.quiet, "events");
@@ -59,9 +57,7 @@ Result<void> print_recording(const InfoArguments& arguments, ReportOutput& repor
   hide_progress();
   verb.note_failed_input(found.failure);
   print(found, common);
-  const std::string svg = report::chart_svg(rate_chart(rate.rate()));
-  if (chart.is_wanted()) E2LF_RETURN_IF_ERROR(chart.write(svg));
-  return write_report(found, arguments, svg, reports);
+  return write_report(found, arguments, report::chart_svg(rate_chart(rate.rate())), reports);
 }
 
 Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
@@ -76,10 +72,6 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(const Description found,
                         describe(kind, path, {.light_field = unchanged_options(arguments.light_field)}));
-  if (!arguments.plot.empty()) {
-    return fail(ErrorCode::kInvalidValue, path,
-                "this is not a recording, so there is no event rate to plot; leave --plot out");
-  }
   print(found, verb.common());
   return write_report(found, arguments, {}, reports);
 }
@@ -88,13 +80,12 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
 
 int run_info(const std::vector<std::string>& arguments) {
   Verb verb("info", "Describe a file or folder: a recording, event images, a light field, a model or settings.",
-            "e2lf info recording.raw --plot rate.svg");
+            "e2lf info recording.raw --report rate.svg");
   InfoArguments info;
   verb.app()
       .add_option("path,-i,--input", info.path, "file or folder, or a bundled model")
       ->required()
       ->type_name(kThingType);
-  add_chart_option(verb.app(), info.plot, "recordings: write a chart of the event rate over time (.svg, .png)");
   add_report_option(verb.app(), info.reports);
   add_recording_options(verb.app(), info.recording, kRecordingOptions);
   add_light_field_options(verb.app(), info.light_field, /*has_views=*/true);

@@ -31,11 +31,6 @@ Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const 
   return no_viewer();
 }
 
-Result<std::unique_ptr<LiveView>> start_live_view(const std::string& /*name*/, const std::filesystem::path& /*folder*/,
-                                                  uint16_t /*port*/) {
-  return no_viewer();
-}
-
 Result<std::unique_ptr<LivePage>> start_live_page(live::Session& /*session*/, FineMethod /*fine*/,
                                                   std::shared_ptr<recordings::RunningCamera> /*camera*/,
                                                   uint16_t /*port*/) {

@@ -11,7 +11,6 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/light_field_writer.h"
-#include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/options.h"
@@ -29,25 +28,16 @@ struct ReconstructArguments {
   MethodFlags method_flags;
   std::string method = "network", format = "png", colour_filter;
   size_t passes = 1, cycles_per_field = 1;
-  bool view = false;
-  uint16_t port = 0;
   CycleFlags cycles;
   OrientationFlags orientation;
 };
-
-/// Returns the note that is shown beside a cycle: its latency if the input is live, or else the time it took.
-std::string note_of(const Json& cycle, bool is_live) {
-  return is_live ? formatted("latency %.3f s", cycle["latency_s"].get<double>())
-                 : formatted("reconstructed in %.3f s", cycle["reconstruct_s"].get<double>());
-}
 
 /// Writes a single cycle to the folder itself. Of several cycles, each has a folder, which appears complete when the
 /// cycle is done, so that it can be used while later ones are computed. The output folder appears with the first cycle,
 /// so that an input without cycles replaces nothing, or with --strict at the end, when it is known that no data were
 /// left out.
 Result<void> process_cycles(pipeline::CycleInput& input, LightFieldWriter& writer, ResultFolder& output,
-                            const RunRecord& record, const ReconstructArguments& arguments, LiveView* view,
-                            const Verb& verb) {
+                            const RunRecord& record, const ReconstructArguments& arguments, const Verb& verb) {
   const bool is_strict = arguments.cycles.recording.is_strict;
   while (writer.cycles().empty() || !stop_requested()) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<pipeline::CycleImages> images, input.next());
@@ -58,14 +48,10 @@ Result<void> process_cycles(pipeline::CycleInput& input, LightFieldWriter& write
     if (!is_all) {
       E2LF_ASSIGN_OR_RETURN(folder, output.begin_part(name));
     }
-    E2LF_ASSIGN_OR_RETURN(LightField light_field, writer.process(*images, folder));
+    E2LF_RETURN_IF_ERROR(writer.process(*images, folder));
     const Json& cycle = writer.cycles().back();
     if (!is_all) E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", cycle}, {"notes", writer.notes()}}));
-    const bool appears = first && !is_all && !is_strict;
-    if (appears) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
-    // A cycle that is shown in the browser must have been written.
-    if (view != nullptr) view->add(name, std::move(light_field), note_of(cycle, images->is_live()));
-    if (view != nullptr && appears) view->set_folder(arguments.output);
+    if (first && !is_all && !is_strict) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
     if (is_all) return {};
   }
   return {};
@@ -86,10 +72,7 @@ void print_light_fields(const ReconstructArguments& arguments, const CommonOptio
   print_result(common,
                {{"output", arguments.output.string()}, {"cycles", cycles}, {"left_out", losses_json(input.summary())}},
                text);
-  if (arguments.view) return;
-  print_next_step(has_viewer() ? cat("e2lf view ", shell_word(arguments.output.string()))
-                               : cat("look at ", (first / "contact_sheet.png").string()),
-                  common);
+  print_next_step(cat("e2lf view ", shell_word(arguments.output.string())), common);
 }
 
 /// Logs how many light fields were reconstructed from the lit transitions because the scene moved.
@@ -102,10 +85,6 @@ void say_motion(const fs::path& input, const Json& cycles, const std::string& ne
 }
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
-  if (arguments.view) E2LF_RETURN_IF_ERROR(require_viewer());
-  if (arguments.port != 0 && !arguments.view) {
-    return fail(ErrorCode::kInvalidValue, "--port", "a port is only used by --view; leave it out, or add --view");
-  }
   const CommonOptions& common = verb.common();
   const MethodFlags& flags = arguments.method_flags;
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb,
@@ -124,7 +103,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                 "there are no events to reconstruct from: all counts are 0; check how they were accumulated");
   }
   if (!input.is_recording() && arguments.cycles.transitions == "lit") {
-    return fail(ErrorCode::kInvalidValue, "--transitions lit", "does nothing for event images; leave it out");
+    return fail(ErrorCode::kInvalidValue, "--transitions lit",
+                "only applies to recordings, not to event images; leave it out");
   }
   choice.measurement = input.measurement();
   choice.transitions = input.transitions();
@@ -150,11 +130,6 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   note_method(method, arguments.input, flags.codes.model, arguments.passes, record);
   if (!use.colour_filter.empty()) record.resolve("colour-filter", use.colour_filter);
   record.end_step("open");
-  std::unique_ptr<LiveView> view;
-  if (arguments.view) {
-    const fs::path name = arguments.output.has_filename() ? arguments.output : arguments.output.parent_path();
-    E2LF_ASSIGN_OR_RETURN(view, start_live_view(name.filename().string(), output.path(), arguments.port));
-  }
   LightFieldWriter writer({.input = arguments.input,
                            .format = arguments.format,
                            .is_quiet = common.quiet,
@@ -165,7 +140,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                            .is_confirmed = !diagnose::has_doubt(recorded)},
                           std::move(sequence));
   const bool is_strict = arguments.cycles.recording.is_strict;
-  E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, view.get(), verb));
+  E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, verb));
   warn_of_losses(arguments.input, input.summary());
   verb.note_failed_input(input.summary().live.failure);
   if (!writer.cycles().empty()) log_check(arguments.input, writer.cycles().front());
@@ -192,10 +167,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_RETURN_IF_ERROR(input.has_one_field() || is_strict ? output.commit(std::move(about))
                                                           : output.update_record(std::move(about)));
   print_light_fields(arguments, common, input, writer.cycles());
-  std::fflush(stdout);
-  if (!view) return {};
-  view->set_folder(arguments.output);
-  return view->finish();
+  return {};
 }
 
 }  // namespace
@@ -227,9 +199,6 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
             "doubling; for networks conditioned on the sensor profile");
   add_choice(app, "--format", reconstruction.format, {"png", "png16", "npy"},
              "png, png16 (64 views) or npy (float32 [8, 8, y, x], not clamped)");
-  app.add_flag("--view", reconstruction.view,
-               "show each light field in a browser when it is complete, with its latency; ends on Ctrl-C");
-  app.add_option("--port", reconstruction.port, "port of 127.0.0.1 for --view; 0 = a free one")->capture_default_str();
   add_cycle_options(app, reconstruction.cycles);
   add_orientation_options(app, reconstruction.orientation);
   verb.stop_gently();

@@ -204,7 +204,6 @@ struct AnimateArguments {
   size_t frames = 48;
   int frames_per_s = 20;
   float still = 0, from = 0, to = 0;
-  film::Quilt quilt;
   bool has_focus_range = false;
   LightFieldFlags light_field{.views = 0};
 };
@@ -273,72 +272,31 @@ Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
   return {};
 }
 
-/// Returns the given name with the suffix that displays read.
-fs::path quilt_name(const fs::path& named, const lightfield::Shape& shape, const film::Quilt& quilt) {
-  const std::string stem = named.stem().string();
-  if (stem.find("_qs") != std::string::npos) return named;
-  return named.parent_path() / (stem + film::quilt_suffix(shape, quilt) + ".png");
-}
-
-Result<void> make_quilt(const AnimateArguments& arguments, const Verb& verb) {
-  const CommonOptions& common = verb.common();
-  RunRecord record("animate", {arguments.input});
-  E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
-                                                                   {arguments.still, arguments.from, arguments.to}));
-  const fs::path named = quilt_name(arguments.output, light_field.shape(), arguments.quilt);
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(named, verb, {arguments.input}));
-  E2LF_ASSIGN_OR_RETURN(const auto picture,
-                        located(film::quilt_picture(light_field, arguments.quilt, arguments.still), arguments.input));
-  if (std::max(picture.width, picture.height) > film::kMostQuiltPx) {
-    log_warning(cat("the quilt has ", picture.width, "x", picture.height, " px, but displays read at most ",
-                    film::kMostQuiltPx, " px per side; give fewer --columns or --rows, or smaller views"));
-  }
-  E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));
-  record.end_step("animate");
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
-  if (!common.quiet) {
-    std::printf("%zux%zu images in %s\n", arguments.quilt.columns, arguments.quilt.rows, named.c_str());
-  }
-  return {};
-}
-
 Result<void> animate(AnimateArguments& arguments, const Verb& verb) {
   if (verb.is_given("--from") != verb.is_given("--to")) {
     return fail(ErrorCode::kInvalidValue, "", "a sweep has two ends; give --from and --to");
   }
   arguments.has_focus_range = verb.is_given("--from");
-  if (arguments.output.extension() != ".png") return make_film(arguments, verb);
-  if (verb.is_given("--path") || verb.is_given("--from")) {
-    return fail(ErrorCode::kInvalidValue, arguments.output,
-                "a .png file contains a quilt, which has no path; use .gif, .webm or .mp4");
-  }
-  return make_quilt(arguments, verb);
+  return make_film(arguments, verb);
 }
 
 }  // namespace
 
 int run_animate(const std::vector<std::string>& arguments) {
-  Verb verb("animate",
-            "Render a film that moves the viewpoint or the focus through a light field, or a quilt, one image with "
-            "many viewpoints for displays that show parallax.",
+  Verb verb("animate", "Render a film that moves the viewpoint or the focus through a light field.",
             "e2lf animate out/demo/recon -o out/orbit.gif");
   AnimateArguments animation;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", animation.input, "light field")->required();
-  app.add_option("-o,--output", animation.output,
-                 "film to write (.gif, .webm, .mp4), or a quilt (.png), whose name gets the suffix that displays read")
-      ->required();
+  app.add_option("-o,--output", animation.output, "film to write (.gif, .webm, .mp4)")->required();
   add_choice(app, "--path", animation.path, {"orbit", "sweep", "focus"},
              "path: orbit (a circle), sweep (from left to right) or focus (from near to far)");
   add_count(app, "--frames", animation.frames, 1, 10000, "duration of the film, which ends as it begins");
   add_count(app, "--fps", animation.frames_per_s, 1, 100, "frames per second");
-  app.add_option("--still", animation.still,
-                 "orbit, sweep, quilt: disparity of the points that do not move, px per view step")
+  app.add_option("--still", animation.still, "orbit, sweep: disparity of the points that do not move, px per view step")
       ->capture_default_str();
   app.add_option("--from", animation.from, "focus: first disparity, px per view step");
   app.add_option("--to", animation.to, "focus: last disparity; default of both: the nearest and farthest in the scene");
-  add_count(app, "--columns", animation.quilt.columns, 1, 100, "number of columns of a quilt");
-  add_count(app, "--rows", animation.quilt.rows, 1, 100, "number of rows of a quilt");
   add_light_field_options(app, animation.light_field, /*has_views=*/true);
   add_orientation_options(app, animation.light_field.orientation);
   return verb.run(arguments, [&] { return animate(animation, verb); });

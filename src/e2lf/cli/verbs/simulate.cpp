@@ -297,7 +297,7 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
     return useless("--width, --height", "the size is that of the input");
   }
   if (arguments.residue == 0.0F) return {};
-  return useless("", "--residue does nothing event by event, where earlier events say where references are");
+  return useless("--residue", "event by event, references follow from earlier events");
 }
 
 /// Returns the flags with which these events can be reconstructed. Networks for the patterns of bundled models are

@@ -7,7 +7,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/learn/data/packed_data.h"
-#include "e2lf/program/report_output.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/sibling_program.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -15,22 +14,9 @@
 namespace e2lf::cli {
 namespace {
 
-/// The arguments of the trainer's reports.
-struct ReportArguments {
-  std::vector<std::filesystem::path> names;
-  bool overwrite = false;
-};
-
-void add_report_options(CLI::App& app, ReportArguments& reports) {
-  add_report_option(app, reports.names);
-  app.add_flag("--overwrite", reports.overwrite, "replace the files of --report");
-}
-
 /// Continues as e2lf-train, the program that contains training, so that only it loads torch. Adds the arguments that
 /// its verbs share.
-Result<void> train_with(std::vector<std::string> arguments, const ReportArguments& reports, const Verb& verb) {
-  for (const auto& name : reports.names) arguments.insert(arguments.end(), {"--report", name.string()});
-  if (reports.overwrite) arguments.emplace_back("--overwrite");
+Result<void> train_with(std::vector<std::string> arguments, const Verb& verb) {
   for (const std::string& assignment : verb.overrides()) arguments.insert(arguments.end(), {"--set", assignment});
   if (verb.common().quiet) arguments.emplace_back("--quiet");
   // Read by torch and its BLAS; without it, the trainer uses all cores.
@@ -48,23 +34,19 @@ int run_train(const std::vector<std::string>& arguments) {
             "keys --set changes (--set seed=7, --set device=cuda).",
             "e2lf train configs/first-run.json -o runs/first");
   std::string config, run;
-  ReportArguments reports;
   verb.keep_overrides();
   verb.app().add_option("config", config, "configuration (.json)")->required()->check(CLI::ExistingFile);
   verb.app().add_option("-o,--output", run, "folder for logs, checkpoint and model")->required();
-  add_report_options(verb.app(), reports);
-  return verb.run(arguments, [&] { return train_with({"train", config, "-o", run}, reports, verb); });
+  return verb.run(arguments, [&] { return train_with({"train", config, "-o", run}, verb); });
 }
 
 int run_resume(const std::vector<std::string>& arguments) {
   Verb verb("resume", "Continue a training run from its last checkpoint.",
             "e2lf resume runs/first --set train.steps=2000");
   std::string run;
-  ReportArguments reports;
   verb.keep_overrides();
   verb.app().add_option("run", run, "folder of the run")->required()->check(CLI::ExistingDirectory);
-  add_report_options(verb.app(), reports);
-  return verb.run(arguments, [&] { return train_with({"resume", run}, reports, verb); });
+  return verb.run(arguments, [&] { return train_with({"resume", run}, verb); });
 }
 
 namespace fs = std::filesystem;

@@ -30,7 +30,6 @@ constexpr int64_t kDefaultWindowUs = 40000;  // 25 frames a second
 
 struct VideoArguments {
   fs::path input, output, model;
-  bool is_plain = false;
   std::optional<int64_t> window_us;
   std::optional<uint64_t> window_events;
   bool window_triggers = false;
@@ -103,10 +102,7 @@ class FrameMaker {
 
 Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recordings::RecordingInfo& info,
                                     RunRecord& record) {
-  if (arguments.is_plain || arguments.model.empty()) {
-    if (arguments.is_plain && !arguments.model.empty()) {
-      return fail(ErrorCode::kInvalidValue, "--plain", "plain frames do not use a model; leave out -m or --plain");
-    }
+  if (arguments.model.empty()) {
     if (arguments.tone != "auto") {
       return fail(ErrorCode::kInvalidValue, "--tone",
                   "plain frames have a fixed tone; leave it out or give a model with -m");
@@ -249,11 +245,9 @@ int run_video(const std::vector<std::string>& arguments) {
   app.add_option("input,-i,--input", video.input, "recording of events")->required();
   app.add_option("-o,--output", video.output, "folder to write: frame_000000.png ..., frames.csv, run.json")
       ->required();
-  app.add_option(
-      "-m,--model", video.model,
-      "network that reconstructs frames (`e2lf model import --checkpoint`); without one, plain frames are made");
-  app.add_flag("--plain", video.is_plain,
-               "sums of signed events: grey for equally many ON and OFF events, white for more ON");
+  app.add_option("-m,--model", video.model,
+                 "network that reconstructs frames (`e2lf model import --checkpoint`); without one, plain frames are "
+                 "made: sums of signed events, grey for equally many ON and OFF events, white for more ON");
   add_window_options(app, video);
   add_choice(app, "--tone", video.tone, {"auto", "none", "robust", "standard", "exp-robust"},
              "tone of the network's frames: auto (as the model states), none, robust (1 % and 99 % of the pixels "

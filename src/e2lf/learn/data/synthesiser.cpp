@@ -5,9 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
-#include "e2lf/learn/data/plenoptic_camera.h"
 #include "e2lf/learn/data/surfaces.h"
 
 namespace e2lf::learn {
@@ -33,7 +31,6 @@ Plane random_plane(double low, double high, const SynthesiserOptions& options, D
 struct SceneDraft {
   std::vector<Surface> surfaces;     ///< back to front
   std::vector<Surface> reflections;  ///< whose brightness is added
-  std::optional<PlenopticCamera> camera;
 };
 
 SceneDraft draft_scene(const std::vector<torch::Tensor>& textures, const SynthesiserOptions& options, uint64_t seed,
@@ -46,18 +43,12 @@ SceneDraft draft_scene(const std::vector<torch::Tensor>& textures, const Synthes
     return photo ? photo_texture(textures, side, draws) : procedural_texture(side, draws, device);
   };
 
-  Draws camera_draws(seed, 2);  // another stream, so that other scenes do not change
   SceneDraft draft;
-  SynthesiserOptions within = options;
-  if (camera_draws.chance(options.plenoptic_share)) {
-    draft.camera = random_plenoptic_camera(camera_draws);
-    within.max_disparity = std::min(kPlenopticDisparity, options.max_disparity);
-  }
-  const double limit = within.max_disparity * kDepths[draws.below(kDepths.size())];
+  const double limit = options.max_disparity * kDepths[draws.below(kDepths.size())];
   const double high = draws.uniform(-0.5 * limit, limit), low = draws.uniform(-limit, high);
   const auto num_layers = 1 + draws.below(static_cast<uint64_t>(options.max_layers));
   std::vector<Plane> planes;
-  for (uint32_t i = 0; i < num_layers; ++i) planes.push_back(random_plane(low, high, within, draws));
+  for (uint32_t i = 0; i < num_layers; ++i) planes.push_back(random_plane(low, high, options, draws));
   // Back to front: nearer surfaces have the smaller disparity.
   std::sort(planes.begin(), planes.end(), [](const Plane& a, const Plane& b) { return a.centre > b.centre; });
 
@@ -76,7 +67,6 @@ SceneDraft draft_scene(const std::vector<torch::Tensor>& textures, const Synthes
 torch::Tensor render(const SceneDraft& draft, int64_t size) {
   auto picture = views_of(draft.surfaces, size);
   if (!draft.reflections.empty()) picture = picture + views_of(draft.reflections, size);
-  if (draft.camera) picture = draft.camera->show(picture);
   return picture.mul(255.0).round().clamp(0.0, 255.0).to(torch::kByte);
 }
 

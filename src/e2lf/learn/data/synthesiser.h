@@ -13,7 +13,6 @@ struct SynthesiserOptions {
   double slant_share = 0.5;        ///< share of surfaces whose disparity varies over the image
   double highlight_share = 0.2;    ///< share of scenes with reflections at a depth of their own
   double procedural_share = 0.25;  ///< share of surfaces with a procedural texture
-  double plenoptic_share = 0;      ///< share of scenes as a plenoptic camera shows them: see PlenopticCamera
   double motion_px_per_cycle = 0;  ///< largest speed of a surface
   double still_share = 0.5;        ///< share of scenes that stand still, if others move
 };

@@ -9,11 +9,6 @@ namespace {
 
 using enum capture::PixelConstant;
 
-/// Returns the share of a pattern's duration at which a sub-window ends.
-double subwindow_end(size_t k, size_t subwindows) {
-  return std::pow(4.0, static_cast<double>(k + 1) - static_cast<double>(subwindows));
-}
-
 /// The state of all pixels between patterns.
 struct PixelState {
   torch::Tensor inverse_level;  ///< w = exp(-u) for the log intensity u of the photoreceptor
@@ -43,31 +38,15 @@ torch::Tensor compare(const torch::Tensor& level, const torch::Tensor& on, const
   return count;
 }
 
-/// Draws spurious events, which are rarer in brighter pixels, and adds them to the sub-window of their time. The
-/// reference moves when the pattern ends.
+/// Adds spurious events, which are rarer in brighter pixels, to the counts. The reference moves when the pattern ends.
 void add_dark_events(const torch::Tensor& intensity, const torch::Tensor& on, const torch::Tensor& off,
-                     const PixelSamples& samples, torch::Tensor& reference, std::vector<torch::Tensor>& counts) {
+                     const PixelSamples& samples, torch::Tensor& reference, torch::Tensor& counts) {
   const auto draw = torch::rand_like(intensity);
   const auto is_off = (draw * intensity < samples.at(kDarkOff)).to(intensity.scalar_type());
   const auto is_on = ((1.0 - draw) * intensity < samples.at(kDarkOn)).to(intensity.scalar_type());
   reference = reference - is_off * off + is_on * on;
-  if (counts.size() == 1) {
-    counts[0] = counts[0] + (is_on - is_off);
-    return;
-  }
-  const auto time = torch::rand_like(intensity);
-  for (size_t k = 0; k < counts.size(); ++k) {
-    const double begin = k == 0 ? 0.0 : subwindow_end(k - 1, counts.size()), end = subwindow_end(k, counts.size());
-    counts[k] = counts[k] + (is_on - is_off) * ((time >= begin) & (time < end)).to(intensity.scalar_type());
-  }
+  counts = counts + (is_on - is_off);
 }
-
-/// The offset of the signal from the level, which is linear in time during a pattern.
-struct Noise {
-  torch::Tensor from, to;
-
-  [[nodiscard]] torch::Tensor at(double share) const { return share == 1.0 ? to : from + share * (to - from); }
-};
 
 torch::Tensor random_noise(const torch::Tensor& intensity, const PixelSamples& samples) {
   return torch::sqrt(samples.at(kNoise).square() + samples.at(kShotNoise).square() / intensity) *
@@ -104,7 +83,7 @@ std::vector<torch::Tensor> shown_light(const torch::Tensor& intensities, const t
 }  // namespace
 
 torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torch::Tensor& full,
-                                    const PixelSamples& samples, int64_t subwindows) {
+                                    const PixelSamples& samples) {
   const int64_t num_patterns = intensities.size(1), num_codes = samples.transmission.size(1);
   const std::vector<torch::Tensor> shown = shown_light(intensities, full, samples);
   const auto inverse = shown.back();
@@ -118,35 +97,21 @@ torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torc
 
   PixelState start{inverse.reciprocal(), torch::log(inverse), {}};
   follow(shown[0], samples.at(kBlackTime), samples, start);
-  std::vector<torch::Tensor> sums(static_cast<size_t>((num_patterns - 1) * subwindows));
+  std::vector<torch::Tensor> sums(static_cast<size_t>(num_patterns - 1));
   for (int64_t cycle = 0; cycle < samples.cycles; ++cycle) {
     PixelState state = start;
-    const auto settled = state.level - samples.at(kResetOffset);
     state.reference = state.level + off * samples.at(kResetSpan) * torch::rand_like(inverse) - samples.at(kResetOffset);
-    // No OFF event is due when the first pattern begins.
-    Noise noise{{}, (state.reference - capture::kAlmostThreshold * off).clamp_min(settled) - state.level};
     for (int64_t n = 1; n < num_patterns; ++n) {
       const auto& intensity = shown[static_cast<size_t>(n)];
       const bool is_to_black = n == 2 * num_codes;
-      noise.from = noise.to;
-      noise.to = is_to_black ? -samples.at(kResetOffset) : random_noise(intensity, samples);
+      const auto noise = is_to_black ? -samples.at(kResetOffset) : random_noise(intensity, samples);
       // The black pattern and its inverse are shown longer than the others.
       const auto seconds = samples.at(n % num_codes == 0 ? kBlackTime : kLitTime);
-      std::vector<torch::Tensor> counts;
-      PixelState now = state;
-      for (size_t k = 0; k < static_cast<size_t>(subwindows); ++k) {
-        const double end = subwindow_end(k, static_cast<size_t>(subwindows));
-        now.inverse_level = state.inverse_level;
-        now.level = state.level;
-        follow(intensity, seconds * end, samples, now);
-        counts.push_back(compare(now.level + noise.at(end), on, off, now.reference));
-      }
-      state = now;
+      follow(intensity, seconds, samples, state);
+      auto counts = compare(state.level + noise, on, off, state.reference);
       if (!is_to_black) add_dark_events(intensity, on, off, samples, state.reference, counts);
-      for (size_t k = 0; k < counts.size(); ++k) {
-        auto& sum = sums[static_cast<size_t>((n - 1) * subwindows) + k];
-        sum = sum.defined() ? sum + counts[k] : counts[k];
-      }
+      auto& sum = sums[static_cast<size_t>(n - 1)];
+      sum = sum.defined() ? sum + counts : counts;
     }
   }
   return torch::stack(sums, 1) / static_cast<double>(samples.cycles);

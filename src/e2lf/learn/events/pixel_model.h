@@ -34,11 +34,7 @@ struct PixelSamples {
 /// threshold), and the reference moves by threshold * count. After black, the reference lies up to reset_span OFF
 /// thresholds above the level. The function draws from torch's generator: thresholds once per pixel, everything else
 /// once per cycle. Rounding has the gradient of the identity.
-///
-/// With W sub-windows, the counts of each transition are divided at its duration times 4^(k - W), k = 1, ..., W - 1,
-/// and the result is [batch, (P - 1) W, y, x]. As in streams::EventStream, the noise grows linearly from its value in
-/// the pattern before, spurious events come at any time, and the reference after black causes no OFF event at once.
 [[nodiscard]] torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torch::Tensor& full,
-                                                  const PixelSamples& samples, int64_t subwindows = 1);
+                                                  const PixelSamples& samples);
 
 }  // namespace e2lf::learn

@@ -84,49 +84,6 @@ TEST(PixelModel, AgreesWithTheOtherFormsOfThePhysicalPixel) {
   }
 }
 
-TEST(PixelModel, SubwindowsCountWhatTheLevelChangesInThem) {
-  constexpr float kThreshold = 0.01F;
-  const auto camera = capture::lagging_camera(kThreshold);
-  auto intensities = torch::zeros({1, 4, 1, 1});
-  for (int64_t n = 0; n < 4; ++n) intensities[0][n] = capture::kPatternLight[n];
-  const auto samples = sample_of(camera, 4, 4, 1, torch::kCPU).pixel;
-  const auto counts = simulate_pixel_events(intensities, torch::full({1, 1, 1}, capture::kFullLight), samples, 3);
-  ASSERT_EQ(counts.size(1), 9);
-  const auto ends = capture::pixel_levels(camera.pixel);
-  const std::vector<double> early = capture::pixel_levels(camera.pixel, 1.0 / 16.0),
-                            middle = capture::pixel_levels(camera.pixel, 0.25);
-  for (size_t n = 1; n < 4; ++n) {
-    const double steps[] = {early[n] - ends[n - 1], middle[n] - early[n], ends[n] - middle[n]};
-    for (size_t k = 0; k < 3; ++k) {
-      const double step = counts[0][static_cast<int64_t>(3 * (n - 1) + k)][0][0].item<double>() * kThreshold;
-      EXPECT_NEAR(step, steps[k], 2 * kThreshold) << n << " " << k;
-    }
-  }
-}
-
-TEST(PixelModel, SubwindowsOfAWholeCycleSumToTheCountsOfTheSimulator) {
-  torch::manual_seed(5);
-  auto camera = capture::lagging_camera(0.05F);
-  const capture::Codes whole = capture::whole_cycle(capture::default_codes());
-  const auto views = torch::rand({1, 64, 24, 32});
-  lightfield::LightField field({8, 8, 24, 32});
-  std::copy_n(views.data_ptr<float>(), field.data().size(), field.data().begin());
-  const auto expected = sensor::simulate_pixel_events(whole, field, camera, {}).value();
-  const auto intensities = coded_intensities(views, to_tensor(whole, torch::kCPU));
-  const auto samples = sample_of(camera, 9, 4, 1, torch::kCPU).pixel;
-  const auto counts = simulate_pixel_events(intensities, views.mean(1), samples, 2).reshape({8, 2, 24 * 32}).sum(1);
-  for (size_t n = 0; n < 8; ++n) {
-    double difference = 0.0, sum = 0.0;
-    for (size_t p = 0; p < expected.image_size(); ++p) {
-      const auto count = counts[static_cast<int64_t>(n)][static_cast<int64_t>(p)].item<double>();
-      difference += std::abs(count - expected.image(n)[p]);
-      sum += std::abs(expected.image(n)[p]);
-    }
-    // The level may pass its end and return, in which case the windows keep the reference elsewhere.
-    EXPECT_LT(difference, 0.02 * sum + 0.1 * static_cast<double>(expected.image_size())) << n;
-  }
-}
-
 TEST(PixelModel, LightThatDoesNotChangeIsThatOfAStillScene) {
   const auto camera = capture::lagging_camera(0.05F);
   const auto views = torch::rand({1, 64, 16, 16}), full = views.mean(1);

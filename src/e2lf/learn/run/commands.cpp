@@ -14,7 +14,6 @@
 #include "e2lf/learn/run/run_log.h"
 #include "e2lf/learn/run/torch_setup.h"
 #include "e2lf/learn/run/trainer.h"
-#include "e2lf/report/page.h"
 
 namespace e2lf::learn {
 namespace {
@@ -29,36 +28,6 @@ void keep_freed_memory() {
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_TOP_PAD, 64 << 20);
 #endif
-}
-
-/// Checks the files before any work. Fails with kUnsupported (another extension), kExists, and kInvalidValue (a report
-/// would replace a file that the run writes in its folder).
-Result<void> check_reports(const ReportFiles& files, const std::filesystem::path& run) {
-  for (const std::filesystem::path& name : files.names) {
-    const auto format = report::file_format_of(name);
-    if (!format) return format.error();
-    E2LF_RETURN_IF_ERROR(check_output(name, files.overwrite));
-    std::error_code error;
-    const auto folder_of = [&](const std::filesystem::path& path) {
-      return std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
-    };
-    const std::vector<std::string> of_run = RunLog::file_names();
-    if (folder_of(name).parent_path() == folder_of(run) &&
-        std::find(of_run.begin(), of_run.end(), name.filename().string()) != of_run.end()) {
-      return fail(ErrorCode::kInvalidValue, name,
-                  "the run writes a file with this name; choose another file for the report");
-    }
-  }
-  return {};
-}
-
-/// Writes the report to all files; each appears complete or not at all. Fails with kIo.
-Result<void> write_reports(const ReportFiles& files, const report::Page& page) {
-  for (const std::filesystem::path& name : files.names) {
-    E2LF_ASSIGN_OR_RETURN(const report::FileFormat format, report::file_format_of(name));
-    E2LF_RETURN_IF_ERROR(write_file(name, report::file_text(page, format)));
-  }
-  return {};
 }
 
 Result<Config> read_config(const std::filesystem::path& path, const std::vector<std::string>& overrides,
@@ -108,17 +77,10 @@ Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std
 }
 
 Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesystem::path& run, const Peers& peers,
-                                             const ProgressFn& progress, const std::function<bool()>& keep_going,
-                                             const ReportFiles& reports) {
+                                             const ProgressFn& progress, const std::function<bool()>& keep_going) {
   keep_freed_memory();
   if (peers.leads()) remove_dead_parts(run);
-  const Result<void> trained = trainer.run(run, progress, keep_going);
-  if (peers.leads() && !reports.names.empty()) {
-    const Config& config = trainer.config();
-    E2LF_RETURN_IF_ERROR(write_reports(reports, RunLog(run).page(config.name, to_json(config))));
-  }
-  E2LF_RETURN_IF_ERROR(trained);
-  if (trainer.config().sensor.subwindows > 1) return run / "evaluation.csv";
+  E2LF_RETURN_IF_ERROR(trainer.run(run, progress, keep_going));
   const auto model = run / (trainer.config().name + ".safetensors");
   if (peers.leads()) E2LF_RETURN_IF_ERROR(model::write_model(model, trainer.to_model()));
   return model;
@@ -128,24 +90,21 @@ Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesy
 
 Result<std::filesystem::path> train(const std::filesystem::path& config_path, const std::filesystem::path& run,
                                     const std::vector<std::string>& overrides, const ProgressFn& progress,
-                                    const std::function<bool()>& keep_going, const ReportFiles& reports) {
+                                    const std::function<bool()>& keep_going) {
   return guarded(config_path, [&]() -> Result<std::filesystem::path> {
-    E2LF_RETURN_IF_ERROR(check_reports(reports, run));
     E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
     E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides, peers));
     if (peers.leads()) E2LF_RETURN_IF_ERROR(check_is_free(run, config));
     E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
     E2LF_RETURN_IF_ERROR(peers.connect(device));
     E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
-    return run_and_export(trainer, run, peers, progress, keep_going, reports);
+    return run_and_export(trainer, run, peers, progress, keep_going);
   });
 }
 
 Result<std::filesystem::path> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
-                                     const ProgressFn& progress, const std::function<bool()>& keep_going,
-                                     const ReportFiles& reports) {
+                                     const ProgressFn& progress, const std::function<bool()>& keep_going) {
   return guarded(run, [&]() -> Result<std::filesystem::path> {
-    E2LF_RETURN_IF_ERROR(check_reports(reports, run));
     E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
     E2LF_ASSIGN_OR_RETURN(const auto config, read_config(run / "config.json", overrides, peers));
     E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
@@ -157,7 +116,7 @@ Result<std::filesystem::path> resume(const std::filesystem::path& run, const std
     if (peers.leads() && std::filesystem::exists(run / kCheckpoint, error)) {
       E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
     }
-    return run_and_export(trainer, run, peers, progress, keep_going, reports);
+    return run_and_export(trainer, run, peers, progress, keep_going);
   });
 }
 
@@ -182,10 +141,6 @@ Result<void> export_run(const std::filesystem::path& run, const std::filesystem:
   return guarded(run, [&]() -> Result<void> {
     E2LF_RETURN_IF_ERROR(check_export(run, model, overwrite));
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, {}));
-    if (trainer.config().sensor.subwindows > 1) {
-      return fail(ErrorCode::kInvalidValue, run,
-                  "there is no model with sub-windows; see evaluation.csv for the figures");
-    }
     return model::write_model(model, trainer.to_model());
   });
 }

@@ -11,30 +11,22 @@
 
 namespace e2lf::learn {
 
-/// The files to which a report is written: pages (.html) and their tables (.csv, .tex).
-struct ReportFiles {
-  std::vector<std::filesystem::path> names = {};
-  bool overwrite = false;
-};
-
 /// The operations of the command line. No torch type appears here, and exceptions of torch are converted to kInternal
 /// errors. `overrides` are settings "a.b=value" that replace those of the configuration. If `keep_going` returns false,
-/// the run writes a checkpoint and fails with kCancelled. Reports are also written for a run that was stopped.
+/// the run writes a checkpoint and fails with kCancelled.
 
-/// Starts a run in a folder and exports its model at the end. Returns the path of the model file, or of evaluation.csv
-/// for a run with sub-windows, which has no model. Fails with kExists if the folder already contains a run.
+/// Starts a run in a folder and exports its model at the end. Returns the path of the model file. Fails with kExists if
+/// the folder already contains a run.
 [[nodiscard]] Result<std::filesystem::path> train(const std::filesystem::path& config, const std::filesystem::path& run,
                                                   const std::vector<std::string>& overrides = {},
                                                   const ProgressFn& progress = {},
-                                                  const std::function<bool()>& keep_going = {},
-                                                  const ReportFiles& reports = {});
+                                                  const std::function<bool()>& keep_going = {});
 
 /// Continues a run from its last checkpoint and exports its model at the end. Returns the path of the model file.
 [[nodiscard]] Result<std::filesystem::path> resume(const std::filesystem::path& run,
                                                    const std::vector<std::string>& overrides = {},
                                                    const ProgressFn& progress = {},
-                                                   const std::function<bool()>& keep_going = {},
-                                                   const ReportFiles& reports = {});
+                                                   const std::function<bool()>& keep_going = {});
 
 /// Exports the averaged weights of the last checkpoint as a model file. Fails with kExists if the file exists and
 /// `overwrite` is false, and with kInvalidValue if it is a file that the run needs.

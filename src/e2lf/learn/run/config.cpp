@@ -25,9 +25,6 @@ auto synthesiser_fields(Options& options) {
     visit("highlight_share", options.highlight_share, "share of scenes with reflections at a depth of their own");
     visit("procedural_share", options.procedural_share,
           "share of surfaces with a procedural texture in place of a photograph");
-    visit("plenoptic_share", options.plenoptic_share,
-          "share of scenes with small disparities and with the tone, blur, grain and corners of a [plenoptic "
-          "camera](experiments/plenoptic-scenes.md)");
     visit("motion_px_per_cycle", options.motion_px_per_cycle,
           "largest speed of a surface in px per cycle of the display; the network learns the light field at the time "
           "of the last pattern");
@@ -109,9 +106,6 @@ auto sensor_fields(Sensor& sensor) {
     visit("camera_field_spread", sensor.camera_field_spread,
           "largest relative error of the transmission of a pattern, which the network does not receive");
     visit("camera_gain", sensor.camera_gain, "range of the gain of samples with this camera");
-    visit("subwindows", sensor.subwindows,
-          "number of sub-windows of each transition whose counts are inputs of their own; more than 1 is an experiment "
-          "that yields figures but no model, and requires `camera` and a `camera_share` of 1");
     visit("cycles_share", sensor.cycles_share,
           "share of steps whose samples with this camera are means over 2, 4, 8 or 16 cycles");
   };
@@ -208,15 +202,6 @@ Result<void> check_patterns(const PatternConfig& patterns, capture::MeasurementK
   return {};
 }
 
-Result<void> check_sensor(const SensorConfig& sensor, const std::string& start, const std::string& location) {
-  if (sensor.subwindows == 1) return {};
-  if (sensor.subwindows == 0 || sensor.camera.empty() || sensor.camera_share < 1.0 || !start.empty()) {
-    return invalid("sub-windows require physical pixels in all samples; set camera, camera_share to 1 and no start",
-                   location + ".subwindows");
-  }
-  return {};
-}
-
 Result<void> check_network(const NetworkConfig& network, const std::string& location) {
   if (network.type != "unet" && network.type != "recnet") {
     return invalid(cat("unknown network type \"", network.type, "\"; use unet or recnet"), location);
@@ -265,7 +250,6 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
     return invalid("a patch must contain an integral number of lenses; make it a multiple of 8",
                    location + ".train.patch");
   }
-  E2LF_RETURN_IF_ERROR(check_sensor(config.sensor, config.start, location + ".sensor"));
   E2LF_RETURN_IF_ERROR(check_network(config.network, location + ".network"));
   E2LF_RETURN_IF_ERROR(check_train(config.train, location + ".train"));
   if (config.precision != "float32" && config.precision != "bfloat16") {
@@ -295,10 +279,7 @@ model::Network make_network(const Config& config) {
   const size_t num_patterns = config.patterns.num_patterns;
   size_t channels = 0;
   for (const model::InputGroup& group : config.input) {
-    // Otherwise, a sub-window is to the inputs what a transition is.
-    const bool is_of_patterns = group.kind == model::InputKind::kCamera || config.sensor.subwindows == 1;
-    const size_t seen = is_of_patterns ? num_patterns : (num_patterns - 1) * config.sensor.subwindows + 1;
-    channels += model::num_input_channels({group}, seen);
+    channels += model::num_input_channels({group}, num_patterns);
   }
   if (config.network.type == "recnet") return model::recnet(channels);
   return model::unet({.input_channels = channels,

@@ -59,7 +59,6 @@ struct SensorConfig {
   double camera_wide_share = 0.0;     ///< share of these with reduced imperfections; see draw_wide()
   double camera_field_spread = 0.0;   ///< largest relative error of a transmission, unknown to the network
   std::array<double, 2> camera_gain = {0.15, 1.4};  ///< log-uniform range of the gain of samples with this camera
-  uint64_t subwindows = 1;       ///< parts of each transition; their counts are separate: see simulate_pixel_events()
   double cycles_share = 0.0;     ///< share of steps whose camera samples are means over 2, 4, 8 or 16 cycles
   double full_gain_share = 0.5;  ///< share of samples with gain 1
   std::array<double, 2> gain = {0.15, 1.0};  ///< log-uniform range of the gain of the others

@@ -16,7 +16,7 @@ Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_
                     ? simulate_events(intensities, constants, noise, pipeline.event_model)
                     : intensities.slice(1, 0, 0);
   if (is_pixel.defined()) {
-    const auto of_pixels = simulate_pixel_events(intensities, full, constants.pixel, pipeline.subwindows);
+    const auto of_pixels = simulate_pixel_events(intensities, full, constants.pixel);
     events =
         all_pixel ? of_pixels : torch::where(is_pixel.to(events.device()).reshape({-1, 1, 1, 1}), of_pixels, events);
   }

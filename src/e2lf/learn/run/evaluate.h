@@ -19,7 +19,6 @@ struct Pipeline {
   torch::ScalarType compute = torch::kFloat;
   NamedTensors* input_means = nullptr;  ///< see NetworkModule::forward
   double image_sigma = 0.0;             ///< standard deviation of the noise of intensity images
-  int64_t subwindows = 1;               ///< parts of each transition with separate counts
 
   /// Returns the measurement that `input` requires.
   [[nodiscard]] capture::MeasurementKind measurement() const { return model::measurement_of(input).value(); }

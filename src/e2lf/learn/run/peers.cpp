@@ -34,6 +34,14 @@ std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
 
+/// Returns the error that describes the failure of a collective call.
+[[maybe_unused]] Error lost(const std::exception& error) {
+  return fail(ErrorCode::kIo, "data-parallel training", "a peer ended or did not respond for ",
+              Peers::kPatience.count(),
+              " s; `e2lf resume` continues from the last checkpoint, with any number of processes (",
+              first_line(error.what()), ")");
+}
+
 struct Meeting {
   int rank = 0, size = 1;
   std::string address;
@@ -149,7 +157,7 @@ struct Peers::Group {
 
   /// Calls `work` with the transport in use.
   template <typename Work>
-  Finish with(const Work& work) {
+  void with(const Work& work) {
 #ifdef E2LF_NCCL
     if (nccl) return work(*nccl);
 #endif
@@ -215,9 +223,15 @@ Result<void> Peers::connect(torch::Device device) {
               "; train with one process, or build with Gloo (CPU) or NCCL (CUDA)");
 }
 
-Peers::Finish Peers::begin_sum(const torch::Tensor& tensor) const {
-  std::vector<torch::Tensor> tensors{tensor};
-  return group_->with([&](auto& group) -> Finish { return [work = group.allreduce(tensors)] { work->wait(); }; });
+Result<void> Peers::sum(const torch::Tensor& tensor) const {
+  if (size_ == 1) return {};
+  try {
+    std::vector<torch::Tensor> tensors{tensor};
+    group_->with([&](auto& group) { group.allreduce(tensors)->wait(); });
+  } catch (const std::exception& error) {
+    return lost(error);
+  }
+  return {};
 }
 
 Result<void> Peers::copy_from_first(const torch::Tensor& tensor) const {
@@ -225,7 +239,7 @@ Result<void> Peers::copy_from_first(const torch::Tensor& tensor) const {
   try {
     torch::NoGradGuard no_grad;
     std::vector<torch::Tensor> dense{tensor.contiguous()};  // groups send only contiguous tensors
-    group_->with([&](auto& group) -> Finish { return [work = group.broadcast(dense)] { work->wait(); }; })();
+    group_->with([&](auto& group) { group.broadcast(dense)->wait(); });
     auto target = tensor;
     if (!dense.front().is_same(tensor)) target.copy_(dense.front());
   } catch (const std::exception& error) {
@@ -260,8 +274,8 @@ Result<void> Peers::connect(torch::Device) {
   return {};
 }
 
-Peers::Finish Peers::begin_sum(const torch::Tensor&) const {
-  return [] {};
+Result<void> Peers::sum(const torch::Tensor&) const {
+  return {};
 }
 
 Result<void> Peers::copy_from_first(const torch::Tensor&) const {
@@ -273,133 +287,5 @@ Result<std::string> Peers::text_from_first(const std::string& text) const {
 }
 
 #endif
-
-Result<void> Peers::sum(const torch::Tensor& tensor) const {
-  if (size_ == 1) return {};
-  try {
-    begin_sum(tensor)();
-  } catch (const std::exception& error) {
-    return lost(error);
-  }
-  return {};
-}
-
-Error Peers::lost(const std::exception& error) {
-  return fail(ErrorCode::kIo, "data-parallel training", "a peer ended or did not respond for ", kPatience.count(),
-              " s; `e2lf resume` continues from the last checkpoint, with any number of processes (",
-              first_line(error.what()), ")");
-}
-
-namespace {
-
-constexpr int64_t kBucketNumel = int64_t{1}
-                                 << 18;  // 1 MiB: a small number of messages, of which the first is sent early
-
-struct Bucket {
-  torch::Tensor flat;
-  std::vector<size_t> parameters;
-  size_t num_missing = 0;
-  Peers::Finish finish;
-};
-
-}  // namespace
-
-struct GradientExchange::State {
-  Peers peers;
-  std::vector<torch::Tensor> parameters;
-  std::vector<torch::Tensor> places;  // the place of each parameter's gradient in its bucket
-  std::vector<size_t> bucket_of;
-  std::vector<Bucket> buckets;
-  size_t num_sent = 0;
-  std::exception_ptr failure;
-
-  void add_bucket(size_t first, size_t last, int64_t numel);
-  void take(size_t parameter, const torch::Tensor& gradient);
-  void send_full_buckets();
-};
-
-void GradientExchange::State::add_bucket(size_t first, size_t last, int64_t numel) {
-  Bucket bucket;
-  bucket.flat = torch::zeros({numel}, parameters[first].options().requires_grad(false));
-  int64_t offset = 0;
-  for (size_t i = first; i < last; ++i) {
-    places.push_back(bucket.flat.slice(0, offset, offset + parameters[i].numel()));
-    bucket_of.push_back(buckets.size());
-    bucket.parameters.push_back(i);
-    offset += parameters[i].numel();
-  }
-  buckets.push_back(std::move(bucket));
-}
-
-// Buckets are sent in order, even if a later one is full earlier, because the sums of all processes must match.
-void GradientExchange::State::send_full_buckets() {
-  while (num_sent < buckets.size() && buckets[num_sent].num_missing == 0) {
-    Bucket& bucket = buckets[num_sent++];
-    bucket.finish = peers.begin_sum(bucket.flat);
-  }
-}
-
-void GradientExchange::State::take(size_t parameter, const torch::Tensor& gradient) {
-  if (failure) return;
-  try {
-    torch::NoGradGuard no_grad;
-    places[parameter].copy_(gradient.reshape({-1}));
-    --buckets[bucket_of[parameter]].num_missing;
-    send_full_buckets();
-  } catch (...) {
-    failure = std::current_exception();  // rethrown by finish(), because the backward pass would wrap it
-  }
-}
-
-GradientExchange::GradientExchange(const Peers& peers, std::vector<torch::Tensor> parameters)
-    : state_(std::make_shared<State>()) {
-  if (peers.size() == 1) return;
-  State& state = *state_;
-  state.peers = peers;
-  state.parameters = std::move(parameters);
-  size_t first = 0;
-  int64_t numel = 0;
-  for (size_t i = 0; i < state.parameters.size(); ++i) {
-    numel += state.parameters[i].numel();
-    if (numel < kBucketNumel && i + 1 < state.parameters.size()) continue;
-    state.add_bucket(first, i + 1, numel);
-    first = i + 1;
-    numel = 0;
-  }
-  for (size_t i = 0; i < state.parameters.size(); ++i) {
-    state.parameters[i].register_hook([weak = std::weak_ptr<State>(state_), i](const torch::Tensor& gradient) {
-      if (const auto alive = weak.lock()) alive->take(i, gradient);
-    });
-  }
-}
-
-void GradientExchange::begin() {
-  state_->num_sent = 0;
-  state_->failure = nullptr;
-  for (Bucket& bucket : state_->buckets) {
-    bucket.flat.zero_();
-    bucket.num_missing = bucket.parameters.size();
-  }
-}
-
-Result<void> GradientExchange::finish() {
-  State& state = *state_;
-  torch::NoGradGuard no_grad;
-  try {
-    if (state.failure) std::rethrow_exception(state.failure);
-    // Parameters that were not used in this step (patterns that are not learned) contribute zeros.
-    for (Bucket& bucket : state.buckets) bucket.num_missing = 0;
-    state.send_full_buckets();
-    for (Bucket& bucket : state.buckets) bucket.finish();
-  } catch (const std::exception& error) {
-    return Peers::lost(error);
-  }
-  for (size_t i = 0; i < state.parameters.size(); ++i) {
-    auto gradient = state.parameters[i].grad();
-    if (!gradient.defined()) continue;
-    gradient.copy_(state.places[i].reshape(gradient.sizes())).div_(state.peers.size());
-  }
-  return {};
-}
 
 }  // namespace e2lf::learn

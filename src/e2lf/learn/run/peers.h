@@ -43,39 +43,13 @@ class Peers {
   /// Replaces a tensor by its sum over all processes.
   [[nodiscard]] Result<void> sum(const torch::Tensor& tensor) const;
 
-  using Finish = std::function<void()>;
-  /// Starts the same sum and returns at once. The returned function waits for it and throws where sum() would fail.
-  [[nodiscard]] Finish begin_sum(const torch::Tensor& tensor) const;
-
   /// Replaces a tensor by that of process 0.
   [[nodiscard]] Result<void> copy_from_first(const torch::Tensor& tensor) const;
-
-  /// Returns the error that describes the failure of a collective call.
-  [[nodiscard]] static Error lost(const std::exception& error);
 
  private:
   struct Group;  // keeps the types of c10d out of headers: they differ between versions and builds of torch
   int rank_ = 0, size_ = 1;
   std::shared_ptr<Group> group_;
-};
-
-/// Averages gradients over all processes while the backward pass is running. Parameters are packed into buckets in the
-/// order in which their gradients become available, and a bucket is sent as soon as it is full.
-class GradientExchange {
- public:
-  /// `parameters` are leaves in the expected order of their gradients, which must be the same in every process.
-  GradientExchange(const Peers& peers, std::vector<torch::Tensor> parameters);
-
-  /// Must be called before each backward pass.
-  void begin();
-
-  /// Must be called after each backward pass; every defined gradient is then the mean over the processes. Fails with
-  /// kIo if a peer is lost.
-  [[nodiscard]] Result<void> finish();
-
- private:
-  struct State;  // the hooks of the parameters refer to it even if the exchange is moved
-  std::shared_ptr<State> state_;
 };
 
 }  // namespace e2lf::learn

@@ -17,8 +17,7 @@ void print_usage(std::FILE* where) {
   std::fputs(
       "usage: e2lf-train train CONFIG.json -o RUN [--set key=value]...\n       e2lf-train resume RUN [--set "
       "key=value]...\n       e2lf-train evaluate RUN SCENE... [--set key=value]...   (names in the run's packed "
-      "data)\n       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n--report FILE: also write a page "
-      "(.html) or its tables (.csv, .tex), with train and resume; --overwrite\nreplaces it\n--quiet: do not show the "
+      "data)\n       e2lf-train export RUN -o MODEL.safetensors [--overwrite]\n--quiet: do not show the "
       "progress\n",
       where);
 }
@@ -40,13 +39,12 @@ void print_warnings(e2lf::LogLevel level, const std::string& message) {
   std::fprintf(stderr, "e2lf-train: warning: %s\n", message.c_str());
 }
 
-/// Prints the path of a run's model, or of its figures if it has none. One of several processes writes it.
+/// Prints the path of a run's model, which one of several processes writes.
 e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model, bool quiet) {
   if (!model) return model.error();
   e2lf::hide_progress();
   std::error_code error;
-  const char* what = model->extension() == ".csv" ? "figures" : "model";
-  if (!quiet && std::filesystem::exists(*model, error)) std::printf("%s in %s\n", what, model->c_str());
+  if (!quiet && std::filesystem::exists(*model, error)) std::printf("model in %s\n", model->c_str());
   return {};
 }
 
@@ -63,18 +61,16 @@ e2lf::Result<void> print(const e2lf::Result<std::string>& report) {
 int main(int argc, char** argv) {
   std::vector<std::string> names, overrides;
   std::string output;
-  e2lf::learn::ReportFiles reports;
   bool overwrite = false, quiet = false;
-  const option options[] = {{"set", required_argument, nullptr, 's'}, {"report", required_argument, nullptr, 'r'},
-                            {"overwrite", no_argument, nullptr, 'w'}, {"quiet", no_argument, nullptr, 'q'},
-                            {"help", no_argument, nullptr, 'h'},      {nullptr, 0, nullptr, 0}};
+  const option options[] = {{"set", required_argument, nullptr, 's'},
+                            {"overwrite", no_argument, nullptr, 'w'},
+                            {"quiet", no_argument, nullptr, 'q'},
+                            {"help", no_argument, nullptr, 'h'},
+                            {nullptr, 0, nullptr, 0}};
   for (int key; (key = ::getopt_long(argc, argv, "ho:", options, nullptr)) != -1;) {
     switch (key) {
       case 's':
         overrides.emplace_back(optarg);
-        break;
-      case 'r':
-        reports.names.emplace_back(optarg);
         break;
       case 'o':
         output = optarg;
@@ -92,7 +88,6 @@ int main(int argc, char** argv) {
     }
   }
   names.assign(argv + optind, argv + argc);
-  reports.overwrite = overwrite;
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of the size of files then fails, and its part is removed
   if (names.size() < 2) return usage_error();
   // The first signal ends training after the current step with a checkpoint; the other verbs have nothing to save.
@@ -103,9 +98,9 @@ int main(int argc, char** argv) {
   e2lf::ProgressBar bar(names[0], quiet);
   e2lf::Result<void> result;
   if (names[0] == "train" && names.size() == 2 && !output.empty()) {
-    result = print_model(e2lf::learn::train(names[1], output, overrides, bar.callback(), keep_going, reports), quiet);
+    result = print_model(e2lf::learn::train(names[1], output, overrides, bar.callback(), keep_going), quiet);
   } else if (names[0] == "resume" && names.size() == 2) {
-    result = print_model(e2lf::learn::resume(names[1], overrides, bar.callback(), keep_going, reports), quiet);
+    result = print_model(e2lf::learn::resume(names[1], overrides, bar.callback(), keep_going), quiet);
   } else if (names[0] == "evaluate" && names.size() > 2) {
     result = print(e2lf::learn::evaluate_run(names[1], {names.begin() + 2, names.end()}, overrides));
   } else if (names[0] == "export" && names.size() == 2 && !output.empty()) {

@@ -83,20 +83,6 @@ double learning_rate(const TrainConfig& train, uint64_t step) {
   return train.learning_rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
 }
 
-/// Returns the parameters in the order in which a backward pass computes their gradients.
-std::vector<torch::Tensor> in_backward_order(const NetworkModule& network, const NamedTensors& patterns) {
-  std::vector<torch::Tensor> ordered;
-  const auto& layers = network.network().layers;
-  for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
-    for (const char* part : {".bias", ".weight"}) {
-      const auto found = network.parameters().find(layer->name + part);
-      if (found != network.parameters().end()) ordered.push_back(found->second);
-    }
-  }
-  for (const auto& [name, tensor] : patterns) ordered.push_back(tensor);
-  return ordered;
-}
-
 /// Computes the contribution of each sample to the loss from its mean squared error and its gain.
 torch::Tensor sample_losses(const TrainConfig& train, const torch::Tensor& errors, const torch::Tensor& gains) {
   constexpr double kFloor = 1e-6;  // 60 dB; below it, the slope of a power less than 1 would be too large
@@ -117,8 +103,7 @@ Trainer::Trainer(Config config, Batches batches, NetworkModule network, torch::D
       muon_(by_muon_),
       adam_(by_adam_),
       pattern_adam_(pattern_parameters_),
-      average_(clone(network_.parameters())),
-      exchange_(peers, in_backward_order(network_, pattern_parameters_)) {}
+      average_(clone(network_.parameters())) {}
 
 Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   if (config.train.batch % static_cast<uint64_t>(peers.size()) != 0) {
@@ -217,23 +202,24 @@ Result<void> Trainer::replace_by_peers_mean(const NamedTensors& tensors) const {
 Result<void> Trainer::backward(const torch::Tensor& loss) {
   zero_gradients(network_.parameters());
   zero_gradients(pattern_parameters_);
-  exchange_.begin();
   loss.backward();
-  return exchange_.finish();
+  NamedTensors gradients;
+  const auto add = [&](const NamedTensors& parameters) {
+    for (const auto& [name, tensor] : parameters) {
+      // Patterns that are not learned have none.
+      if (tensor.grad().defined()) gradients.emplace(name, tensor.grad());
+    }
+  };
+  add(network_.parameters());
+  add(pattern_parameters_);
+  return replace_by_peers_mean(gradients);
 }
 
 Result<StepReport> Trainer::train_step() {
   const Batch batch = batches_.at(step_, {peers_.rank(), peers_.size()});
   NamedTensors input_means;
-  const Pipeline pipeline{&network_,
-                          &network_.parameters(),
-                          current_codes(),
-                          config_.patterns.event_model,
-                          config_.input,
-                          compute_type(),
-                          &input_means,
-                          config_.sensor.nominal.sigma_i,
-                          static_cast<int64_t>(config_.sensor.subwindows)};
+  const Pipeline pipeline{&network_,     &network_.parameters(), current_codes(), config_.patterns.event_model,
+                          config_.input, compute_type(),         &input_means,    config_.sensor.nominal.sigma_i};
   const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise, batch.moving);
   // The views are last in memory, so the gradients are, too.
   const auto difference = (result.light_field - batch.light_field).permute({0, 2, 3, 1}).flatten(1);
@@ -272,8 +258,7 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
                           config_.input,
                           compute_type(),
                           nullptr,
-                          config_.sensor.nominal.sigma_i,
-                          static_cast<int64_t>(config_.sensor.subwindows)};
+                          config_.sensor.nominal.sigma_i};
   std::vector<SceneScore> scores;
   for (const std::string& name : scenes) {
     E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));
@@ -288,7 +273,6 @@ std::vector<capture::SensorProfile> Trainer::cameras() const {
   std::vector<capture::SensorProfile> list(1);
   list.front().constants = config_.sensor.nominal;
   if (batches_.camera()) list.push_back(*batches_.camera());
-  if (config_.sensor.subwindows > 1) list.erase(list.begin());
   return list;
 }
 

@@ -90,7 +90,6 @@ class Trainer {
   Muon muon_;
   Adam adam_, pattern_adam_;
   NamedTensors average_;
-  GradientExchange exchange_;
   uint64_t step_ = 0;
 };
 
