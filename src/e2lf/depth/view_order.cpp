@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/threads.h"
+#include "e2lf/lightfield/crop.h"
 
 namespace e2lf::depth {
 namespace {
