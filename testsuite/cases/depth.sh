@@ -58,7 +58,6 @@ cmp maps/cycle_00000/disparity.npy out/disparity.npy
 py -c 'import numpy as np; d = np.load("maps/cycle_00001/disparity.npy"); assert np.abs(d[8:-8, 8:-8] - 0.6).max() < 0.02'
 
 fails 1 'give one of them' "$E2LF" depth cycles -o x.ply
-fails 1 'larger' "$E2LF" depth cycles/cycle_00001/lightfield.npy -o x.ply --infinity 0.5
 fails 1 'there is no view (8, 0)' "$E2LF" depth plane.npy -o x --view-row 8 --view-column 0
 fails 1 'two limits' "$E2LF" depth plane.npy -o x --min-disparity 0
 fails 1 'leaves the picture of 64x48 px' "$E2LF" depth plane.npy -o x --min-disparity=-1e9 --max-disparity=1e9
@@ -79,8 +78,6 @@ py -c 'import numpy as np; a, b = np.load("from_events/disparity.npy"), np.load(
 py -c 'import numpy as np; e = np.load("events.npz"); np.savez("two.npz", events=np.stack([e["events"].reshape(3, 48, 64)] * 2))'
 "$E2LF" depth two.npz -m depth.safetensors -o two --quiet
 cmp two/cycle_00001/disparity.npy from_events/disparity.npy
-"$E2LF" depth events.npz -m depth.safetensors -o metres.ply --infinity 20 --focus-distance 2.5 --least-confidence 0 --quiet
-grep -aq '2.5 = the distance of disparity 0' metres.ply || fail "metres"
 fails 1 'flipped' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --flip-x
 fails 1 'no disparities' "$E2LF" depth events.npz -m layers.safetensors -o x.npy
 fails 1 'disparities' "$E2LF" reconstruct events.npz -m depth.safetensors -o x

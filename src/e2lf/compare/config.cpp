@@ -190,11 +190,6 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
   return config;
 }
 
-Result<Config> read_config(const std::filesystem::path& path) {
-  E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
-  return config_from_json(json, path.string());
-}
-
 std::string documented_keys() {
   FieldTable table;
   const Config config;

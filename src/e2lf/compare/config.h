@@ -55,10 +55,9 @@ struct Config {
 
 inline constexpr const char* kAlgorithms[] = {"network", "inversion", "regularised", "event-video"};
 
-/// Reads a configuration. Fails with kNotFound, kFormat and kInvalidValue (unknown keys, for which the nearest known
+/// Reads a configuration. Fails with kFormat and kInvalidValue (unknown keys, for which the nearest known
 /// one is suggested, values out of range, duplicate names, or nothing to compare). The location is the place in the
 /// file.
-[[nodiscard]] Result<Config> read_config(const std::filesystem::path& path);
 [[nodiscard]] Result<Config> config_from_json(const Json& json, const std::string& location);
 
 /// Returns the table of all keys for docs/compare.md.

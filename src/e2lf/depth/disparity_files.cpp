@@ -191,9 +191,7 @@ class Positions {
       focus_y = focus * ray_y;
       focus_x = focus * ray_x;
     }
-    const double unit = geometry_.lens ? 1 : geometry_.focus_distance;
-    return {unit * (pinhole_x_ + share * (focus_x - pinhole_x_)), unit * (pinhole_y_ + share * (focus_y - pinhole_y_)),
-            unit * focus * share};
+    return {pinhole_x_ + share * (focus_x - pinhole_x_), pinhole_y_ + share * (focus_y - pinhole_y_), focus * share};
   }
 
  private:
@@ -240,9 +238,9 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
   }
   std::vector<uint8_t> bytes;
   append_text(bytes, cat("ply\nformat binary_little_endian 1.0\n", "comment x right, y down, z away from the camera; ",
-                         geometry.lens ? geometry.lens->focus_m : geometry.focus_distance,
-                         " = the distance of disparity 0; infinity at ", positions.infinity_px(), " px\n",
-                         "element vertex ", count, "\nproperty float x\nproperty float y\nproperty float z\n",
+                         geometry.lens ? geometry.lens->focus_m : 1.0, " = the distance of disparity 0; infinity at ",
+                         positions.infinity_px(), " px\n", "element vertex ", count,
+                         "\nproperty float x\nproperty float y\nproperty float z\n",
                          picture.channels == 1 ? "property uchar grey\n"
                                                : "property uchar red\nproperty uchar green\nproperty uchar blue\n",
                          "property float confidence\nend_header\n"));

@@ -45,7 +45,6 @@ inline constexpr float kPngZero = 32768.0F, kPngScale = 4096.0F;
 struct PointGeometry {
   float infinity_px = 4;          ///< the disparity at infinity, positive and larger than any other
   float field_width = 0.8F;       ///< width of the visible rectangle at the focus distance
-  float focus_distance = 1;       ///< points are in units of which this is the focus distance
   std::optional<Lens> lens = {};  ///< replaces all of them; positions are in metres from the middle view
 };
 

@@ -40,7 +40,6 @@ class RunRecord {
   /// that the run can be repeated from its record.
   void resolve(const std::string& option, Json value) { resolved_[option] = std::move(value); }
 
-  [[nodiscard]] const Json& timings_s() const { return timings_s_; }
 
   /// Returns the record, which ResultFolder writes as run.json. Reads the inputs, and warns of those that have changed
   /// since the run that is repeated.

@@ -26,9 +26,7 @@ struct Shared {
 void share(const DisparityOutput& output, const depth::DisparityMap& map, Shared& shared) {
   if (shared.shown) return;
   shared.shown = depth::shown_range(map);
-  shared.infinity = output.lens           ? static_cast<float>(output.lens->infinity_px())
-                    : output.infinity > 0 ? output.infinity
-                                          : depth::assumed_infinity(map.range);
+  shared.infinity = output.lens ? static_cast<float>(output.lens->infinity_px()) : depth::assumed_infinity(map.range);
 }
 
 Result<void> write_array(const fs::path& path, const Image& image) {
@@ -37,8 +35,7 @@ Result<void> write_array(const fs::path& path, const Image& image) {
 
 Result<void> write_points(const fs::path& path, const DisparityOutput& output, const DisparityResult& result,
                           const Shared& shared) {
-  const depth::PointGeometry geometry{shared.infinity, output.field_width,
-                                      output.focus_distance > 0 ? output.focus_distance : 1.0F, output.lens};
+  const depth::PointGeometry geometry{.infinity_px = shared.infinity, .lens = output.lens};
   E2LF_ASSIGN_OR_RETURN(const auto points, located(depth::encode_point_cloud(result.map, result.picture, result.shape,
                                                                              geometry, output.least_confidence),
                                                    output.input));

@@ -29,11 +29,9 @@ using DisparitySource = std::function<Result<std::optional<DisparityResult>>()>;
 
 struct DisparityOutput {
   std::filesystem::path input, output;
-  bool is_one = true;        ///< whether the folder itself gets the files of the one map
-  float infinity = 0;        ///< disparity at infinity; 0 = assumed
-  float focus_distance = 0;  ///< distance of disparity 0 in metres; 0 = unknown
-  float field_width = 0.8F, least_confidence = 0.1F;
-  std::optional<depth::Lens> lens = {};  ///< gives infinity, focus distance and field width
+  bool is_one = true;  ///< whether the folder itself gets the files of the one map
+  float least_confidence = 0.1F;
+  std::optional<depth::Lens> lens = {};  ///< without it, points are in units of the distance of disparity 0
 };
 
 /// Returns true if the name is that of a single file: .npy, .pfm, .png or .ply.

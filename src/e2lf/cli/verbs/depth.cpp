@@ -170,23 +170,9 @@ void add_output_options(CLI::App& app, DisparityOutput& output, fs::path& lens_f
                  "folder to write, or a file: .npy or .pfm (float32), .png (16 bits, 32768 + 4096 * disparity) or .ply "
                  "(points); of events of several cycles, a file contains the first one")
       ->required();
-  CLI::Option* const lens = app.add_option(
+  app.add_option(
       "--lens", lens_file,
       "calibrated lens (JSON of examples/lens/calibrate_lens.py): points in metres, and metres.npy in the folder");
-  app.add_option("--infinity", output.infinity,
-                 "points: disparity at infinite distance, px per view step; default: assumed, see run.json")
-      ->check(positive_number())
-      ->excludes(lens);
-  app.add_option("--focus-distance", output.focus_distance,
-                 "points: distance at which the disparity is 0, in metres, with --infinity; default: points are in "
-                 "units of this distance")
-      ->check(positive_number())
-      ->excludes(lens);
-  app.add_option("--field-width", output.field_width,
-                 "points: width of the field of view at disparity 0, in units of its distance")
-      ->check(positive_number())
-      ->excludes(lens)
-      ->capture_default_str();
   app.add_option("--least-confidence", output.least_confidence, "points: smallest confidence of a point")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
