@@ -48,7 +48,6 @@ fails 2 "--origin-us: \"99999999999999999999\" is not a whole number" "${accumul
 fails 2 ".jpg" "${accumulate[@]}" --report cycles.jpg
 fails 2 "none.json" "${accumulate[@]}" --schedule none.json
 absent images.npz cycles.png
-fails 1 "chart" "$E2LF" info demo/scene --report rate.svg
 absent rate.png rate.svg
 reconstruct=("$E2LF" reconstruct events.npz -m "$model" -o out)
 fails 2 "none.json" "${reconstruct[@]}" --schedule none.json
