@@ -40,7 +40,6 @@ class RunRecord {
   /// that the run can be repeated from its record.
   void resolve(const std::string& option, Json value) { resolved_[option] = std::move(value); }
 
-
   /// Returns the record, which ResultFolder writes as run.json. Reads the inputs, and warns of those that have changed
   /// since the run that is repeated.
   [[nodiscard]] Result<Json> json(const Verb& verb) const;
