@@ -14,7 +14,6 @@
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/recordings/recording.h"
 #include "reader_seeds.h"
-#include "testing/test_aedat.h"
 #include "testing/test_aedat4.h"
 #include "testing/test_evt4.h"
 #include "testing/test_gzip.h"
@@ -90,18 +89,6 @@ Bytes aedat4_file(const ev::EventBatch& stream, ev::aedat4::Compression compress
                                compression);
 }
 
-Result<void> write_old_aedat(const fs::path& folder) {
-  using namespace ev::aedat;
-  const Bytes dvs = aedat2_file("# AEChip: DVS128\r\n", {{7 << 8 | 5 << 1, 100}, {0x8000, 150}, {0x101, 0x7FFFFFFF}});
-  const Bytes davis = aedat2_file("", {{9U << 22 | 4U << 12 | 1U << 11, 10}, {1U << 31, 3}, {1U << 10 | 2U, 13}});
-  const Bytes packets = aedat3_file("#Source 1: DVS128\r\n#Source 2: DAVIS240C\r\n",
-                                    {polarity_packet(1, 1, {{3, 4, 1, 100}, {5, 6, 0, 101}}),
-                                     special_packet(1, 1, {{2, 50}, {3, 60}}), polarity_packet(2, 1, {{9, 9, 1, 7}})});
-  E2LF_RETURN_IF_ERROR(write_file(folder / "aedat2" / "dvs128", dvs));
-  E2LF_RETURN_IF_ERROR(write_file(folder / "aedat2" / "davis", davis));
-  return write_file(folder / "aedat3" / "two", packets);
-}
-
 Result<void> write_bags(const fs::path& folder) {
   using namespace ev::rosbag;
   const uint64_t base_ns = 1'700'000'000'000'000'000;
@@ -109,8 +96,6 @@ Result<void> write_bags(const fs::path& folder) {
   const std::map<std::string, Bytes> messages = {
       {"evt3", packet_message(0, "evt3", 0, evt3)},
       {"mono", packet_message(0, "mono", base_ns, words<uint64_t>({0x8002'0001'0000'03E8, 0x0003'0004'0000'07D0}))},
-      {"libcaer", packet_message(0, "libcaer", base_ns, words<uint32_t>({5U << 17 | 6U << 2 | 3U, 100}))},
-      {"cmp", packet_message(0, "libcaer_cmp", base_ns, words<uint16_t>({1, 0x1005, 0x2009, 0x3803, 0x4010, 0x5005}))},
       {"list", list_message(ev::random_stream({.events = 5, .width = 64, .height = 48}).events)}};
   for (const auto& [name, message] : messages) {
     const std::vector<TestTopic> topics = {{"/events", name == "list" ? kListType : kPacketType}, {"/other"}};
@@ -184,7 +169,6 @@ Result<void> write_images(const fs::path& folder) {
 
 Result<void> write_all(const fs::path& folder) {
   E2LF_RETURN_IF_ERROR(write_recordings(folder));
-  E2LF_RETURN_IF_ERROR(write_old_aedat(folder));
   E2LF_RETURN_IF_ERROR(write_bags(folder));
   E2LF_RETURN_IF_ERROR(write_arrays(folder));
   E2LF_RETURN_IF_ERROR(write_images(folder));

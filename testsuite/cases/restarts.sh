@@ -1,6 +1,5 @@
 # Recordings whose clock starts again, since two were joined: no event is lost or mixed in any format, and --restart decides.
 py - <<'PY'
-import struct
 import h5py, numpy as np
 rng = np.random.default_rng(5)
 n = 3000
@@ -14,10 +13,6 @@ np.savez("truth.npz", **{**twice, "t": np.r_[t, t + 89001]})
 with h5py.File("joined.h5", "w") as f:
     for k, v in twice.items():
         f["events/" + k] = v
-head = b"#!AER-DAT2.0\r\n# AEChip: DAVIS346\r\n"
-records = b"".join(struct.pack(">II", int(259 - b) << 22 | int(345 - a) << 12 | int(c) << 11, d) for a, b, c, d in zip(x, y, p, t))
-open("joined.aedat", "wb").write(head + 2 * records)
-open("joined.appended.aedat", "wb").write(2 * (head + records))
 PY
 for format in evt2 evt2.1 evt3; do
   "$E2LF" convert one.npz "$format.raw" --format "$format" --sensor-width 64 --sensor-height 48 --quiet

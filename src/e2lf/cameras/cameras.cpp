@@ -254,8 +254,6 @@ void add_cameras() {
              CameraPlugin{"pipe", "standard input; ADDRESS is the path of a named pipe or nothing",
                           recordings::open_pipe_camera},
              CameraPlugin{"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", recordings::open_tcp_camera},
-             CameraPlugin{"v4l2", "an event sensor behind a Linux driver; ADDRESS is its device, e.g. video0",
-                          recordings::open_v4l2_camera, recordings::list_v4l2_cameras},
 #ifdef E2LF_HAVE_METAVISION_HAL
              CameraPlugin{"metavision", "a camera of the vendor's open HAL; ADDRESS is a serial number or nothing",
                           recordings::open_metavision_camera, recordings::list_metavision_cameras},

@@ -16,8 +16,8 @@ struct e2lf_camera_functions;
 namespace e2lf::cameras {
 
 /// Registers the cameras of this library with recordings::add_camera_plugin(), as a program does with its own: replayed
-/// recordings, pipes, TCP, Linux drivers, the vendor's HAL if the build has it, and the plugins in the environment
-/// variable E2LF_CAMERA_PLUGINS. Further calls do nothing.
+/// recordings, pipes, TCP, the vendor's HAL if the build has it, and the plugins in the environment variable
+/// E2LF_CAMERA_PLUGINS. Further calls do nothing.
 void add_cameras();
 
 }  // namespace e2lf::cameras
@@ -38,13 +38,6 @@ namespace e2lf::recordings {
 
 /// Connects to a sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.
 [[nodiscard]] Result<CameraPtr> open_tcp_camera(const std::string& address);
-
-/// Creates a camera of a Linux driver (V4L2), which start() opens by its device ("video0" or "/dev/video0"), or the
-/// first one that list_v4l2_cameras() finds if `address` is empty.
-[[nodiscard]] Result<CameraPtr> open_v4l2_camera(const std::string& address);
-
-/// Returns the devices in /dev that send events.
-[[nodiscard]] Result<std::vector<std::string>> list_v4l2_cameras();
 
 /// Returns the plugin with these functions, which must be valid until the process ends. Fails with kUnsupported
 /// (another version) and kFormat (a missing function, or an invalid name).
@@ -92,25 +85,5 @@ struct UsbFolders {
 /// the cameras that the HAL lists.
 [[nodiscard]] Error unopened_error(const std::string& address, const std::vector<std::string>& listed,
                                    const std::vector<UsbCamera>& usb);
-
-/// The system calls of a V4L2 camera, which tests replace. Like those of the C library, they return -1 and set errno on
-/// failure.
-class V4l2System {
- public:
-  virtual ~V4l2System() = default;
-  virtual int open(const std::string& path);
-  virtual int close(int descriptor);
-  virtual int control(int descriptor, unsigned long request, void* argument);  ///< ioctl()
-  virtual void* map(size_t length, int descriptor, off_t offset);              ///< null on failure
-  virtual void unmap(void* memory, size_t length);
-  /// Waits for data. Returns 1 if they can be read, 0 after the timeout, and -1 if the device failed.
-  virtual int wait(int descriptor, int timeout_ms);
-};
-
-/// Returns the devices of a folder that send events, by their file names ("video0").
-[[nodiscard]] std::vector<std::string> find_v4l2_devices(V4l2System& system, const std::string& folder);
-
-/// Creates the camera of open_v4l2_camera(), whose devices are in `folder`. `system` must outlive it.
-[[nodiscard]] CameraPtr make_v4l2_camera(V4l2System& system, const std::string& folder, const std::string& address);
 
 }  // namespace e2lf::recordings

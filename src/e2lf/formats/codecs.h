@@ -52,42 +52,12 @@ namespace e2lf::recordings::aedat4 {
 
 }  // namespace e2lf::recordings::aedat4
 
-namespace e2lf::recordings::aedat {
-
-/// The older AEDAT formats. Both begin with lines of text; AEDAT 4 is a different format (codecs/aedat4).
-///
-/// AEDAT 2 (jAER): big-endian records of a 32-bit address and a 32-bit time in us. The meaning of the bits of an
-/// address depends on the camera, a DVS128 or one of the DAVIS cameras, which the header may name ("# AEChip:
-/// ...Davis240C"); otherwise, the size must be given, or all addresses of a file determine the kind. jAER counts rows
-/// from the bottom and the columns of the address from the right; the events that are returned are counted from the top
-/// left. The external input is trigger 0, and a pulse counts as a rising edge. Frames and inertial data are skipped.
-/// Several DAVIS cameras, whose numbers are in the low four bits of the addresses, are several streams.
-///
-/// AEDAT 3 (cAER): little-endian packets of events of one type and source. Polarity and special events are read.
-/// Triggers 0, 1 and 2 are the external inputs, and 3 is the generator; a pulse counts as a rising edge. Several
-/// sources are several streams. Rows of AEDAT 3.0 are counted from the bottom, those of 3.1 from the top.
-///
-/// AEDAT 2 does not support fast seeking: a seek reads from the start.
-
-[[nodiscard]] bool detect_aedat2(std::span<const uint8_t> head);
-[[nodiscard]] bool detect_aedat3(std::span<const uint8_t> head);
-
-/// Opens an AEDAT 2 recording. Fails with kFormat (no such header) and kInvalidValue (a size that contradicts the
-/// header).
-[[nodiscard]] Result<ReaderPtr> open_aedat2(SourcePtr source, const OpenOptions& options);
-
-/// Opens an AEDAT 3 recording. Fails with kFormat (no such header), kUnsupported (compressed packets) and kInvalidValue
-/// (no stream with this name).
-[[nodiscard]] Result<ReaderPtr> open_aedat3(SourcePtr source, const OpenOptions& options);
-
-}  // namespace e2lf::recordings::aedat
-
 namespace e2lf::recordings::rosbag {
 
-/// Bags of ROS 2: an SQLite database (.db3), an MCAP file, or a folder of either with a metadata.yaml.
+/// Bags of ROS 2: an SQLite database (.db3), an MCAP file, or a folder of either.
 ///
-/// Supported messages are event_camera_msgs/EventPacket and event_array_msgs/EventArray in the encodings evt3, mono,
-/// trigger, libcaer and libcaer_cmp, and dvs_msgs/EventArray and prophesee_event_msgs/EventArray. Each topic of such
+/// Supported messages are event_camera_msgs/EventPacket and event_array_msgs/EventArray in the encodings evt3, mono
+/// and trigger, and dvs_msgs/EventArray and prophesee_event_msgs/EventArray. Each topic of such
 /// messages is a stream; the first one is read if options.stream does not select another. Triggers come from the same
 /// messages, or from a topic beside them whose name ends in "trigger". If no stream was selected, messages of other
 /// event topics are counted as left out; gaps in the packet numbers are counted, too. Times are those of the sensor in
@@ -103,10 +73,10 @@ namespace e2lf::recordings::rosbag {
 [[nodiscard]] Result<ReaderPtr> open_sqlite(SourcePtr source, const OpenOptions& options);
 [[nodiscard]] Result<ReaderPtr> open_mcap(SourcePtr source, const OpenOptions& options);
 
-/// Returns whether a folder contains a metadata.yaml and files of a bag.
+/// Returns whether a folder contains files of a bag.
 [[nodiscard]] bool is_bag_folder(const std::filesystem::path& path);
 
-/// Opens the files of a folder in the order of metadata.yaml.
+/// Opens the files of a folder in the order of their numbers.
 [[nodiscard]] Result<ReaderPtr> open_folder(const std::filesystem::path& path, const OpenOptions& options);
 
 }  // namespace e2lf::recordings::rosbag
@@ -147,9 +117,6 @@ namespace e2lf::recordings::numpy {
 [[nodiscard]] bool detect_npz(std::span<const uint8_t> head);
 [[nodiscard]] Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options);
 [[nodiscard]] Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info);
-
-/// Opens an array [4, events], or one of [events, 4] in Fortran order, which is read as a whole, in memory.
-[[nodiscard]] Result<ReaderPtr> open_npy_columns(SourcePtr source, const OpenOptions& options);
 
 /// A folder with a .npy file for each field of an event, as those of EVREAL (events_ts, events_xy [events, 2],
 /// events_p) and EV-IMO have, and optionally metadata.json with sensor_resolution = [height, width]. It is read as a

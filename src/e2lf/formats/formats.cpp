@@ -13,7 +13,6 @@ namespace e2lf::formats {
 namespace {
 
 using recordings::Codec;
-namespace aedat = recordings::aedat;
 namespace aedat4 = recordings::aedat4;
 namespace dat = recordings::dat;
 namespace dsec = recordings::hdf5_events::dsec;
@@ -38,12 +37,6 @@ std::vector<Codec> all_formats() {
        .description = "iniVation AEDAT 4",
        .detect = aedat4::detect,
        .open = aedat4::open},
-      {.name = "aedat2",
-       .extensions = {".aedat", ".aedat2"},
-       .description = "AEDAT 2 of jAER",
-       .detect = aedat::detect_aedat2,
-       .open = aedat::open_aedat2},
-      {.name = "aedat3", .description = "AEDAT 3 of cAER", .detect = aedat::detect_aedat3, .open = aedat::open_aedat3},
       {.name = "rosbag",
        .extensions = {".db3"},
        .description = "ROS 2 bag, stored with SQLite",

@@ -11,7 +11,6 @@
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 #include "e2lf/recordings/recording.h"
 #include "testing/chunked_source.h"
-#include "testing/test_aedat.h"
 #include "testing/test_aedat4.h"
 #include "testing/test_evt4.h"
 #include "testing/test_rosbag.h"
@@ -118,27 +117,10 @@ Bytes with_records_in_order_of(const EventColumns& events, const char* format, s
   return swapped;
 }
 
-Bytes as_aedat2(const EventColumns& events) {
-  std::vector<std::pair<uint32_t, uint32_t>> records;
-  for (size_t i = 0; i < events.size(); ++i) {
-    records.emplace_back((127U - events.y[i]) << 8 | (127U - events.x[i]) << 1 | (1U - events.p[i]),
-                         static_cast<uint32_t>(events.t[i]));
-  }
-  return aedat::aedat2_file("# AEChip: DVS128\r\n", records);
-}
-
 std::vector<Event> slice_of(const EventColumns& events, size_t begin, size_t end) {
   std::vector<Event> part;
   for (size_t i = begin; i < std::min(end, events.size()); ++i) part.push_back(events[i]);
   return part;
-}
-
-Bytes as_aedat3(const EventColumns& events) {
-  std::vector<Bytes> packets;
-  for (size_t i = 0; i < events.size(); i += 100) {
-    packets.push_back(aedat::polarity_packet(1, 0, slice_of(events, i, i + 100)));
-  }
-  return aedat::aedat3_file("#Source 1: DVS128\r\n", packets);
 }
 
 EventColumns columns_of(const std::vector<Event>& events) {
@@ -230,8 +212,6 @@ TEST(Disorder, OfNeighbouringPairsIsSortedInEveryFormat) {
   const std::pair<const char*, Bytes> files[] = {{"dat", with_records_in_order_of(events, "dat", 8)},
                                                  {"csv", as_csv(events)},
                                                  {"npz", as_npz(events)},
-                                                 {"aedat2", as_aedat2(events)},
-                                                 {"aedat3", as_aedat3(events)},
                                                  {"aedat4", as_aedat4(events)},
                                                  {"mcap", as_mcap(events)},
 #ifdef E2LF_HAVE_SQLITE
@@ -378,14 +358,6 @@ TEST(Seeking, StaysInTheRangeOfTheOptions) {
       EXPECT_LT(rest.t.back(), to_us) << format;
     }
   }
-}
-
-TEST(Triggers, ThatAreSlightlyLateTakeTheTimeOfTheirPredecessor) {
-  const Bytes bytes = aedat::aedat3_file("#Source 1: DVS128\r\n", {aedat::polarity_packet(1, 0, {{3, 4, 1, 100}}),
-                                                                   aedat::special_packet(1, 0, {{2, 50}, {3, 40}})});
-  const Decoded opened = decoded(bytes);
-  EXPECT_EQ(opened.batch.triggers, (std::vector<Trigger>{{50, 0, 1}, {50, 0, 0}}));
-  EXPECT_EQ(opened.summary.num_violations(), 0U);
 }
 
 }  // namespace

@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/formats/codecs.h"
-#include "e2lf/formats/dsec/event_places.h"
 #include "e2lf/formats/table/layout.h"
 #include "e2lf/formats/table/table_reader.h"
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/hdf5_file.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/stream_choice.h"
 
@@ -22,6 +24,90 @@ using e2lf::hdf5::CheckedFile;
 using table::Field;
 
 namespace {
+
+/// The location of a table of events in an HDF5 file.
+struct EventPlace {
+  std::string name;  ///< name of the group or data set, for messages and --stream
+  std::array<std::string, table::kNumFields> columns = {};  ///< data sets of x, y, p and t; empty = `name` is a matrix
+  [[nodiscard]] bool is_matrix() const { return columns[0].empty(); }
+};
+
+constexpr int kDeepest = 8;
+constexpr size_t kMostObjects = 10'000;
+
+std::string path_in(const std::string& group, const std::string& name) {
+  return group.empty() ? name : cat(group, "/", name);
+}
+
+/// Adds the tables of events in a group ("" = the root) and its groups: the data sets x, y, p and t, or a matrix events
+/// [events, 4]. Those in the usual places, the root and `events`, come first. Links to other files are not followed.
+void add_event_places(hid_t file, const std::string& group, int depth, size_t& num_left,
+                      std::vector<EventPlace>& places) {
+  const Handle opened(H5Gopen2(file, group.empty() ? "/" : group.c_str(), H5P_DEFAULT), H5Gclose);
+  H5G_info_t about{};
+  if (!opened.valid() || H5Gget_info(opened.get(), &about) < 0) return;
+  std::vector<std::string> datasets, groups;
+  for (hsize_t i = 0; i < about.nlinks && num_left > 0; ++i, --num_left) {
+    std::array<char, 256> name{};
+    H5L_info_t link{};
+    H5O_info_t object{};
+    if (H5Lget_name_by_idx(opened.get(), ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size(), H5P_DEFAULT) <=
+            0 ||
+        H5Lget_info(opened.get(), name.data(), &link, H5P_DEFAULT) < 0 || link.type == H5L_TYPE_EXTERNAL ||
+        H5Oget_info_by_name2(opened.get(), name.data(), &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
+      continue;
+    }
+    if (object.type == H5O_TYPE_GROUP) groups.emplace_back(name.data());
+    if (object.type == H5O_TYPE_DATASET) datasets.emplace_back(name.data());
+  }
+  const auto add = [&](EventPlace place) {
+    const bool is_usual = group.empty() || group == "events";
+    places.insert(is_usual ? places.begin() : places.end(), std::move(place));
+  };
+  if (const table::KnownColumns known = table::find_fields(datasets); table::are_complete(known)) {
+    EventPlace place{group.empty() ? "/" : group};
+    for (size_t i = 0; i < table::kNumFields; ++i) place.columns[i] = path_in(group, datasets[*known[i]]);
+    add(std::move(place));
+  } else if (std::find(datasets.begin(), datasets.end(), "events") != datasets.end()) {
+    add({path_in(group, "events")});
+  }
+  for (const std::string& inner : groups) {
+    if (depth < kDeepest) add_event_places(file, path_in(group, inner), depth + 1, num_left, places);
+  }
+}
+
+/// Returns the one or two numbers of an attribute, or none if it does not exist.
+std::vector<int64_t> read_attribute(hid_t object, const char* name) {
+  if (H5Aexists(object, name) <= 0) return {};
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose), type(H5Aget_type(attribute.get()), H5Tclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+  const H5T_class_t kind = H5Tget_class(type.get());
+  if (count < 1 || count > 2 || (kind != H5T_INTEGER && kind != H5T_FLOAT)) return {};
+  std::vector<int64_t> numbers(static_cast<size_t>(count));
+  if (H5Aread(attribute.get(), H5T_NATIVE_INT64, numbers.data()) < 0) return {};
+  return numbers;
+}
+
+/// Reads the size of the sensor from attributes of the group of the events or of the root: width and height, or
+/// sensor_resolution = [height, width]. Does not change `info` if there are none.
+void read_sensor_size(hid_t file, const std::string& group, RecordingInfo& info) {
+  constexpr int64_t kWidestPx = 65536;
+  for (const std::string& place : {group, std::string("/")}) {
+    const Handle opened(H5Oopen(file, place.c_str(), H5P_DEFAULT), H5Oclose);
+    if (!opened.valid()) continue;
+    std::vector<int64_t> size = read_attribute(opened.get(), "sensor_resolution");
+    std::reverse(size.begin(), size.end());
+    for (const char* name : {"width", "height"}) {
+      const std::vector<int64_t> number = read_attribute(opened.get(), name);
+      if (size.size() < 2 && number.size() == 1) size.push_back(number[0]);
+    }
+    if (size.size() != 2 || size[0] < 1 || size[1] < 1 || size[0] > kWidestPx || size[1] > kWidestPx) continue;
+    info.width = static_cast<size_t>(size[0]);
+    info.height = static_cast<size_t>(size[1]);
+    return;
+  }
+}
 
 constexpr uint64_t kBlock = uint64_t{1} << 17;
 constexpr uint64_t kColumnChunk = uint64_t{1} << 15;
@@ -48,15 +134,10 @@ std::string number_code(hid_t type) {
   return H5Tget_class(type) == H5T_ENUM ? "i1" : "";  // numpy's bool
 }
 
-/// Returns the same for the elements of a data set, or for a field of its records.
-std::string number_type(hid_t dataset, const std::string& field = "") {
+/// Returns the same for the elements of a data set.
+std::string number_type(hid_t dataset) {
   const Handle type(H5Dget_type(dataset), H5Tclose);
-  if (!type.valid()) return "";
-  if (field.empty()) return number_code(type.get());
-  const int member = H5Tget_member_index(type.get(), field.c_str());
-  if (member < 0) return "";
-  const Handle member_type(H5Tget_member_type(type.get(), static_cast<unsigned>(member)), H5Tclose);
-  return number_code(member_type.get());
+  return type.valid() ? number_code(type.get()) : "";
 }
 
 hid_t memory_type(const std::string& type) {
@@ -116,22 +197,25 @@ Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit uni
   return offset_us;
 }
 
-/// Events in the columns x, y, p and t: data sets, fields of a data set of records, or a data set [events, 4] or [4,
-/// events]. Numbers are read in their own type.
+/// Events in data sets x, y, p and t, or in a data set [events, 4]. Numbers are read in their own type.
 class ColumnBlocks final : public EventBlocks {
  public:
   Result<void> open(hid_t file, const EventPlace& place, const OpenOptions& options, const std::string& name,
                     RecordingInfo& info) {
     table::TableSample sample;
-    sample.is_ordered = !place.rows.empty() && place.fields[0].empty();
-    location_ = cat(name, ": ", place.rows.empty() ? place.name : place.rows);
-    if (sample.is_ordered) {
-      E2LF_RETURN_IF_ERROR(add_rows(file, place.rows, name));
+    sample.is_ordered = place.is_matrix();
+    location_ = cat(name, ": ", place.name);
+    if (place.is_matrix()) {
+      E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_matrix(file, place.name, name));
+      if (shape.columns != table::kNumFields) {
+        return Error{ErrorCode::kShape, cat("the data set has ", shape.columns, " columns; store t, x, y, p"),
+                     location_};
+      }
+      E2LF_RETURN_IF_ERROR(add_part(std::move(shape), location_));
     } else {
-      for (size_t i = 0; i < table::kNumFields; ++i) {
-        const std::string& dataset = place.rows.empty() ? place.columns[i] : place.rows;
+      for (const std::string& dataset : place.columns) {
         E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_dataset(file, dataset, name));
-        E2LF_RETURN_IF_ERROR(add_part(std::move(shape), place.fields[i], cat(name, ": ", dataset)));
+        E2LF_RETURN_IF_ERROR(add_part(std::move(shape), cat(name, ": ", dataset)));
       }
     }
     length_ = parts_[0].shape.length;
@@ -143,12 +227,12 @@ class ColumnBlocks final : public EventBlocks {
     const uint64_t count = std::min<uint64_t>(length_, table::kSampledRows);
     E2LF_RETURN_IF_ERROR(read(0, count));
     for (size_t i = 0; i < columns_.size(); ++i) {
-      const std::string& dataset = place.columns[i];
-      const std::string field = !place.fields[i].empty() ? place.fields[i] : dataset.substr(dataset.rfind('/') + 1);
+      const std::string& dataset = place.columns[i];  // empty for a matrix
       const NumberColumn& column = columns_[i];
-      sample.columns.push_back(table::sample_of(sample.is_ordered ? "" : field, numbers(column), column.field, count));
+      sample.columns.push_back(
+          table::sample_of(dataset.substr(dataset.rfind('/') + 1), numbers(column), column.field, count));
     }
-    if (place.rows.empty()) {
+    if (!place.is_matrix()) {
       const hid_t times = parts_.back().shape.dataset.get();
       E2LF_ASSIGN_OR_RETURN(sample.columns.back().unit, unit_of_attributes(times, options, name));
     }
@@ -156,9 +240,6 @@ class ColumnBlocks final : public EventBlocks {
     E2LF_ASSIGN_OR_RETURN(offset_us_, read_offset(file, options, layout_.unit, name));
     return {};
   }
-
-  [[nodiscard]] TimeUnit unit() const { return layout_.unit; }
-  [[nodiscard]] int64_t zero_us() const { return offset_us_; }
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     const LibraryLock lock;
@@ -200,10 +281,9 @@ class ColumnBlocks final : public EventBlocks {
   }
 
  private:
-  /// What is read at once: a data set, a row of it, or one field of its records.
+  /// A data set, which is read at once.
   struct Part {
     DatasetShape shape;
-    std::string member = {};  ///< field of the records; empty = not records
     std::string type = {};
     std::vector<uint8_t> numbers = {};  ///< the rows that were read last
   };
@@ -212,41 +292,20 @@ class ColumnBlocks final : public EventBlocks {
     table::NumberField field = {};
   };
 
-  /// Adds the columns of a data set [events, 4] or [4, events].
-  Result<void> add_rows(hid_t file, const std::string& dataset, const std::string& name) {
-    E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_matrix(file, dataset, name));
-    if (shape.columns == table::kNumFields) return add_part(std::move(shape), "", location_);
-    if (shape.storage.extents[0] != table::kNumFields) {
-      return Error{ErrorCode::kShape, cat("the data set has ", shape.columns, " columns; store t, x, y, p"), location_};
-    }
-    for (size_t row = 0; row < table::kNumFields; ++row) {
-      E2LF_ASSIGN_OR_RETURN(DatasetShape part, open_row(file, dataset, row, name));
-      E2LF_RETURN_IF_ERROR(add_part(std::move(part), "", location_));
-    }
-    return {};
-  }
-
-  Result<void> add_part(DatasetShape shape, const std::string& member, const std::string& place) {
-    const std::string type = number_type(shape.dataset.get(), member);
+  Result<void> add_part(DatasetShape shape, const std::string& place) {
+    const std::string type = number_type(shape.dataset.get());
     if (type.empty()) {
-      return Error{ErrorCode::kUnsupported, "these are not numbers; store x, y, p and t as numbers",
-                   member.empty() ? place : cat(place, ": ", member)};
+      return Error{ErrorCode::kUnsupported, "these are not numbers; store x, y, p and t as numbers", place};
     }
     const size_t item = element_size(type), columns = shape.columns;
     for (size_t i = 0; i < columns; ++i) columns_.push_back({parts_.size(), {type, i * item, columns * item}});
-    parts_.push_back({std::move(shape), member, type});
+    parts_.push_back({std::move(shape), type});
     return {};
   }
 
   Result<void> read(Part& part, uint64_t begin, uint64_t count) const {
     part.numbers.resize(count * part.shape.columns * element_size(part.type));
-    Handle record;
-    if (!part.member.empty()) {
-      record = Handle(H5Tcreate(H5T_COMPOUND, element_size(part.type)), H5Tclose);
-      H5Tinsert(record.get(), part.member.c_str(), 0, memory_type(part.type));
-    }
-    const hid_t memory = part.member.empty() ? memory_type(part.type) : record.get();
-    return read_elements(part.shape, memory, begin, count, part.numbers.data(), location_);
+    return read_elements(part.shape, memory_type(part.type), begin, count, part.numbers.data(), location_);
   }
   Result<void> read(uint64_t begin, uint64_t count) {
     for (Part& part : parts_) E2LF_RETURN_IF_ERROR(read(part, begin, count));
@@ -255,9 +314,6 @@ class ColumnBlocks final : public EventBlocks {
 
   [[nodiscard]] const NumberColumn& column(Field field) const { return columns_[layout_.columns[table::of(field)]]; }
   [[nodiscard]] const uint8_t* numbers(const NumberColumn& column) const { return parts_[column.part].numbers.data(); }
-  [[nodiscard]] std::vector<double> values(const NumberColumn& column, uint64_t count) const {
-    return table::to_doubles(numbers(column), column.field, count);
-  }
 
   std::string location_;
   std::vector<Part> parts_;
@@ -362,13 +418,14 @@ Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource&
   const LibraryLock lock;
   const std::string name = source.name();
   info.format = "dsec";
-  const std::vector<EventPlace> places = find_event_places(file);
+  std::vector<EventPlace> places;
+  size_t num_left = kMostObjects;
+  add_event_places(file, "", 0, num_left, places);
   if (places.empty()) {
     return Error{
         ErrorCode::kNotFound,
         "the file has no events: neither CD/events (Metavision), nor a group with the columns x, y, p, t or xs, ys, "
-        "ps, ts, nor records with such fields, nor a data set events [events, 4]; if it is a recording, write it as "
-        "one of them",
+        "ps, ts, nor a data set events [events, 4]; if it is a recording, write it as one of them",
         name};
   }
   std::vector<NamedStream> streams;
@@ -380,11 +437,8 @@ Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource&
   if (info.width == 0) read_sensor_size(file, places[chosen].name, info);
   auto columns = std::make_unique<ColumnBlocks>();
   E2LF_RETURN_IF_ERROR(columns->open(file, places[chosen], options, name, info));
-  const TimeUnit unit = columns->unit();
-  const int64_t zero_us = columns->zero_us();
   E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source.logical_path()));
-  return table::make_table_reader(std::move(columns), unit, std::move(info), name, options, std::move(triggers),
-                                  zero_us);
+  return make_block_reader(std::move(columns), std::move(info), name, options, std::move(triggers));
 }
 
 Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info) {

@@ -31,13 +31,6 @@ bool has_four_columns(const NpyArray& array) {
   return array.fields.empty() && array.shape.size() == 2 && array.shape[1] == 4 && table::is_number_type(array.type);
 }
 
-/// Returns whether the four fields are stored one after another, so that an event is not contiguous.
-bool is_by_column(const NpyHeader& header) {
-  const NpyArray& array = header.array;
-  const bool is_flat = array.fields.empty() && array.shape.size() == 2 && array.shape[0] == 4 && array.shape[1] > 4;
-  return header.fortran_order ? has_four_columns(array) : is_flat && table::is_number_type(array.type);
-}
-
 /// Returns whether records have fields that can be those of events.
 bool has_event_fields(const NpyArray& array) {
   const auto names_time = [](const NpyField& field) {
@@ -126,19 +119,14 @@ class NpyBlocks final : public EventBlocks {
 
 Result<NpyHeader> read_header(std::span<const uint8_t> head, const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(head, name));
-  std::vector<size_t>& shape = header.array.shape;
-  if (header.fortran_order && shape.size() == 2 && shape[0] == 4) {  // the same bytes
-    std::swap(shape[0], shape[1]);
-    header.fortran_order = false;
-  }
-  if (is_by_column(header) || (has_four_columns(header.array) && !header.fortran_order)) return header;
-  if (header.array.shape.size() != 1 || header.array.fields.empty() || header.array.item_size > kMaxRecordBytes) {
-    return Error{ErrorCode::kShape,
-                 "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4]; "
-                 "store one of them",
-                 name};
-  }
-  return header;
+  const bool are_records =
+      header.array.shape.size() == 1 && !header.array.fields.empty() && header.array.item_size <= kMaxRecordBytes;
+  if (are_records || (has_four_columns(header.array) && !header.fortran_order)) return header;
+  return Error{
+      ErrorCode::kShape,
+      "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4] in C "
+      "order; store one of them, e.g. numpy.ascontiguousarray(events)",
+      name};
 }
 
 /// Returns the columns of records, or of the rows of an array [events, 4], which become records.
@@ -203,23 +191,21 @@ Result<void> check_count(const NpyHeader& header, const ByteSource& source) {
 
 bool detect_npy(std::span<const uint8_t> head) {
   const auto header = read_header(head, "");
-  return header.ok() && (is_by_column(*header) || has_four_columns(header->array) || has_event_fields(header->array));
+  return header.ok() && (has_four_columns(header->array) || has_event_fields(header->array));
 }
 
 Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, read_header(head.first(std::min(head.size(), kDetectBytes)), name));
-  if (is_by_column(header)) return open_npy_columns(std::move(source), options);
   RecordingInfo info{.format = "npy"};
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   source->consume(header.data_offset);
   E2LF_ASSIGN_OR_RETURN(RecordFields fields, decide_fields(*source, options, header, info));
   E2LF_RETURN_IF_ERROR(check_count(header, *source));
   E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->logical_path()));
-  const TimeUnit unit = fields.unit;
   auto records = std::make_unique<NpyBlocks>(std::move(source), std::move(header), std::move(fields));
-  return table::make_table_reader(std::move(records), unit, std::move(info), name, options, std::move(triggers));
+  return make_block_reader(std::move(records), std::move(info), name, options, std::move(triggers));
 }
 
 namespace {

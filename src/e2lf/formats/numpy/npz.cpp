@@ -256,32 +256,6 @@ Result<void> check_lengths(const std::vector<NpzColumn>& columns, const std::str
   return {};
 }
 
-/// Converts an array [4, events] to [events, 4].
-void transpose(NpyArray& array) {
-  const size_t count = array.shape[1], item = array.item_size;
-  std::vector<uint8_t> rows(array.bytes.size());
-  for (size_t column = 0; column < 4; ++column) {
-    for (size_t i = 0; i < count; ++i) {
-      std::copy_n(&array.bytes[(column * count + i) * item], item, &rows[(4 * i + column) * item]);
-    }
-  }
-  array.bytes = std::move(rows);
-  array.shape = {count, 4};
-}
-
-/// Converts arrays [n, 1] and [1, n] to columns, and arrays [4, n] to rows.
-void simplify(NpzArrays& arrays) {
-  for (auto& [key, array] : arrays) {
-    const std::vector<size_t>& shape = array.shape;
-    const bool is_event = shape == std::vector<size_t>{1, 4};
-    if (array.fields.empty() && shape.size() == 2 && std::min(shape[0], shape[1]) == 1 && !is_event) {
-      array.shape = {array.num_elements()};
-    }
-    const bool is_flat = array.fields.empty() && shape.size() == 2 && shape[0] == 4 && shape[1] > 4;
-    if (is_flat && array.bytes.size() == 4 * shape[1] * array.item_size) transpose(array);
-  }
-}
-
 /// Reads the events from columns and adds how to `info`. Adds the number of rows that are not events to `num_bad`.
 Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is_ordered, const OpenOptions& options,
                                   const std::string& name, RecordingInfo& info, TimeUnit& unit, size_t& num_bad) {
@@ -322,7 +296,6 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
 Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
                               const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
-  simplify(arrays);
   const NpyArray* const rows = find_rows(arrays);
   std::vector<NpzColumn> columns;
   if (rows != nullptr) {
@@ -337,8 +310,7 @@ Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::s
   E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, rows != nullptr, options, name, info, unit, num_bad));
   E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
   E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "", name));
-  auto blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
-  return table::make_table_reader(std::move(blocks), unit, std::move(info), name, options);
+  return make_block_reader(std::make_unique<MemoryBlocks>(std::move(all), num_bad), std::move(info), name, options);
 }
 
 }  // namespace
@@ -359,16 +331,6 @@ Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, decode_npz(bytes, name));
   RecordingInfo info{.format = "npz"};
   if (options.width == 0 || options.height == 0) read_size(arrays, info);
-  return open_arrays(std::move(arrays), std::move(info), name, options);
-}
-
-Result<ReaderPtr> open_npy_columns(SourcePtr source, const OpenOptions& options) {
-  const std::string name = source->name();
-  E2LF_RETURN_IF_ERROR(require_memory(3 * source->size().value_or(0), "store the events as [events, 4]", name));
-  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
-  NpzArrays arrays;
-  E2LF_ASSIGN_OR_RETURN(arrays["events"], decode_npy(bytes, name));
-  RecordingInfo info{.format = "npy"};
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 

@@ -51,8 +51,8 @@ inline constexpr size_t kMaxMessageBytes = size_t{1} << 26;
 [[nodiscard]] Result<BagPtr> open_sqlite_bag(SourcePtr source);
 [[nodiscard]] Result<BagPtr> open_mcap_bag(SourcePtr source);
 
-/// Opens the files of a bag's folder as one bag: those that metadata.yaml lists in its order, or, without it, all of
-/// them sorted by name. Files that are compressed as a whole are decompressed. Fails with kNotFound, and as opening the
+/// Opens the files of a bag's folder as one bag, in the order of the numbers in their names. Files that are compressed
+/// as a whole are decompressed. Fails with kNotFound, and as opening the
 /// files does.
 [[nodiscard]] Result<BagPtr> open_bag_folder(const std::filesystem::path& folder);
 

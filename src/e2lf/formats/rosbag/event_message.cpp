@@ -4,12 +4,11 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/formats/rosbag/bag.h"
-#include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings::rosbag {
 namespace {
 
-constexpr size_t kWordBytes = 8;  // of all encodings but libcaer_cmp
+constexpr size_t kWordBytes = 8;
 constexpr int64_t kNsPerUs = 1000;
 constexpr const char* kList = "list";
 
@@ -69,59 +68,6 @@ void append_trigger(uint64_t word, int64_t base_ns, EventBatch& batch) {
   batch.triggers.push_back({t_us, static_cast<uint16_t>(word >> 48 & 0x7FFF), static_cast<uint8_t>(word >> 63)});
 }
 
-/// Appends polarity events of libcaer: validity, polarity, y from bit 2 and x from bit 17 on, then 31 bits of time in
-/// us, which may wrap within a message.
-void append_libcaer(std::span<const uint8_t> words, int64_t base_ns, EventBatch& batch) {
-  TimeUnwrapper<31> clock;
-  for (size_t i = 0; i + kWordBytes <= words.size(); i += kWordBytes) {
-    const auto data = load_le<uint32_t>(&words[i]);
-    const int64_t low_us = load_le<uint32_t>(&words[i + 4]) & INT32_MAX;
-    batch.events.push_back({static_cast<uint16_t>(data >> 17), static_cast<uint16_t>(data >> 2 & 0x7FFF),
-                            static_cast<uint8_t>(data >> 1 & 1), base_ns / kNsPerUs + clock(low_us)});
-  }
-}
-
-/// Appends the events of 16-bit words, with the kind in the upper 4 bits: the time since the base in us, columns, and
-/// rows, either single or as eight bits above a first row.
-void append_libcaer_cmp(std::span<const uint8_t> words, int64_t base_ns, EventBatch& batch) {
-  enum Kind { kTimeHigh, kTimeLow, kColumn, kRow, kFirstRow, kEightRows };
-  int64_t high_us = 0, low_us = 0;
-  uint16_t x = 0, first_row = 0;
-  uint8_t p = 0;
-  const auto t_us = [&] { return base_ns / kNsPerUs + (high_us | low_us); };
-  for (size_t i = 0; i + 2 <= words.size(); i += 2) {
-    const auto word = load_le<uint16_t>(&words[i]);
-    const auto address = static_cast<uint16_t>(word & 0x7FF);
-    const auto polarity = static_cast<uint8_t>(word >> 11 & 1);
-    switch (word >> 12) {
-      case kTimeHigh:
-        high_us = int64_t{word & 0xFFF} << 12;
-        break;
-      case kTimeLow:
-        low_us = word & 0xFFF;
-        break;
-      case kColumn:
-        x = address;
-        break;
-      case kRow:
-        batch.events.push_back({x, address, polarity, t_us()});
-        break;
-      case kFirstRow:
-        first_row = address;
-        p = polarity;
-        break;
-      case kEightRows:
-        for (uint16_t bit = 0; bit < 8; ++bit) {
-          if ((word >> bit & 1) != 0) batch.events.push_back({x, static_cast<uint16_t>(first_row + bit), p, t_us()});
-        }
-        first_row = static_cast<uint16_t>(first_row + 8);
-        break;
-      default:
-        break;
-    }
-  }
-}
-
 /// Appends individual events: x, y, seconds and nanoseconds since 1970, polarity.
 bool append_list(const EventMessage& message, EventBatch& batch) {
   Fields fields(message.payload, message.place);
@@ -174,7 +120,7 @@ std::optional<EventMessage> parse_message(const std::string& type, std::span<con
 }
 
 bool is_known_encoding(std::string_view encoding) {
-  constexpr std::string_view kKnown[] = {"mono", "trigger", "libcaer", "libcaer_cmp", kList};
+  constexpr std::string_view kKnown[] = {"mono", "trigger", kList};
   return std::find(std::begin(kKnown), std::end(kKnown), encoding) != std::end(kKnown);
 }
 
@@ -182,15 +128,12 @@ bool decode_message(const EventMessage& message, EventBatch& batch) {
   if (message.encoding == kList) return append_list(message, batch);
   const auto payload = message.payload;
   const auto base_ns = static_cast<int64_t>(std::min<uint64_t>(message.time_base_ns, INT64_MAX / 2));
-  const bool is_cmp = message.encoding == "libcaer_cmp";
-  if (is_cmp) append_libcaer_cmp(payload, base_ns, batch);
-  if (message.encoding == "libcaer") append_libcaer(payload, base_ns, batch);
   for (size_t i = 0; i + kWordBytes <= payload.size(); i += kWordBytes) {
     const auto word = load_le<uint64_t>(&payload[i]);
     if (message.encoding == "mono") append_mono(word, base_ns, batch);
     if (message.encoding == "trigger") append_trigger(word, base_ns, batch);
   }
-  return payload.size() % (is_cmp ? 2 : kWordBytes) == 0;
+  return payload.size() % kWordBytes == 0;
 }
 
 }  // namespace e2lf::recordings::rosbag

@@ -20,34 +20,12 @@ namespace e2lf::recordings::rosbag {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr size_t kMaxMetadataLines = 1'000'000, kMaxFiles = 100'000;
+constexpr size_t kMaxFiles = 100'000;
 
 bool is_bag_file(const fs::path& path) {
   const bool is_packed = path.extension() == ".zstd" || path.extension() == ".zst";
   const std::string extension = (is_packed ? path.stem() : path).extension().string();
   return extension == ".db3" || extension == ".mcap";
-}
-
-/// Returns the names below "relative_file_paths:". The files are in the folder itself, regardless of any path before
-/// their names.
-std::vector<fs::path> files_of_metadata(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::ifstream metadata(folder / "metadata.yaml");
-  bool is_list = false;
-  std::string line;
-  for (size_t i = 0; i < kMaxMetadataLines && files.size() < kMaxFiles && std::getline(metadata, line); ++i) {
-    const size_t begin = line.find_first_not_of(" \t");
-    if (begin == std::string::npos) continue;
-    std::string text = line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin);
-    if (is_list && text.starts_with("- ")) {
-      std::erase(text, '"');
-      std::erase(text, '\'');
-      files.push_back(folder / fs::path(text.substr(2)).filename());
-    } else {
-      is_list = text == "relative_file_paths:";
-    }
-  }
-  return files;
 }
 
 std::vector<fs::path> files_of_folder(const fs::path& folder) {
@@ -114,8 +92,7 @@ bool is_bag_folder(const fs::path& path) {
 }
 
 Result<BagPtr> open_bag_folder(const fs::path& folder) {
-  std::vector<fs::path> files = files_of_metadata(folder);
-  if (files.empty()) files = files_of_folder(folder);
+  std::vector<fs::path> files = files_of_folder(folder);
   if (files.empty()) return Error{ErrorCode::kNotFound, "the folder contains no files of a bag", folder.string()};
   auto bag = std::make_unique<BagFiles>(std::move(files));
   E2LF_RETURN_IF_ERROR(bag->open(0));
@@ -347,8 +324,7 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
   }
   if (first->encoding != "evt3") {
     return Error{ErrorCode::kUnsupported,
-                 "the events are in an encoding other than evt3, libcaer, libcaer_cmp, mono and trigger; record them "
-                 "in one of these",
+                 "the events are in an encoding other than evt3, mono and trigger; record them in one of these",
                  cat(name, ": ", one_line(topics[chosen].name))};
   }
   std::string header = "% evt 3.0\n";

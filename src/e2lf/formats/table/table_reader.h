@@ -56,10 +56,4 @@ size_t to_events(const RecordsOfFields& records, const RecordFields& fields, siz
 /// Number of rows from which columns, units and polarities are determined.
 inline constexpr size_t kSampledRows = 4096;
 
-/// Returns a reader of the events of a table, whose times may wrap around at 32 bits of `unit`. `name` is the location,
-/// and `zero_us` the time of a row of zeros. Runs of such rows after later times are the unused rest of a table: they
-/// are dropped (kZeros).
-[[nodiscard]] ReaderPtr make_table_reader(BlocksPtr blocks, TimeUnit unit, RecordingInfo info, const std::string& name,
-                                          const OpenOptions& options, TriggersPtr triggers = {}, int64_t zero_us = 0);
-
 }  // namespace e2lf::recordings::table

@@ -222,15 +222,6 @@ TEST(TableText, DamageNamesTheByteOfItsLine) {
   EXPECT_EQ((*reader)->summary().of(Violation::kBadRecord), (ViolationCount{1, place}));
 }
 
-TEST(TableText, A32BitClockThatWrapsGoesOn) {
-  const auto found = read(open_text("t,x,y,p\n" + text_of(events(), [](const Event& e) {
-                                      return cat(static_cast<uint32_t>(e.t - 20000), ',', e.x, ',', e.y, ',', int{e.p});
-                                    })));
-  ASSERT_TRUE(found.ok()) << found.error().text();
-  EXPECT_EQ(found->t.back() - found->t.front(), events().t.back() - events().t.front());
-  EXPECT_TRUE(found->x == events().x);
-}
-
 TEST(Tables, FormatsWithAUnitOfTheirOwnRefuseTheOptions) {
   TestFolder folder;
   EventBatch batch;
@@ -268,11 +259,7 @@ TEST(TableArrays, NamesAndShapesDecideWhatIsRead) {
                 {static_cast<double>(all.t[i]) * 1e-6, double(all.x[i]), double(all.y[i]), double(all.p[i])});
   }
   const NpyArray matrix = make_npy<double>({all.size(), 4}, rows);
-  NpyArray standing = x, lying = t;
-  standing.shape = {all.size(), 1};
-  lying.shape = {1, all.size()};
   for (const NpzArrays& arrays : {NpzArrays{{"xs", x}, {"ys", y}, {"polarity", p}, {"timestamp_ns", t_ns}},
-                                  NpzArrays{{"x", standing}, {"y", y}, {"p", p}, {"t", lying}},
                                   NpzArrays{{"event_data", matrix}, {"label", column<int32_t>(std::vector<int>{3})}},
                                   NpzArrays{{"dataset_events_t", t}, {"x", x}, {"y", y}, {"p", p}}}) {
     const auto found = read_arrays(arrays);
@@ -297,38 +284,6 @@ TEST(TableArrays, TimesThatFloatsDoNotResolveAreRefused) {
   arrays["t"].item_size = 2;
   arrays["t"].bytes = halves;
   EXPECT_EQ(read_arrays(arrays).error().code, ErrorCode::kInvalidValue);
-}
-
-TEST(Tables, UnusedRowsOfZerosAreDroppedAndCounted) {
-  const EventColumns all = events();
-  NpzArrays arrays;
-  const auto padded = [](auto column) {
-    column.resize(column.size() + 500);
-    std::fill(column.end() - 500, column.end(), 0);
-    return column;
-  };
-  arrays["x"] = column<int32_t>(padded(all.x));
-  arrays["y"] = column<int32_t>(padded(all.y));
-  arrays["p"] = column<uint8_t>(padded(all.p));
-  arrays["t"] = column<int64_t>(padded(all.t));
-  auto reader =
-      open_recording(make_memory_source(encode_npz(arrays), "a.npz"), {.format = "npz", .policy = DecodePolicy::kSkip});
-  ASSERT_TRUE(reader.ok()) << reader.error().text();
-  EXPECT_TRUE(read_all(**reader)->events == all);
-  EXPECT_EQ((*reader)->summary().of(Violation::kZeros).count, 500U);
-}
-
-TEST(TableArrays, ASignedClockThatWrapsGoesOn) {
-  const EventColumns all = events();
-  NpzArrays arrays;
-  arrays["x"] = column<int32_t>(all.x);
-  arrays["y"] = column<int32_t>(all.y);
-  arrays["p"] = column<uint8_t>(all.p);
-  arrays["t"] =
-      column<int32_t>(all.t, [](double t) { return t <= 20000 ? 2147483647 - 20000 + t : t - 20001 - 2147483648; });
-  const auto found = read_arrays(arrays);
-  ASSERT_TRUE(found.ok()) << found.error().text();
-  EXPECT_EQ(found->t.back() - found->t.front(), all.t.back() - all.t.front());
 }
 
 TEST(TableArrays, AFolderOfEvrealIsARecording) {

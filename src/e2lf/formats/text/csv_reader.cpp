@@ -263,11 +263,11 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char*
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   E2LF_ASSIGN_OR_RETURN(Layout layout, decide(*source, options, head, info));
-  const TimeUnit unit = layout.line.unit;
-  info.format = !options.format.empty() || !info.table ? format : unit == TimeUnit::kSeconds ? "txt" : "csv";
+  const bool is_seconds = layout.line.unit == TimeUnit::kSeconds;
+  info.format = !options.format.empty() || !info.table ? format : is_seconds ? "txt" : "csv";
   E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->logical_path()));
   auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
-  return table::make_table_reader(std::move(lines), unit, std::move(info), name, options, std::move(triggers));
+  return make_block_reader(std::move(lines), std::move(info), name, options, std::move(triggers));
 }
 
 }  // namespace

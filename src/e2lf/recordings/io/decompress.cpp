@@ -17,135 +17,22 @@ namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kFirstRoom = size_t{1} << 16;
-
-Error damaged(const char* why) {
-  return {ErrorCode::kFormat, cat("a packet cannot be decompressed (", why, "); the file is damaged"), ""};
-}
-
-Error cut() {
-  return {ErrorCode::kTruncated, "a packet ends early; the file is damaged", ""};
-}
-
-Error too_large() {
-  return {ErrorCode::kUnsupported, cat("a packet unpacks to more than ", kMaxPacketBytes, " bytes"), ""};
-}
-
-class Stored final : public Decompressor {
- public:
-  Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) override {
-    out.assign(packed.begin(), packed.end());
-    return {};
-  }
-};
-
-/// Calls step(input, output, done) with growing output until it sets done; step advances both spans by what it used.
-template <typename Step>
-Result<void> unpack_stepwise(std::span<const uint8_t> packed, std::vector<uint8_t>& out, const Step& step) {
-  out.resize(kFirstRoom);
-  size_t used = 0;
-  for (;;) {
-    std::span<uint8_t> room = std::span(out).subspan(used);
-    bool done = false;
-    const size_t before = packed.size() + room.size();
-    E2LF_RETURN_IF_ERROR(step(packed, room, done));
-    used = out.size() - room.size();
-    if (done) break;
-    if (room.empty()) {
-      if (out.size() >= kMaxPacketBytes) return too_large();
-      out.resize(2 * out.size());
-    } else if (packed.size() + room.size() == before) {
-      return cut();
-    }
-  }
-  out.resize(used);
-  return {};
-}
-
-class Lz4 final : public Decompressor {
- public:
-  Lz4() { LZ4F_createDecompressionContext(&context_, LZ4F_VERSION); }
-  Lz4(const Lz4&) = delete;
-  Lz4& operator=(const Lz4&) = delete;
-  ~Lz4() override { LZ4F_freeDecompressionContext(context_); }
-
-  Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) override {
-    LZ4F_resetDecompressionContext(context_);
-    return unpack_stepwise(packed, out, [&](auto& input, auto& room, bool& done) -> Result<void> {
-      size_t read = input.size(), written = room.size();
-      const size_t hint = LZ4F_decompress(context_, room.data(), &written, input.data(), &read, nullptr);
-      if (LZ4F_isError(hint)) return damaged(LZ4F_getErrorName(hint));
-      input = input.subspan(read);
-      room = room.subspan(written);
-      done = hint == 0;
-      return {};
-    });
-  }
-
- private:
-  LZ4F_dctx* context_ = nullptr;
-};
-
-#ifdef E2LF_HAVE_ZSTD
-class ZstdPackets final : public Decompressor {
- public:
-  ZstdPackets() { ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, 26); }
-
-  Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) override {
-    ZSTD_DCtx_reset(context_.get(), ZSTD_reset_session_only);
-    return unpack_stepwise(packed, out, [&](auto& input, auto& room, bool& done) -> Result<void> {
-      ZSTD_inBuffer in = {input.data(), input.size(), 0};
-      ZSTD_outBuffer written = {room.data(), room.size(), 0};
-      const size_t hint = ZSTD_decompressStream(context_.get(), &written, &in);
-      if (ZSTD_isError(hint)) return damaged(ZSTD_getErrorName(hint));
-      input = input.subspan(in.pos);
-      room = room.subspan(written.pos);
-      done = hint == 0;
-      return {};
-    });
-  }
-
- private:
-  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context_{ZSTD_createDCtx(), &ZSTD_freeDCtx};
-};
-#endif
-
-}  // namespace
-
-Result<DecompressorPtr> make_decompressor(Compression compression) {
-  switch (compression) {
-    case Compression::kNone:
-      return DecompressorPtr(std::make_unique<Stored>());
-    case Compression::kLz4:
-    case Compression::kLz4High:
-      return DecompressorPtr(std::make_unique<Lz4>());
-    case Compression::kZstd:
-    case Compression::kZstdHigh:
-#ifdef E2LF_HAVE_ZSTD
-      return DecompressorPtr(std::make_unique<ZstdPackets>());
-#else
-      return Error{ErrorCode::kMissingDependency,
-                   "the packets are compressed by Zstd; build with libzstd-dev installed, or record with LZ4", ""};
-#endif
-  }
-  return Error{ErrorCode::kUnsupported,
-               cat("compression ", static_cast<int32_t>(compression), " is unknown; the file may be damaged"), ""};
-}
-
-namespace {
-
 constexpr size_t kUnpackBytes = size_t{1} << 18;
 /// Limit of one step, so that zlib's 32-bit counters suffice.
 constexpr size_t kMaxStepBytes = size_t{1} << 20;
 
-/// Decompresses the available bytes and advances both spans by what it used.
-class Unpacker {
+class Stored final : public Decompressor {
  public:
-  enum class State { kInside, kBetweenParts, kDamaged };
-  virtual ~Unpacker() = default;
-  virtual State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) = 0;
+  State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
+    const size_t count = std::min(packed.size(), room.size());
+    std::copy_n(packed.begin(), count, room.begin());
+    packed = packed.subspan(count);
+    room = room.subspan(count);
+    return packed.empty() ? State::kBetweenParts : State::kInside;
+  }
 };
 
-class Gzip final : public Unpacker {
+class Gzip final : public Decompressor {
  public:
   Gzip() { inflateInit2(&stream_, 16 + MAX_WBITS); }
   Gzip(const Gzip&) = delete;
@@ -171,11 +58,36 @@ class Gzip final : public Unpacker {
   z_stream stream_{};
 };
 
+class Lz4 final : public Decompressor {
+ public:
+  Lz4() { LZ4F_createDecompressionContext(&context_, LZ4F_VERSION); }
+  Lz4(const Lz4&) = delete;
+  Lz4& operator=(const Lz4&) = delete;
+  ~Lz4() override { LZ4F_freeDecompressionContext(context_); }
+
+  void reset() override { LZ4F_resetDecompressionContext(context_); }
+  State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
+    size_t read = packed.size(), written = room.size();
+    const size_t hint = LZ4F_decompress(context_, room.data(), &written, packed.data(), &read, nullptr);
+    if (LZ4F_isError(hint)) return State::kDamaged;
+    packed = packed.subspan(read);
+    room = room.subspan(written);
+    return hint == 0 ? State::kBetweenParts : State::kInside;
+  }
+
+ private:
+  LZ4F_dctx* context_ = nullptr;
+};
+
 #ifdef E2LF_HAVE_ZSTD
-class Zstd final : public Unpacker {
+class Zstd final : public Decompressor {
  public:
   Zstd() { ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, 27); }
 
+  void reset() override {
+    ZSTD_DCtx_reset(context_.get(), ZSTD_reset_session_only);
+    wanted_ = kFirstBytes;
+  }
   /// Provides the bytes of one block at a time: if one of several is damaged, the library returns none of them.
   State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
     do {
@@ -198,6 +110,58 @@ class Zstd final : public Unpacker {
 };
 #endif
 
+}  // namespace
+
+Result<void> Decompressor::unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) {
+  reset();
+  out.resize(kFirstRoom);
+  size_t used = 0;
+  for (;;) {
+    std::span<uint8_t> room = std::span(out).subspan(used);
+    const size_t before = packed.size() + room.size();
+    const State state = step(packed, room);
+    if (state == State::kDamaged) {
+      return Error{ErrorCode::kFormat, "a packet cannot be decompressed; the file is damaged", ""};
+    }
+    used = out.size() - room.size();
+    if (state == State::kBetweenParts) break;
+    if (room.empty()) {
+      if (out.size() >= kMaxPacketBytes) {
+        return Error{ErrorCode::kUnsupported, cat("a packet unpacks to more than ", kMaxPacketBytes, " bytes"), ""};
+      }
+      out.resize(2 * out.size());
+    } else if (packed.size() + room.size() == before) {
+      return Error{ErrorCode::kTruncated, "a packet ends early; the file is damaged", ""};
+    }
+  }
+  out.resize(used);
+  return {};
+}
+
+Result<DecompressorPtr> make_decompressor(Compression compression) {
+  switch (compression) {
+    case Compression::kNone:
+      return DecompressorPtr(std::make_unique<Stored>());
+    case Compression::kLz4:
+    case Compression::kLz4High:
+      return DecompressorPtr(std::make_unique<Lz4>());
+    case Compression::kZstd:
+    case Compression::kZstdHigh:
+#ifdef E2LF_HAVE_ZSTD
+      return DecompressorPtr(std::make_unique<Zstd>());
+#else
+      return Error{ErrorCode::kMissingDependency,
+                   "the data are compressed by Zstandard; build with libzstd-dev installed, or unpack or record them "
+                   "without it",
+                   ""};
+#endif
+  }
+  return Error{ErrorCode::kUnsupported,
+               cat("compression ", static_cast<int32_t>(compression), " is unknown; the file may be damaged"), ""};
+}
+
+namespace {
+
 bool is_gzip(std::span<const uint8_t> head) {
   constexpr uint8_t kReservedFlags = 0xE0;
   return head.size() >= kPackedMarkBytes && head[0] == 0x1F && head[1] == 0x8B && head[2] == 8 &&
@@ -210,7 +174,7 @@ bool is_zstd(std::span<const uint8_t> head) {
 
 class UnpackedSource final : public ByteSource {
  public:
-  UnpackedSource(SourcePtr packed, std::unique_ptr<Unpacker> unpacker, std::shared_ptr<DecodeSummary> losses)
+  UnpackedSource(SourcePtr packed, DecompressorPtr unpacker, std::shared_ptr<DecodeSummary> losses)
       : packed_(std::move(packed)), unpacker_(std::move(unpacker)), losses_(std::move(losses)) {}
 
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
@@ -253,21 +217,21 @@ class UnpackedSource final : public ByteSource {
     E2LF_ASSIGN_OR_RETURN(const auto at_hand, packed_->fetch(was_full_ ? 0 : 1));
     if (at_hand.empty() && !was_full_) {
       has_ended_ = true;
-      if (state_ == Unpacker::State::kInside) losses_->add(Violation::kTruncated, packed_->position());
+      if (state_ == Decompressor::State::kInside) losses_->add(Violation::kTruncated, packed_->position());
       return {};
     }
     const auto packed = at_hand.first(std::min(at_hand.size(), kMaxStepBytes));
-    if (state_ == Unpacker::State::kBetweenParts && !packed.empty() && packed[0] == 0) {
+    if (state_ == Decompressor::State::kBetweenParts && !packed.empty() && packed[0] == 0) {
       has_ended_ = true;  // padding of the last block of a tape
       return {};
     }
     auto rest = packed;
     auto free = std::span(buffer_).subspan(end_, room);
-    if (state_ == Unpacker::State::kInside || !rest.empty()) state_ = unpacker_->step(rest, free);
+    if (state_ == Decompressor::State::kInside || !rest.empty()) state_ = unpacker_->step(rest, free);
     was_full_ = free.empty();
     end_ += room - free.size();
     packed_->consume(packed.size() - rest.size());
-    if (state_ == Unpacker::State::kDamaged) {
+    if (state_ == Decompressor::State::kDamaged) {
       has_ended_ = true;
       losses_->add(Violation::kBadRecord, packed_->position());
     }
@@ -275,9 +239,9 @@ class UnpackedSource final : public ByteSource {
   }
 
   SourcePtr packed_;
-  std::unique_ptr<Unpacker> unpacker_;
+  DecompressorPtr unpacker_;
   std::shared_ptr<DecodeSummary> losses_;
-  Unpacker::State state_ = Unpacker::State::kInside;
+  Decompressor::State state_ = Decompressor::State::kInside;
   std::vector<uint8_t> buffer_;
   size_t begin_ = 0, end_ = 0;
   uint64_t position_ = 0;
@@ -292,17 +256,9 @@ bool is_packed(std::span<const uint8_t> head) {
 
 Result<SourcePtr> make_unpacked_source(SourcePtr packed, std::shared_ptr<DecodeSummary> losses) {
   E2LF_ASSIGN_OR_RETURN(const auto head, packed->fetch(kPackedMarkBytes));
-  std::unique_ptr<Unpacker> unpacker;
-  if (is_gzip(head)) {
-    unpacker = std::make_unique<Gzip>();
-  } else {
-#ifdef E2LF_HAVE_ZSTD
-    unpacker = std::make_unique<Zstd>();
-#else
-    return Error{ErrorCode::kMissingDependency,
-                 "the file is compressed by Zstandard; unpack it with `zstd -d`, or build with libzstd-dev installed",
-                 packed->name()};
-#endif
+  DecompressorPtr unpacker = std::make_unique<Gzip>();
+  if (!is_gzip(head)) {
+    E2LF_ASSIGN_OR_RETURN(unpacker, make_decompressor(Compression::kZstd));
   }
   return SourcePtr(std::make_unique<UnpackedSource>(std::move(packed), std::move(unpacker), std::move(losses)));
 }

@@ -154,25 +154,8 @@ Error other_shape(const DatasetShape& shape, const std::string& name, const std:
 Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location) {
   E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_any(file, name, location));
   const std::vector<hsize_t>& extents = shape.storage.extents;
-  if (extents.size() == 2 && extents[0] == 1 && extents[1] != 1) return open_row(file, name, 0, location);
   if (extents.size() != 1 && !(extents.size() == 2 && extents[1] == 1)) return other_shape(shape, name, location, "1");
   return with_columns(std::move(shape), 1);
-}
-
-Result<DatasetShape> open_row(hid_t file, const std::string& name, uint64_t row, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_any(file, name, location));
-  const std::vector<hsize_t> extents = shape.storage.extents;
-  if (extents.size() != 2 || row >= extents[0]) return other_shape(shape, name, location, "2");
-  // If a part is missing, no row is complete.
-  const bool is_whole = shape.storage.stored_elements >= shape.storage.claimed_elements();
-  if (!is_whole || !e2lf::hdf5::chunks_are_whole(shape.dataset.get(), shape.storage)) {
-    return Error{ErrorCode::kTruncated, cat("data set ", name, " is not stored completely; copy the file again"),
-                 location};
-  }
-  shape = with_columns(std::move(shape), 1);
-  shape.length = extents[1];
-  shape.row = row;
-  return shape;
 }
 
 Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location) {
@@ -188,12 +171,12 @@ Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_
   const LibraryLock lock;
   const hid_t dataset = shape.dataset.get();
   E2LF_RETURN_IF_ERROR(e2lf::hdf5::check_filters(shape.storage, location));
-  if (!shape.row && !chunks_are_whole(shape, begin, count)) {
+  if (!chunks_are_whole(shape, begin, count)) {
     return Error{ErrorCode::kTruncated, cat("elements from ", begin, " on are missing; the file is damaged"), location};
   }
   const Handle file_space(H5Dget_space(dataset), H5Sclose);
-  const hsize_t start[] = {shape.row.value_or(begin), shape.row ? begin : 0};
-  const hsize_t length[] = {shape.row ? 1 : count, shape.row ? count : shape.columns};
+  const hsize_t start[] = {begin, 0};
+  const hsize_t length[] = {count, shape.columns};
   const Handle memory_space(H5Screate_simple(static_cast<int>(shape.storage.extents.size()), length, nullptr),
                             H5Sclose);
   if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, length, nullptr) < 0 ||

@@ -31,20 +31,15 @@ using e2lf::hdf5::Storage;
 struct DatasetShape {
   Handle dataset;
   Storage storage;
-  uint64_t columns = 1;              ///< elements per row
-  uint64_t length = 0;               ///< number of rows, limited to those that are actually stored
-  uint64_t chunk_length = 0;         ///< rows per chunk; 0 = not chunked
-  std::optional<uint64_t> row = {};  ///< the elements are the columns of this row
-  bool is_cut = false;               ///< whether fewer rows are stored than the header states
+  uint64_t columns = 1;       ///< elements per row
+  uint64_t length = 0;        ///< number of rows, limited to those that are actually stored
+  uint64_t chunk_length = 0;  ///< rows per chunk; 0 = not chunked
+  bool is_cut = false;        ///< whether fewer rows are stored than the header states
 };
 
-/// Opens a data set with one dimension, or with two dimensions of which one is 1. Fails with kNotFound, kShape (other
+/// Opens a data set with one dimension, or with one column. Fails with kNotFound, kShape (other
 /// shapes), and as hdf5::inspect_storage() does. `location` names the file and data set in errors.
 [[nodiscard]] Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location);
-
-/// Opens row `row` of a data set [rows, columns] in the same way, so that its columns are the elements.
-[[nodiscard]] Result<DatasetShape> open_row(hid_t file, const std::string& name, uint64_t row,
-                                            const std::string& location);
 
 /// Opens a data set [rows, columns] in the same way.
 [[nodiscard]] Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location);
