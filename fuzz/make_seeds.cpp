@@ -80,17 +80,17 @@ Bytes chunk_input(uint8_t flags, const Bytes& chunk) {
   return input;
 }
 
-Bytes aedat4_file(const ev::EventBatch& stream, ev::aedat4::Compression compression) {
+Bytes aedat4_file(const ev::EventBatch& stream, e2lf::formats::aedat4::Compression compression) {
   std::vector<std::pair<int8_t, int64_t>> triggers;
   for (const ev::Trigger& trigger : stream.triggers) triggers.emplace_back(trigger.p != 0 ? 1 : 2, trigger.t);
-  return ev::aedat4::make_file({{0, ev::aedat4::event_packet(stream.events)},
-                                {3, ev::aedat4::trigger_packet(triggers)},
-                                {2, ev::aedat4::begin_packet("IMUS", 0)}},
-                               compression);
+  return e2lf::formats::aedat4::make_file({{0, e2lf::formats::aedat4::event_packet(stream.events)},
+                                           {3, e2lf::formats::aedat4::trigger_packet(triggers)},
+                                           {2, e2lf::formats::aedat4::begin_packet("IMUS", 0)}},
+                                          compression);
 }
 
 Result<void> write_bags(const fs::path& folder) {
-  using namespace ev::rosbag;
+  using namespace e2lf::formats::rosbag;
   const uint64_t base_ns = 1'700'000'000'000'000'000;
   const Bytes evt3 = words<uint16_t>({0x8001, 0x6002, 0x0005, 0x2807, 0xA101, 0x6003, 0x2009});
   const std::map<std::string, Bytes> messages = {
@@ -115,7 +115,7 @@ Result<void> write_recordings(const fs::path& folder) {
       E2LF_RETURN_IF_ERROR(write_file(folder / format / name, bytes));
     }
     E2LF_RETURN_IF_ERROR(write_file(folder / "evt4" / name, ev::evt4_file(stream)));
-    using ev::aedat4::Compression;
+    using e2lf::formats::aedat4::Compression;
     for (const Compression compression : {Compression::kNone, Compression::kLz4, Compression::kZstd}) {
       const std::string file = cat(name, "_", static_cast<int>(compression));
       E2LF_RETURN_IF_ERROR(write_file(folder / "aedat4" / file, aedat4_file(stream, compression)));

@@ -14,7 +14,7 @@
 #endif
 
 /// Builds AEDAT 4 files, for tests and fuzzing.
-namespace e2lf::recordings::aedat4 {
+namespace e2lf::formats::aedat4 {
 
 using Bytes = std::vector<uint8_t>;
 
@@ -136,4 +136,4 @@ inline Bytes make_file(const std::vector<std::pair<int32_t, Bytes>>& packets, Co
   return file;
 }
 
-}  // namespace e2lf::recordings::aedat4
+}  // namespace e2lf::formats::aedat4

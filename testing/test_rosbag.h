@@ -13,7 +13,7 @@
 #endif
 
 /// Builds ROS 2 bags, for tests and fuzzing.
-namespace e2lf::recordings::rosbag {
+namespace e2lf::formats::rosbag {
 
 using Bytes = std::vector<uint8_t>;
 
@@ -192,4 +192,4 @@ inline Bytes sqlite_file(const std::vector<TestTopic>& topics, const TestMessage
 }
 #endif
 
-}  // namespace e2lf::recordings::rosbag
+}  // namespace e2lf::formats::rosbag

@@ -13,7 +13,7 @@ for flag in "" --json; do
 done
 "$E2LF" convert rec.raw /dev/stdout --format evt3 2>text.txt >piped.raw
 cmp file.raw piped.raw
-for format in npy hdf5 dsec; do
+for format in npy hdf5; do
   fails 1 "convert: -:" "$E2LF" convert rec.raw - --format "$format"
   [ ! -s stdout.txt ] || fail "$format wrote something"
 done

@@ -32,7 +32,7 @@ for input in converted.hdf5 replay:other.raw images.npz -; do
   grep -q "made with other patterns than e2lf-n4" err.txt || fail "$input: $(cat err.txt)"
 done
 # Formats that hold no text keep them in the record beside them, also where they were converted.
-for format in npz npy dsec; do
+for format in npz npy; do
   for whose in own other; do
     file=from_$whose.$format
     "$E2LF" convert $whose.raw "$file" --format $format --quiet 2>err.txt

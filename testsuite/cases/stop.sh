@@ -117,7 +117,7 @@ assert np.array_equal(np.load("taken-interrupted-1.npz")["codes"], np.load("all.
 PY
 # Every format that is kept can be read, with its triggers.
 count() { "$E2LF" info "$1" --json | py -c "import json, sys; print(json.load(sys.stdin)['$2'])"; }
-for name in kept.csv kept.txt kept.npy kept.dat kept.h5 kept.hdf5; do
+for name in kept.csv kept.txt kept.npy kept.dat kept.hdf5; do
   rm -f sent_slow.raw
   ended KILL 137 '[ -e sent_slow.raw ]' "$E2LF" convert "$(address_of slow.raw)" "$name" --event-format evt3
   "$E2LF" convert rec.raw "$name" --quiet 2>stderr.txt

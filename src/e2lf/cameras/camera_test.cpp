@@ -18,7 +18,7 @@
 #include "testing/test_log.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -452,4 +452,4 @@ TEST(ReplayCamera, CyclesCarryTheirArrival) {
 }
 
 }  // namespace
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

@@ -16,7 +16,7 @@
 #include "e2lf/recordings/live/camera_plugin.h"
 #include "e2lf/recordings/stream_choice.h"
 
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 namespace fs = std::filesystem;
 namespace {
 
@@ -28,8 +28,9 @@ class PluginError {
     return text_.data();
   }
   [[nodiscard]] Error error(ErrorCode code, const std::string& name) const {
-    const std::string said(text_.data(), std::find(text_.begin(), text_.end() - 1, '\0'));
-    return {code, said.empty() ? "the plugin failed without a message; report this to its author" : one_line(said),
+    const std::string message(text_.data(), std::find(text_.begin(), text_.end() - 1, '\0'));
+    return {code,
+            message.empty() ? "the plugin failed without a message; report this to its author" : one_line(message),
             name};
   }
 
@@ -59,10 +60,10 @@ class PluginCamera final : public Camera {
   }
 
   Result<void> start() override {
-    E2LF_RETURN_IF_ERROR(taken(functions_.start(camera_, said_.buffer()), ErrorCode::kIo));
+    E2LF_RETURN_IF_ERROR(checked(functions_.start(camera_, error_.buffer()), ErrorCode::kIo));
     if (functions_.save_biases == nullptr) return {};
-    const char* const biases = functions_.save_biases(camera_, said_.buffer());
-    if (biases == nullptr) return said_.error(ErrorCode::kIo, name_);
+    const char* const biases = functions_.save_biases(camera_, error_.buffer());
+    if (biases == nullptr) return error_.error(ErrorCode::kIo, name_);
     biases_ = biases;
     return {};
   }
@@ -73,9 +74,9 @@ class PluginCamera final : public Camera {
     while (bytes.empty()) {
       if (is_stopped_ && Clock::now() > stop_time_.load() + kLongestDrain) return false;
       e2lf_camera_buffer buffer{};
-      const e2lf_camera_state state = functions_.next(camera_, &buffer, said_.buffer());
+      const e2lf_camera_state state = functions_.next(camera_, &buffer, error_.buffer());
       if (state == E2LF_CAMERA_ENDED) return false;
-      if (state != E2LF_CAMERA_RUNS) return said_.error(ErrorCode::kIo, name_);
+      if (state != E2LF_CAMERA_RUNS) return error_.error(ErrorCode::kIo, name_);
       if (buffer.size > 0 && buffer.bytes == nullptr) {
         return Error{ErrorCode::kIo, "the plugin returned a buffer without memory; report this to its author", name_};
       }
@@ -102,14 +103,14 @@ class PluginCamera final : public Camera {
     return {ErrorCode::kUnsupported, cat("the camera has no ", what, "; leave the option out"), name_};
   }
 
-  [[nodiscard]] Result<void> taken(int result, ErrorCode code = ErrorCode::kInvalidValue) const {
-    if (result < 0) return said_.error(code, name_);
+  [[nodiscard]] Result<void> checked(int result, ErrorCode code = ErrorCode::kInvalidValue) const {
+    if (result < 0) return error_.error(code, name_);
     return {};
   }
 
   Result<void> set(const char* setting, const std::string& value) {
     if (functions_.set == nullptr) return has_no(setting);
-    return taken(functions_.set(camera_, setting, value.c_str(), said_.buffer()));
+    return checked(functions_.set(camera_, setting, value.c_str(), error_.buffer()));
   }
 
   Result<void> load_biases(const fs::path& file) {
@@ -117,7 +118,7 @@ class PluginCamera final : public Camera {
     constexpr size_t kMostBytes = size_t{1} << 20;
     E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_head(file, kMostBytes));
     const std::string text(bytes.begin(), bytes.end());
-    return taken(functions_.load_biases(camera_, text.c_str(), said_.buffer()));
+    return checked(functions_.load_biases(camera_, text.c_str(), error_.buffer()));
   }
 
   Result<void> switch_on_triggers(const std::vector<std::string>& inputs) {
@@ -125,13 +126,13 @@ class PluginCamera final : public Camera {
     if (functions_.triggers_on == nullptr) return inputs.empty() ? Result<void>() : has_no("trigger inputs");
     std::vector<const char*> names;
     for (const std::string& input : inputs) names.push_back(input.c_str());
-    return taken(functions_.triggers_on(camera_, names.data(), names.size(), said_.buffer()));
+    return checked(functions_.triggers_on(camera_, names.data(), names.size(), error_.buffer()));
   }
 
   const e2lf_camera_functions& functions_;
   e2lf_camera* camera_;
   std::string name_, biases_;
-  PluginError said_;
+  PluginError error_;
   uint64_t lost_ = 0;
   std::atomic<bool> is_stopped_ = false;
   std::atomic<Clock::time_point> stop_time_;
@@ -142,9 +143,9 @@ Result<std::vector<std::string>> list_cameras_of(const e2lf_camera_functions& fu
   const auto add = [](void* list, const char* address) {
     if (address != nullptr) static_cast<std::vector<std::string>*>(list)->push_back(one_line(address));
   };
-  PluginError said;
-  if (functions.list(add, &addresses, said.buffer()) < 0) {
-    return said.error(ErrorCode::kIo, cat("camera://", functions.name));
+  PluginError error;
+  if (functions.list(add, &addresses, error.buffer()) < 0) {
+    return error.error(ErrorCode::kIo, cat("camera://", functions.name));
   }
   return addresses;
 }
@@ -204,9 +205,9 @@ Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions,
   CameraPlugin plugin{functions->name, functions->description == nullptr ? "" : one_line(functions->description)};
   plugin.open = [functions](const std::string& address) -> Result<CameraPtr> {
     const std::string name = cat("camera://", functions->name, address.empty() ? "" : "/", address);
-    PluginError said;
-    e2lf_camera* const opened = functions->open(address.c_str(), said.buffer());
-    if (opened == nullptr) return said.error(ErrorCode::kNotFound, name);
+    PluginError error;
+    e2lf_camera* const opened = functions->open(address.c_str(), error.buffer());
+    if (opened == nullptr) return error.error(ErrorCode::kNotFound, name);
     return CameraPtr(std::make_unique<PluginCamera>(*functions, opened, name));
   };
   if (functions->list != nullptr) plugin.list = [functions] { return list_cameras_of(*functions); };
@@ -229,16 +230,11 @@ std::vector<CameraPlugin> load_camera_plugins(const std::string& places) {
   return plugins;
 }
 
-}  // namespace e2lf::recordings
-
-namespace e2lf::cameras {
 namespace {
-
-using recordings::CameraPlugin;
 
 std::vector<CameraPlugin> plugins_of_environment() {
   const char* const places = std::getenv("E2LF_CAMERA_PLUGINS");
-  return places == nullptr ? std::vector<CameraPlugin>() : recordings::load_camera_plugins(places);
+  return places == nullptr ? std::vector<CameraPlugin>() : load_camera_plugins(places);
 }
 
 }  // namespace
@@ -250,18 +246,17 @@ void add_cameras() {
              CameraPlugin{"replay",
                           "a recording at the speed it was recorded with; ADDRESS is its path, or "
                           "PATH?speed=S&repeat=N",
-                          recordings::open_replay_camera},
-             CameraPlugin{"pipe", "standard input; ADDRESS is the path of a named pipe or nothing",
-                          recordings::open_pipe_camera},
-             CameraPlugin{"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", recordings::open_tcp_camera},
+                          open_replay_camera},
+             CameraPlugin{"pipe", "standard input; ADDRESS is the path of a named pipe or nothing", open_pipe_camera},
+             CameraPlugin{"tcp", "a sender of recording bytes; ADDRESS is 127.0.0.1:PORT", open_tcp_camera},
 #ifdef E2LF_HAVE_METAVISION_HAL
              CameraPlugin{"metavision", "a camera of the vendor's open HAL; ADDRESS is a serial number or nothing",
-                          recordings::open_metavision_camera, recordings::list_metavision_cameras},
+                          open_metavision_camera, list_metavision_cameras},
 #endif
          }) {
-      recordings::add_camera_plugin(plugin);
+      add_camera_plugin(plugin);
     }
-    recordings::add_camera_plugins(plugins_of_environment);
+    add_camera_plugins(plugins_of_environment);
   });
 }
 

@@ -20,10 +20,9 @@ namespace e2lf::cameras {
 /// E2LF_CAMERA_PLUGINS. Further calls do nothing.
 void add_cameras();
 
-}  // namespace e2lf::cameras
+using namespace recordings;
 
 // The functions that cameras.cpp registers.
-namespace e2lf::recordings {
 
 /// Opens a recording of any readable format and delivers it as EVT3 words at the times of its events, as a camera
 /// would. A RAW recording in EVT3 is delivered byte for byte. `address` is FILE or FILE?speed=S&repeat=N. Fails as
@@ -59,7 +58,6 @@ namespace e2lf::recordings {
 /// Whether this process can use a USB device.
 enum class UsbAccess {
   kFree,
-  kInUse,      ///< another process has its device node open
   kForbidden,  ///< the permissions of its device node do not allow it
   kHidden,     ///< there is no device node, for example in a container without access to it
 };
@@ -69,12 +67,11 @@ struct UsbCamera {
   std::string name;            ///< vendor, product and device name, e.g. "04b4:00f4 EVK"
   std::filesystem::path node;  ///< "/dev/bus/usb/002/003"
   UsbAccess access = UsbAccess::kFree;
-  std::string user;  ///< "NAME (process 123)" of the process that uses it, if known
 };
 
-/// The folders in which Linux describes USB devices and processes.
+/// The folders in which Linux describes USB devices.
 struct UsbFolders {
-  std::filesystem::path devices = "/sys/bus/usb/devices", nodes = "/dev/bus/usb", processes = "/proc";
+  std::filesystem::path devices = "/sys/bus/usb/devices", nodes = "/dev/bus/usb";
 };
 
 /// Returns the devices whose vendor number is that of a manufacturer of event cameras or of their USB chips.
@@ -86,4 +83,4 @@ struct UsbFolders {
 [[nodiscard]] Error unopened_error(const std::string& address, const std::vector<std::string>& listed,
                                    const std::vector<UsbCamera>& usb);
 
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

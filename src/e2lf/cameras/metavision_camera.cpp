@@ -24,7 +24,7 @@
 #include "e2lf/cameras/metavision_device.h"
 #include "e2lf/recordings/stream_choice.h"
 
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 namespace {
 
 /// Forwards the messages of the HAL to our log line by line. The HAL writes from several threads.
@@ -41,8 +41,8 @@ class HalLog final : public std::streambuf {
     for (const char c : std::string_view(text, static_cast<size_t>(count))) {
       if (c != '\n') {
         line_ += c;
-      } else if (const std::string said = std::exchange(line_, {}); !said.empty()) {
-        log_info("the camera's HAL: " + one_line(said));
+      } else if (const std::string line = std::exchange(line_, {}); !line.empty()) {
+        log_info("the camera's HAL: " + one_line(line));
       }
     }
     return count;
@@ -325,4 +325,4 @@ Result<CameraPtr> open_metavision_camera(const std::string& address) {
   return CameraPtr(std::make_unique<MetavisionCamera>(address));
 }
 
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

@@ -16,7 +16,7 @@
 #include "testing/test_log.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 namespace {
 
 constexpr char kName[] = "camera://metavision";
@@ -267,4 +267,4 @@ TEST_F(MetavisionCamera, ASlowReaderHasBoundedMemoryAndWhatIsDroppedIsCounted) {
 }
 
 }  // namespace
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

@@ -11,7 +11,7 @@
 #include "e2lf/recordings/recording.h"
 
 // The parts of metavision_camera.cpp. Only for builds that found the vendor's open HAL.
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 
 /// Returns the message of an exception of the HAL, which has several lines, in one.
 [[nodiscard]] std::string hal_text(const std::exception& error);
@@ -38,4 +38,4 @@ namespace e2lf::recordings {
 /// Returns the text of a .bias file, or an empty string for a camera without biases.
 [[nodiscard]] std::string device_biases(Metavision::Device& device);
 
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

@@ -19,7 +19,7 @@
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 namespace fs = std::filesystem;
 namespace {
 
@@ -278,4 +278,4 @@ std::string device_biases(Metavision::Device& device) {
   return bytes ? std::string(bytes->begin(), bytes->end()) : std::string();
 }
 
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

@@ -17,7 +17,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 namespace {
 
 /// What is replayed, and how.
@@ -291,4 +291,4 @@ Result<CameraPtr> open_replay_camera(const std::string& address) {
   return CameraPtr(std::move(replay));
 }
 
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

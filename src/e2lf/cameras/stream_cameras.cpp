@@ -18,7 +18,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
 
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 namespace {
 
 constexpr size_t kCameraReadBytes = size_t{1} << 16;
@@ -144,4 +144,4 @@ Result<CameraPtr> open_tcp_camera(const std::string& address) {
   return CameraPtr(std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, name));
 }
 
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

@@ -9,7 +9,7 @@
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/recordings/stream_choice.h"
 
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 namespace fs = std::filesystem;
 namespace {
 
@@ -31,23 +31,7 @@ std::string three_digits(const std::string& number) {
   return std::string(3 - std::min<size_t>(3, number.size()), '0') + number;
 }
 
-/// Returns the process that has a file open, among the processes that can be inspected; empty = none.
-std::string user_of(const fs::path& node, const fs::path& processes) {
-  std::error_code error;
-  for (fs::directory_iterator process(processes, error), end; !error && process != end; process.increment(error)) {
-    std::error_code closed;
-    if (process->path().filename() == std::to_string(::getpid())) continue;
-    for (fs::directory_iterator entry(process->path() / "fd", closed), last; !closed && entry != last;
-         entry.increment(closed)) {
-      std::error_code gone;
-      if (fs::read_symlink(entry->path(), gone) != node || gone) continue;
-      return cat(first_line(process->path() / "comm"), " (process ", process->path().filename().string(), ")");
-    }
-  }
-  return {};
-}
-
-bool is_asked_for(const std::string& name, const std::string& address) {
+bool is_requested(const std::string& name, const std::string& address) {
   return address.empty() || name == address || name.ends_with(":" + address);
 }
 
@@ -68,13 +52,10 @@ std::vector<UsbCamera> find_usb_cameras(const UsbFolders& folders) {
     camera.node = folders.nodes / three_digits(first_line(device->path() / "busnum")) /
                   three_digits(first_line(device->path() / "devnum"));
     std::error_code ignored;
-    camera.user = user_of(camera.node, folders.processes);
     if (!fs::exists(camera.node, ignored)) {
       camera.access = UsbAccess::kHidden;
     } else if (::access(camera.node.c_str(), R_OK | W_OK) != 0) {
       camera.access = UsbAccess::kForbidden;
-    } else if (!camera.user.empty()) {
-      camera.access = UsbAccess::kInUse;
     }
     cameras.push_back(std::move(camera));
   }
@@ -89,7 +70,7 @@ Error unopened_error(const std::string& address, const std::vector<std::string>&
     return found == usb.end() ? nullptr : &*found;
   };
   const bool is_listed =
-      std::any_of(listed.begin(), listed.end(), [&](const std::string& name) { return is_asked_for(name, address); });
+      std::any_of(listed.begin(), listed.end(), [&](const std::string& name) { return is_requested(name, address); });
   if (!listed.empty() && !is_listed) {
     return {ErrorCode::kNotFound, cat("there is no camera ", address, "; those connected are ", join(listed)),
             location};
@@ -100,10 +81,8 @@ Error unopened_error(const std::string& address, const std::vector<std::string>&
                 ") forbid opening the camera; install the vendor's udev rules and plug it in again"),
             location};
   }
-  if (const UsbCamera* const one = with_access(UsbAccess::kInUse); one != nullptr || is_listed) {
-    const std::string who = one == nullptr ? "another program" : one->user;
-    return {ErrorCode::kIo, cat("the camera is busy: ", who, " uses it; end that program first"), location};
-  }
+  if (is_listed)
+    return {ErrorCode::kIo, "the camera is busy: another program uses it; end that program first", location};
   if (const UsbCamera* const one = with_access(UsbAccess::kHidden)) {
     return {ErrorCode::kIo,
             cat("the camera ", one->name, " is connected, but ", one->node.string(),
@@ -124,4 +103,4 @@ Error unopened_error(const std::string& address, const std::vector<std::string>&
       location};
 }
 
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

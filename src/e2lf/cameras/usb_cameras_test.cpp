@@ -7,7 +7,7 @@
 #include "e2lf/files/file.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::recordings {
+namespace e2lf::cameras {
 namespace fs = std::filesystem;
 namespace {
 
@@ -16,7 +16,7 @@ class UsbTree {
  public:
   UsbTree(const std::string& vendor, const std::string& product) {
     const fs::path device = folders.devices / "2-1";
-    for (const fs::path& made : {device, folders.nodes / "002", folders.processes / "77" / "fd"}) {
+    for (const fs::path& made : {device, folders.nodes / "002"}) {
       fs::create_directories(made);
     }
     for (const auto& [name, text] : {std::pair<std::string, std::string>{"idVendor", vendor},
@@ -28,13 +28,9 @@ class UsbTree {
     }
   }
   void add_node() const { EXPECT_TRUE(write_file(folders.nodes / "002" / "013", std::string("x")).ok()); }
-  void add_user() const {
-    EXPECT_TRUE(write_file(folders.processes / "77" / "comm", std::string("viewer\n")).ok());
-    fs::create_symlink(folders.nodes / "002" / "013", folders.processes / "77" / "fd" / "5");
-  }
 
   TestFolder folder;
-  UsbFolders folders{folder / "devices", folder / "nodes", folder / "processes"};
+  UsbFolders folders{folder / "devices", folder / "nodes"};
 };
 
 std::string reason(const UsbTree& usb, const std::string& address = "", const std::vector<std::string>& listed = {}) {
@@ -52,8 +48,6 @@ TEST(UsbCameras, NoneBusyForbiddenAndHiddenAreToldApart) {
   expect_said(reason(camera), "02/013 is missing; give the container");
   camera.add_node();
   expect_said(reason(camera), "no plugin of the HAL recognises it");
-  camera.add_user();
-  expect_said(reason(camera), "busy: viewer (process 77) uses it");
   expect_said(reason(mouse, "A1", {"e2lf:plugin:A1"}), "busy: another program uses it");
   expect_said(reason(mouse, "A1", {"e2lf:plugin:B2"}), "no camera A1; those connected are e2lf:plugin:B2");
   if (::geteuid() == 0) return;  // nothing is forbidden then
@@ -62,7 +56,7 @@ TEST(UsbCameras, NoneBusyForbiddenAndHiddenAreToldApart) {
 }
 
 TEST(UsbCameras, PermissionsComeFirstAndNameTheDevice) {
-  const UsbCamera forbidden{"04b4:00f5 EVK4", "/dev/bus/usb/002/013", UsbAccess::kForbidden, ""};
+  const UsbCamera forbidden{"04b4:00f5 EVK4", "/dev/bus/usb/002/013", UsbAccess::kForbidden};
   const Error error = unopened_error("", {"e2lf:plugin:A1"}, {forbidden});
   EXPECT_EQ(error.code, ErrorCode::kIo);
   expect_said(error.text(), "/dev/bus/usb/002/013");
@@ -70,4 +64,4 @@ TEST(UsbCameras, PermissionsComeFirstAndNameTheDevice) {
 }
 
 }  // namespace
-}  // namespace e2lf::recordings
+}  // namespace e2lf::cameras

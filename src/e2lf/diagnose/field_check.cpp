@@ -332,7 +332,7 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
   if (is_confirmed && judging_ == Judging::kChanges && measurement.kind == capture::MeasurementKind::kEventImages) {
     E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio, explained.tried));
     auto places = check_places(given, check.codes, check.pixels);
-    // The parallax says more about the patterns, and nothing about the polarity and the order of event images.
+    // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.
     const bool is_clear =
         change && (change->code == "polarity-better-inverted" ||
                    change->figures["error"] < kClearRatio * change->figures["unchanged_error"].get<double>());

@@ -225,9 +225,8 @@ Result<std::vector<std::string>> mat_variables(const std::filesystem::path& path
 
 namespace {
 
-constexpr size_t kTextBytes = 124, kWrittenTagBytes = 8;
+constexpr size_t kTextBytes = 124;
 constexpr uint64_t kMostBytes = (uint64_t{1} << 31) - 1024;
-constexpr uint32_t kMatrixType = 14;
 
 struct ClassStorage {
   MatStorage storage;
@@ -235,25 +234,10 @@ struct ClassStorage {
 };
 
 ClassStorage own_storage(MatClass array_class) {
-  switch (array_class) {
-    case MatClass::kDouble:
-      return {MatStorage::kDouble, 8};
-    case MatClass::kSingle:
-      return {MatStorage::kSingle, 4};
-    case MatClass::kInt8:
-      return {MatStorage::kInt8, 1};
-    case MatClass::kUint8:
-      return {MatStorage::kUint8, 1};
-    case MatClass::kInt16:
-      return {MatStorage::kInt16, 2};
-    case MatClass::kUint16:
-      return {MatStorage::kUint16, 2};
-    case MatClass::kInt32:
-      return {MatStorage::kInt32, 4};
-    case MatClass::kUint32:
-      return {MatStorage::kUint32, 4};
-  }
-  return {MatStorage::kDouble, 8};
+  using enum MatStorage;
+  constexpr ClassStorage kOfClasses[] = {{kDouble, 8}, {kSingle, 4}, {kInt8, 1},  {kUint8, 1},
+                                         {kInt16, 2},  {kUint16, 2}, {kInt32, 4}, {kUint32, 4}};
+  return kOfClasses[static_cast<size_t>(array_class) - static_cast<size_t>(MatClass::kDouble)];
 }
 
 void append_word(std::vector<uint8_t>& bytes, uint32_t word) {
@@ -303,8 +287,8 @@ Result<std::vector<uint8_t>> encode_mat(std::span<const MatVariable> variables, 
     }
     const std::vector<uint8_t> head = matrix_head(variable);
     const size_t padded = (variable.data.size() + 7) / 8 * 8;
-    append_word(file, kMatrixType);
-    append_word(file, static_cast<uint32_t>(head.size() + kWrittenTagBytes + padded));
+    append_word(file, kMatrix);
+    append_word(file, static_cast<uint32_t>(head.size() + kTagBytes + padded));
     file.insert(file.end(), head.begin(), head.end());
     append_element(file, static_cast<uint32_t>(own.storage), variable.data);
   }

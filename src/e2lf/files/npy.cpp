@@ -15,6 +15,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf {
 namespace {
@@ -22,70 +23,28 @@ namespace {
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr size_t kMaxRank = 64;
 
-/// Reads the Python literals of which a header consists. A missing literal is returned as nullopt or false.
-class LiteralReader {
- public:
-  explicit LiteralReader(std::string_view text) : text_(text) {}
+constexpr size_t kMostHeaderBytes = size_t{1} << 20;
 
-  bool accept(char wanted) {
-    skip_space();
-    if (position_ >= text_.size() || text_[position_] != wanted) return false;
-    ++position_;
-    return true;
-  }
-
-  std::optional<std::string> string() {
-    const char quote = accept('\'') ? '\'' : accept('"') ? '"' : '\0';
-    if (quote == '\0') return std::nullopt;
-    const size_t end = text_.find(quote, position_);
-    if (end == std::string_view::npos) return std::nullopt;
-    std::string value(text_.substr(position_, end - position_));
-    if (value.find('\\') != std::string::npos) return std::nullopt;
-    position_ = end + 1;
-    return value;
-  }
-
-  std::optional<bool> boolean() {
-    skip_space();
-    for (const auto& [word, value] : {std::pair<std::string_view, bool>{"True", true}, {"False", false}}) {
-      if (text_.substr(position_, word.size()) == word) {
-        position_ += word.size();
-        return value;
-      }
+/// Returns the Python literal of which a header consists as JSON; tuples become lists.
+std::string json_of_literal(std::string_view literal) {
+  std::string json;
+  char quote = '\0';
+  for (const char c : literal) {
+    if (quote != '\0') {
+      if (c == quote) quote = '\0';
+      json += quote == '\0' ? "\"" : c == '"' ? "\\\"" : std::string(1, c);
+    } else if (c == '\'' || c == '"') {
+      quote = c;
+      json += '"';
+    } else if (c == ')' || c == ']' || c == '}') {
+      json.erase(json.find_last_not_of(" ,") + 1);  // a list may end with a comma
+      json += c == ')' ? ']' : c;
+    } else {
+      json += c == '(' ? '[' : c == 'T' ? 't' : c == 'F' ? 'f' : c;  // True and False
     }
-    return std::nullopt;
   }
-
-  /// Reads a tuple such as "(720, 1280)", "(3,)" or "()".
-  std::optional<std::vector<size_t>> tuple() {
-    std::vector<size_t> numbers;
-    if (!accept('(')) return std::nullopt;
-    while (!accept(')')) {
-      skip_space();
-      size_t number = 0;
-      const auto [end, error] = std::from_chars(text_.data() + position_, text_.data() + text_.size(), number);
-      if (error != std::errc()) return std::nullopt;
-      position_ = static_cast<size_t>(end - text_.data());
-      numbers.push_back(number);
-      if (accept(',')) continue;
-      if (!accept(')')) return std::nullopt;
-      break;
-    }
-    return numbers;
-  }
-
-  bool at_end() {
-    skip_space();
-    return position_ == text_.size();
-  }
-
- private:
-  void skip_space() {
-    while (position_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[position_])) != 0) ++position_;
-  }
-  std::string_view text_;
-  size_t position_ = 0;
-};
+  return json;
+}
 
 Error malformed_npy(const std::string& location, const std::string& what) {
   return {ErrorCode::kFormat, cat("not a numpy header (", what, "); save it again with numpy.save"), location};
@@ -125,45 +84,34 @@ void append_number(const ElementCode& code, NpyHeader& header) {
   header.array.item_size += code.size;
 }
 
-/// Parses [('x', '<u2'), ('', '|V2'), ...], whose opening bracket has already been read.
-Result<void> parse_record(LiteralReader& reader, NpyHeader& header, const std::string& location) {
-  while (!reader.accept(']')) {
-    if (!reader.accept('(')) return malformed_npy(location, "a field is not a tuple");
-    const bool has_title = reader.accept('(');  // (('title', 'x'), '<u2')
-    if (has_title && (!reader.string() || !reader.accept(','))) return malformed_npy(location, "a field has no title");
-    const auto field_name = reader.string();
-    const bool is_named = field_name && (!has_title || reader.accept(')')) && reader.accept(',');
-    if (!is_named) return malformed_npy(location, "a field has no plain name");
-    const auto field_type = reader.string();
-    if (!field_type) {
-      return Error{ErrorCode::kUnsupported, cat("field \"", *field_name, "\" is nested; store plain fields"), location};
+/// Reads [["x", "<u2"], ["", "|V2"], ...], where a name may be [title, name].
+Result<void> read_record(const Json& fields, NpyHeader& header, const std::string& location) {
+  for (const Json& field : fields) {
+    if (!field.is_array() || field.size() < 2) return malformed_npy(location, "a field is not a tuple");
+    const Json& name = field[0].is_array() && field[0].size() == 2 ? field[0][1] : field[0];
+    if (!name.is_string()) return malformed_npy(location, "a field has no plain name");
+    if (field.size() > 2 || !field[1].is_string()) {
+      return Error{ErrorCode::kUnsupported,
+                   cat("field \"", name.get<std::string>(), "\" is nested or an array; store plain fields"), location};
     }
-    reader.accept(',');
-    if (!reader.accept(')')) {
-      return Error{ErrorCode::kUnsupported, cat("field \"", *field_name, "\" is an array; store plain fields"),
-                   location};
-    }
-    reader.accept(',');
-    E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(*field_type, location));
+    E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(field[1].get<std::string>(), location));
     size_t record_size = 0;
     if (__builtin_add_overflow(header.array.item_size, code.size, &record_size)) {
       return malformed_npy(location, "the record is larger than any memory");
     }
-    if (!code.padding) header.array.fields.push_back({*field_name, code.type, header.array.item_size});
+    if (!code.padding) header.array.fields.push_back({name.get<std::string>(), code.type, header.array.item_size});
     append_number(code, header);
   }
   if (header.array.fields.empty()) return malformed_npy(location, "a record without fields");
   return {};
 }
 
-Result<void> parse_descr(LiteralReader& reader, NpyHeader& header, const std::string& location) {
-  if (header.array.item_size != 0) return malformed_npy(location, "\"descr\" is there twice");
-  if (reader.accept('[')) return parse_record(reader, header, location);
-  const auto text = reader.string();
-  if (!text) return malformed_npy(location, "\"descr\" is neither text nor a list");
-  E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(*text, location));
+Result<void> read_descr(const Json& descr, NpyHeader& header, const std::string& location) {
+  if (descr.is_array()) return read_record(descr, header, location);
+  if (!descr.is_string()) return malformed_npy(location, "\"descr\" is neither text nor a list");
+  E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(descr.get<std::string>(), location));
   if (code.padding) {
-    return Error{ErrorCode::kUnsupported, cat("elements of type \"", *text, "\" are not numbers; store plain numbers"),
+    return Error{ErrorCode::kUnsupported, cat("elements of type \"V", code.size, "\" are not numbers; store numbers"),
                  location};
   }
   header.array.type = code.type;
@@ -171,33 +119,20 @@ Result<void> parse_descr(LiteralReader& reader, NpyHeader& header, const std::st
   return {};
 }
 
-Result<void> parse_dictionary(std::string_view text, NpyHeader& header, const std::string& location) {
-  LiteralReader reader(text);
-  std::optional<bool> fortran_order;
-  std::optional<std::vector<size_t>> shape;
-  if (!reader.accept('{')) return malformed_npy(location, "no dictionary");
-  while (!reader.accept('}')) {
-    const auto key = reader.string();
-    if (!key || !reader.accept(':')) return malformed_npy(location, "a key is missing");
-    if (*key == "descr") {
-      E2LF_RETURN_IF_ERROR(parse_descr(reader, header, location));
-    } else if (*key == "fortran_order") {
-      fortran_order = reader.boolean();
-    } else if (*key == "shape") {
-      shape = reader.tuple();
-    } else {
-      return malformed_npy(location, cat("the key \"", *key, "\" is unknown"));
-    }
-    if (reader.accept(',')) continue;
-    if (!reader.accept('}')) return malformed_npy(location, cat("the value of \"", *key, "\" is damaged"));
-    break;
+Result<void> read_dictionary(std::string_view text, NpyHeader& header, const std::string& location) {
+  const Json json = Json::parse(json_of_literal(text), nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object() || json.size() != 3 || !json.contains("descr") || !json.contains("fortran_order") ||
+      !json.contains("shape")) {
+    return malformed_npy(location, "no dictionary of descr, fortran_order and shape");
   }
-  if (!reader.at_end()) return malformed_npy(location, "text after the dictionary");
-  if (header.array.item_size == 0) return malformed_npy(location, "\"descr\" is missing");
-  if (!fortran_order) return malformed_npy(location, "\"fortran_order\" is missing");
-  if (!shape || shape->size() > kMaxRank) return malformed_npy(location, "\"shape\" is missing or too long");
-  header.fortran_order = *fortran_order;
-  header.array.shape = std::move(*shape);
+  E2LF_RETURN_IF_ERROR(read_descr(json["descr"], header, location));
+  const Json &order = json["fortran_order"], &shape = json["shape"];
+  if (!order.is_boolean()) return malformed_npy(location, "\"fortran_order\" is neither True nor False");
+  const bool are_sizes = shape.is_array() && shape.size() <= kMaxRank &&
+                         std::all_of(shape.begin(), shape.end(), [](const Json& n) { return n.is_number_unsigned(); });
+  if (!are_sizes) return malformed_npy(location, "\"shape\" is not a tuple of sizes");
+  header.fortran_order = order.get<bool>();
+  header.array.shape = shape.get<std::vector<size_t>>();
   return {};
 }
 
@@ -245,11 +180,12 @@ Result<NpyHeader> parse_npy_header(std::span<const uint8_t> bytes, const std::st
   uint32_t length = 0;
   std::memcpy(&length, bytes.data() + kMagic.size() + 2, length_size);
   if (length > bytes.size() - text_offset) return truncated;
+  if (length > kMostHeaderBytes) return malformed_npy(name, "the header is too long");
 
   NpyHeader header;
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()) + text_offset, length);
   const std::string location = cat(name, ": byte ", text_offset);
-  E2LF_RETURN_IF_ERROR(parse_dictionary(text, header, location));
+  E2LF_RETURN_IF_ERROR(read_dictionary(text, header, location));
   E2LF_ASSIGN_OR_RETURN(header.data_size, checked_byte_size(header.array.shape, header.array.item_size, location));
   header.data_offset = text_offset + length;
   return header;

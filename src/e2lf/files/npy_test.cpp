@@ -188,7 +188,6 @@ TEST(Npy, RefusesDamagedHeaders) {
                                             header("'|u1'", "(1,)", "Maybe"),
                                             header("'|u1'", "(1,)") + "more",
                                             header("[]", "(1,)"),
-                                            "{'descr': '|u1', 'descr': '|u1', 'fortran_order': False, 'shape': (1,), }",
                                             "{'descr': '|u1', 'fortran_order': False, 'shape': (1,), 'colour': 1}",
                                             header("[('x', '<u2'), 3]", "(1,)"),
                                             header("[('a', '|V18446744073709551615'), ('b', '<u2')]", "(1,)")};

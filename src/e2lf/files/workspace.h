@@ -10,7 +10,7 @@
 namespace e2lf {
 
 /// A locked folder beside a result, NAME.PID.N.part, in which the result is made before it is moved to its place. The
-/// lock ends with the process, however that ends, so that a run can tell an abandoned workspace from one in use.
+/// lock ends with the process, however that ends, so that a run can distinguish an abandoned workspace from one in use.
 class Workspace {
  public:
   /// Is called with an abandoned workspace of the same target before it is removed.

@@ -10,12 +10,16 @@
 // The formats of this library: what is read and written of each, and the functions that formats.cpp registers. Those
 // that detect a format look at the first bytes of a file.
 
-namespace e2lf::recordings::dat {
+namespace e2lf::formats {
+using namespace recordings;
+}
+
+namespace e2lf::formats::dat {
 
 /// Prophesee DAT: a text header, one byte each for the type and the size of records, then 8-byte records (u32 time in
 /// us, u32 coordinates and polarity). Times wrap around after 71.6 minutes; the reader unwraps them, which requires
-/// gaps between records of less than 17 minutes. Seeking uses the times of a few records. Triggers are
-/// stored in a second file: name_trigger.dat for name_cd.dat or name.dat, which is read if it exists.
+/// gaps between records of less than 17 minutes. A seek reads from the start. Triggers are stored in a second file:
+/// name_trigger.dat for name_cd.dat or name.dat, which is read if it exists.
 
 [[nodiscard]] bool detect(std::span<const uint8_t> head);
 [[nodiscard]] Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options);
@@ -32,9 +36,9 @@ namespace e2lf::recordings::dat {
 /// Returns whether a file begins like a name_trigger.dat and not like a file of events.
 [[nodiscard]] bool is_trigger_file(const std::filesystem::path& path);
 
-}  // namespace e2lf::recordings::dat
+}  // namespace e2lf::formats::dat
 
-namespace e2lf::recordings::aedat4 {
+namespace e2lf::formats::aedat4 {
 
 /// iniVation AEDAT 4: a version line, a FlatBuffer header, then packets (i32 stream, i32 size, compressed FlatBuffer).
 /// The events of one stream are read: the one that options.stream selects, or that with the lowest number. Triggers are
@@ -50,9 +54,9 @@ namespace e2lf::recordings::aedat4 {
 /// kMissingDependency (Zstd) and kInvalidValue (no stream with this name).
 [[nodiscard]] Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options);
 
-}  // namespace e2lf::recordings::aedat4
+}  // namespace e2lf::formats::aedat4
 
-namespace e2lf::recordings::rosbag {
+namespace e2lf::formats::rosbag {
 
 /// Bags of ROS 2: an SQLite database (.db3), an MCAP file, or a folder of either.
 ///
@@ -79,13 +83,12 @@ namespace e2lf::recordings::rosbag {
 /// Opens the files of a folder in the order of their numbers.
 [[nodiscard]] Result<ReaderPtr> open_folder(const std::filesystem::path& path, const OpenOptions& options);
 
-}  // namespace e2lf::recordings::rosbag
+}  // namespace e2lf::formats::rosbag
 
-namespace e2lf::recordings::hdf5_events::dsec {
+namespace e2lf::formats::dsec {
 
 /// The HDF5 layout of the DSEC data set: columns events/x, y (u2), p (u1), t (u4, us after t_offset), ms_to_idx (u8:
-/// index of the first event at or after each millisecond after t_offset) and t_offset (i8, us). It has no place for
-/// triggers.
+/// index of the first event at or after each millisecond after t_offset) and t_offset (i8, us).
 
 /// Opens the table of events in an HDF5 file that is not Metavision's, with columns of any numeric type. If there are
 /// several tables, options.stream selects one by its number or name. Fails with kNotFound if the file contains no
@@ -93,13 +96,9 @@ namespace e2lf::recordings::hdf5_events::dsec {
 [[nodiscard]] Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource& source,
                                              const OpenOptions& options);
 
-/// Creates a recording in the layout of DSEC, uncompressed. Its write() fails with kInvalidValue for times more than 71
-/// minutes after the first event.
-[[nodiscard]] Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info);
+}  // namespace e2lf::formats::dsec
 
-}  // namespace e2lf::recordings::hdf5_events::dsec
-
-namespace e2lf::recordings::numpy {
+namespace e2lf::formats::numpy {
 
 /// Events as numpy arrays, in any order of time. A .npy file is an array of records with the fields x, y, p, t in any
 /// order and of any numeric type, or an array [events, 4]. It is streamed. Written are OpenEB's records {x u2, y u2, p
@@ -124,9 +123,9 @@ namespace e2lf::recordings::numpy {
 [[nodiscard]] bool is_event_folder(const std::filesystem::path& path);
 [[nodiscard]] Result<ReaderPtr> open_event_folder(const std::filesystem::path& path, const OpenOptions& options);
 
-}  // namespace e2lf::recordings::numpy
+}  // namespace e2lf::formats::numpy
 
-namespace e2lf::recordings::text {
+namespace e2lf::formats::text {
 
 /// Events as lines of text. Two orders are written:
 ///   csv: x,y,p,t   t in integral microseconds; first line "%geometry:W,H" if the size is known
@@ -144,4 +143,4 @@ namespace e2lf::recordings::text {
 [[nodiscard]] Result<WriterPtr> create_csv(SinkPtr sink, const RecordingInfo& info);
 [[nodiscard]] Result<WriterPtr> create_txt(SinkPtr sink, const RecordingInfo& info);
 
-}  // namespace e2lf::recordings::text
+}  // namespace e2lf::formats::text

@@ -12,15 +12,6 @@
 namespace e2lf::formats {
 namespace {
 
-using recordings::Codec;
-namespace aedat4 = recordings::aedat4;
-namespace dat = recordings::dat;
-namespace dsec = recordings::hdf5_events::dsec;
-namespace hdf5_events = recordings::hdf5_events;
-namespace numpy = recordings::numpy;
-namespace rosbag = recordings::rosbag;
-namespace text = recordings::text;
-
 std::vector<Codec> all_formats() {
   return {
       {.name = "dat",
@@ -54,9 +45,7 @@ std::vector<Codec> all_formats() {
        .description = "HDF5 with columns as in the DSEC data set",
        .is_table = true,
        .open = hdf5_events::open,
-       .create_file = dsec::create_file,
-       .side_file = recordings::side_trigger_path,
-       .recover = hdf5_events::recover},
+       .side_file = recordings::side_trigger_path},
       {.name = "npy",
        .extensions = {".npy"},
        .description = "numpy array of records x, y, p, t",

@@ -16,19 +16,14 @@
 namespace e2lf::hdf5 {
 namespace {
 
-/// An open file as the library sees it.
-struct DriverFile : H5FD_t {
+struct WrittenFile : DriverFile {
   int descriptor = -1;
-  haddr_t end_of_addresses = 0, end_of_file = 0;
   std::shared_ptr<int> error_number;
   std::map<haddr_t, std::vector<uint8_t>> kept;  ///< the data that did not reach the disk
 };
 
-DriverFile& of(H5FD_t* file) {
-  return *static_cast<DriverFile*>(file);
-}
-const DriverFile& of(const H5FD_t* file) {
-  return *static_cast<const DriverFile*>(file);
+WrittenFile& of(H5FD_t* file) {
+  return *static_cast<WrittenFile*>(file);
 }
 
 /// Receives the error of the H5Fcreate() in progress.
@@ -44,7 +39,7 @@ H5FD_t* open_file(const char* path, unsigned, hid_t, haddr_t) {
     *error_number_to_use() = errno;
     return nullptr;
   }
-  auto* const file = new (std::nothrow) DriverFile();
+  auto* const file = new (std::nothrow) WrittenFile();
   if (file == nullptr) {
     ::close(descriptor);
     return nullptr;
@@ -56,12 +51,12 @@ H5FD_t* open_file(const char* path, unsigned, hid_t, haddr_t) {
 
 herr_t close_file(H5FD_t* file) {
   if (::close(of(file).descriptor) != 0 && *of(file).error_number == 0) *of(file).error_number = errno;
-  delete static_cast<DriverFile*>(file);
+  delete static_cast<WrittenFile*>(file);
   return 0;
 }
 
 herr_t write_file(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t begin, size_t count, const void* bytes) {
-  DriverFile& own = of(file);
+  WrittenFile& own = of(file);
   own.end_of_file = std::max(own.end_of_file, begin + count);
   const auto* next = static_cast<const uint8_t*>(bytes);
   while (count > 0) {
@@ -80,7 +75,7 @@ herr_t write_file(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t begin, size_t count, 
 }
 
 herr_t read_file(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t begin, size_t count, void* out) {
-  const DriverFile& own = of(file);
+  const WrittenFile& own = of(file);
   auto* const bytes = static_cast<uint8_t*>(out);
   std::memset(bytes, 0, count);
   for (size_t filled = 0; filled < count;) {
@@ -96,22 +91,9 @@ herr_t read_file(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t begin, size_t count, v
   return 0;
 }
 
-haddr_t end_of_addresses(const H5FD_t* file, H5FD_mem_t) {
-  return of(file).end_of_addresses;
-}
-
-herr_t set_end_of_addresses(H5FD_t* file, H5FD_mem_t, haddr_t end) {
-  of(file).end_of_addresses = end;
-  return 0;
-}
-
-haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) {
-  return of(file).end_of_file;
-}
-
 /// Sets the length of the file to the end of its addresses, as the library expects.
 herr_t truncate(H5FD_t* file, hid_t, hbool_t) {
-  DriverFile& own = of(file);
+  WrittenFile& own = of(file);
   if (::ftruncate(own.descriptor, static_cast<off_t>(own.end_of_addresses)) != 0 && *own.error_number == 0) {
     *own.error_number = errno;
   }
@@ -129,21 +111,14 @@ herr_t query(const H5FD_t*, unsigned long* features) {  // NOLINT(google-runtime
 }
 
 hid_t register_driver() {
-  H5FD_class_t driver{};
-  driver.name = "e2lf-checked";
-  driver.maxaddr = INT64_MAX;
-  driver.fc_degree = H5F_CLOSE_WEAK;
+  constexpr H5FD_mem_t kKinds[] = H5FD_FLMAP_DICHOTOMY;
+  H5FD_class_t driver = make_driver("e2lf-checked", kKinds);
   driver.open = open_file;
   driver.close = close_file;
   driver.query = query;
-  driver.get_eoa = end_of_addresses;
-  driver.set_eoa = set_end_of_addresses;
-  driver.get_eof = end_of_file;
   driver.read = read_file;
   driver.write = write_file;
   driver.truncate = truncate;
-  constexpr H5FD_mem_t kKinds[] = H5FD_FLMAP_DICHOTOMY;
-  std::copy(std::begin(kKinds), std::end(kKinds), driver.fl_map);
   return H5FDregister(&driver);
 }
 

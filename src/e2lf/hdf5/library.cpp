@@ -134,15 +134,9 @@ class Contents {
   uint64_t size_ = 0;
 };
 
-/// An open file as the library sees it.
-struct DriverFile : H5FD_t {
+struct ReadFile : DriverFile {
   std::shared_ptr<const Contents> contents;
-  haddr_t end_of_addresses = 0;
 };
-
-const DriverFile& of(const H5FD_t* file) {
-  return *static_cast<const DriverFile*>(file);
-}
 
 /// The contents for the H5Fopen() in progress; null if the library opens a file that another one refers to.
 std::shared_ptr<const Contents>& contents_to_open() {
@@ -152,37 +146,26 @@ std::shared_ptr<const Contents>& contents_to_open() {
 
 H5FD_t* open_file(const char*, unsigned flags, hid_t, haddr_t) {
   if (contents_to_open() == nullptr || (flags & H5F_ACC_RDWR) != 0) return nullptr;
-  auto* const file = new (std::nothrow) DriverFile();
-  if (file != nullptr) file->contents = contents_to_open();
+  auto* const file = new (std::nothrow) ReadFile();
+  if (file == nullptr) return nullptr;
+  file->contents = contents_to_open();
+  file->end_of_file = file->contents->size();
   return file;
 }
 
 herr_t close_file(H5FD_t* file) {
-  delete static_cast<DriverFile*>(file);
+  delete static_cast<ReadFile*>(file);
   return 0;
 }
 
 herr_t read_file(H5FD_t* file, H5FD_mem_t kind, hid_t, haddr_t begin, size_t count, void* out) {
   auto* const bytes = static_cast<uint8_t*>(out);
-  if (!of(file).contents->read(begin, count, bytes)) return -1;
+  if (!static_cast<ReadFile*>(file)->contents->read(begin, count, bytes)) return -1;
   return kind != H5FD_MEM_OHDR || chunks_have_dimensions({bytes, count}) ? 0 : -1;
 }
 
 herr_t refuse_to_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, size_t, const void*) {
   return -1;
-}
-
-haddr_t end_of_addresses(const H5FD_t* file, H5FD_mem_t) {
-  return of(file).end_of_addresses;
-}
-
-herr_t set_end_of_addresses(H5FD_t* file, H5FD_mem_t, haddr_t end) {
-  static_cast<DriverFile*>(file)->end_of_addresses = end;
-  return 0;
-}
-
-haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) {
-  return of(file).contents->size();
 }
 
 /// Reports no features, because each of them enables one of the library's buffers.
@@ -192,20 +175,13 @@ herr_t query(const H5FD_t*, unsigned long* features) {  // NOLINT(google-runtime
 }
 
 hid_t register_driver() {
-  H5FD_class_t driver{};
-  driver.name = "e2lf";
-  driver.maxaddr = INT64_MAX;
-  driver.fc_degree = H5F_CLOSE_WEAK;
+  constexpr H5FD_mem_t kOneKind[] = H5FD_FLMAP_SINGLE;
+  H5FD_class_t driver = make_driver("e2lf", kOneKind);
   driver.open = open_file;
   driver.close = close_file;
   driver.query = query;
-  driver.get_eoa = end_of_addresses;
-  driver.set_eoa = set_end_of_addresses;
-  driver.get_eof = end_of_file;
   driver.read = read_file;
   driver.write = refuse_to_write;
-  constexpr H5FD_mem_t kOneKind[] = H5FD_FLMAP_SINGLE;
-  std::copy(std::begin(kOneKind), std::end(kOneKind), driver.fl_map);
   return H5FDregister(&driver);
 }
 
@@ -261,6 +237,23 @@ Handle open_file(const std::filesystem::path& path) {
 Handle open_bytes(std::vector<uint8_t> bytes) {
   const LibraryLock lock;
   return {open_bytes_to_read(std::move(bytes)), H5Fclose};
+}
+
+H5FD_class_t make_driver(const char* name, const H5FD_mem_t (&kinds)[H5FD_MEM_NTYPES]) {
+  H5FD_class_t driver{};
+  driver.name = name;
+  driver.maxaddr = INT64_MAX;
+  driver.fc_degree = H5F_CLOSE_WEAK;
+  driver.get_eoa = [](const H5FD_t* file, H5FD_mem_t) {
+    return static_cast<const DriverFile*>(file)->end_of_addresses;
+  };
+  driver.set_eoa = [](H5FD_t* file, H5FD_mem_t, haddr_t end) -> herr_t {
+    static_cast<DriverFile*>(file)->end_of_addresses = end;
+    return 0;
+  };
+  driver.get_eof = [](const H5FD_t* file, H5FD_mem_t) { return static_cast<const DriverFile*>(file)->end_of_file; };
+  std::copy(std::begin(kinds), std::end(kinds), driver.fl_map);
+  return driver;
 }
 
 std::string last_reason() {

@@ -84,6 +84,14 @@ class Handle {
 [[nodiscard]] Handle open_file(const std::filesystem::path& path);
 [[nodiscard]] Handle open_bytes(std::vector<uint8_t> bytes);
 
+/// An open file of one of our drivers, as the library sees it.
+struct DriverFile : H5FD_t {
+  haddr_t end_of_addresses = 0, end_of_file = 0;
+};
+
+/// Returns a driver with the functions that all of ours share: sizes, and one kind of memory for each of `kinds`.
+[[nodiscard]] H5FD_class_t make_driver(const char* name, const H5FD_mem_t (&kinds)[H5FD_MEM_NTYPES]);
+
 /// Returns the root cause of the last HDF5 error, e.g. "truncated file".
 [[nodiscard]] std::string last_reason();
 

@@ -11,7 +11,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/recordings/recording.h"
 
-/// What is said of the cycles that were found in a recording.
+/// Reports of the cycles that were found in a recording.
 namespace e2lf::info {
 
 /// Returns "triggers", "bursts", "schedule" or "auto".
@@ -44,7 +44,7 @@ class LiveLog {
 
 }  // namespace e2lf::info
 
-/// What is said of a recording that was read.
+/// Reports of a recording that was read.
 namespace e2lf::info {
 
 /// Logs what the recording does not state and was therefore assumed.

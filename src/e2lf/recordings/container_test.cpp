@@ -265,9 +265,8 @@ TEST_P(Container, FlippedBitsCostLittleAndNeverTurnTimeBack) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, Container,
                          testing::Values(Format{"dat", "rec_cd.dat", true}, Format{"hdf5", "rec.hdf5", true},
-                                         Format{"dsec", "rec.h5", true}, Format{"npy", "rec.npy", false},
-                                         Format{"npz", "rec.npz", true, true}, Format{"csv", "rec.csv", true},
-                                         Format{"txt", "rec.txt", true}),
+                                         Format{"npy", "rec.npy", false}, Format{"npz", "rec.npz", true, true},
+                                         Format{"csv", "rec.csv", true}, Format{"txt", "rec.txt", true}),
                          [](const auto& format) { return format.param.name; });
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -42,84 +43,63 @@ Error nothing_to_convert(const RecordingReader& reader) {
 /// this object.
 class ReadAhead {
  public:
-  explicit ReadAhead(RecordingReader& reader);
-  ReadAhead(const ReadAhead&) = delete;
-  ReadAhead& operator=(const ReadAhead&) = delete;
-  ~ReadAhead();
+  explicit ReadAhead(RecordingReader& reader) : reader_(reader) {
+    const int threads = num_threads();
+    if (threads == 1) return;
+    thread_ = std::jthread([this, threads](const std::stop_token& stop) {
+      set_num_threads(threads);  // each thread has its own setting
+      run(stop);
+    });
+  }
 
-  /// Reads a batch as RecordingReader::read() does; exceptions of the reader are rethrown here.
-  [[nodiscard]] Result<bool> read(EventBatch& batch);
+  /// Reads a batch as RecordingReader::read() does; exceptions of the reader are rethrown here. Nothing may be read
+  /// after the end or an error.
+  [[nodiscard]] Result<bool> read(EventBatch& batch) {
+    if (!thread_.joinable()) return reader_.read(batch);
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return next_.has_value(); });
+    Next next = *std::exchange(next_, std::nullopt);
+    if (next.exception) std::rethrow_exception(next.exception);
+    std::swap(batch, next.batch);
+    std::swap(spare_, next.batch);
+    changed_.notify_all();
+    return std::move(next.more);
+  }
 
  private:
-  void run();
+  struct Next {
+    EventBatch batch;
+    Result<bool> more = false;
+    std::exception_ptr exception;
+  };
+
+  void run(const std::stop_token& stop) {
+    for (bool goes_on = true; goes_on;) {
+      Next next;
+      {
+        const std::lock_guard lock(mutex_);
+        std::swap(next.batch, spare_);
+      }
+      try {
+        next.more = reader_.read(next.batch);
+      } catch (...) {
+        next.exception = std::current_exception();
+      }
+      goes_on = next.more && *next.more;
+      std::unique_lock lock(mutex_);
+      if (!changed_.wait(lock, stop, [this] { return !next_; })) return;
+      next_ = std::move(next);
+      changed_.notify_all();
+    }
+  }
 
   RecordingReader& reader_;
   std::mutex mutex_;
-  std::condition_variable changed_;
-  EventBatch next_;
-  Result<bool> more_ = true;      ///< result of the last read; nothing follows an end or an error
-  std::exception_ptr exception_;  ///< exception of the last read
-  bool is_read_ = false;          ///< whether next_, more_ and exception_ are ready
-  bool is_stopped_ = false;
-  std::thread thread_;
+  std::condition_variable_any changed_;
+  std::optional<Next> next_;
+  EventBatch spare_;     ///< memory for a later batch
+  std::jthread thread_;  ///< uses the members above
 };
-
-ReadAhead::ReadAhead(RecordingReader& reader) : reader_(reader) {
-  const int threads = num_threads();
-  if (threads == 1) return;
-  thread_ = std::thread([this, threads] {
-    set_num_threads(threads);  // each thread has its own setting
-    run();
-  });
-}
-
-ReadAhead::~ReadAhead() {
-  if (!thread_.joinable()) return;
-  {
-    const std::lock_guard lock(mutex_);
-    is_stopped_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
-
-void ReadAhead::run() {
-  EventBatch batch;
-  for (bool goes_on = true; goes_on;) {
-    Result<bool> more = false;
-    std::exception_ptr exception;
-    try {
-      more = reader_.read(batch);
-    } catch (...) {
-      exception = std::current_exception();
-    }
-    goes_on = !exception && more && *more;
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !is_read_ || is_stopped_; });
-    if (is_stopped_) return;
-    std::swap(next_, batch);
-    more_ = std::move(more);
-    exception_ = exception;
-    is_read_ = true;
-    changed_.notify_all();
-  }
-}
-
-Result<bool> ReadAhead::read(EventBatch& batch) {
-  if (!thread_.joinable()) return reader_.read(batch);
-  std::unique_lock lock(mutex_);
-  const bool has_ended = !is_read_ && (exception_ || !more_ || !*more_);
-  if (!has_ended) {
-    changed_.wait(lock, [this] { return is_read_; });
-    std::swap(batch, next_);
-    is_read_ = false;
-    changed_.notify_all();
-  } else {
-    batch.clear();
-  }
-  if (exception_) std::rethrow_exception(exception_);
-  return more_;
-}
 
 }  // namespace
 

@@ -35,7 +35,7 @@ TEST(Convert, EventsAndTriggersSurviveAChainThroughEveryFormat) {
   const EventBatch batch = random_stream(stream);
   std::filesystem::path last = write_example(folder, batch);
   int step = 0;
-  for (const char* extension : {"csv", "raw", "dat", "npy", "hdf5", "txt", "npz", "h5"}) {
+  for (const char* extension : {"csv", "raw", "dat", "npy", "hdf5", "txt", "npz"}) {
     const auto next = folder / ("step" + std::to_string(step++) + "." + extension);
     auto report = convert(last, next);
     ASSERT_TRUE(report.ok()) << extension << ": " << report.error().text();

@@ -49,17 +49,21 @@ TEST(HostileNpz, TimesBeyondAnyClockAreDropped) {
   EXPECT_EQ(read.summary.num_violations(), 2u);
 }
 
-/// A DSEC file whose t_offset holds `count` numbers.
-void write_dsec_with_offsets(const std::filesystem::path& path, hsize_t count, int64_t value) {
-  write_recording(path, random_stream({.events = 10, .width = 64, .height = 48}), {.width = 64, .height = 48}, "dsec");
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-  H5Ldelete(file, "t_offset", H5P_DEFAULT);
+void put_numbers(hid_t file, const char* name, const std::vector<int64_t>& values) {
+  const hsize_t count = values.size();
   const hid_t space = H5Screate_simple(1, &count, nullptr);
-  const hid_t set = H5Dcreate2(file, "t_offset", H5T_NATIVE_INT64, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  const std::vector<int64_t> values(count, value);
+  const hid_t set = H5Dcreate2(file, name, H5T_NATIVE_INT64, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   H5Dwrite(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
   H5Dclose(set);
   H5Sclose(space);
+}
+
+/// A DSEC file whose t_offset holds `count` numbers.
+void write_dsec_with_offsets(const std::filesystem::path& path, size_t count, int64_t value) {
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  for (const char* column : {"x", "y", "p"}) put_numbers(file, column, {1, 0, 1});
+  put_numbers(file, "t", {5, 6, 7});
+  put_numbers(file, "t_offset", std::vector<int64_t>(count, value));
   H5Fclose(file);
 }
 

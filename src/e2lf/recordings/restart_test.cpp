@@ -196,7 +196,7 @@ TEST(JoinedRecordings, OfAnotherEncodingOrSizeAreRefusedWithTheirPlace) {
 
 /// AEDAT4 packets of 1,000 events, each with its triggers behind it.
 Bytes aedat4_of(const EventBatch& first, const EventBatch& second) {
-  std::vector<std::pair<int32_t, aedat4::Bytes>> packets;
+  std::vector<std::pair<int32_t, formats::aedat4::Bytes>> packets;
   for (const EventBatch* part : {&first, &second}) {
     size_t trigger = 0;
     for (size_t begin = 0; begin < part->events.size(); begin += 1000) {
@@ -206,11 +206,11 @@ Bytes aedat4_of(const EventBatch& first, const EventBatch& second) {
       for (; trigger < part->triggers.size() && part->triggers[trigger].t <= events.t.back(); ++trigger) {
         triggers.emplace_back(part->triggers[trigger].p != 0 ? 1 : 2, part->triggers[trigger].t);
       }
-      packets.emplace_back(0, aedat4::event_packet(events));
-      packets.emplace_back(3, aedat4::trigger_packet(triggers));
+      packets.emplace_back(0, formats::aedat4::event_packet(events));
+      packets.emplace_back(3, formats::aedat4::trigger_packet(triggers));
     }
   }
-  return aedat4::make_file(packets, aedat4::Compression::kLz4);
+  return formats::aedat4::make_file(packets, formats::aedat4::Compression::kLz4);
 }
 
 TEST(ContainersOfTwoParts, GoOnBehindTheEarlierPart) {

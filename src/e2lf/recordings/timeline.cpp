@@ -56,18 +56,18 @@ template <typename TimeAt>
 bool is_restart(size_t i, size_t count, int64_t last_us, const TimeAt& time_at, size_t fewest) {
   const int64_t first_us = time_at(i);
   if (first_us >= last_us - kDisorderUs) return false;
-  const size_t asked = std::min(count - i - 1, kRestartWitnesses);
+  const size_t considered = std::min(count - i - 1, kRestartWitnesses);
   size_t in_favour = 0;
   int64_t latest_us = first_us;
-  for (size_t k = i + 1; k <= i + asked; ++k) {
+  for (size_t k = i + 1; k <= i + considered; ++k) {
     const int64_t t_us = time_at(k);
     if (t_us < latest_us - kDisorderUs || t_us >= last_us) continue;
     ++in_favour;
     latest_us = std::max(latest_us, t_us);
   }
   // A run of equal times, for example of zeroed bytes, is not a running clock.
-  const bool runs = latest_us > first_us || asked == 0;
-  return asked >= fewest && 4 * in_favour >= 3 * asked && runs;
+  const bool runs = latest_us > first_us || considered == 0;
+  return considered >= fewest && 4 * in_favour >= 3 * considered && runs;
 }
 
 /// Sorts events by time; the order of events with equal times is preserved.

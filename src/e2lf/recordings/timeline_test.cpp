@@ -132,26 +132,26 @@ EventColumns columns_of(const std::vector<Event>& events) {
 Bytes as_aedat4(const EventColumns& events) {
   std::vector<std::pair<int32_t, Bytes>> packets;
   for (size_t i = 0; i < events.size(); i += 100) {
-    packets.emplace_back(0, aedat4::event_packet(columns_of(slice_of(events, i, i + 100))));
+    packets.emplace_back(0, formats::aedat4::event_packet(columns_of(slice_of(events, i, i + 100))));
   }
-  return aedat4::make_file(packets, aedat4::Compression::kLz4);
+  return formats::aedat4::make_file(packets, formats::aedat4::Compression::kLz4);
 }
 
-rosbag::TestMessages messages_of(const EventColumns& events, size_t events_each) {
-  rosbag::TestMessages messages;
+formats::rosbag::TestMessages messages_of(const EventColumns& events, size_t events_each) {
+  formats::rosbag::TestMessages messages;
   for (size_t i = 0; i < events.size(); i += events_each) {
-    messages.emplace_back(0, rosbag::list_message(columns_of(slice_of(events, i, i + events_each))));
+    messages.emplace_back(0, formats::rosbag::list_message(columns_of(slice_of(events, i, i + events_each))));
   }
   return messages;
 }
 
 Bytes as_mcap(const EventColumns& events) {
-  return rosbag::mcap_file({{"/cam/events", rosbag::kListType}}, messages_of(events, 100));
+  return formats::rosbag::mcap_file({{"/cam/events", formats::rosbag::kListType}}, messages_of(events, 100));
 }
 
 #ifdef E2LF_HAVE_SQLITE
 Bytes as_sqlite(const EventColumns& events) {
-  return rosbag::sqlite_file({{"/cam/events", rosbag::kListType}}, messages_of(events, 100));
+  return formats::rosbag::sqlite_file({{"/cam/events", formats::rosbag::kListType}}, messages_of(events, 100));
 }
 #endif
 
@@ -255,7 +255,8 @@ TEST(Disorder, OfInterleavedPacketsOfABagIsSorted) {
       events.push_back({static_cast<uint16_t>(i), static_cast<uint16_t>(packet % 48), 1, 4000 * packet + 400 * i});
     }
   }
-  const Decoded bag = decoded(rosbag::mcap_file({{"/cam/events", rosbag::kListType}}, messages_of(events, 20)));
+  const Decoded bag =
+      decoded(formats::rosbag::mcap_file({{"/cam/events", formats::rosbag::kListType}}, messages_of(events, 20)));
   EXPECT_EQ(bag.batch.events, in_order(events));
   EXPECT_EQ(bag.summary.num_violations(), 0U);
 }

@@ -53,7 +53,7 @@ Result<void> list_cameras(const CommonOptions& common) {
   } else {
     for (const Json& camera : cameras) std::printf("%s\n", printable(camera.get<std::string>()).c_str());
   }
-  return cameras.empty() && !common.json ? recordings::unopened_error("", {}, recordings::find_usb_cameras())
+  return cameras.empty() && !common.json ? cameras::unopened_error("", {}, cameras::find_usb_cameras())
                                          : Result<void>();
 }
 

@@ -7,7 +7,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/io/header_text.h"
 
-namespace e2lf::recordings::aedat4 {
+namespace e2lf::formats::aedat4 {
 namespace {
 
 /// Reads the fields of a FlatBuffer. Every offset is checked against the buffer, so that damage yields nothing instead
@@ -216,4 +216,4 @@ bool append_triggers(std::span<const uint8_t> packet, std::vector<Trigger>& trig
   return true;
 }
 
-}  // namespace e2lf::recordings::aedat4
+}  // namespace e2lf::formats::aedat4

@@ -9,7 +9,11 @@
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/decompress.h"
 
-namespace e2lf::recordings::aedat4 {
+namespace e2lf::formats {
+using namespace recordings;
+}
+
+namespace e2lf::formats::aedat4 {
 
 using recordings::Compression;
 
@@ -50,4 +54,4 @@ inline constexpr size_t kMaxHeaderBytes = size_t{1} << 22;
 /// Appends the external signals of a decompressed TRIG packet. Returns false if it is not one.
 [[nodiscard]] bool append_triggers(std::span<const uint8_t> packet, std::vector<Trigger>& triggers);
 
-}  // namespace e2lf::recordings::aedat4
+}  // namespace e2lf::formats::aedat4

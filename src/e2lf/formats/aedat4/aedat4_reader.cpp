@@ -13,7 +13,7 @@
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/stream_choice.h"
 
-namespace e2lf::recordings::aedat4 {
+namespace e2lf::formats::aedat4 {
 namespace {
 
 constexpr size_t kPacketHeader = 8;
@@ -269,4 +269,4 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   return make_block_reader(std::move(blocks), std::move(info), name, options);
 }
 
-}  // namespace e2lf::recordings::aedat4
+}  // namespace e2lf::formats::aedat4

@@ -8,7 +8,7 @@
 #include "testing/test_aedat4.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::recordings::aedat4 {
+namespace e2lf::formats::aedat4 {
 namespace {
 
 /// A file of three event packets with triggers between them, and what it holds.
@@ -261,4 +261,4 @@ TEST(Aedat4, DamagedRealFilesAreSurvived) {
 }
 
 }  // namespace
-}  // namespace e2lf::recordings::aedat4
+}  // namespace e2lf::formats::aedat4

@@ -7,16 +7,64 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/formats/codecs.h"
-#include "e2lf/formats/dat/dat_format.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/decompress.h"
 #include "e2lf/recordings/io/header_text.h"
 
-namespace e2lf::recordings::dat {
+namespace e2lf::formats::dat {
 namespace {
 
 constexpr size_t kTriggerBlock = 4096;
+constexpr size_t kRecordBytes = 8;
+constexpr uint8_t kTypeEvent2d = 0x00, kTypeCd = 0x0C, kTypeTrigger = 0x0E;
+
+struct Header {
+  RecordingInfo info;
+  int version = 1;
+  uint8_t type = kTypeCd;
+  size_t bytes = 0;  ///< offset of the records
+};
+
+size_t number_or_zero(const std::optional<std::string>& text) {
+  size_t value = 0;
+  if (text) std::from_chars(text->data(), text->data() + text->size(), value);
+  return value > 65536 ? 0 : value;
+}
+
+/// Parses the text header and the two bytes after it. Returns nothing if `head` is not the start of a DAT file: no "%"
+/// line, the keys of a RAW file, or another record type or size.
+std::optional<Header> parse_header(std::span<const uint8_t> head) {
+  auto lines = parse_percent_header(as_text(head), /*ended=*/true);
+  if (!lines || lines->keys.empty() || head.size() < lines->num_bytes + 2) return std::nullopt;
+  Header header;
+  header.info.format = "dat";
+  header.info.header = std::move(lines->keys);
+  header.bytes = lines->num_bytes + 2;
+  if (header.info.find("evt") || header.info.find("format")) return std::nullopt;
+  header.type = head[lines->num_bytes];
+  const bool known = header.type == kTypeEvent2d || header.type == kTypeCd || header.type == kTypeTrigger;
+  if (!known || head[lines->num_bytes + 1] != kRecordBytes) return std::nullopt;
+  if (const auto version = number_or_zero(header.info.find("Version")); version != 0) {
+    header.version = static_cast<int>(version);
+  }
+  header.info.width = number_or_zero(header.info.find("Width"));
+  header.info.height = number_or_zero(header.info.find("Height"));
+  return header;
+}
+
+/// Returns the header of a version 2 file.
+std::string make_header(const RecordingInfo& info, uint8_t type) {
+  std::string text = cat("% Data file containing ", type == kTypeTrigger ? "external trigger" : "CD", " events.\n");
+  text += "% Version 2\n";
+  if (const auto date = info.find("date")) text += cat("% Date ", header_text(*date), "\n");
+  if (info.height != 0) text += cat("% Height ", info.height, "\n");
+  if (info.width != 0) text += cat("% Width ", info.width, "\n");
+  text += "% end\n";
+  text += static_cast<char>(type);
+  text += static_cast<char>(kRecordBytes);
+  return text;
+}
 
 /// The layout of x, y and p in the second word of a record.
 struct PlaceBits {
@@ -144,10 +192,10 @@ class DatBlocks final : public EventBlocks {
   bool begins_recording() const override { return begins_recording_; }
   size_t event_bytes() const override { return kRecordBytes; }
 
-  Result<void> seek_before(int64_t t_us) override {
-    E2LF_ASSIGN_OR_RETURN(const Place place, find_place_before(*source_, header_bytes_, t_us));
-    unwrap_ = place.clock;
-    return source_->seek(header_bytes_ + place.record * kRecordBytes);
+  /// Only a scan shows how often the clock has wrapped around.
+  Result<void> seek_before(int64_t) override {
+    unwrap_ = {};
+    return source_->seek(header_bytes_);
   }
 
  private:
@@ -307,4 +355,4 @@ Result<WriterPtr> create_file(const std::filesystem::path& path, const Recording
   return start(std::move(sink), info, trigger_path(path));
 }
 
-}  // namespace e2lf::recordings::dat
+}  // namespace e2lf::formats::dat

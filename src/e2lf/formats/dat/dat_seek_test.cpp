@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/formats/dat/dat_format.h"
 #include "e2lf/recordings/recording.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::recordings::dat {
+namespace e2lf::formats::dat {
 namespace {
 
 constexpr size_t kRecordBytes = 8;
@@ -85,17 +84,6 @@ TEST(DatSeek, GivesTheRestAcrossWrapsOfTheClock) {
   }
 }
 
-TEST(DatSeek, LandsNearTheTime) {
-  const EventBatch batch = long_stream();
-  const auto bytes = written(batch);
-  const auto source = make_memory_source(std::span<const uint8_t>(bytes));
-  for (const size_t event : {size_t{1000}, size_t{65'536}, size_t{300'001}, size_t{1'999'999}}) {
-    const Place place = find_place_before(*source, header_bytes(bytes, batch), batch.events.t[event]).value();
-    EXPECT_LE(place.record, event);
-    EXPECT_GE(place.record + 100, event);
-  }
-}
-
 TEST(DatSeek, GivesTheRestOfADamagedFileAsAScanDoes) {
   const EventBatch batch = long_stream();
   auto bytes = written(batch);
@@ -113,20 +101,5 @@ TEST(DatSeek, GivesTheRestOfADamagedFileAsAScanDoes) {
   }
 }
 
-TEST(DatSeek, BeginsAtTheStartWhereWrapsCannotBeTold) {
-  // An event every 8 minutes now and then: 65,536 of them may hide any number of wraps.
-  EventBatch batch = long_stream();
-  int64_t pause_us = 0;
-  for (size_t i = 0; i < batch.events.size(); ++i) {
-    if (i % 1000 == 999 && i < 200'000) pause_us += 480'000'000;
-    batch.events.t[i] += pause_us;
-  }
-  const auto bytes = written(batch);
-  const int64_t from_us = batch.events.t[500'000];
-  const auto source = make_memory_source(std::span<const uint8_t>(bytes));
-  EXPECT_EQ(find_place_before(*source, header_bytes(bytes, batch), from_us).value().record, 0u);
-  EXPECT_EQ(read_from(bytes, from_us), rest_of(batch.events, from_us));
-}
-
 }  // namespace
-}  // namespace e2lf::recordings::dat
+}  // namespace e2lf::formats::dat

@@ -8,19 +8,17 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
-#include "e2lf/files/file.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/table/layout.h"
 #include "e2lf/formats/table/table_reader.h"
-#include "e2lf/hdf5/checked_file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/hdf5_file.h"
 #include "e2lf/recordings/side_triggers.h"
 #include "e2lf/recordings/stream_choice.h"
 
-namespace e2lf::recordings::hdf5_events::dsec {
-using e2lf::hdf5::CheckedFile;
+namespace e2lf::formats::dsec {
+using namespace recordings::hdf5_events;
 using table::Field;
 
 namespace {
@@ -110,7 +108,6 @@ void read_sensor_size(hid_t file, const std::string& group, RecordingInfo& info)
 }
 
 constexpr uint64_t kBlock = uint64_t{1} << 17;
-constexpr uint64_t kColumnChunk = uint64_t{1} << 15;
 
 struct KnownNumber {
   const char* type;  ///< numpy code
@@ -324,94 +321,6 @@ class ColumnBlocks final : public EventBlocks {
   bool is_cut_ = false;
 };
 
-class DsecWriter final : public RecordingWriter {
- public:
-  DsecWriter(AtomicFile file, const RecordingInfo& info)
-      : file_(std::move(file)), name_(file_.target().string()), check_(info.width, info.height, name_) {}
-
-  Result<void> begin(const RecordingInfo& info) {
-    const LibraryLock lock;
-    E2LF_ASSIGN_OR_RETURN(hdf5_file_, CheckedFile::create(file_.path(), name_));
-    const hid_t file = hdf5_file_.get();
-    if (info.width != 0 && info.height != 0) {
-      E2LF_RETURN_IF_ERROR(write_text_attribute(file, "geometry", cat(info.width, "x", info.height)));
-    }
-    const Handle group(H5Gcreate2(file, "events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-    E2LF_ASSIGN_OR_RETURN(x_, GrowingDataset::create(group.get(), "x", H5T_STD_U16LE, kColumnChunk));
-    E2LF_ASSIGN_OR_RETURN(y_, GrowingDataset::create(group.get(), "y", H5T_STD_U16LE, kColumnChunk));
-    E2LF_ASSIGN_OR_RETURN(p_, GrowingDataset::create(group.get(), "p", H5T_STD_U8LE, kColumnChunk));
-    E2LF_ASSIGN_OR_RETURN(t_, GrowingDataset::create(group.get(), "t", H5T_STD_U32LE, kColumnChunk));
-    E2LF_ASSIGN_OR_RETURN(ms_to_idx_, GrowingDataset::create(file, "ms_to_idx", H5T_STD_U64LE, kColumnChunk));
-    return {};
-  }
-
-  bool holds_triggers() const override { return false; }
-
-  Result<void> write(const EventBatch& batch) override {
-    E2LF_RETURN_IF_ERROR(check_(batch));
-    const EventColumns& events = batch.events;
-    const size_t count = events.size();
-    if (count == 0) return {};
-    if (t_.length() == 0) {
-      offset_us_ = events.t.front();
-      E2LF_RETURN_IF_ERROR(write_offset());
-    }
-    if (events.t.back() - offset_us_ > UINT32_MAX) {
-      return Error{ErrorCode::kInvalidValue,
-                   "the recording is longer than the 71 minutes that this layout holds; write HDF5 with ECF", name_};
-    }
-    std::vector<uint32_t> times(count);
-    std::vector<uint64_t> milliseconds;
-    for (size_t i = 0; i < count; ++i) {
-      times[i] = static_cast<uint32_t>(events.t[i] - offset_us_);
-      while (next_ms_ * 1000 <= times[i]) {
-        milliseconds.push_back(t_.length() + i);
-        ++next_ms_;
-      }
-    }
-    const LibraryLock lock;
-    E2LF_RETURN_IF_ERROR(ms_to_idx_.append(H5T_NATIVE_UINT64, milliseconds.data(), milliseconds.size()));
-    E2LF_RETURN_IF_ERROR(x_.append(H5T_NATIVE_UINT16, events.x.data(), count));
-    E2LF_RETURN_IF_ERROR(y_.append(H5T_NATIVE_UINT16, events.y.data(), count));
-    E2LF_RETURN_IF_ERROR(p_.append(H5T_NATIVE_UINT8, events.p.data(), count));
-    E2LF_RETURN_IF_ERROR(t_.append(H5T_NATIVE_UINT32, times.data(), count));
-    if (hdf5_file_.is_behind()) hdf5_file_.keep_up();
-    return hdf5_file_.check();
-  }
-
-  Result<void> finish() override {
-    const LibraryLock lock;
-    // One more entry after the last event, so that every event has a following millisecond.
-    const uint64_t end = t_.length();
-    E2LF_RETURN_IF_ERROR(ms_to_idx_.append(H5T_NATIVE_UINT64, &end, 1));
-    if (end == 0) E2LF_RETURN_IF_ERROR(write_offset());
-    for (GrowingDataset* column : {&x_, &y_, &p_, &t_, &ms_to_idx_}) *column = {};
-    E2LF_RETURN_IF_ERROR(hdf5_file_.close());
-    return file_.commit();
-  }
-
- private:
-  Result<void> write_offset() {
-    const LibraryLock lock;
-    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    const Handle offset(
-        H5Dcreate2(hdf5_file_.get(), "t_offset", H5T_STD_I64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-        H5Dclose);
-    if (!offset.valid() || H5Dwrite(offset.get(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &offset_us_) < 0) {
-      return Error{ErrorCode::kIo, "the HDF5 library could not write t_offset; check the disk's free space", name_};
-    }
-    return {};
-  }
-
-  AtomicFile file_;
-  std::string name_;
-  BatchCheck check_;
-  CheckedFile hdf5_file_;
-  GrowingDataset x_, y_, p_, t_, ms_to_idx_;
-  int64_t offset_us_ = 0;
-  uint64_t next_ms_ = 0;
-};
-
 }  // namespace
 
 Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource& source, const OpenOptions& options) {
@@ -441,11 +350,4 @@ Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource&
   return make_block_reader(std::move(columns), std::move(info), name, options, std::move(triggers));
 }
 
-Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info) {
-  E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
-  auto writer = std::make_unique<DsecWriter>(std::move(file), info);
-  E2LF_RETURN_IF_ERROR(writer->begin(info));
-  return WriterPtr(std::move(writer));
-}
-
-}  // namespace e2lf::recordings::hdf5_events::dsec
+}  // namespace e2lf::formats::dsec

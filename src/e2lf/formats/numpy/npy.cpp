@@ -16,7 +16,7 @@
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/side_triggers.h"
 
-namespace e2lf::recordings::numpy {
+namespace e2lf::formats::numpy {
 using table::kSampledRows;
 using table::NumberField;
 using table::RecordFields;
@@ -65,7 +65,7 @@ class NpyBlocks final : public EventBlocks {
     const size_t count = std::min(wanted, bytes.size() / item);
     const uint64_t byte = source_->position();
     if (count == 0) {
-      if (!std::exchange(is_cut_told_, true)) summary.add(Violation::kTruncated, byte);
+      if (!std::exchange(is_cut_reported_, true)) summary.add(Violation::kTruncated, byte);
       return false;
     }
     const size_t bad = convert(bytes.first(count * item), count, block.events);
@@ -77,7 +77,7 @@ class NpyBlocks final : public EventBlocks {
 
   Result<void> seek_before(int64_t t_us) override {
     const size_t item = header_.array.item_size;
-    is_cut_told_ = false;
+    is_cut_reported_ = false;
     // Limited to the actual size, because the header may be wrong.
     const uint64_t stored = source_->size().value_or(0) / item;
     const uint64_t count = std::min<uint64_t>(header_.array.shape[0], stored);
@@ -113,7 +113,7 @@ class NpyBlocks final : public EventBlocks {
   NpyHeader header_;
   RecordFields fields_;
   size_t next_ = 0;
-  bool is_cut_told_ = false;
+  bool is_cut_reported_ = false;
   std::vector<uint8_t> little_;
 };
 
@@ -321,4 +321,4 @@ Result<WriterPtr> create_npy_file(const std::filesystem::path& path, const Recor
   return WriterPtr(std::move(writer));
 }
 
-}  // namespace e2lf::recordings::numpy
+}  // namespace e2lf::formats::numpy

@@ -15,7 +15,7 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
 
-namespace e2lf::recordings::numpy {
+namespace e2lf::formats::numpy {
 using table::Field;
 using table::kSampledRows;
 using table::NumberField;
@@ -389,4 +389,4 @@ Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info) {
   return WriterPtr(std::make_unique<NpzWriter>(std::move(sink), info));
 }
 
-}  // namespace e2lf::recordings::numpy
+}  // namespace e2lf::formats::numpy

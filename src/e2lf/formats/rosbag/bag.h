@@ -12,7 +12,11 @@
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/bytes.h"
 
-namespace e2lf::recordings::rosbag {
+namespace e2lf::formats {
+using namespace recordings;
+}
+
+namespace e2lf::formats::rosbag {
 
 struct Topic {
   std::string name, type;  ///< e.g. "/event_camera/events", "event_camera_msgs/msg/EventPacket"
@@ -79,4 +83,4 @@ struct EventMessage {
 /// is kept.
 [[nodiscard]] bool decode_message(const EventMessage& message, EventBatch& batch);
 
-}  // namespace e2lf::recordings::rosbag
+}  // namespace e2lf::formats::rosbag

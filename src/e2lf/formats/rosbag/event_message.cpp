@@ -5,7 +5,7 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/formats/rosbag/bag.h"
 
-namespace e2lf::recordings::rosbag {
+namespace e2lf::formats::rosbag {
 namespace {
 
 constexpr size_t kWordBytes = 8;
@@ -136,4 +136,4 @@ bool decode_message(const EventMessage& message, EventBatch& batch) {
   return payload.size() % kWordBytes == 0;
 }
 
-}  // namespace e2lf::recordings::rosbag
+}  // namespace e2lf::formats::rosbag

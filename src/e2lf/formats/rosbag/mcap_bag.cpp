@@ -14,7 +14,7 @@
 #include "e2lf/recordings/io/header_text.h"
 
 /// MCAP as specified at mcap.dev: records with a kind (u8), a length (u64) and content; chunks contain records.
-namespace e2lf::recordings::rosbag {
+namespace e2lf::formats::rosbag {
 namespace {
 
 constexpr std::string_view kMagic = "\x89MCAP0\r\n";
@@ -240,4 +240,4 @@ Result<BagPtr> open_mcap_bag(SourcePtr source) {
   return BagPtr(std::move(bag));
 }
 
-}  // namespace e2lf::recordings::rosbag
+}  // namespace e2lf::formats::rosbag

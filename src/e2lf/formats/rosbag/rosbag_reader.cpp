@@ -16,7 +16,7 @@
 #include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"
 
-namespace e2lf::recordings::rosbag {
+namespace e2lf::formats::rosbag {
 namespace fs = std::filesystem;
 namespace {
 
@@ -365,4 +365,4 @@ Result<ReaderPtr> open_folder(const std::filesystem::path& path, const OpenOptio
   return open_bag(std::move(bag), /*seekable=*/true, "rosbag", path.string(), options);
 }
 
-}  // namespace e2lf::recordings::rosbag
+}  // namespace e2lf::formats::rosbag

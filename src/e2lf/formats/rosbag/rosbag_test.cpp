@@ -11,7 +11,7 @@
 #include "testing/test_rosbag.h"
 #include "testing/test_streams.h"
 
-namespace e2lf::recordings::rosbag {
+namespace e2lf::formats::rosbag {
 namespace {
 
 Decoded read(const Bytes& bytes, const std::string& stream = "") {
@@ -182,4 +182,4 @@ TEST(RosbagData, TheBagsAtHandHoldWhatIsKnownOfThem) {
 #endif
 
 }  // namespace
-}  // namespace e2lf::recordings::rosbag
+}  // namespace e2lf::formats::rosbag

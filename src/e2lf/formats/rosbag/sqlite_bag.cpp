@@ -9,7 +9,7 @@
 #include <sqlite3.h>
 #endif
 
-namespace e2lf::recordings::rosbag {
+namespace e2lf::formats::rosbag {
 
 #ifdef E2LF_HAVE_SQLITE
 namespace {
@@ -167,4 +167,4 @@ Result<BagPtr> open_sqlite_bag(SourcePtr source) {
 
 #endif
 
-}  // namespace e2lf::recordings::rosbag
+}  // namespace e2lf::formats::rosbag

@@ -11,7 +11,7 @@
 #include "e2lf/base/median.h"
 #include "e2lf/base/text.h"
 
-namespace e2lf::recordings::table {
+namespace e2lf::formats::table {
 namespace {
 
 constexpr std::pair<std::string_view, Field> kNames[] = {
@@ -328,4 +328,4 @@ Result<void> require_mostly_events(uint64_t events, uint64_t bad, const Recordin
                location, Setting::kColumns};
 }
 
-}  // namespace e2lf::recordings::table
+}  // namespace e2lf::formats::table

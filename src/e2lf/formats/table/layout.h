@@ -12,7 +12,11 @@
 
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::recordings::table {
+namespace e2lf::formats {
+using namespace recordings;
+}
+
+namespace e2lf::formats::table {
 
 /// The fields of an event.
 enum class Field : size_t { kX, kY, kP, kT };
@@ -107,4 +111,4 @@ struct TableLayout {
 [[nodiscard]] Result<void> require_mostly_events(uint64_t events, uint64_t bad, const RecordingInfo& info,
                                                  const std::string& first_bad, const std::string& location);
 
-}  // namespace e2lf::recordings::table
+}  // namespace e2lf::formats::table

@@ -15,7 +15,7 @@
 #include "e2lf/formats/table/layout.h"
 #include "e2lf/recordings/event_blocks.h"
 
-namespace e2lf::recordings::table {
+namespace e2lf::formats::table {
 namespace {
 
 /// Converts a number to To; returns true if it does not fit.
@@ -119,4 +119,4 @@ TableSample::Column sample_of(std::string name, const uint8_t* records, const Nu
   return column;
 }
 
-}  // namespace e2lf::recordings::table
+}  // namespace e2lf::formats::table

@@ -12,7 +12,7 @@
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/recording.h"
 
-namespace e2lf::recordings::table {
+namespace e2lf::formats::table {
 
 /// The position of one field of an event in records that are `stride` bytes apart; a separate column has offset 0.
 struct NumberField {
@@ -56,4 +56,4 @@ size_t to_events(const RecordsOfFields& records, const RecordFields& fields, siz
 /// Number of rows from which columns, units and polarities are determined.
 inline constexpr size_t kSampledRows = 4096;
 
-}  // namespace e2lf::recordings::table
+}  // namespace e2lf::formats::table

@@ -10,7 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/io/header_text.h"
 
-namespace e2lf::recordings::text {
+namespace e2lf::formats::text {
 namespace {
 
 bool is_utf16(std::span<const uint8_t> bytes) {
@@ -367,4 +367,4 @@ bool parse_line(std::string_view line, const LineLayout& layout, Event& event) {
   return true;
 }
 
-}  // namespace e2lf::recordings::text
+}  // namespace e2lf::formats::text

@@ -10,7 +10,7 @@
 #include "e2lf/formats/table/layout.h"
 #include "e2lf/recordings/event.h"
 
-namespace e2lf::recordings::text {
+namespace e2lf::formats::text {
 
 /// The meaning of the columns in a line of text.
 struct LineLayout {
@@ -53,4 +53,4 @@ struct TextHead {
 /// Returns a line for messages: at most 60 characters and without control characters.
 [[nodiscard]] std::string quoted(std::string_view line);
 
-}  // namespace e2lf::recordings::text
+}  // namespace e2lf::formats::text

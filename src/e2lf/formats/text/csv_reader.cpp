@@ -14,15 +14,14 @@
 #include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/side_triggers.h"
 
-namespace e2lf::recordings::text {
+namespace e2lf::formats::text {
 namespace {
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
 constexpr size_t kHeadBytes = size_t{1} << 14;  // from which the columns are determined
 constexpr size_t kLongestHead = size_t{1} << 20;
 constexpr size_t kLongestLine = 4096;
-constexpr size_t kSeekBytes = 16384;  // distance of the positions that a seek inspects; more than several lines
-constexpr size_t kShortestLine = 8;   // "0,0,0,0\n"
+constexpr size_t kShortestLine = 8;  // "0,0,0,0\n"
 
 /// The layout of a text.
 struct Layout {
@@ -109,43 +108,13 @@ class CsvBlocks final : public EventBlocks {
     return true;
   }
 
-  Result<void> seek_before(int64_t t_us) override {
+  Result<void> seek_before(int64_t) override {
     is_within_line_ = false;
     events_ = bad_ = 0;
-    E2LF_RETURN_IF_ERROR(source_->seek(layout_.header_bytes));
-    const uint64_t bytes = source_->size().value_or(0);
-    const uint64_t places = bytes < layout_.header_bytes ? 0 : (bytes - layout_.header_bytes) / kSeekBytes;
-    const auto place_of = [&](uint64_t i) { return layout_.header_bytes + i * kSeekBytes; };
-    const auto time_at = [&](uint64_t i) { return time_behind(place_of(i)); };
-    E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(places, t_us, time_at));
-    if (place == 0) return source_->seek(layout_.header_bytes);
-    E2LF_ASSIGN_OR_RETURN(const uint64_t line, line_behind(place_of(place)));
-    return source_->seek(line);
+    return source_->seek(layout_.header_bytes);
   }
 
  private:
-  /// Returns the start of the first line that begins at or after a byte.
-  Result<uint64_t> line_behind(uint64_t byte) {
-    E2LF_RETURN_IF_ERROR(source_->seek(byte - 1));
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
-    const auto newline = std::find(bytes.begin(), bytes.end(), uint8_t{'\n'});
-    return byte - 1 + static_cast<uint64_t>(newline - bytes.begin()) + (newline == bytes.end() ? 0 : 1);
-  }
-
-  /// Returns the time of the lines after a byte, or INT64_MAX if none of them can be read.
-  Result<int64_t> time_behind(uint64_t byte) {
-    E2LF_ASSIGN_OR_RETURN(const uint64_t line, line_behind(byte));
-    E2LF_RETURN_IF_ERROR(source_->seek(line));
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kLongestLine));
-    std::string_view text = as_text(bytes).substr(0, kLongestLine);
-    text = text.substr(0, text.rfind('\n') + 1);
-    EventColumns events;
-    parse_lines(text, layout_, events);
-    if (events.empty()) return INT64_MAX;
-    const size_t count = std::min(kTimesPerProbe, events.size());
-    return median<int64_t>({events.t.begin(), events.t.begin() + static_cast<ptrdiff_t>(count)});
-  }
-
   /// Returns the complete lines that are available; empty at the end.
   Result<std::string_view> fetch_lines() {
     const size_t block = kBlockBytes * static_cast<size_t>(threads_);
@@ -290,4 +259,4 @@ Result<ReaderPtr> open_txt(SourcePtr source, const OpenOptions& options) {
   return open(std::move(source), options, "txt", "txyp");
 }
 
-}  // namespace e2lf::recordings::text
+}  // namespace e2lf::formats::text

@@ -13,7 +13,7 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/io/header_text.h"
 
-namespace e2lf::recordings::text {
+namespace e2lf::formats::text {
 namespace {
 
 /// Size of two coordinates, a polarity and a time with separators, and room for stores of four bytes at the end.
@@ -205,4 +205,4 @@ Result<WriterPtr> create_txt(SinkPtr sink, const RecordingInfo& info) {
   return create(std::move(sink), info, /*is_seconds=*/true);
 }
 
-}  // namespace e2lf::recordings::text
+}  // namespace e2lf::formats::text

@@ -254,10 +254,11 @@ class CameraSource final : public LiveSource {
     }
     const LiveBacklog& backlog = intake_->backlog;
     const int64_t longest_behind_us = 1000 * intake_->camera->patience().reader.count();
-    const bool has_failed = !backlog.failure.empty() && !std::exchange(is_failure_told_, true);
-    const bool is_behind = (backlog.most_behind_us >= longest_behind_us || backlog.loses_events) && !is_behind_told_;
-    const bool has_lost = backlog.lost_buffers > 0 && !std::exchange(is_loss_told_, true);
-    is_behind_told_ = is_behind_told_ || is_behind;
+    const bool has_failed = !backlog.failure.empty() && !std::exchange(is_failure_reported_, true);
+    const bool is_behind =
+        (backlog.most_behind_us >= longest_behind_us || backlog.loses_events) && !is_behind_reported_;
+    const bool has_lost = backlog.lost_buffers > 0 && !std::exchange(is_loss_reported_, true);
+    is_behind_reported_ = is_behind_reported_ || is_behind;
     const std::string behind = is_behind ? behind_text() : "";
     lock.unlock();  // the recipient of the message may block
     if (is_behind) intake_->camera->keeps_unread() ? log_info(behind) : log_warning(behind);
@@ -314,8 +315,8 @@ class CameraSource final : public LiveSource {
   /// Warns once if a camera has sent data and then nothing for a long time.
   void report_silence(std::unique_lock<std::mutex>& lock) {
     const auto longest = intake_->camera->patience().silence;
-    if (is_silence_told_ || !intake_->last_arrival || Clock::now() - *intake_->last_arrival < longest) return;
-    is_silence_told_ = true;
+    if (is_silence_reported_ || !intake_->last_arrival || Clock::now() - *intake_->last_arrival < longest) return;
+    is_silence_reported_ = true;
     if (intake_->camera->keeps_unread()) return;  // a sender may pause
     lock.unlock();
     const std::chrono::duration<double> seconds = longest;
@@ -335,7 +336,7 @@ class CameraSource final : public LiveSource {
     std::deque<Chunk>& waiting = intake_->waiting;
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(begin_));
     begin_ = 0;
-    is_silence_told_ = false;
+    is_silence_reported_ = false;
     int64_t& most_behind_us = intake_->backlog.most_behind_us;
     const auto behind = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - waiting.front().arrival);
     most_behind_us = std::max<int64_t>(most_behind_us, behind.count());
@@ -361,7 +362,8 @@ class CameraSource final : public LiveSource {
 
   std::shared_ptr<Intake> intake_;
   std::string name_;
-  bool is_behind_told_ = false, is_loss_told_ = false, is_failure_told_ = false, is_silence_told_ = false;
+  bool is_behind_reported_ = false, is_loss_reported_ = false, is_failure_reported_ = false,
+       is_silence_reported_ = false;
   bool is_stopping_ = false;
   bool has_hung_ = false;  ///< whether the driver did not return after the camera was stopped
   Clock::time_point end_ = Clock::time_point::max(), stop_time_ = {};

@@ -147,18 +147,18 @@ template <typename TimeAt>
   if (fall < min_fall) return Verdict::kReject;
   const size_t wanted = std::clamp<size_t>(fall, kJudges, kRestartWitnesses);
   const size_t seen = std::min(count, kJudgeWords);
-  size_t asked = std::min<size_t>(num_rejected, wanted - 1), in_favour = asked;
-  for (size_t i = 1; i < seen && asked < wanted; ++i) {
+  size_t counted = std::min<size_t>(num_rejected, wanted - 1), in_favour = counted;
+  for (size_t i = 1; i < seen && counted < wanted; ++i) {
     const std::optional<uint32_t> following = time_at(i);
     if (!following) continue;
-    ++asked;
+    ++counted;
     if (((*following - chain) & mask) >= ((*following - last) & mask)) continue;
     ++in_favour;
     chain = *following;
   }
-  if (asked < wanted && count < kJudgeWords && !ended) return Verdict::kNeedMore;
+  if (counted < wanted && count < kJudgeWords && !ended) return Verdict::kNeedMore;
   constexpr size_t kFewest = 3;
-  return asked >= kFewest && 4 * in_favour >= 3 * asked ? Verdict::kRestart : Verdict::kReject;
+  return counted >= kFewest && 4 * in_favour >= 3 * counted ? Verdict::kRestart : Verdict::kReject;
 }
 
 /// One of the three RAW encodings: words of fixed size, whose meaning depends on earlier words. RawStream decodes all

@@ -81,7 +81,7 @@ class Evt2Encoder {
 
 /// Encodes events and triggers as EVT2.1 words (the Encoder of RawWriter): one word for a run of events with the same
 /// time, row, polarity and block of 32 pixels. Words are little-endian, or have their halves in "legacy" order if the
-/// key `endianness` of the info says so.
+/// key `endianness` of the info states so.
 class Evt21Encoder {
  public:
   static constexpr const char* kFormat = "evt2.1";

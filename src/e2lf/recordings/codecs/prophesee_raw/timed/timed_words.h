@@ -11,7 +11,7 @@
 #include "e2lf/recordings/io/decode_summary.h"
 
 /// EVT2 and EVT2.1: every event brings the low 6 bits of its time. The 32-bit head of a word has the type in bits
-/// 31..28; EVT2.1 adds 32 validity bits. A `Layout` says where the two lie in memory:
+/// 31..28; EVT2.1 adds 32 validity bits. A `Layout` defines where the two lie in memory:
 ///   kWordBytes, kMaxEventsPerWord, head(bytes), mask(bytes)
 namespace e2lf::recordings::timed {
 
