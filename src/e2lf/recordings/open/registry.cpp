@@ -98,6 +98,9 @@ constexpr Beginning kBeginnings[] = {
     {"\xFF\xD8\xFF"sv, 0, "an image (JPEG) and not a recording of events"},
     {"MATLAB 5.0"sv, 0,
      "a MATLAB file without event images or a light field; write events as .csv with the columns t, x, y, p"},
+    {"\x76\x2F\x31\x01"sv, 0, "an OpenEXR image; write views as PNG of 16 bits"},
+    {"\x80\x04"sv, 0, "a Python pickle, which may run programs; write its arrays with numpy.savez"},
+    {"\x80\x05"sv, 0, "a Python pickle, which may run programs; write its arrays with numpy.savez"},
     {"\x89LFP"sv, 0, "a picture of a Lytro camera; decode it to .mat with the Light Field Toolbox"},
 };
 
