@@ -84,7 +84,6 @@ py - <<'PY'
 import os
 open("pointer.raw", "w").write("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12345\n")
 open("list.json", "w").write(str([[i, 1, 2, 1] for i in range(100)]))
-open("table.feather", "wb").write(b"ARROW1" + bytes(300))
 open("long_header.csv", "w").write("".join("# setting %d of the camera\n" % i for i in range(1000)) + "t,x,y,p\n1000,2,3,1\n")
 open("text.npy", "w").write("t,x,y,p\n1000,2,3,1\n")
 os.mkdir("other")
@@ -98,7 +97,6 @@ for input in long_header.csv text.npy; do
 done
 fails 1 "git lfs pull" "$E2LF" convert pointer.raw out.npz
 fails 1 "JSON" "$E2LF" convert list.json out.npz
-fails 1 "Feather" "$E2LF" convert table.feather out.npz
 fails 1 "images.txt" "$E2LF" convert other out.npz
 fails 1 "--event-format" "$E2LF" convert wrong.raw out.npz
 cp long_header.csv ./-x.csv
