@@ -99,7 +99,7 @@ export interface ViewDocument {
   version: 1;
   items: Item[];
   comparisons: Comparison[];
-  is_growing?: boolean | undefined; // cycles (or, for e2lf live, items) may be added: growth.ts
+  is_growing?: boolean | undefined; // of e2lf live: items may be added, growth.ts
 }
 
 /** Returns true for the page of `e2lf live`. */

@@ -1,12 +1,12 @@
-// A served description that grows during a reconstruction. The page requests its version periodically, and the
-// description itself after a change.
+// The description that e2lf live serves, which changes. The page requests its version periodically, and the description
+// itself after a change.
 import { fetchFile, type Source, type ViewDocument } from './document';
 
 const periodMs = 300;
 
 const rest = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, periodMs));
 
-/** Merges a new description. A reconstruction only adds items and cycles; a live page replaces frozen light fields. */
+/** Merges a new description: frozen light fields are added or replaced. */
 function merge(target: ViewDocument, fresh: ViewDocument): void {
   target.items.length = Math.min(target.items.length, fresh.items.length);
   fresh.items.forEach((item, i) => {

@@ -18,7 +18,6 @@ export interface Controlled {
   map: ApertureMap;
   quality: QualityFigures | null; // if there are two
   disparity: DisparityMap | null; // of the first one that has a map
-  isLive: boolean; // cycles may be added
   record(ending: string): void; // a film, as `webm`, `mp4` or `gif`
 }
 
@@ -50,12 +49,6 @@ export class LightFieldControls {
     this.note.textContent = this.of.item.cycles[Math.round(cycle)]?.note ?? '';
   }
 
-  /** Follows the number of cycles. */
-  grow(): void {
-    const slider = this.cycle?.querySelector('input');
-    if (slider) slider.max = String(this.of.item.cycles.length - 1);
-  }
-
   /** Hides the controls without an effect on what is shown. */
   layout(shown: string, compared: string): void {
     const parts: [HTMLElement | null, boolean][] = [[this.swipe, compared === 'swipe'], [this.boost, compared === 'difference'],
@@ -75,12 +68,11 @@ export class LightFieldControls {
 
   private addTime(): void {
     const { panel } = this.context;
-    const { item, isLive } = this.of;
-    if (item.cycles.length < 2 && !isLive) return;
+    const { item } = this.of;
+    if (item.cycles.length < 2) return;
     const label = (cycle: number) => item.cycles[cycle]?.label ?? '';
     this.cycle = panel.slider('cycle', 'Cycle', { low: 0, high: item.cycles.length - 1, step: 1, text: label });
-    const newest = isLive ? [panel.choice('newest', 'New cycles', { show: 'show each', stay: 'stay at this one' })] : [];
-    panel.group('Time', this.cycle, this.note, ...newest);
+    panel.group('Time', this.cycle, this.note);
   }
 
   private addPicture(isSingleView: boolean): void {

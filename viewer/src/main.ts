@@ -78,12 +78,8 @@ class Page {
   grow(): void {
     const tabs = makeTabs(this.source.document);
     const isSame = tabs.length === this.tabs.length && tabs.every(({ name }, i) => name === this.tabs[i]!.name);
-    if (isSame) {
-      this.screen?.grow?.();
-      this.panel?.follow();
-    } else {
-      this.replaceTabs(tabs);
-    }
+    if (isSame) this.panel?.follow();
+    else this.replaceTabs(tabs);
     this.goTo(this.wanted);
   }
 

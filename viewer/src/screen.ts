@@ -30,8 +30,6 @@ export interface Screen {
   pictures(): { name: string; canvas: HTMLCanvasElement }[];
   /** The keys that the screen handles, for the help. */
   keys: [keys: string, does: string][];
-  /** Called after the description has grown. */
-  grow?(): void;
   /** Parts of the description are still being fetched. */
   isLoading?(): boolean;
   close(): void;

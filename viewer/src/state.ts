@@ -21,7 +21,6 @@ const initial = {
   gain: 1,
   gamma: 1,
   cycle: 0,
-  newest: 'show', // when cycles are added: show each new one, or stay
   row: -1, // position of the EPIs, px; -1 = in the middle
   column: -1,
   compare: 'side',

@@ -4,7 +4,7 @@ import { ApertureMap } from '../aperture_map';
 import { numFrames, placeOnPath, recordGif, recordVideo, type Place } from '../animation';
 import { busy } from '../busy';
 import { QualityFigures } from '../comparison';
-import { isLivePage, type Comparison, type LightFieldItem } from '../document';
+import type { Comparison, LightFieldItem } from '../document';
 import { FrameClock } from '../frame_clock';
 import { middleOf } from '../light_field';
 import { LightFieldControls } from '../light_field_controls';
@@ -31,9 +31,7 @@ export class LightFieldScreen implements Screen {
   private readonly quality: QualityFigures | null;
   private readonly clock = new FrameClock((scale) => this.paint(scale));
   private readonly epiClock = new FrameClock(() => this.paint(0));
-  private readonly isLive: boolean; // cycles may be added
   private numLoading = 0;
-  private isJumping = false;
   private isRecording = false;
   private isClosed = false;
 
@@ -43,13 +41,12 @@ export class LightFieldScreen implements Screen {
     comparison?: { item: LightFieldItem; figures: Comparison },
   ) {
     const { state } = context;
-    this.isLive = context.document.is_growing === true && !isLivePage(context.document);
     this.quality = comparison ? new QualityFigures(comparison.figures) : null;
     this.panes = new LightFieldPanes(context, item, comparison?.item, this.quality);
     this.map = new ApertureMap(state, item.views, context.say);
     state.start({ x: middleOf(item.views[1]), y: middleOf(item.views[0]), overlay: comparison ? 0 : this.panes.isSingleView ? 1 : 0.5 });
-    const { map, quality, isLive, panes: { disparity } } = this;
-    this.controls = new LightFieldControls(context, { item, map, quality, disparity, isLive, record: (ending) => this.record(ending) });
+    const { map, quality, panes: { disparity } } = this;
+    this.controls = new LightFieldControls(context, { item, map, quality, disparity, record: (ending) => this.record(ending) });
     this.load();
   }
 
@@ -76,28 +73,11 @@ export class LightFieldScreen implements Screen {
       }).catch((error) => context.fail(error)).finally(() => {
         --this.numLoading;
         end();
-        this.showNewest();
       });
     }
   }
 
-  grow(): void {
-    this.controls.grow();
-    this.showNewest();
-  }
-
-  /** Waits for the cycle that is being loaded; otherwise, cycles in quick succession would never be complete. */
-  private showNewest(): void {
-    const { state } = this.context;
-    if (!this.isLive || this.isClosed || this.numLoading > 0 || state.get('newest') !== 'show') return;
-    this.isJumping = true;
-    state.set('cycle', this.item.cycles.length - 1);
-    this.isJumping = false;
-  }
-
   follow(key: Key): void {
-    if (key === 'cycle' && this.isLive && !this.isJumping) this.context.state.set('newest', 'stay');
-    if (key === 'newest') this.showNewest();
     if (key === 'cycle' || key === 'tab') this.load();
     if (key === 'show' || key === 'compare' || key === 'tab') this.layout();
     if (this.isRecording) return; // the recording paints its frames itself
