@@ -19,7 +19,6 @@ PY
 grep -q 'threshold_on went from' messages.txt || fail "no warning: $(cat messages.txt)"
 cat >compare.py <<PY
 import json, re
-import numpy as np
 truth = json.loads(re.sub(r"^ *//.*$", "", open("$TESTSUITE/../cameras/evk4-lcos.json").read(), flags=re.M))["constants"]
 guess, found, report = (json.load(open(name + ".json")) for name in ("guess", "mine", "report"))
 for key in ("threshold_on", "threshold_off"):
@@ -32,8 +31,6 @@ assert told["threshold_on"]["is_determined"] and "leak" not in told
 assert told["threshold_on"]["low"] < found["constants"]["threshold_on"]["value"] < told["threshold_on"]["high"]
 assert found["name"] == "mine" and found["constants"]["threshold_on"]["source"] == "e2lf calibrate"
 assert len(report["rows"]) >= 3 and all(row["total_variation"] < 0.1 for row in report["rows"]), report["rows"]
-known = np.isfinite(factors)
-assert known.sum() > 5000 and abs(factors[known].mean() - 1) < 0.05
 PY
 py compare.py
 exists mine.json.run.json
