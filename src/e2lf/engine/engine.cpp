@@ -149,7 +149,7 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
 }
 
 std::optional<Engine> Engine::with_outputs(std::vector<size_t> channels) const {
-  if (!impl_->plan.states.empty() || !impl_->planes.empty()) return std::nullopt;
+  if (impl_->device || !impl_->plan.states.empty() || !impl_->planes.empty()) return std::nullopt;
   std::optional<Plan> plan = engine::with_outputs(impl_->plan, channels);
   if (!plan) return std::nullopt;
   auto some = std::make_unique<Impl>();
