@@ -137,8 +137,8 @@ absent none-interrupted-1.hdf5
 ended INT 130 'ls late.npz.*.part >/dev/null 2>&1' "$E2LF" convert "$address" late.npz --event-format evt3 --quiet
 grep -q "late.npz: this format is written at the end.*record to .raw" stderr.txt || fail "$(cat stderr.txt)"
 # A pipe that nobody reads or writes is not the disk's fault.
-mkfifo unread.svg unread.csv unwritten
-for command in "info rec.raw --report unread.svg" "convert rec.raw unread.csv" "info unwritten"; do
+mkfifo unread.csv unwritten
+for command in "convert rec.raw unread.csv" "info unwritten"; do
   # shellcheck disable=SC2086
   ended TERM 143 'catches_term && sleep 1' "$E2LF" $command
   grep -q "no program" stderr.txt || fail "$command: $(cat stderr.txt)"
