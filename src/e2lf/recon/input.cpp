@@ -76,7 +76,7 @@ void fill_conditioning(std::span<const float> conditioning, float scale, size_t 
 void fill_counts(const PlanesView<const int16_t>& images, std::span<const model::InputGroup> groups,
                  std::span<const size_t> first_channels, const InputConditions& conditions, InputPlanes& planes) {
   const IntensityTable table(conditions.constants, conditions.cycles);
-  const auto [transitions, height, width] = images.extents;
+  const size_t transitions = images.extents[0], height = images.extents[1], width = images.extents[2];
   parallel_for(planes.height, 8, [&](size_t begin, size_t end) {
     std::vector<int16_t> scratch;
     for (size_t y = begin; y < end; ++y) {
