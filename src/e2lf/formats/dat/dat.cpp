@@ -2,6 +2,7 @@
 // Reads and writes DAT; declared in codecs.h.
 
 #include <algorithm>
+#include <charconv>
 #include <vector>
 
 #include "e2lf/base/little_endian.h"
