@@ -76,10 +76,15 @@ void Session::read() {
 void Session::reconstruct(LiveField field) {
   LiveCycle cycle;
   while (slot_.take(cycle)) {
-    const bool is_depth = wants_depth();
-    if (is_depth) {
-      if (const Result<void> made = make_depth(cycle); !made) fail(made.error());
-      if (!wants_picture()) continue;
+    if (wants_depth()) {
+      const Result<FieldReport> made = make_depth(cycle);
+      if (!made) fail(made.error());
+      // A cycle that is shown in both ways counts once.
+      if (!wants_picture()) {
+        made ? reader_->statistics().add_field(made->latency_s, made->reconstruct_s)
+             : reader_->statistics().add_skipped();
+        continue;
+      }
     }
     const Result<void> made = make(cycle, field);
     // An error of the reconstruction must not stop the reading, which also writes the recording.
@@ -121,7 +126,7 @@ bool Session::wants_picture() const {
   return is_recent(picture_asked_);
 }
 
-Result<void> Session::make_depth(const LiveCycle& cycle) {
+Result<FieldReport> Session::make_depth(const LiveCycle& cycle) {
   const Clock::time_point begin = Clock::now();
   auto next = std::make_shared<ShownDepth>();
   QualityLevel level;
@@ -157,8 +162,7 @@ Result<void> Session::make_depth(const LiveCycle& cycle) {
     depth_ = std::move(next);
   }
   picture_changed_.notify_all();
-  reader_->statistics().add_field(report.latency_s, report.reconstruct_s);
-  return {};
+  return report;
 }
 
 std::shared_ptr<const ShownDepth> Session::depth(uint64_t after, std::chrono::milliseconds patience) {

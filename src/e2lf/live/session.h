@@ -119,7 +119,7 @@ class Session {
   [[nodiscard]] Result<void> make(LiveCycle& cycle, LiveField& field);
   [[nodiscard]] bool wants_depth() const;
   [[nodiscard]] bool wants_picture() const;
-  [[nodiscard]] Result<void> make_depth(const LiveCycle& cycle);
+  [[nodiscard]] Result<FieldReport> make_depth(const LiveCycle& cycle);
   [[nodiscard]] Result<void> make_views(const LiveCycle& cycle, bool exactly, LiveField& field);
   /// The same if maker_mutex_ is locked already.
   [[nodiscard]] Result<void> make_views_locked(const LiveCycle& cycle, bool exactly, LiveField& field);
