@@ -11,7 +11,8 @@ fails 1 "not a device" reconstruct cuda --device cuda:x
 fails 1 "no device" reconstruct cuda --device tpu
 fails 1 "does not compute in int16" "$E2LF" reconstruct events.npz -m e2lf-n4 -o cuda --precision int16 --device torch-cpu
 reconstruct cpu
-reconstruct torch --device torch-cpu
+reconstruct torch --device torch-cpu 2>torch.txt
+[ ! -s torch.txt ] || fail "the program that continues says: $(cat torch.txt)"
 py -c "
 import numpy as np
 cpu, torch = (np.load(name + '/lightfield.npy') for name in ('cpu', 'torch'))

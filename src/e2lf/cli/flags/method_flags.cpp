@@ -8,7 +8,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
-#include "e2lf/program/sibling_program.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -53,7 +52,6 @@ void add_device_option(CLI::App& app, std::string& device) {
 }
 
 Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record) {
-  E2LF_RETURN_IF_ERROR(find_device(flags.device));
   pipeline::MethodChoice choice{.precision = flags.precision, .device = flags.device};
   E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(flags.codes, record));
   if (!flags.codes.codes.empty()) {

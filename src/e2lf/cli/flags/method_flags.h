@@ -28,8 +28,8 @@ void add_device_option(CLI::App& app, std::string& device);
 /// Declares --gain and --black, for verbs whose output is a light field.
 void add_tone_options(CLI::App& app, MethodFlags& flags);
 
-/// Finds the device, reads the model and the patterns that the flags name, and takes over the precision. Fails as
-/// find_device() and reading them do.
+/// Reads the model and the patterns that the flags name, and takes over the precision and the device. Fails as reading
+/// them does.
 [[nodiscard]] Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record);
 
 /// Adds the setup of the events and the camera that the flags name. Warns if --codes and the events differ. Fails as

@@ -21,6 +21,7 @@
 #include "e2lf/live/session.h"
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/run_record.h"
+#include "e2lf/program/sibling_program.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -284,6 +285,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
 
 Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
   if (!arguments.has_no_page) E2LF_RETURN_IF_ERROR(require_viewer());
+  E2LF_RETURN_IF_ERROR(find_device(arguments.method.device));
   if (!is_live(arguments.source)) {
     return fail(ErrorCode::kInvalidValue, arguments.source,
                 "a file is not a live source; give replay:FILE to play it at its own speed");

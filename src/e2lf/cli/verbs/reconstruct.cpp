@@ -17,6 +17,7 @@
 #include "e2lf/info/recording_report.h"
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/run_record.h"
+#include "e2lf/program/sibling_program.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -87,6 +88,8 @@ void say_motion(const fs::path& input, const Json& cycles, const std::string& ne
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   const MethodFlags& flags = arguments.method_flags;
+  // Before there is an output, because the program that continues would find it unfinished.
+  E2LF_RETURN_IF_ERROR(find_device(flags.device));
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb,
                                                                 {arguments.input, flags.codes.model, flags.codes.codes,
                                                                  arguments.cycles.schedule, flags.camera}));
