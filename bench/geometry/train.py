@@ -23,7 +23,7 @@ from scenes import VIEWS, Batches
 from sensor import FIXED_CONDITIONS, Conditions, count_events, network_input
 
 SURE = 0.15  # scale of the likelihood of a plane, px per view step
-AVERAGED_CYCLES = 0.2  # share of the steps with the mean of several cycles of a scene that does not move
+AVERAGED_CYCLES = 0.2  # share of the steps with the mean of several cycles of a still scene, for networks that are told their number
 NEWEST = 0.001  # weight of the newest weights in their average
 TOLERANCE = 0.2  # error of a disparity that counts as wrong, px per view step
 
@@ -178,7 +178,7 @@ class Task:
         """Returns the loss of a batch of scenes.Batches, and its figures."""
         batch = len(coded)
         conditions = Conditions(batch, self.rng, self.device, self.camera, camera_share=0.3, residue_share=0.3 if self.camera else 0.0)
-        cycles = 2 ** int(self.rng.integers(1, 5)) if self.rng.random() < AVERAGED_CYCLES else 1
+        cycles = 2 ** int(self.rng.integers(1, 5)) if self.camera and self.rng.random() < AVERAGED_CYCLES else 1
         y = self.apply(coded, conditions, cycles).float()
         if self.kind == "depth":
             return self._depth_loss(y, disparity, known)
@@ -212,7 +212,7 @@ class Task:
 
     @torch.no_grad()
     def evaluate(self, folder, is_pixel, cycles=1):
-        """Returns the share of disparities off by 0.2 px in %, and of layers the root of the squared error of coded images in dB."""
+        """Returns the share of disparities off by 0.2 px in %."""
         figures, inside = {}, slice(15, -15)
         for path in sorted(folder.glob("scene-*.npz")):
             scene = np.load(path)
@@ -228,21 +228,11 @@ class Task:
             if self.kind == "depth":
                 scale = y[0, 1][inside, inside]
                 figures[name] += f" (surer half {100 * float(off[scale < scale.median()].mean()):.1f} %)"
-            if "views" in scene:
-                figures[name] += f" {self._psnr(y, scene['views'][:, :height, :width]):.2f} dB" if self.kind == "layers" else ""
         return figures
 
     def _disparity_of_layers(self, y):
         _, shares = networks.render_layers(y, [0.5], [0.5])
         return (shares[:, 0, :, 0, 0] * torch.tensor(networks.PLANES, device=self.device).view(-1, 1, 1)).sum(0)
-
-    def _psnr(self, y, views):
-        error, steps = 0.0, [view - 3.5 for view in range(8)]
-        for row in range(8):
-            picture, _ = networks.render_layers(y, [row - 3.5], steps)
-            truth = torch.as_tensor(views[8 * row:8 * row + 8], device=self.device).float() / 255
-            error += float((picture[0, :, 0].permute(1, 0, 2).clamp(0, 1) - truth).square().mean()) / 8
-        return -10 * math.log10(error)
 
 
 def train(options):
