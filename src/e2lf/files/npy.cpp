@@ -120,7 +120,9 @@ Result<void> read_descr(const Json& descr, NpyHeader& header, const std::string&
 }
 
 Result<void> read_dictionary(std::string_view text, NpyHeader& header, const std::string& location) {
-  const Json json = Json::parse(json_of_literal(text), nullptr, /*allow_exceptions=*/false);
+  const std::string literal = json_of_literal(text);
+  if (is_nested_deeply(literal)) return malformed_npy(location, "the dictionary is nested too deeply");
+  const Json json = Json::parse(literal, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || json.size() != 3 || !json.contains("descr") || !json.contains("fortran_order") ||
       !json.contains("shape")) {
     return malformed_npy(location, "no dictionary of descr, fortran_order and shape");

@@ -193,6 +193,8 @@ TEST(Npy, RefusesDamagedHeaders) {
                                             header("[('a', '|V18446744073709551615'), ('b', '<u2')]", "(1,)")};
   for (const std::string& text : damaged) EXPECT_EQ(npy_error(npy_file(text, {0})), ErrorCode::kFormat) << text;
   EXPECT_EQ(npy_error({'P', 'K', 3, 4, 0, 0, 0, 0, 0, 0, 0, 0}), ErrorCode::kFormat);
+  const std::string deep = std::string(400'000, '[') + std::string(400'000, ']');
+  EXPECT_EQ(npy_error(npy_file(header(deep, "(1,)"), {0}, 2)), ErrorCode::kFormat);
 }
 
 TEST(Npy, RefusesElementsThatAreNotNumbers) {

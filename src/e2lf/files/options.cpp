@@ -14,7 +14,25 @@ Json json_number(float value) {
   return shortest;
 }
 
+bool is_nested_deeply(std::string_view text) {
+  constexpr int kMostLevels = 64;
+  int level = 0;
+  bool is_text = false;
+  for (size_t i = 0; i < text.size() && level <= kMostLevels; ++i) {
+    if (is_text && text[i] == '\\') {
+      ++i;
+    } else if (text[i] == '"') {
+      is_text = !is_text;
+    } else if (!is_text) {
+      if (text[i] == '[' || text[i] == '{') ++level;
+      if (text[i] == ']' || text[i] == '}') --level;
+    }
+  }
+  return level > kMostLevels;
+}
+
 Result<Json> parse_json(const std::string& text, const std::string& name) {
+  if (is_nested_deeply(text)) return Error{ErrorCode::kFormat, "the JSON is nested more deeply than 64 levels", name};
   try {
     return Json::parse(text, nullptr, /*allow_exceptions=*/true, /*ignore_comments=*/true);
   } catch (const nlohmann::json::parse_error& error) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -21,6 +22,10 @@ using Json = nlohmann::ordered_json;
 /// Returns the number as it is usually written (0.3, not 0.30000001192092896). Reading it as a float gives the same
 /// float.
 [[nodiscard]] Json json_number(float value);
+
+/// Returns whether JSON text has brackets at more than 64 levels. The values that it describes must not be copied: each
+/// level takes a part of the stack.
+[[nodiscard]] bool is_nested_deeply(std::string_view text);
 
 /// Parses JSON text, which may contain comments. Fails with kFormat; the location is `name` and the byte.
 [[nodiscard]] Result<Json> parse_json(const std::string& text, const std::string& name);

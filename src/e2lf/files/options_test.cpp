@@ -107,6 +107,10 @@ TEST(OptionReader, ReadsNestedObjects) {
 
 TEST(ParseJson, AllowsCommentsAndNamesTheByteOfAMistake) {
   EXPECT_TRUE(parse_json("{ // why\n \"a\": 1 }", "c.json").ok());
+  const auto nested = [](size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
+  EXPECT_TRUE(parse_json(nested(64), "c.json").ok());
+  EXPECT_TRUE(parse_json("[\"" + nested(100) + "\\\"" + nested(100) + "\"]", "c.json").ok()) << "brackets in text";
+  EXPECT_EQ(parse_json(nested(65), "c.json").error().code, ErrorCode::kFormat);
   const Error error = parse_json("{\"a\": }", "c.json").error();
   EXPECT_EQ(error.code, ErrorCode::kFormat);
   EXPECT_EQ(error.location, "c.json: byte 7");

@@ -42,6 +42,7 @@ Error malformed(const std::string& location, const std::string& what) {
 /// Parses the header as JSON. A duplicate key would hide one of its tensors, so it is rejected.
 Result<Json> parse_header(std::string_view text, const std::string& name) {
   const std::string location = name + ": header";
+  if (is_nested_deeply(text)) return malformed(location, "the header is nested too deeply");
   std::set<std::string> keys;
   std::string twice;
   const auto watch_keys = [&](int depth, Json::parse_event_t event, Json& value) {

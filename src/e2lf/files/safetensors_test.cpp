@@ -142,6 +142,8 @@ TEST(Safetensors, RefusesDamagedHeaders) {
            "{\"__metadata__\":{\"x\":1}," + a + "}", "{\"__metadata__\":[]," + a + "}"}) {
     EXPECT_EQ(safetensors_error(file_of(header, 8)).code, ErrorCode::kFormat) << header;
   }
+  const std::string deep = std::string(400'000, '[') + std::string(400'000, ']');
+  EXPECT_EQ(safetensors_error(file_of("{\"a\":" + deep + "}", 8)).code, ErrorCode::kFormat);
 }
 
 TEST(Safetensors, FindNamesTheNearestTensor) {
