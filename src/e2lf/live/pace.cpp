@@ -46,7 +46,7 @@ bool Pace::add(double field_s, double cycle_s) {
   constexpr size_t kFewest = 2, kBeforeRise = 20;
   // A reserve, so that the step does not change to and fro. At the start, steps are tried until one is too slow,
   // because a field has costs that do not grow with its size.
-  constexpr double kReserve = 0.8, kTried = 1.5;
+  constexpr double kReserve = 0.8, kTried = 1.25;
   constexpr int kMostFalls = 3;
   if (cycle_s <= 0 || measured_++ == 0) return false;
   sum_s_ += field_s;

@@ -14,6 +14,7 @@ namespace e2lf::live {
 namespace {
 
 constexpr uint64_t kCyclesBeforeCheck = 20;
+constexpr double kWorkedOff = 0.8;  // of a cycle: cycles that are taken faster had waited
 
 }  // namespace
 
@@ -193,6 +194,8 @@ LiveField Session::prepare() {
 
 Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const Clock::time_point begin = Clock::now();
+  // While cycles that had waited are worked off, the time that they take is not the pace. At the start, this is so.
+  const bool is_behind = seconds_since(std::exchange(began_, begin)) < kWorkedOff * cycle.cycle_s;
   const bool has_events = !capture::is_without_events(cycle.counts.events);
   bool finds_tone = false;
   // The check would take the processors from the first cycles, whose pace determines the size.
@@ -206,7 +209,7 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   // The tone is that of the exact values.
   if (finds_tone) field.views.clear();
   E2LF_RETURN_IF_ERROR(make_views(cycle, finds_tone, field));
-  const double cycle_s = cycle.cycle_s;
+  const double cycle_s = is_behind ? 0 : cycle.cycle_s;
   std::swap(field.cycle, cycle);
   field.reconstruct_s = seconds_since(begin);
   field.serial = ++made_;

@@ -138,6 +138,7 @@ class Session {
   SessionOptions options_;
   NewestSlot<LiveCycle> slot_;
   uint64_t made_ = 0;
+  Clock::time_point began_{};  ///< when the previous light field was begun
 
   mutable std::mutex settings_mutex_;
   Pace pace_;
