@@ -27,6 +27,13 @@ fail() {
   exit 1
 }
 
+# in_clean_root <command...>: runs it without the sources and the build, apart from the simulated camera that programs load.
+in_clean_root() {
+  local camera=$TESTSUITE/../build/stand_in_hal/prefix
+  [ -d "$camera" ] || camera=.
+  "$TESTSUITE/clean_root.sh" "$camera" "$@"
+}
+
 # skip_sanitizers <reason>: the case says nothing of a build with sanitizers.
 skip_sanitizers() {
   [ -z "${E2LF_SANITIZE:-}" ] || skip "$1"

@@ -98,6 +98,17 @@ absent x.raw
 # Its first bytes are kept though it never returns.
 fails 3 "does not return" "$E2LF" record camera://odd/hung -o hung.raw --seconds 0.2
 exists hung.raw
+"$E2LF" record camera://odd/hung -o interrupted.raw 2>log.txt &
+recorder=$!
+until [ -s "$(echo interrupted.raw.*.part/interrupted.raw.*)" ]; do
+  kill -0 $recorder || fail "ended before the signal: $(cat log.txt)"
+  sleep 0.1
+done
+kill -INT $recorder
+code=0
+wait $recorder || code=$?
+[ $code -eq 130 ] || fail "exit code $code: $(cat log.txt)"
+[ -s interrupted.raw ] || fail "what arrived before Ctrl-C is lost"
 fails 1 "lost 2 buffers" "$E2LF" camera check camera://odd/gap --seconds 1
 # The record says where data are missing.
 "$E2LF" record camera://odd/gap -o gap.raw --seconds 1 --quiet 2>log.txt

@@ -13,7 +13,7 @@ strip prefix/bin/* $(find prefix -name '_e2lf*.so')
 sources=$(realpath "$TESTSUITE/..")
 grep -raoh "$sources[[:print:]]*" prefix | grep -v stand_in_hal >paths.txt || true
 [ ! -s paths.txt ] || fail "paths of the build are installed: $(sort -u paths.txt | head -5)"
-"$installed" demo -o demo --width 96 --height 64 --quiet
+in_clean_root "$installed" demo -o demo --width 96 --height 64 --quiet
 exists demo/scene prefix/share/e2lf/models/e2lf-n4.safetensors
 # The library of a camera lies in a prefix of its own: the program finds it there, and so does what is built with the package.
 if "$installed" --version | grep "^metavision: ON (.*simulated" >/dev/null; then
@@ -26,7 +26,7 @@ cmake --build examples >build.log 2>&1 || fail "$(grep -m 5 -A 3 'error' build.l
 
 model=prefix/share/e2lf/models/e2lf-n4.safetensors
 "$installed" simulate demo/scene -m "$model" -o events.npz --quiet
-examples/events_to_light_field "$model" events.npz fields
+in_clean_root examples/events_to_light_field "$model" events.npz fields
 exists fields/07_07.png
 "$installed" reconstruct events.npz -m "$model" -o own --precision auto --quiet
 for view in 00_00 07_07; do cmp "fields/$view.png" "own/$view.png" || fail "the example gave another light field"; done
@@ -66,7 +66,7 @@ E2LF_MODELS=$PWD/prefix/share/e2lf/models alone/bin/e2lf reconstruct events.npz 
 # Python: from the prefix alone, in an empty folder; the files that come with e2lf are the installed ones.
 if [ -d "$E2LF_BUILD/python/e2lf" ]; then
   mkdir python
-  (cd python && PYTHONPATH=$(dirname "$(find ../prefix -type d -path '*-packages/e2lf')") py -c '
+  (cd python && PYTHONPATH=$(dirname "$(find ../prefix -type d -path '*-packages/e2lf')") in_clean_root /usr/bin/python3 -c '
 import e2lf, os
 prefix = os.path.realpath("../prefix")
 assert os.path.realpath(e2lf.__file__).startswith(prefix) and e2lf.bundled_model().startswith(prefix), e2lf.__file__
@@ -110,4 +110,5 @@ grep -q 'CPACK_PACKAGE_NAME "parent"' parent/CPackConfig.cmake || fail "the pack
 # With E2LF_INSTALL, the libraries, models and cameras are installed beside the program, which finds them there.
 cmake parent -DE2LF_INSTALL=ON >configure.log 2>&1 || fail "$(grep -A 5 Error configure.log)"
 cmake --install parent --component program >install.log || fail "$(tail -5 install.log)"
-[ "$(prefix/bin/parent)" = "$PWD/prefix/share/e2lf/models/e2lf-n4.safetensors" ] || fail "the installed program found $(prefix/bin/parent)"
+found=$(in_clean_root prefix/bin/parent)
+[ "$found" = "$PWD/prefix/share/e2lf/models/e2lf-n4.safetensors" ] || fail "the installed program found $found"

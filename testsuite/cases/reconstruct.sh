@@ -19,6 +19,7 @@ PY
 "$E2LF" reconstruct events.npz -m model.safetensors -o twice --format npy --gain 2 --precision float32 --threads 1
 "$E2LF" reconstruct triple -m model.safetensors -o triple_out
 exists triple_out/00_00.png triple_out/07_07.png
+[ "$(json triple_out/run.json 'j["options"]["precision"]')" = float32 ] || fail "precision of a network that was not checked"
 py - <<'PY'
 import numpy as np
 assert np.array_equal(np.load("twice/lightfield.npy"), 2 * np.load("plain/lightfield.npy")), "gain, or threads, change the values"
@@ -136,3 +137,7 @@ absent x
 "$E2LF" model store "$own" -o full.safetensors --weights float32
 check "$(stat -c %s half.safetensors) < 0.55 * $(stat -c %s full.safetensors)"
 fails 1 'half.safetensors' "$E2LF" model store "$own" -o half.safetensors
+# What faster arithmetic loses is measured and stored.
+"$E2LF" model store "$own" -o checked.safetensors --check demo/scene
+"$E2LF" model info checked.safetensors --json >checked.json
+check "abs($(json checked.json "j['precision_loss']['int16_db']")) < 0.1"

@@ -8,8 +8,11 @@ environment/bin/python -m pip wheel "$TESTSUITE/.." --config-settings build-dir=
 environment/bin/python -m pip install wheels/e2lf-*.whl >pip.txt 2>&1 || fail "$(tail -5 pip.txt)"
 mkdir empty
 cd empty
+# The module loads nothing that only programs need: films, the display, the web server.
+objdump -p ../environment/lib/python*/site-packages/e2lf/_e2lf*.so >needed.txt
+if grep -E 'NEEDED.*(libav|libsw|SDL|httplib|torch)' needed.txt; then fail "a library of the programs"; fi
 # Every file is as the wheel's list says, and what comes with e2lf lies in the environment.
-../environment/bin/python - <<'PY' || fail "the installed wheel"
+in_clean_root ../environment/bin/python - <<'PY' || fail "the installed wheel"
 import base64, hashlib, importlib.metadata, os, sys
 import numpy as np
 import e2lf
