@@ -12,22 +12,24 @@ lens.json` then measures in metres.
 import argparse
 import json
 from pathlib import Path
+from typing import Any, Callable
 
 import cv2
 import numpy as np
 
+Array = np.ndarray[Any, Any]
 MIDDLE = 4  # the calibrated view, of 8x8
 
 
-def corners_of(folder: Path, row: int, column: int, size: tuple[int, int]) -> np.ndarray | None:
+def corners_of(folder: Path, row: int, column: int, size: tuple[int, int]) -> Array | None:
     image = cv2.imread(str(folder / f"{row:02}_{column:02}.png"), cv2.IMREAD_GRAYSCALE)
     if image is None:
         raise SystemExit(f"{folder} has no view {row:02}_{column:02}.png; give folders of `e2lf reconstruct`")
     found, corners = cv2.findChessboardCornersSB(image, size, flags=cv2.CALIB_CB_ACCURACY)
-    return corners.reshape(-1, 2) if found else None
+    return np.asarray(corners).reshape(-1, 2) if found else None
 
 
-def shifts_of(folder: Path, size: tuple[int, int], undistorted) -> np.ndarray:
+def shifts_of(folder: Path, size: tuple[int, int], undistorted: Callable[[Array], Array]) -> Array:
     """Returns the disparity of each corner: the slope of its position over the views of the middle row and column."""
     offsets, positions = [], []
     for step in range(-3, 4):
@@ -43,7 +45,7 @@ def shifts_of(folder: Path, size: tuple[int, int], undistorted) -> np.ndarray:
         places = np.array([place for (each, _), place in zip(offsets, positions) if each == axis])
         steps -= steps.mean()
         slopes.append(steps @ (places - places.mean(axis=0)) / (steps @ steps))
-    return np.mean(slopes, axis=0)
+    return np.asarray(np.mean(slopes, axis=0))
 
 
 def main() -> None:
@@ -68,8 +70,8 @@ def main() -> None:
         [board] * len(used), [corners.astype(np.float32) for corners in used.values()], (width, height), None, None,
         flags=cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST)
 
-    def undistorted(corners: np.ndarray) -> np.ndarray:
-        return cv2.undistortPoints(corners.reshape(-1, 1, 2), matrix, distortion, P=matrix).reshape(-1, 2)
+    def undistorted(corners: Array) -> Array:
+        return np.asarray(cv2.undistortPoints(corners.reshape(-1, 1, 2), matrix, distortion, P=matrix)).reshape(-1, 2)
 
     disparities, nearness = [], []
     for folder, rotation, translation in zip(used, rotations, translations):

@@ -7,6 +7,7 @@
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -16,7 +17,7 @@ FOCAL, CENTRE, DISTORTION = 400.0, (161.5, 118.0), np.array([-0.12, 0.03, 0, 0, 
 BASELINE_M, FOCUS_M = 0.006, 0.6
 
 
-def board_at(points: np.ndarray) -> np.ndarray:
+def board_at(points: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     """Returns the brightness of the plane of the board, whose first inner corner is (0, 0); points [..., 2] in m."""
     x, y = points[..., 0] / SQUARE_M + 1, points[..., 1] / SQUARE_M + 1
     on_squares = (x >= 0) & (x < COLUMNS + 1) & (y >= 0) & (y < ROWS + 1)

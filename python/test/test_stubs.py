@@ -4,7 +4,6 @@ import inspect
 import re
 import shutil
 import subprocess
-import sys
 import unittest
 from pathlib import Path
 
@@ -111,10 +110,12 @@ class StubTest(unittest.TestCase):
                 self.assertEqual(signature_of_module(attribute, word), signature_of_stub(method), f"{name}.{word}")
 
     @unittest.skipUnless(shutil.which("mypy"), "mypy is not installed")
-    def test_a_type_checker_accepts_the_stub_and_the_examples(self):
-        examples = Path(sys.argv[0]).resolve().parents[2] / "examples" / "python"
-        files = [str(STUB), *map(str, sorted(examples.glob("*.py")))]
-        done = subprocess.run(["mypy", "--strict", "--cache-dir=/dev/null", *files], capture_output=True, text=True,
+    def test_a_type_checker_accepts_the_package_and_the_examples(self):
+        examples = Path(__file__).resolve().parents[2] / "examples"
+        files = map(str, [STUB, *sorted(STUB.parent.glob("torch/*.py")), *sorted(examples.rglob("*.py"))])
+        # OpenCV and Dask state no types.
+        done = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--allow-untyped-calls",
+                               "--cache-dir=/dev/null", *files], capture_output=True, text=True,
                               env={"MYPYPATH": str(STUB.parent.parent), "PATH": "/usr/bin:/bin"})
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
