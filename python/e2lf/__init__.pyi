@@ -1,10 +1,13 @@
 # The names of `import e2lf`, for editors and type checkers. A test compares this file with the module.
 from os import PathLike
 from types import TracebackType
-from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 import numpy.typing as npt
+
+from ._types import Calibration as Calibration, Cycle as Cycle, DisparityMap as DisparityMap
+from ._types import EventImageFile as EventImageFile, Slice as Slice
 
 Path = Union[str, "PathLike[str]"]
 Progress = Callable[[int, int], object]
@@ -27,37 +30,6 @@ class CameraSetup:
             self, *, trigger_channels: Sequence[str] = [], biases: Path = "", max_events_per_s: Optional[int] = None,
             regions: Sequence[Tuple[int, int, int, int]] = [], encoding: str = "",
             switches_filters_off: bool = False) -> None: ...
-
-class Slice(NamedTuple):
-    events: Array
-    triggers: Array
-    begin_us: int
-    end_us: int
-
-class Calibration(NamedTuple):
-    camera: Camera
-    report: Dict[str, Any]
-
-class Cycle(NamedTuple):
-    images: Counts
-    number: int
-    begin_us: int
-    slices: List[Tuple[int, int]]
-    events: int
-    saturated: int
-    confidence: float
-
-class DisparityMap(NamedTuple):
-    disparity: Floats
-    confidence: Floats
-    view: Tuple[int, int]
-    range_px: Tuple[float, float]
-
-class EventImageFile(NamedTuple):
-    cycles: List[Counts]
-    codes: Optional[Floats]
-    camera: Optional[Camera] = ...
-    views: Optional[str] = ...
 
 class SensorConstants:
     eps: float

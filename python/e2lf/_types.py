@@ -1,16 +1,17 @@
 """The named tuples that functions of e2lf return."""
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from __future__ import annotations
 
-import numpy as np
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 
-from ._e2lf import Camera
+if TYPE_CHECKING:
+    from . import Array, Camera, Counts, Floats
 
 
 class Slice(NamedTuple):
     """A slice of a recording: the events and triggers with begin_us <= t < end_us."""
 
-    events: np.ndarray  #: of event_dtype
-    triggers: np.ndarray  #: of trigger_dtype
+    events: Array  #: of event_dtype
+    triggers: Array  #: of trigger_dtype
     begin_us: int
     end_us: int
 
@@ -25,7 +26,7 @@ class Calibration(NamedTuple):
 class Cycle(NamedTuple):
     """One pass over the patterns."""
 
-    images: np.ndarray  #: int16 [transition, y, x]
+    images: Counts  #: int16 [transition, y, x]
     number: int  #: number in the recording, including dropped cycles
     begin_us: int  #: start of its first pattern
     slices: List[Tuple[int, int]]  #: (begin_us, end_us) of each event image
@@ -37,8 +38,8 @@ class Cycle(NamedTuple):
 class DisparityMap(NamedTuple):
     """The disparity of each pixel of a view."""
 
-    disparity: np.ndarray  #: float32 [y, x], px per view step; a point at x in one view is at x + disparity in the next
-    confidence: np.ndarray  #: float32 [y, x], 0..1; 0.5 means an expected error of 0.07 px
+    disparity: Floats  #: float32 [y, x], px per view step; a point at x in one view is at x + disparity in the next
+    confidence: Floats  #: float32 [y, x], 0..1; 0.5 means an expected error of 0.07 px
     view: Tuple[int, int]  #: (view_y, view_x), the view to which the pixels belong
     range_px: Tuple[float, float]  #: (least, most), the range that was searched, px per view step
 
@@ -46,7 +47,7 @@ class DisparityMap(NamedTuple):
 class EventImageFile(NamedTuple):
     """The content of a file of event images."""
 
-    cycles: List[np.ndarray]  #: int16 [transition, y, x] each
-    codes: Optional[np.ndarray]  #: float32 [N, view_y, view_x]
+    cycles: List[Counts]  #: int16 [transition, y, x] each
+    codes: Optional[Floats]  #: float32 [N, view_y, view_x]
     camera: Optional[Camera] = None  #: the e2lf.Camera that recorded them
     views: Optional[str] = None  #: orientation of the views: "upright", "turned", "flipped-x" or "flipped-y"
