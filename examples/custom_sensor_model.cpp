@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <e2lf/eval/metrics.h>
-#include <e2lf/lightfield/demo_scene.h>
 #include <e2lf/lightfield/scene.h>
 #include <e2lf/recon/linear_estimate.h>
 #include <e2lf/sensor/coded_intensity.h>

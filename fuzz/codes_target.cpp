@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/patterns/codes_io.h"
 #include "require.h"
 #include "scratch.h"
 

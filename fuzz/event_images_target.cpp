@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The target of event images: the first byte chooses .npz, .npy or a folder's first image, the rest is the file.
 // An .npz may hold another measurement.
-#include "e2lf/capture/measurement/event_image_writer.h"
-#include "e2lf/capture/measurement/measurement_io.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "require.h"
 #include "scratch.h"
 

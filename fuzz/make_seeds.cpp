@@ -16,7 +16,6 @@
 #include "reader_seeds.h"
 #include "testing/test_aedat4.h"
 #include "testing/test_evt4.h"
-#include "testing/test_gzip.h"
 #include "testing/test_rosbag.h"
 #include "testing/test_streams.h"
 
@@ -110,7 +109,7 @@ Result<void> write_bags(const fs::path& folder) {
 
 Result<void> write_recordings(const fs::path& folder) {
   for (const auto& [name, stream] : example_streams()) {
-    for (const char* format : {"evt2", "evt2.1", "evt3", "dat", "csv", "txt", "npy", "npz"}) {
+    for (const char* format : {"evt2", "evt2.1", "evt3", "dat", "csv", "npz"}) {
       E2LF_ASSIGN_OR_RETURN(const Bytes bytes, written(format, stream));
       E2LF_RETURN_IF_ERROR(write_file(folder / format / name, bytes));
     }
@@ -120,8 +119,17 @@ Result<void> write_recordings(const fs::path& folder) {
       const std::string file = cat(name, "_", static_cast<int>(compression));
       E2LF_RETURN_IF_ERROR(write_file(folder / "aedat4" / file, aedat4_file(stream, compression)));
     }
-    E2LF_ASSIGN_OR_RETURN(const Bytes text, written("csv", stream));
-    E2LF_RETURN_IF_ERROR(write_file(folder / "packed" / name, gzip(text)));
+    std::string text;
+    std::vector<double> rows;
+    for (size_t i = 0; i < stream.events.size(); ++i) {
+      const ev::Event event = stream.events[i];
+      const double seconds = 1e-6 * static_cast<double>(event.t);
+      text += formatted("%.6f %d %d %d\n", seconds, event.x, event.y, event.p);
+      rows.insert(rows.end(), {seconds, 1.0 * event.x, 1.0 * event.y, 1.0 * event.p});
+    }
+    E2LF_RETURN_IF_ERROR(write_file(folder / "txt" / name, text));
+    const NpyArray table = make_npy<double>({stream.events.size(), 4}, rows);
+    E2LF_RETURN_IF_ERROR(write_file(folder / "npy" / name, encode_npy(table)));
     if (stream.events.empty()) continue;
     const Bytes chunk = encoded_chunk(stream.events);
     E2LF_RETURN_IF_ERROR(write_file(folder / "ecf" / name, chunk));

@@ -3,9 +3,8 @@
 
 #include <zlib.h>
 
-#include "e2lf/capture/measurement/event_image_writer.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/file.h"
@@ -70,11 +69,10 @@ Result<void> write_light_fields(const fs::path& folder) {
   const LightField colour = numbered_light_field({8, 8, 2, 2, 3});
   E2LF_RETURN_IF_ERROR(write_file(folder / "mat" / "plain", mat_file(false)));
   E2LF_RETURN_IF_ERROR(write_file(folder / "mat" / "compressed", mat_file(true)));
-  const WriteOptions hdf5{.format = LightFieldFormat::kHdf5}, mosaic{.format = LightFieldFormat::kLenslet},
-      npy{.format = LightFieldFormat::kNpy};
+  const WriteOptions hdf5{.format = LightFieldFormat::kHdf5}, npy{.format = LightFieldFormat::kNpy};
   E2LF_RETURN_IF_ERROR(write_light_field(folder / "light_field_hdf5" / "grey", grey, hdf5));
-  E2LF_RETURN_IF_ERROR(write_light_field(folder / "light_field_png" / "grey.png", grey, mosaic));
-  E2LF_RETURN_IF_ERROR(write_light_field(folder / "light_field_png" / "colour.png", colour, mosaic));
+  E2LF_RETURN_IF_ERROR(write_png(folder / "light_field_png" / "grey.png", mosaic_of(grey), PngDepth::k16));
+  E2LF_RETURN_IF_ERROR(write_png(folder / "light_field_png" / "colour.png", mosaic_of(colour), PngDepth::k16));
   E2LF_RETURN_IF_ERROR(write_light_field(folder / "light_field_npy" / "grey.npy", grey, npy));
   E2LF_RETURN_IF_ERROR(write_light_field(folder / "light_field_npy" / "colour.npy", colour, npy));
   E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(folder / "light_field_npy" / "grey.npy"));

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "bench/decode/benchmark_streams.h"
-#include "e2lf/base/clock.h"
 #include "e2lf/base/isa.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"

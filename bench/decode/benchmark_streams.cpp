@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <optional>
 
-#include "e2lf/base/contract.h"
 #include "e2lf/base/little_endian.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
-#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_codec.h"
+#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_words.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::bench {

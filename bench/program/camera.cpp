@@ -5,7 +5,7 @@
 #include "bench/program/parts.h"
 #include "bench/program/report.h"
 #include "bench/program/verbs.h"
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/program/inputs.h"

@@ -10,7 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/option_values.h"

@@ -8,7 +8,7 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/eval/metrics.h"
-#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::bench {
 

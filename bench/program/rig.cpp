@@ -10,7 +10,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
 #include "e2lf/model/model.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/views.h"
 #include "python/binding/arrays.h"
 #include "python/binding/recording.h"
 

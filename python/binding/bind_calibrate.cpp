@@ -3,7 +3,6 @@
 #include <pybind11/stl.h>
 
 #include "e2lf/calibrate/calibrate.h"
-#include "e2lf/calibrate/report.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"

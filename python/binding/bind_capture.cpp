@@ -6,9 +6,8 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/capture/measurement/recorded_setup.h"
-#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"

@@ -14,7 +14,6 @@
 #include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/recorded_setup.h"
-#include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/registry.h"
 #include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
@@ -231,7 +230,7 @@ void bind_cycle_reader(py::module_& module) {
         options.trigger_delay_us = trigger_delay_us;
         options.invert_polarity = invert_polarity;
         options.tracker.first_pattern = first_pattern;
-        if (filter_pixels) options.filter = cycles::PixelFilterOptions{};
+        options.filters_pixels = filter_pixels;
         const pipeline::ScheduleChoice choice{
             .schedule = schedule_of(schedule), .num_patterns = num_codes, .transitions = transitions};
         return open_cycles(path, std::move(options), choice, origin_us, E2LF_OPEN_VALUES);

@@ -4,12 +4,12 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/lightfield/contact_sheet.h"
-#include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"
+#include "e2lf/lightfield/scene.h"
+#include "e2lf/lightfield/views.h"
 #include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
@@ -58,7 +58,7 @@ void write(const fs::path& path, const py::array& light_field, const std::string
   const auto values = light_field_of(light_field, "light_field");
   lightfield::WriteOptions options;
   options.overwrite = overwrite;
-  options.format = format.empty() ? lightfield::format_of_path(path) : take(lightfield::parse_format(format));
+  options.format = take(format.empty() ? lightfield::format_of_path(path) : lightfield::parse_format(format));
   const ProgressFn told = progress_of(progress);
   without_gil([&] { return lightfield::write_light_field(path, *values, options, told); });
 }

@@ -52,8 +52,8 @@ class Network {
   }
 
   py::array reconstruct(py::array images, const GainArgument& gain, Whole<size_t> passes, Whole<size_t> cycles,
-                        const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS,
-                        const std::optional<py::array>& out, const ProgressArgument& progress) {
+                        E2LF_ORIENTATION_PARAMETERS, const std::optional<py::array>& out,
+                        const ProgressArgument& progress) {
     if (gives_depth()) throw py::value_error("this network gives disparities and no light field; call depth()");
     pipeline::Tone tone = tone_of(gain);
     if (passes < 1) throw py::value_error("passes are at least 1");
@@ -63,11 +63,11 @@ class Network {
     const OneAtATime::Use use(use_, "reconstructor");
     if (!out) {
       return to_array(without_gil([&] {
-        return reconstruct_once(method_, {passes, cycles, colour_filter}, tone, *counts, E2LF_ORIENTATION_VALUE, told);
+        return reconstruct_once(method_, {passes, cycles}, tone, *counts, E2LF_ORIENTATION_VALUE, told);
       }));
     }
-    if (passes > 1 || !colour_filter.empty()) throw py::value_error("out takes one pass, without a colour filter");
-    take(method_.ready({passes, cycles, ""}));
+    if (passes > 1) throw py::value_error("out takes one pass");
+    take(method_.ready({passes, cycles}));
     const LightFieldOutput field = output_of(*out, method_.network->field_shape(*counts), "out");
     without_gil([&]() -> Result<void> {
       recon::ReconstructionMemory memory;
@@ -120,15 +120,13 @@ class Network {
 
 py::array invert(const py::array& images, const py::array& codes,
                  const std::optional<capture::SensorConstants>& constants, const GainArgument& gain,
-                 const std::string& colour_filter, E2LF_ORIENTATION_PARAMETERS) {
+                 E2LF_ORIENTATION_PARAMETERS) {
   const pipeline::Tone tone = tone_of(gain);
   const auto counts = event_images_of(images, "images");
   const auto method = take(pipeline::open_method({.algorithm = "inversion",
                                                   .codes = codes_of(codes, "codes"),
                                                   .constants = constants.value_or(capture::SensorConstants())}));
-  return to_array(without_gil([&] {
-    return reconstruct_once(method, {1, 1, colour_filter}, tone, *counts, E2LF_ORIENTATION_VALUE, {});
-  }));
+  return to_array(without_gil([&] { return reconstruct_once(method, {}, tone, *counts, E2LF_ORIENTATION_VALUE, {}); }));
 }
 
 py::dict event_error(const py::array& light_field, const py::array& images, const py::array& codes, float gain,
@@ -161,8 +159,8 @@ void bind_recon(py::module_& module) {
       .def(py::init<const model::Model&, const std::string&, const capture::SensorProfile*>(), py::arg("model"),
            py::kw_only(), py::arg("precision") = "auto", py::arg("camera") = nullptr)
       .def("reconstruct", &Network::reconstruct, py::arg("images"), py::kw_only(), py::arg("gain") = "auto",
-           py::arg("passes") = 1, py::arg("cycles") = 1, py::arg("colour_filter") = "", E2LF_ORIENTATION_ARGUMENTS,
-           py::arg("out") = py::none(), py::arg("progress") = py::none(),
+           py::arg("passes") = 1, py::arg("cycles") = 1, E2LF_ORIENTATION_ARGUMENTS, py::arg("out") = py::none(),
+           py::arg("progress") = py::none(),
            "Reconstructs a light field float32 [view_y, view_x, y, x], not clamped, from event images int16 "
            "[transition, y, x].\n\n"
            "images: event images of one cycle, or [cycle, transition, y, x], from which networks conditioned on the "
@@ -170,9 +168,8 @@ void bind_recon(py::module_& module) {
            "gain: \"auto\" (well exposed; with physical pixels, the darkest parts become black) or a number; 1 = the "
            "output of the network.\n"
            "passes: number of shifted positions on the pixel grid of the network over which the result is averaged.\n"
-           "cycles: number of cycles over which `images` were summed, for networks conditioned on the sensor profile.\n"
-           "colour_filter: colours of each 2x2 pixels of the sensor, row by row, such as \"rggb\": the light field has "
-           "[channel] and half the width and height.\n" E2LF_ORIENTATION_DOC
+           "cycles: number of cycles over which `images` were summed, for networks conditioned on the sensor "
+           "profile.\n" E2LF_ORIENTATION_DOC
            "out: float32 [view_y, view_x, y, x] that receives the light field and is returned; None = a new array.\n"
            "progress: called with (done, total); an exception cancels the operation.")
       .def(
@@ -187,12 +184,12 @@ void bind_recon(py::module_& module) {
       .def_property_readonly("kernels", &Network::kernels, "The kernel of each layer.")
       .def("__repr__", [](const Network& self) { return "<e2lf.Reconstructor in " + self.precision() + ">"; });
   module.def("invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
-             py::arg("gain") = "auto", py::arg("colour_filter") = "", E2LF_ORIENTATION_ARGUMENTS,
+             py::arg("gain") = "auto", E2LF_ORIENTATION_ARGUMENTS,
              "Reconstructs a light field without a trained network: float32 [view_y, view_x, y, x].\n\n"
              "images: int16 [transition, y, x]. codes: the patterns, [N, view_y, view_x].\n"
              "constants: SensorConstants of the camera; None = the paper's.\n"
              "gain: \"auto\" or a number.\n"
-             "colour_filter, turn_views, flip_x, flip_y: as for Reconstructor.reconstruct().");
+             "turn_views, flip_x, flip_y: as for Reconstructor.reconstruct().");
   module.def(
       "auto_gain",
       [](const py::array& light_field) {

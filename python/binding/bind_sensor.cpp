@@ -4,7 +4,6 @@
 #include <cmath>
 #include <pybind11/stl.h>
 
-#include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
@@ -16,9 +15,8 @@
 namespace e2lf::python {
 namespace {
 
-/// Returns the light on the pixels: the light field itself, or behind the colour filter of this name. Its intensities
-/// must be finite and not negative.
-LentLightField light_on_sensor(const py::array& light_field, const std::string& colour_filter) {
+/// Returns a light field whose intensities must be finite and not negative.
+LentLightField light_on_sensor(const py::array& light_field) {
   auto scene = light_field_of(light_field, "light_field");
   without_gil([&]() -> Result<void> {
     bool is_light = true;
@@ -27,21 +25,14 @@ LentLightField light_on_sensor(const py::array& light_field, const std::string& 
     return Error{ErrorCode::kInvalidValue, "it contains NaN, infinity or negative intensities; clip them first",
                  "light_field"};
   });
-  if (colour_filter.empty()) return scene;
-  const capture::ColourFilter filter = take(capture::colour_filter_from_name(colour_filter));
-  if (scene->extents[4] != 3) {
-    throw ResultError({ErrorCode::kShape, "the light field is grey; colour filters need one in colour", "light_field"});
-  }
-  auto light = without_gil([&]() -> Result<lightfield::LightField> { return sensor::light_behind(filter, *scene); });
-  return light_field_of(to_array(std::move(light)), "light_field");
+  return scene;
 }
 
 /// Simulates the paper's model, or the physical pixels of a camera; rejects arguments that do not apply.
 py::array simulate(const py::array& light_field, const py::array& codes, const capture::SensorProfile* camera,
                    const std::optional<capture::SensorConstants>& constants, const std::string& event_model,
-                   float scene_gain, float residue, Whole<uint64_t> seed, std::optional<Whole<uint64_t>> map_seed,
-                   const std::string& colour_filter) {
-  auto scene = light_on_sensor(light_field, colour_filter);
+                   float scene_gain, float residue, Whole<uint64_t> seed, std::optional<Whole<uint64_t>> map_seed) {
+  auto scene = light_on_sensor(light_field);
   // The camera sees the views in its own orientation.
   if (camera != nullptr && camera->views) scene = oriented(std::move(scene), *camera->views);
   const capture::Codes patterns = codes_of(codes, "codes");
@@ -76,7 +67,6 @@ void bind_sensor(py::module_& module) {
       "simulate", &simulate, py::arg("light_field"), py::arg("codes"), py::kw_only(), py::arg("camera") = nullptr,
       py::arg("constants") = py::none(), py::arg("event_model") = "", py::arg("scene_gain") = 1.0F,
       py::arg("residue") = 0.0F, py::arg("seed") = sensor::EventModelOptions().seed, py::arg("map_seed") = py::none(),
-      py::arg("colour_filter") = "",
       "Simulates the event images of one cycle: int16 [transition, y, x], N - 1 transitions for N patterns.\n\n"
       "light_field: grey, [view_y, view_x, y, x]. codes: [N, view_y, view_x].\n"
       "camera: a Camera; constants, event_model and residue cannot be given for one with physical pixels.\n"
@@ -85,13 +75,11 @@ void bind_sensor(py::module_& module) {
       "scene_gain: factor for all intensities.\n"
       "residue: references start at random up to this many thresholds (0 to 1) above the black level.\n"
       "seed: seed of the noise, which should differ from cycle to cycle. map_seed: seed of the constant properties of "
-      "physical pixels; None = seed.\n"
-      "colour_filter: colours of each 2x2 pixels of the sensor, row by row, such as \"rggb\"; the light field must "
-      "have [channel], and the images are twice as high and wide.");
+      "physical pixels; None = seed.");
   module.def(
       "coded_intensities",
       [](const py::array& light_field, const py::array& codes) {
-        const auto scene = light_on_sensor(light_field, "");
+        const auto scene = light_on_sensor(light_field);
         const capture::Codes patterns = codes_of(codes, "codes");
         auto seen = without_gil([&] { return sensor::coded_intensities(patterns, *scene); });
         return py::array_t<float>(std::vector<size_t>{seen.count, seen.height, seen.width}, seen.values.data());

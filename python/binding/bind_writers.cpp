@@ -8,7 +8,6 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/recordings/convert.h"
-#include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/registry.h"
 #include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
@@ -130,15 +129,14 @@ void bind_writers(py::module_& module) {
           self.discard();
         }
       });
-  module.def(
-      "create_recording", &create, py::arg("path"), py::arg("width"), py::arg("height"), py::kw_only(),
-      py::arg("format") = "", py::arg("header") = std::map<std::string, std::string>(), py::arg("codes") = py::none(),
-      py::arg("overwrite") = false,
-      "Creates a recording of a sensor with width x height px.\n\n"
-      "format: \"evt3\", \"evt2\", \"evt2.1\", \"dat\", \"hdf5\", \"dsec\", \"csv\", \"npy\" or \"npz\"; if empty, "
-      "determined by the extension.\n"
-      "header: keys and values for formats with a header.\n"
-      "codes: the patterns [N, view_y, view_x] that were shown, which are stored in the header.");
+  module.def("create_recording", &create, py::arg("path"), py::arg("width"), py::arg("height"), py::kw_only(),
+             py::arg("format") = "", py::arg("header") = std::map<std::string, std::string>(),
+             py::arg("codes") = py::none(), py::arg("overwrite") = false,
+             "Creates a recording of a sensor with width x height px.\n\n"
+             "format: \"evt3\", \"evt2\", \"evt2.1\", \"dat\", \"hdf5\", \"csv\" or \"npz\"; if empty, "
+             "determined by the extension.\n"
+             "header: keys and values for formats with a header.\n"
+             "codes: the patterns [N, view_y, view_x] that were shown, which are stored in the header.");
   module.def(
       "convert",
       [](const fs::path& input, const fs::path& output, const std::string& output_format, bool overwrite,

@@ -7,8 +7,8 @@
 #include <mutex>
 #include <string>
 
-#include "e2lf/base/contract.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/workspace.h"
 

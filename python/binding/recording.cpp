@@ -6,7 +6,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::python {
 namespace {

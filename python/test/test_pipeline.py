@@ -101,25 +101,6 @@ class PipelineTest(InFolder):
         self.assertGreaterEqual(error["at_first"], error["least"])
         self.assertGreater(error["least"], 0)
 
-    def test_colour_filters(self):
-        colour = np.stack([self.scene, 0.2 + 0.6 * self.scene, 0.9 - 0.7 * self.scene], axis=-1)
-        np.save("colour.npy", colour)
-        command_line("simulate", "colour.npy", "--colour-filter", "grbg", "-m", self.path, "-o", "events.npz", "--quiet")
-        images = e2lf.simulate(colour, self.model.codes, constants=self.model.constants,
-                               event_model=self.model.event_model, colour_filter="grbg")
-        self.assertTrue(same(images, e2lf.read_event_images("events.npz").cycles[0]))
-        self.assertEqual(images.shape, (3, 64, 96))
-        command_line("reconstruct", "events.npz", "-m", self.path, "-o", "out", "--format", "npy", "--gain", 1, "--quiet")
-        own = e2lf.Reconstructor(self.model).reconstruct(images, gain=1, colour_filter="grbg")
-        self.assertEqual(own.shape, (8, 8, 32, 48, 3))
-        self.assertTrue(same(own, np.load("out/lightfield.npy")))
-        self.assertEqual(e2lf.invert(images, self.model.codes, colour_filter="grbg").shape, own.shape)
-        for wrong in (lambda: e2lf.simulate(self.scene, self.model.codes, colour_filter="rggb"),
-                      lambda: e2lf.invert(images, self.model.codes, colour_filter="rgb"),
-                      lambda: e2lf.invert(images[:, 1:], self.model.codes, colour_filter="rggb")):
-            with self.assertRaises(e2lf.Error):
-                wrong()
-
     def test_orientation(self):
         turned = np.ascontiguousarray(self.scene[::-1, ::-1])
         self.assertTrue(same(e2lf.depth(turned, turn_views=True).disparity, e2lf.depth(self.scene).disparity))
@@ -271,7 +252,7 @@ class PipelineTest(InFolder):
             e2lf.refocus(self.scene, 0, radius=1, centre_x=50)
 
     def test_files_of_light_fields_and_pictures(self):
-        for path in ("views", "mosaic.png", "field.npy", "field.h5"):
+        for path in ("views", "field.npy", "field.h5"):
             e2lf.write_light_field(path, self.scene)
             self.assertTrue(np.allclose(e2lf.read_light_field(path), self.scene, atol=0.5 / 255 + 1e-6), path)
         colour = np.repeat(self.scene[..., None], 3, axis=-1)

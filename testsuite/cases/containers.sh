@@ -1,26 +1,5 @@
-# Containers of recordings: several streams in one file, bags of ROS 2, compressed files, and files that are no recordings.
+# Containers of recordings: several streams in one file, bags of ROS 2, and files that are no recordings.
 grep -q -- "--stream" <("$E2LF" info --help) || fail "no --stream"
-
-# A compressed recording is read as it is, from a file and through a pipe; a cut one is read as far as it goes, and said.
-py - <<'PY'
-import gzip
-text = "%x,y,p,t\n" + "".join("%d,%d,%d,%d\n" % (i % 64, i % 48, i % 2, 1000 + 3 * i) for i in range(100000))
-open("a.csv", "w").write(text)
-packed = gzip.compress(text.encode())
-open("a.csv.gz", "wb").write(packed)
-open("named_otherwise.raw", "wb").write(packed)
-open("cut.csv.gz", "wb").write(packed[: len(packed) // 2])
-PY
-for input in a.csv.gz named_otherwise.raw; do
-  "$E2LF" info "$input" --json >info.json
-  check "$(json info.json "j['events'] == 100000 and j['left_out'] == []")"
-done
-cat a.csv.gz | "$E2LF" convert - out.csv --quiet
-py -c 'import sys; a, b = ([l for l in open(f) if l[0] != "%"] for f in ("a.csv", "out.csv")); sys.exit(a != b)' || fail "the pipe differs"
-"$E2LF" convert cut.csv.gz cut.csv --json >cut.json 2>stderr.txt
-check "$(json cut.json "j['events'] > 10000 and any(l['reason'] == 'truncated' for l in j['left_out'])")"
-fails 1 "strict" "$E2LF" convert cut.csv.gz strict.csv --strict
-absent strict.csv
 
 # What is no recording is named by its first bytes, by every verb, and nothing is written.
 py - <<'PY'

@@ -3,7 +3,7 @@
 "$E2LF" simulate demo/scene -o recording.raw --quiet
 count() { "$E2LF" info "$1" --json >count.json && json count.json "(j['events'], j['events_on'], j['triggers'], j['first_t_us'], j['last_t_us'])"; }
 truth=$(count recording.raw)
-for output in a.hdf5 a.npz b.raw a.dat a.csv a.npy; do
+for output in a.hdf5 a.npz b.raw a.dat a.csv; do
   "$E2LF" convert recording.raw "$output" --quiet 2>warnings.txt
   [ "$(count "$output")" = "$truth" ] || fail "$output: $(count "$output") instead of $truth"
 done
@@ -26,13 +26,13 @@ done
 from=$(json whole.json "j['first_t_us'] + 20000") to=$(json whole.json "j['first_t_us'] + 60000")
 "$E2LF" info recording.raw --from-us "$from" --to-us "$to" --json >slice.json
 check "0 < $(json slice.json "j['events']") < $(json whole.json "j['events']") and $(json slice.json "j['first_t_us']") >= $from and $(json slice.json "j['last_t_us']") < $to"
-for input in recording.raw a.hdf5 a.npz a.dat a.csv a.npy; do
+for input in recording.raw a.hdf5 a.npz a.dat a.csv; do
   "$E2LF" info "$input" --from-us "$from" --to-us "$to" --json >other.json
   [ "$(json other.json "(j['events'], j['triggers'])")" = "$(json slice.json "(j['events'], j['triggers'])")" ] || fail "slice of $input"
 done
 # The slice ends before the recording does, and so may the pipe.
-{ cat recording.raw || true; } | "$E2LF" convert - slice.npy --from-us "$from" --to-us "$to" --quiet 2>warnings.txt
-[ "$("$E2LF" info slice.npy --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" = "$(json slice.json "j['events']")" ] || fail "piped slice"
+{ cat recording.raw || true; } | "$E2LF" convert - slice.csv --from-us "$from" --to-us "$to" --quiet 2>warnings.txt
+[ "$("$E2LF" info slice.csv --json | py -c "import json, sys; print(json.load(sys.stdin)['events'])")" = "$(json slice.json "j['events']")" ] || fail "piped slice"
 fails 1 "(--overwrite)" "$E2LF" convert recording.raw a.csv
 fails 1 "nothing.raw" "$E2LF" convert nothing.raw x.csv
 fails 1 "extension" "$E2LF" convert demo/scene scene.tif
@@ -42,12 +42,13 @@ absent scene.tif
 "$E2LF" convert scene.npy scene_back --format png
 cmp demo/scene/03_04.png scene_back/03_04.png
 # Other programs' formats, and back: the same 8 bits.
-"$E2LF" convert demo/scene scene.mat --quiet
-"$E2LF" convert demo/scene stanford --format stanford --quiet
-"$E2LF" convert demo/scene hci --format hci --quiet
-"$E2LF" convert demo/scene scene_eslf.png --quiet
-exists stanford/out_03_04_-3.000000_-4.000000.png hci/input_Cam031.png
-for input in scene.mat stanford hci scene_eslf.png; do
+mkdir stanford hci
+for file in demo/scene/0?_0?.png; do
+  name=$(basename "$file" .png)
+  cp "$file" "stanford/out_${name}_-1.5_-2.5_.png"
+  cp "$file" "hci/input_Cam$(printf '%03d' $((9 * ${name:1:1} + ${name:4:1}))).png"
+done
+for input in stanford hci; do
   "$E2LF" convert "$input" again --format png --quiet --overwrite
   cmp demo/scene/03_04.png again/03_04.png
 done

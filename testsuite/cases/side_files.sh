@@ -3,8 +3,7 @@
 "$E2LF" simulate demo/scene -o with.raw --cycles 2 --quiet
 "$E2LF" simulate demo/scene -o without.raw --cycles 2 --no-triggers --quiet
 triggers() { "$E2LF" info "$1" --json >info.json && json info.json "j['triggers']"; }
-for name in o.csv o.npy o.txt; do
-  rm -f o.*  o_*
+for name in o.csv; do
   side=o_triggers.csv
   "$E2LF" convert with.raw "$name" --quiet 2>warnings.txt
   all=$(triggers "$name")
@@ -25,7 +24,7 @@ exists d_trigger.dat
 "$E2LF" convert without.raw d.dat --overwrite --quiet
 absent d_trigger.dat
 # Files of the user with such names are not touched, asked to overwrite or not.
-for pair in "p.csv p_triggers.csv" "p_cd.dat p_trigger.dat" "p.npy p_triggers.csv"; do
+for pair in "p.csv p_triggers.csv" "p_cd.dat p_trigger.dat"; do
   # shellcheck disable=SC2086
   set -- $pair
   echo "my notes" >"$2"
@@ -42,17 +41,9 @@ for name in s.npz s.raw; do
   [ "$(cat "$name.run.json")" = '{"mine": 1}' ] || fail "$name.run.json was overwritten"
   absent "$name"
 done
-# Two recordings may share a file of triggers while the triggers are the same.
-rm -f o.* o_*
-"$E2LF" convert with.raw o.csv --quiet 2>warnings.txt
-"$E2LF" convert with.raw o.npy --quiet 2>warnings.txt
-"$E2LF" simulate demo/scene -o more.raw --cycles 3 --quiet
-fails 1 "o.csv" "$E2LF" convert more.raw o.npy --overwrite
-fails 1 "o.npy" "$E2LF" convert without.raw o.csv --overwrite
-[ "$(triggers o.csv)" = "$(triggers o.npy)" ] || fail "shared triggers"
 [ -z "$(find . -name '*.part')" ] || fail "temporary files were left behind"
 
-# The name of a side file is no name for a result, asked to overwrite or not: it would be read as the other's.
+# The name of a record is no name for a result, asked to overwrite or not: it would be read as the other's.
 "$E2LF" convert with.raw in.csv --quiet 2>warnings.txt
 "$E2LF" convert with.raw x_cd.dat --quiet
 "$E2LF" codes show --json >patterns.json
@@ -65,9 +56,8 @@ refused() { # <text> <command...>
 for flag in "" --overwrite; do
   # shellcheck disable=SC2086
   {
-    refused "triggers of in.csv" "$E2LF" convert in.csv in_triggers.csv $flag
-    refused "triggers of in.csv" "$E2LF" convert without.raw in_triggers.csv $flag
-    refused "triggers of x_cd.dat" "$E2LF" convert x_cd.dat x_trigger.dat $flag
+    refused "input" "$E2LF" convert in.csv in_triggers.csv $flag
+    refused "input" "$E2LF" convert x_cd.dat x_trigger.dat $flag
     refused "record of in.csv" "$E2LF" eval demo/scene demo/scene -o in.csv.run.json $flag
     refused "record of d.dat" "$E2LF" codes show -o d.dat.run.json $flag
     refused "record of demo" "$E2LF" codes show -o demo/run.json $flag
@@ -75,8 +65,6 @@ for flag in "" --overwrite; do
 done
 refused "is an input" "$E2LF" convert far/link.csv far/kept.csv --overwrite
 "$E2LF" convert without.raw bb.csv --quiet
-fails 1 "bb.csv" "$E2LF" convert with.raw bb_triggers.csv
-absent bb_triggers.csv
 # A recording that has such a name is not read as triggers, and not replaced as them.
 cp in.csv bb_triggers.csv
 fails 1 "triggers of bb.csv" "$E2LF" info bb.csv

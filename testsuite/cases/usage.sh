@@ -60,7 +60,7 @@ done
 fails 1 "--white" "$E2LF" info recording.raw --white 5
 fails 1 "--colour" "$E2LF" convert recording.raw rec.csv --colour
 fails 1 "light field" "$E2LF" info demo/scene --from-us 5
-fails 1 "light field" "$E2LF" convert demo/scene hci --format hci --shift-time
+fails 1 "light field" "$E2LF" convert demo/scene deep --format png16 --shift-time
 fails 1 "--no-triggers" "$E2LF" simulate demo/scene -m "$model" -o no.npz --no-triggers
 fails 1 "--v2e-preset" "$E2LF" simulate demo/scene -m "$model" -o no.npz --v2e-preset noisy
 fails 1 "--width" "$E2LF" simulate demo/scene -m "$model" -o no.raw --stream --width 50

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 namespace e2lf {
 namespace {

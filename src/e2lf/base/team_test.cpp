@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
 
 namespace e2lf {

@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <numeric>
 
-#include "e2lf/base/format.h"
-
 namespace e2lf {
 namespace {
 

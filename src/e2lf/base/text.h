@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <sstream>
 #include <string>
@@ -60,5 +61,11 @@ template <typename Location>
   return fail(error_number == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo, location, "cannot ", action, " (",
               std::strerror(error_number), "); ", remedy);
 }
+
+/// Formats text as printf does.
+[[nodiscard, gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
+
+/// Returns "1 cycle", "2 cycles".
+[[nodiscard]] std::string counted(size_t count, const char* what);
 
 }  // namespace e2lf

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 #ifdef _OPENMP
 #include <omp.h>

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 namespace e2lf {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/calibrate/agreement.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,6 +7,7 @@
 #include <span>
 
 #include "e2lf/base/threads.h"
+#include "e2lf/calibrate/calibrate.h"
 #include "e2lf/calibrate/count_distribution.h"
 
 namespace e2lf::calibrate {
@@ -96,8 +95,6 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
     const double weight = areas[a]->samples / result.samples;
     measured.add(sums_of(std::span<const float>(areas[a]->histogram), transitions), weight);
     simulated.add(sums_of(std::span<const double>(predictions[a]), transitions), weight);
-    result.x += weight * areas[a]->x;
-    result.y += weight * areas[a]->y;
     for (size_t cell = 0; cell < cells; ++cell) {
       difference[cell] += weight * (areas[a]->histogram[cell] - predictions[a][cell]);
       model[cell] += weight * predictions[a][cell];
@@ -118,14 +115,14 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
 
 }  // namespace
 
-AgreementReport compare(const capture::SensorProfile& camera, const OpenShares& open_shares,
+std::vector<Agreement> compare(const capture::SensorProfile& camera, const OpenShares& open_shares,
                         const std::vector<Area>& areas) {
   const std::vector<double> brightness = fit_brightness(camera, open_shares, areas);
   std::vector<std::vector<double>> predictions(areas.size());
   parallel_for(areas.size(), 1, [&](size_t begin, size_t end) {
     for (size_t a = begin; a < end; ++a) predictions[a] = predict(camera, open_shares, areas[a], brightness[a]);
   });
-  AgreementReport report;
+  std::vector<Agreement> agreements;
   std::map<size_t, std::vector<size_t>> rows;
   for (size_t a = 0; a < areas.size(); ++a) rows[areas[a].row].push_back(a);
   for (const auto& [row, members] : rows) {
@@ -134,12 +131,11 @@ AgreementReport compare(const capture::SensorProfile& camera, const OpenShares& 
     for (const size_t a : members) {
       group.push_back(&areas[a]);
       expected.push_back(predictions[a]);
-      report.places.push_back(agreement_of({&areas[a]}, {predictions[a]}));
     }
     Agreement agreement = agreement_of(group, expected);
-    if (agreement.samples >= kLeastRowSamples) report.rows.push_back(std::move(agreement));
+    if (agreement.samples >= kLeastRowSamples) agreements.push_back(std::move(agreement));
   }
-  return report;
+  return agreements;
 }
 
 }  // namespace e2lf::calibrate

@@ -54,11 +54,6 @@ class FlatScene {
   std::vector<FlatAreas> flat_;
 };
 
-/// Returns true for the squares used by a fit: every second one if the others are kept out.
-bool is_fitted(bool keep_out, size_t square_y, size_t square_x) {
-  return !keep_out || (square_y + square_x) % 2 == 0;
-}
-
 /// Returns the group of squares that is left out together; neighbours are in different groups.
 size_t group_of(size_t square_y, size_t square_x) {
   return (square_y * 3 + square_x / 2) % kGroups;
@@ -135,7 +130,7 @@ class Calibrator {
         shares_(shares),
         start_(start),
         options_(options),
-        areas_(scene.areas([&](size_t y, size_t x) { return is_fitted(options.keep_out, y, x); })) {}
+        areas_(scene.areas([](size_t, size_t) { return true; })) {}
 
   [[nodiscard]] const std::vector<Area>& areas() const { return areas_; }
 
@@ -161,8 +156,7 @@ class Calibrator {
     std::vector<Eigen::VectorXd> moves;
     for (size_t group = 0; group < kGroups; ++group) {
       if (options_.progress) options_.progress(300 + 100 * group / kGroups, kParts * 100);
-      const auto areas = scene_.areas(
-          [&](size_t y, size_t x) { return is_fitted(options_.keep_out, y, x) && group_of(y, x) != group; });
+      const auto areas = scene_.areas([&](size_t y, size_t x) { return group_of(y, x) != group; });
       if (areas.empty()) continue;
       Model model{whole.camera, {}};
       for (const Area& area : areas) model.brightness.push_back(brightness.at(key_of(area)));
@@ -306,9 +300,7 @@ Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const captu
   }
   result.warnings = warnings_of(solution.determined, start, result.camera);
   note_uncertainty(solution.determined, solution.deviation, result.camera);
-  const auto compared = scene.areas([&](size_t y, size_t x) { return !options.keep_out || !is_fitted(true, y, x); });
-  result.agreement = compare(result.camera, shares, compared);
-  result.first_agreement = compare(start, shares, compared);
+  result.agreement = compare(result.camera, shares, calibrator.areas());
   if (options.progress) options.progress(Calibrator::kParts, Calibrator::kParts);
   return result;
 }

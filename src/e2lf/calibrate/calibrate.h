@@ -1,22 +1,44 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/calibrate/agreement.h"
+#include "e2lf/calibrate/fit.h"
+#include "e2lf/calibrate/flat_areas.h"
 #include "e2lf/calibrate/still_scene.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::calibrate {
+
+/// The means, standard deviations and correlations of the counts of one cycle.
+struct Moments {
+  std::vector<double> mean, deviation;  ///< one value for each transition
+  std::vector<double> correlation;  ///< between transitions 1 and 2, 2 and 3, 1 and 3, then of the pairs 4 and 5, ...
+};
+
+/// How well a model predicts the counts of a set of areas.
+struct Agreement {
+  double brightness = 0.0;  ///< mean count of the first two transitions
+  double samples = 0.0;
+  Moments measured, simulated;
+  double total_variation = 0.0;  ///< mean distance of the joint histograms: 0 = equal, 1 = disjoint
+  double chance = 0.0;           ///< approximately its value if the model is true, due to the number of samples
+};
+
+/// Computes the agreement of a camera with areas, each of which gets the brightness that fits it best. Rows of fewer
+/// than 300 samples are omitted.
+[[nodiscard]] std::vector<Agreement> compare(const capture::SensorProfile& camera, const OpenShares& open_shares,
+                                      const std::vector<Area>& areas);
 
 struct CalibrationOptions {
   std::vector<std::string> held;  ///< keys of constants that keep their starting value
   bool is_even = false;           ///< the scenes are known to be even within each cell of the field: see even_areas()
-  bool keep_out = false;          ///< fits every second square of 64 px and compares on the others
   ProgressFn progress = {};
 };
 
@@ -32,8 +54,7 @@ struct Calibration {
   capture::SensorProfile camera;
   std::vector<Estimate> estimates;
   std::vector<PixelState> states;
-  AgreementReport agreement;        ///< agreement of the result with the events
-  AgreementReport first_agreement;  ///< agreement of the first guess
+  std::vector<Agreement> agreement;  ///< of the result with the events, one for each level of brightness
   size_t flat_pixels = 0;
   std::vector<std::string> warnings;  ///< constants at a bound or outside of the starting camera's uncertainty, by name
 };
@@ -51,5 +72,15 @@ struct Calibration {
 /// (`start` has another event model, patterns do not begin with black, unknown keys, or too few flat areas).
 [[nodiscard]] Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const capture::Codes& codes,
                                             const capture::SensorProfile& start, const CalibrationOptions& options);
+
+/// Formats a calibration as text: constants with their ranges, bad pixels, and measured counts beside those of the
+/// model, by brightness.
+[[nodiscard]] std::string report_text(const Calibration& calibration);
+
+/// Returns the calibration as JSON: {"constants": [..], "warnings": [..], "pixels": {..}, "rows": [..]}.
+[[nodiscard]] Json report_json(const Calibration& calibration);
+
+/// Returns the camera file of a calibration: to_json() of the camera, with the source of each constant.
+[[nodiscard]] Json camera_json(const Calibration& calibration);
 
 }  // namespace e2lf::calibrate

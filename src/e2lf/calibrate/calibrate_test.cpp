@@ -75,7 +75,7 @@ void expect_recovered(const capture::SensorProfile& truth) {
     EXPECT_NEAR(found->camera.transmission_slope_x[n], truth.transmission_slope_x[n], 0.02);
     EXPECT_NEAR(found->camera.transmission_slope_y[n], truth.transmission_slope_y[n], 0.02);
   }
-  for (const Agreement& row : found->agreement.rows) {
+  for (const Agreement& row : found->agreement) {
     EXPECT_LT(row.total_variation, 0.01 + row.chance) << "at " << row.brightness;
   }
 }
@@ -118,7 +118,7 @@ TEST(Calibrate, AllTransitionsDetermineMoreThanTheLitOnes) {
     EXPECT_LT(of_all.high - of_all.low, of_lit.high - of_lit.low) << key;
   }
   EXPECT_NEAR(all->camera.pixel[kThresholdOn] / truth.pixel[kThresholdOn], 1.0, 0.02);
-  EXPECT_EQ(all->agreement.rows.front().measured.mean.size(), 8U);
+  EXPECT_EQ(all->agreement.front().measured.mean.size(), 8U);
 }
 
 TEST(Calibrate, SaysWhatABrightSceneDoesNotDetermineAndKeepsIt) {

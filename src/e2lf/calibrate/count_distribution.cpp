@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 namespace e2lf::calibrate {
 namespace {

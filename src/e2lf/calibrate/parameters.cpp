@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/calibrate/parameters.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "e2lf/base/text.h"
+#include "e2lf/calibrate/fit.h"
 
 namespace e2lf::calibrate {
 namespace {

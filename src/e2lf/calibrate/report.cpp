@@ -1,25 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/calibrate/report.h"
-
 #include <algorithm>
 #include <array>
-#include <cstdarg>
-#include <cstdio>
 
 #include "e2lf/base/text.h"
+#include "e2lf/calibrate/calibrate.h"
 
 namespace e2lf::calibrate {
 namespace {
-
-/// Formats text as printf does.
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  std::array<char, 256> buffer;
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(buffer.data(), buffer.size(), pattern, arguments);
-  va_end(arguments);
-  return buffer.data();
-}
 
 size_t count(const Calibration& calibration, PixelState state) {
   return static_cast<size_t>(std::count(calibration.states.begin(), calibration.states.end(), state));
@@ -30,7 +17,7 @@ constexpr size_t kShown = 3;
 
 std::string numbers(const std::vector<double>& values) {
   std::string text;
-  for (size_t i = 0; i < std::min(values.size(), kShown); ++i) text += format("%6.2f", values[i]);
+  for (size_t i = 0; i < std::min(values.size(), kShown); ++i) text += formatted("%6.2f", values[i]);
   return text;
 }
 
@@ -69,11 +56,11 @@ const Meaning& meaning_of(const std::string& key) {
 }
 
 std::string constants_text(const Calibration& calibration) {
-  std::string text = format("%-23s %10s %-13s %-22s %s\n", "constant", "value", "unit", "95 % range", "meaning");
+  std::string text = formatted("%-23s %10s %-13s %-22s %s\n", "constant", "value", "unit", "95 % range", "meaning");
   for (const Estimate& each : calibration.estimates) {
     const Meaning& meaning = meaning_of(each.key);
-    const std::string range = each.is_determined ? format("%.4g to %.4g", each.low, each.high) : "kept";
-    text += format("%-23s %10.4g %-13s %-22s %s\n", each.key.c_str(), each.value, meaning.unit, range.c_str(),
+    const std::string range = each.is_determined ? formatted("%.4g to %.4g", each.low, each.high) : "kept";
+    text += formatted("%-23s %10.4g %-13s %-22s %s\n", each.key.c_str(), each.value, meaning.unit, range.c_str(),
                    meaning.text);
   }
   return text + "kept: the input does not determine this constant, so it keeps the value of the starting camera\n";
@@ -83,14 +70,14 @@ std::string agreement_text(const std::vector<Agreement>& agreements) {
   if (agreements.empty()) return "";
   const auto column = [&](const char* title, size_t entries) {
     const int width = static_cast<int>(6 * std::min(entries, kShown));
-    return format("  %*s |%*s", width, title, width, "model");
+    return formatted("  %*s |%*s", width, title, width, "model");
   };
   const Moments& moments = agreements.front().measured;
-  std::string text = format("%7s %8s %6s %6s", "E1+E2", "samples", "TV", "chance");
+  std::string text = formatted("%7s %8s %6s %6s", "E1+E2", "samples", "TV", "chance");
   text += column("mean", moments.mean.size()) + column("deviation", moments.deviation.size()) +
           column("correlation", moments.correlation.size()) + "\n";
   for (const Agreement& each : agreements) {
-    text += format("%7.2f %8.0f %6.3f %6.3f", each.brightness, each.samples, each.total_variation, each.chance);
+    text += formatted("%7.2f %8.0f %6.3f %6.3f", each.brightness, each.samples, each.total_variation, each.chance);
     const auto pair = [&](const std::vector<double>& measured, const std::vector<double>& simulated) {
       text += "  " + numbers(measured) + " |" + numbers(simulated);
     };
@@ -110,8 +97,6 @@ Json agreements_json(const std::vector<Agreement>& agreements) {
   Json list = Json::array();
   for (const Agreement& each : agreements) {
     list.push_back({{"brightness", each.brightness},
-                    {"x", each.x},
-                    {"y", each.y},
                     {"samples", each.samples},
                     {"total_variation", each.total_variation},
                     {"chance", each.chance},
@@ -121,22 +106,14 @@ Json agreements_json(const std::vector<Agreement>& agreements) {
   return list;
 }
 
-double mean_total_variation(const AgreementReport& report) {
-  double sum = 0.0;
-  for (const Agreement& each : report.rows) sum += each.total_variation;
-  return report.rows.empty() ? 0.0 : sum / static_cast<double>(report.rows.size());
-}
-
 }  // namespace
 
 std::string report_text(const Calibration& calibration) {
   std::string text = constants_text(calibration);
   text +=
-      format("\n%zu flat pixels; %zu hot and %zu dead of %zu\n\n", calibration.flat_pixels,
+      formatted("\n%zu flat pixels; %zu hot and %zu dead of %zu\n\n", calibration.flat_pixels,
              count(calibration, PixelState::kHot), count(calibration, PixelState::kDead), calibration.states.size());
-  text += agreement_text(calibration.agreement.rows);
-  text += format("mean total variation %.3f (first guess: %.3f)\n", mean_total_variation(calibration.agreement),
-                 mean_total_variation(calibration.first_agreement));
+  text += agreement_text(calibration.agreement);
   text +=
       "each row: places of one brightness (E1+E2, their mean count in the first two transitions), and of the first "
       "three "
@@ -164,9 +141,7 @@ Json report_json(const Calibration& calibration) {
             {"hot", count(calibration, PixelState::kHot)},
             {"dead", count(calibration, PixelState::kDead)},
             {"all", calibration.states.size()}}},
-          {"rows", agreements_json(calibration.agreement.rows)},
-          {"places", agreements_json(calibration.agreement.places)},
-          {"first_guess", {{"rows", agreements_json(calibration.first_agreement.rows)}}}};
+          {"rows", agreements_json(calibration.agreement)}};
 }
 
 Json camera_json(const Calibration& calibration) {

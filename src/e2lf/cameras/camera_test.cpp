@@ -10,7 +10,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"

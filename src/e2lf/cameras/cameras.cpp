@@ -230,6 +230,27 @@ std::vector<CameraPlugin> load_camera_plugins(const std::string& places) {
   return plugins;
 }
 
+Error unopened_error(const std::string& address, const std::vector<std::string>& listed) {
+  const std::string location = "camera://metavision" + (address.empty() ? "" : "/" + address);
+  if (listed.empty()) {
+    return {ErrorCode::kNotFound,
+            "no camera is connected; check its cable and power, the vendor's udev rules, in a container the access to "
+            "/dev/bus/usb, and that MV_HAL_PLUGIN_PATH names the folder of the HAL's plugins",
+            location};
+  }
+  const auto is_requested = [&address](const std::string& name) {
+    return address.empty() || name == address || name.ends_with(":" + address);
+  };
+  if (std::none_of(listed.begin(), listed.end(), is_requested)) {
+    return {ErrorCode::kNotFound, cat("there is no camera ", address, "; those connected are ", join(listed)),
+            location};
+  }
+  return {ErrorCode::kIo,
+          "the camera cannot be opened; end other programs that use it, and check the permissions of its USB device "
+          "(install the vendor's udev rules)",
+          location};
+}
+
 namespace {
 
 std::vector<CameraPlugin> plugins_of_environment() {

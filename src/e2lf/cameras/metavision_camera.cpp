@@ -112,7 +112,7 @@ Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& addre
   }
   if (device == nullptr) {
     E2LF_ASSIGN_OR_RETURN(const std::vector<std::string> listed, list_metavision_cameras());
-    Error error = unopened_error(address, listed, find_usb_cameras());
+    Error error = unopened_error(address, listed);
     error.message += reason;
     return error;
   }

@@ -8,7 +8,7 @@
 #include <stand_in_hal.h>
 #include <thread>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/files/file.h"

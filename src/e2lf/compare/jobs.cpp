@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/compare/measure.h"
 #include "e2lf/compare/result_page.h"
 #include "e2lf/files/file.h"

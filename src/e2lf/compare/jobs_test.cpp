@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "testing/test_files.h"
 
 namespace e2lf::compare {

@@ -5,18 +5,17 @@
 #include <chrono>
 #include <cmath>
 
-#include "e2lf/base/clock.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/depth/true_disparity.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
-#include "e2lf/lightfield/crop.h"
-#include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/scene.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 

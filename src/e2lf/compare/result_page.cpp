@@ -5,14 +5,13 @@
 #include <cmath>
 #include <set>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/lightfield/contact_sheet.h"
-#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/epi.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/report/axis.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"

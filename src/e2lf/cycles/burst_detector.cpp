@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/cycles/event_histogram.h"
 #include "e2lf/recordings/event.h"
 
@@ -17,26 +17,26 @@ constexpr int64_t kLongestPauseBins = 4096;
 constexpr double kRiseLearningRate = 0.1;
 /// Bins that exceed the level before the burst by this many standard deviations belong to it.
 constexpr double kFootSignificance = 3;
+/// The number of bins in which the rates before and after are compared, and the least between two bursts.
+constexpr size_t kWindow = 10, kSpacing = 40;
+constexpr int64_t kLeastSpacingUs = kSpacing * BurstDetector::kBinUs;
+/// The least significance of the rise of the count, in standard deviations at a constant rate.
+constexpr double kLeastSignificance = 10;
+/// The least rise of the count, relative to the typical burst.
+constexpr double kLeastRise = 0.1;
 
 }  // namespace
 
-BurstDetector::BurstDetector(const BurstOptions& options)
-    : options_(options),
-      window_(static_cast<size_t>(options.window_us / std::max<int64_t>(1, options.bin_us))),
-      spacing_(static_cast<size_t>(options.min_spacing_us / std::max<int64_t>(1, options.bin_us))) {
-  E2LF_REQUIRE(options.bin_us >= 1 && window_ >= 1 && spacing_ >= window_, "windows of at least one bin");
-}
-
 void BurstDetector::add(const recordings::EventColumns& events, std::vector<Mark>& marks) {
   for (size_t i = 0; i < events.size();) {
-    const int64_t bin = events.t[i] / options_.bin_us - (events.t[i] % options_.bin_us < 0);
+    const int64_t bin = events.t[i] / kBinUs - (events.t[i] % kBinUs < 0);
     if (!has_begun_) {
       has_begun_ = true;
       open_bin_ = bin;
       begin_in_silence();
     }
     if (bin != open_bin_) close_bins(bin, marks);
-    const size_t end = end_of_run(events, i, events.size(), (bin + 1) * options_.bin_us);
+    const size_t end = end_of_run(events, i, events.size(), (bin + 1) * kBinUs);
     const uint64_t on = recordings::count_on({events.p.data() + i, end - i});
     open_.on += static_cast<uint32_t>(on);
     open_.off += static_cast<uint32_t>(end - i - on);
@@ -45,19 +45,19 @@ void BurstDetector::add(const recordings::EventColumns& events, std::vector<Mark
 }
 
 void BurstDetector::finish(std::vector<Mark>& marks) {
-  if (has_begun_) close_bins(open_bin_ + static_cast<int64_t>(window_ + spacing_) + 1, marks);
+  if (has_begun_) close_bins(open_bin_ + static_cast<int64_t>(kWindow + kSpacing) + 1, marks);
 }
 
 int64_t BurstDetector::known_until_us() const {
   if (!has_begun_) return INT64_MIN;
-  return (open_bin_ - static_cast<int64_t>(2 * window_ + spacing_)) * options_.bin_us;
+  return (open_bin_ - static_cast<int64_t>(2 * kWindow + kSpacing)) * kBinUs;
 }
 
 /// Inserts empty bins before the open one, so that a burst at the very beginning of a recording is found.
 void BurstDetector::begin_in_silence() {
-  bins_.assign(window_ + spacing_, {});
-  rises_.assign(spacing_ - window_ + 1, {});
-  first_bin_ = open_bin_ - static_cast<int64_t>(window_ + spacing_);
+  bins_.assign(kWindow + kSpacing, {});
+  rises_.assign(kSpacing - kWindow + 1, {});
+  first_bin_ = open_bin_ - static_cast<int64_t>(kWindow + kSpacing);
 }
 
 /// Completes the open bin and the empty ones after it.
@@ -67,7 +67,7 @@ void BurstDetector::close_bins(int64_t until_bin, std::vector<Mark>& marks) {
     // The bins of a long pause are not stored individually: everything before it is judged, and silence is assumed
     // after it.
     const int64_t resume = until_bin;
-    close_bins(open_bin_ + static_cast<int64_t>(2 * (window_ + spacing_)), marks);
+    close_bins(open_bin_ + static_cast<int64_t>(2 * (kWindow + kSpacing)), marks);
     open_bin_ = resume;
     begin_in_silence();
     return;
@@ -80,7 +80,7 @@ void BurstDetector::close_bins(int64_t until_bin, std::vector<Mark>& marks) {
 
 BurstDetector::Rise BurstDetector::rise_at(size_t bin) const {
   double on[2] = {}, off[2] = {};
-  for (size_t i = bin - window_; i < bin + window_; ++i) {
+  for (size_t i = bin - kWindow; i < bin + kWindow; ++i) {
     on[i >= bin] += bins_[i].on;
     off[i >= bin] += bins_[i].off;
   }
@@ -98,27 +98,27 @@ BurstDetector::Rise BurstDetector::rise_at(size_t bin) const {
 size_t BurstDetector::foot_of(size_t bin) const {
   const auto count = [&](size_t i) { return static_cast<double>(bins_[i].on + bins_[i].off); };
   // The nearer half of the window may already contain the rise.
-  const size_t begin = bin - window_, settled = std::max<size_t>(1, window_ / 2);
+  const size_t begin = bin - kWindow, settled = std::max<size_t>(1, kWindow / 2);
   double level = 0;
   for (size_t i = begin; i < begin + settled; ++i) level += count(i) / static_cast<double>(settled);
   size_t foot = begin + settled;
-  while (foot + 1 < bin + window_ && count(foot) <= level + kFootSignificance * std::sqrt(level + 1)) ++foot;
+  while (foot + 1 < bin + kWindow && count(foot) <= level + kFootSignificance * std::sqrt(level + 1)) ++foot;
   while (foot > begin + settled && count(foot - 1) > level + std::sqrt(level)) --foot;
   return foot;
 }
 
 /// Judges the bin whose neighbourhood has just become complete, and drops data that are no longer needed.
 void BurstDetector::judge(std::vector<Mark>& marks) {
-  rises_.push_back(rise_at(bins_.size() - window_));
-  if (rises_.size() < 2 * spacing_ + 1) return;
-  // Rise i belongs to bin window_ + i.
-  const Rise& rise = rises_[spacing_];
+  rises_.push_back(rise_at(bins_.size() - kWindow));
+  if (rises_.size() < 2 * kSpacing + 1) return;
+  // Rise i belongs to bin kWindow + i.
+  const Rise& rise = rises_[kSpacing];
   const bool is_peak = std::none_of(rises_.begin(), rises_.end(), [&](const Rise& r) { return r.count > rise.count; });
-  const size_t bin = window_ + spacing_;
-  if (is_peak && rise.significance >= options_.min_significance && rise.count >= options_.min_rise * typical_rise_ &&
-      time_of(bin) - last_mark_us_.value_or(INT64_MIN / 2) >= options_.min_spacing_us) {
+  const size_t bin = kWindow + kSpacing;
+  if (is_peak && rise.significance >= kLeastSignificance && rise.count >= kLeastRise * typical_rise_ &&
+      time_of(bin) - last_mark_us_.value_or(INT64_MIN / 2) >= kLeastSpacingUs) {
     last_mark_us_ = time_of(bin);
-    const auto certainty = static_cast<float>(1 - options_.min_significance / (2 * rise.significance));
+    const auto certainty = static_cast<float>(1 - kLeastSignificance / (2 * rise.significance));
     marks.push_back({time_of(foot_of(bin)), static_cast<float>(rise.on_share), certainty});
     typical_rise_ += (typical_rise_ == 0 ? 1 : kRiseLearningRate) * (rise.count - typical_rise_);
   }

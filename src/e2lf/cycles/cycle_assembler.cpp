@@ -4,9 +4,45 @@
 #include <algorithm>
 #include <functional>
 
+#include "e2lf/base/result.h"
 #include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {
+namespace {
+
+/// Fewer quiet events than this are not significant.
+constexpr float kMinCount = 3;
+
+constexpr double kMostQuietRateHz = 50;  // of a good pixel while nothing changes
+constexpr double kMemoryS = 2;           // quiet time over which the rate is averaged
+
+}  // namespace
+
+void PixelFilter::add_quiet_events(const recordings::EventColumns& events, size_t begin, size_t end) {
+  for (size_t i = begin; i < end; ++i) {
+    if (events.x[i] < width_ && events.y[i] < height_) counts_[events.y[i] * width_ + events.x[i]] += 1;
+  }
+}
+
+void PixelFilter::add_quiet_time(int64_t duration_us) {
+  quiet_s_ += static_cast<double>(duration_us) * 1e-6;
+  // Older counts fade: at most kMemoryS of time is kept, and the counts are reduced in proportion.
+  const double kept = quiet_s_ > kMemoryS ? kMemoryS / quiet_s_ : 1;
+  quiet_s_ *= kept;
+  silenced_.clear();
+  for (size_t i = 0; i < counts_.size(); ++i) {
+    counts_[i] *= static_cast<float>(kept);
+    if (counts_[i] >= kMinCount && counts_[i] > kMostQuietRateHz * quiet_s_) silenced_.push_back(i);
+  }
+}
+
+void PixelFilter::apply(capture::EventImages& images) const {
+  E2LF_REQUIRE(images.image_size() == counts_.size(), "images of another size than the sensor's");
+  for (const size_t pixel : silenced_) {
+    for (size_t k = 0; k < images.count; ++k) images.image(k)[pixel] = 0;
+  }
+}
+
 namespace {
 
 /// The share of the last pattern's time that the recording must cover for its last cycle to count as complete.
@@ -48,7 +84,7 @@ CycleAssembler::CycleAssembler(const CycleOptions& options, size_t width, size_t
       height_(height),
       first_pattern_(options.schedule.first_of_cycle()),
       window_us_(evidence_window_us(options.schedule)) {
-  if (options.filter) filter_.emplace(width, height, *options.filter);
+  if (options.filters_pixels) filter_.emplace(width, height);
 }
 
 void CycleAssembler::add_start(const PatternStart& start) {
@@ -227,7 +263,7 @@ void CycleAssembler::close_pattern(int64_t end_us) {
   if (open_) open_->cycle.end_us = end_us;
   if (open_ && options_.schedule.patterns[*pattern_].image) open_->cycle.slices.push_back({pattern_begin_us_, end_us});
   if (filter_ && open_ && open_->is_whole) {
-    quiet_us_ += std::max<int64_t>(0, end_us - pattern_begin_us_ - options_.filter->settle_us);
+    quiet_us_ += std::max<int64_t>(0, end_us - pattern_begin_us_ - PixelFilter::kSettleUs);
   }
   pattern_.reset();
 }
@@ -245,7 +281,7 @@ void CycleAssembler::consume_events(int64_t until_us) {
     events.off += end - next_ - on;
     if (options_.schedule.patterns[*pattern_].image) accumulate(next_, end);
     if (filter_ && open_->is_whole) {
-      const size_t quiet = std::min(end, index_at(pattern_begin_us_ + options_.filter->settle_us));
+      const size_t quiet = std::min(end, index_at(pattern_begin_us_ + PixelFilter::kSettleUs));
       filter_->add_quiet_events(events_, quiet, end);
     }
   }

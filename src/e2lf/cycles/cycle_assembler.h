@@ -1,15 +1,46 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/event_histogram.h"
+#include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {
+
+/// Finds hot and flickering pixels by their events while the aperture has been static for a long time, i.e. in the part
+/// of the time of a pattern after kSettleUs. The light of lamps flickers at about the rate of the patterns, so the
+/// period does not distinguish them, but the quiet time does.
+class PixelFilter {
+ public:
+  static constexpr int64_t kSettleUs = 10000;  ///< duration of the events of a pattern change
+
+  PixelFilter(size_t width, size_t height) : width_(width), height_(height), counts_(width * height) {}
+
+  /// Counts events [begin, end), all of which must lie in quiet time.
+  void add_quiet_events(const recordings::EventColumns& events, size_t begin, size_t end);
+
+  /// Adds this much quiet time.
+  void add_quiet_time(int64_t duration_us);
+
+  /// Sets the images to 0 at the pixels with too many quiet events.
+  void apply(capture::EventImages& images) const;
+
+  [[nodiscard]] size_t num_silenced() const { return silenced_.size(); }
+
+ private:
+  size_t width_, height_;
+  std::vector<float> counts_;
+  double quiet_s_ = 0;
+  std::vector<size_t> silenced_;  ///< pixel numbers
+};
 
 /// Assembles cycles from pattern starts and events, both in order of time.
 class CycleAssembler {

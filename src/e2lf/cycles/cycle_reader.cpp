@@ -76,9 +76,6 @@ class CycleReader::Impl {
         beginning_(std::move(beginning.batches)),
         options_(options),
         tracker_(tracked_schedule(options), tracker_options(options)),
-        bursts_(options.bursts),
-        signer_(options.signs),
-        shown_signer_(options.signs),
         assembler_(options, reader_->info().width, reader_->info().height) {}
 
   Result<std::optional<Cycle>> next() {

@@ -11,9 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/cycles/burst_detector.h"
 #include "e2lf/cycles/pattern_tracker.h"
-#include "e2lf/cycles/pixel_filter.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/recordings/recording.h"
 
@@ -40,8 +38,6 @@ struct CycleOptions {
   bool one_trigger_per_cycle = false;    ///< the trigger marks the start of the first pattern of a cycle
   int64_t trigger_delay_us = 0;          ///< from a trigger to the change of the pattern; negative if it comes first
   TrackerOptions tracker = {};           ///< for triggers and bursts
-  BurstOptions bursts = {};
-  SignOptions signs = {};  ///< of triggers, used to find the pattern again after a loss
 
   int64_t origin_us = 0;  ///< kSchedule: the time at which the first pattern of any cycle began
 
@@ -49,7 +45,7 @@ struct CycleOptions {
   std::function<void(const recordings::EventBatch&)> on_batch = {};
   std::function<void(const Mark&)> on_mark = {};
 
-  std::optional<PixelFilterOptions> filter = {};  ///< silences hot and flickering pixels
+  bool filters_pixels = false;  ///< silences hot and flickering pixels
 
   /// The number of events that may wait until their pattern is known. If it is exceeded, the oldest ones are dropped.
   size_t max_waiting_events = size_t{1} << 26;
@@ -99,7 +95,6 @@ inline constexpr size_t kNumCycleFaults = 4;
 struct DroppedCycle {
   uint64_t number = 0;
   int64_t begin_us = 0;
-  int64_t fault_us = 0;
   CycleFault fault = CycleFault::kMissing;
 };
 

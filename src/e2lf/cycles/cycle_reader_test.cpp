@@ -520,7 +520,7 @@ TEST(CycleReader, HotAndFlickeringPixelsAreSilenced) {
     for (const recordings::Event& event : all) cycle.batch.events.push_back(event);
   };
   CycleOptions options = by_triggers();
-  options.filter = PixelFilterOptions();
+  options.filters_pixels = true;
   const Outcome outcome = cut(30, synthesis, options, add_loud);
   ASSERT_EQ(outcome.cycles.size(), 30u);
   EXPECT_EQ(outcome.report.hot_pixels, 2u);

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "e2lf/base/contract.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/event_histogram.h"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "e2lf/capture/measurement/voxel_grid.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/recording.h"

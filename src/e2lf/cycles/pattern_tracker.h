@@ -95,18 +95,11 @@ class PatternTracker {
   uint64_t unassigned_ = 0;
 };
 
-struct SignOptions {
-  int64_t window_us = 1000;      ///< in which events after a trigger are compared with those before it
-  double min_significance = 10;  ///< of the rise of the count, in standard deviations at a constant rate
-};
-
 /// Assigns to triggers the sign of the burst of events after them, as bursts have it themselves: a change to black
 /// makes OFF events, and one to white ON events. The pattern can thus be found again after a loss although the
 /// intervals between triggers repeat within a cycle (both half cycles of the paper's sequence have the same intervals).
 class TriggerSigns {
  public:
-  explicit TriggerSigns(const SignOptions& options) : options_(options) {}
-
   /// Adds the next events, and the triggers of their time.
   void add(const recordings::EventColumns& events, const std::vector<Mark>& marks);
 
@@ -123,7 +116,6 @@ class TriggerSigns {
   [[nodiscard]] std::optional<float> on_share_at(int64_t t_us) const;
   void forget();
 
-  SignOptions options_;
   std::deque<Mark> marks_;
   EventHistogram histogram_;
   int64_t first_event_us_ = INT64_MAX, last_event_us_ = INT64_MIN;

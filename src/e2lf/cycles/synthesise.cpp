@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/rng.h"
-#include "e2lf/base/stop.h"
 
 namespace e2lf::cycles {
 namespace {
@@ -92,10 +92,8 @@ class SpreadCycle {
   void add_unused_burst(BurstSign sign, int64_t start_us) {
     const std::span<const int16_t> model = images_.image(0);
     for (size_t pixel = 0; pixel < model.size(); ++pixel) {
-      const double wanted = std::abs(model[pixel]) * options_.unused_share;
-      const int count = static_cast<int>(wanted + static_cast<double>(draws_.uniform()));
       const bool is_on = sign == BurstSign::kAny ? (pixel / 3) % 2 == 0 : sign == BurstSign::kOn;
-      for (int i = 0; i < count; ++i) add_event(pixel, is_on, start_us + delay_us());
+      for (int i = 0; i < std::abs(model[pixel]); ++i) add_event(pixel, is_on, start_us + delay_us());
     }
   }
 

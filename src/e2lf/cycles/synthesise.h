@@ -19,7 +19,6 @@ struct SynthesisOptions {
   int64_t burst_us = 9500;    ///< the latest event of a burst after the change
   int64_t jitter_us = 0;      ///< largest error of the start of a pattern, uniform in both directions
   double noise_hz = 0;        ///< background events per pixel
-  double unused_share = 1.0;  ///< number of events of unused transitions relative to the used ones
   std::optional<uint16_t> trigger_channel =
       0;                           ///< channel of the rising edge at the start of each pattern; absent = no triggers
   int64_t trigger_width_us = 500;  ///< time until the falling edge; 0 = no such edge

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "e2lf/base/contract.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
 
 namespace e2lf::depth {

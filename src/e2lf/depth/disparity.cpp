@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/depth/detail.h"
 #include "e2lf/depth/plane_fit.h"
 #include "e2lf/depth/semi_global.h"
 #include "e2lf/depth/view_order.h"
-#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::depth {
 namespace {

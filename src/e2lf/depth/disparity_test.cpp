@@ -7,7 +7,6 @@
 
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/scene.h"
 #include "testing/noise_material.h"
 #include "testing/textured_plane.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 namespace e2lf::depth {
 

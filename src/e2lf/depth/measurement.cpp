@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "e2lf/base/contract.h"
 #include "e2lf/base/median.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/refocus.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/contract.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
 
 namespace e2lf::depth {

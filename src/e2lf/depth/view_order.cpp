@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::depth {
 namespace {

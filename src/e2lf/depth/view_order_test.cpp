@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "e2lf/lightfield/crop.h"
-#include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/scene.h"
+#include "e2lf/lightfield/views.h"
 #include "testing/noise_material.h"
 #include "testing/textured_plane.h"
 

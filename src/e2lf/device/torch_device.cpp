@@ -6,7 +6,7 @@
 #include <cstring>
 #include <torch/torch.h>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/learn/network/network_module.h"
 

@@ -9,7 +9,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/diagnose/pattern_places.h"
-#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/sensor/pixel_model.h"
 
@@ -264,7 +264,7 @@ Json Explanation::json(bool is_confirmed) const {
 
 Result<std::optional<FieldCheck>> FieldCheck::create(const pipeline::OpenedMethod& method,
                                                      const pipeline::MethodUse& use) {
-  if (!method.codes || !use.colour_filter.empty()) return std::optional<FieldCheck>();
+  if (!method.codes) return std::optional<FieldCheck>();
   FieldCheck check;
   pipeline::MethodUse once = use;
   once.passes = 1;

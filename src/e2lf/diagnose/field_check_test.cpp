@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/sensor/pixel_model.h"
@@ -74,7 +73,6 @@ TEST_F(FieldChecks, JudgeOnlyMethodsThatUseTheCamera) {
   EXPECT_FALSE(is_judged(opened({.algorithm = "inversion", .codes = network_.codes})));
   EXPECT_FALSE(is_judged(opened({.algorithm = "inversion", .codes = network_.codes, .camera = network_.camera})));
   EXPECT_TRUE(is_judged(opened({.model = network_, .codes = network_.codes})));
-  EXPECT_FALSE(FieldCheck::create(opened({.model = network_}), {.colour_filter = "rggb"}).value());
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
-#include "e2lf/base/contract.h"
 #include "e2lf/base/isa.h"
+#include "e2lf/base/result.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/engine/tap_grid.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Implements make_direct() of conv.h: convolutions as sums over the taps.
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/engine/tap_grid.h"

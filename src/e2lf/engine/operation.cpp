@@ -7,7 +7,7 @@
 #include <mutex>
 #include <numeric>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::engine {

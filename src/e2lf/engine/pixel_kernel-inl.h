@@ -17,7 +17,7 @@
 #include <hwy/contrib/math/math-inl.h>
 // clang-format on
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/engine/kernel.h"
 #include "e2lf/kernels/vector-inl.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/engine/pack.h"
 
 namespace e2lf::engine {

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstring>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/pack.h"
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstring>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/engine/conv.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 

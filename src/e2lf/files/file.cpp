@@ -12,7 +12,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf {

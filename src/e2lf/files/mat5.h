@@ -12,19 +12,8 @@
 
 namespace e2lf {
 
-/// The storage type of a number (MAT-File Format, version 5, table "Data Types").
-enum class MatStorage : uint32_t {
-  kInt8 = 1,
-  kUint8 = 2,
-  kInt16 = 3,
-  kUint16 = 4,
-  kInt32 = 5,
-  kUint32 = 6,
-  kSingle = 7,
-  kDouble = 9,
-};
-
-/// Returns the numpy type code of a storage type ("i2", "f8"), or an empty one for other types.
+/// Returns the numpy type code ("i2", "f8") of a storage type (MAT-File Format, version 5, table "Data Types"), or an
+/// empty one for other types.
 [[nodiscard]] const char* numpy_code(uint32_t storage);
 
 /// The MATLAB class of an array ("Array Types"). Its numbers may be stored as a smaller type if all values fit.
@@ -45,7 +34,7 @@ struct MatArray {
   bool complex = false;
   bool logical = false;  ///< true if the uint8 array is a logical one, whose values are true (1) and false (0)
   std::vector<size_t> extents;
-  uint32_t storage = 0;           ///< a MatStorage
+  uint32_t storage = 0;           ///< see numpy_code()
   std::span<const uint8_t> data;  ///< little-endian; points into `inflated` or into the bytes of the file
   std::vector<uint8_t> inflated;  ///< holds the variable if the file compresses it
 };
@@ -58,19 +47,5 @@ struct MatArray {
 /// Returns the names of the variables in a file, at most a thousand, without reading their data. Fails with kTruncated
 /// (also if there is no such file) and kUnsupported (big-endian).
 [[nodiscard]] Result<std::vector<std::string>> mat_variables(const std::filesystem::path& path);
-
-/// An array to write, in column-major order. It is stored in the type of its class: kSingle as kSingle.
-struct MatVariable {
-  std::string name;
-  MatClass array_class = MatClass::kSingle;
-  std::vector<size_t> extents;    ///< two extents or more
-  std::span<const uint8_t> data;  ///< little-endian
-};
-
-/// Encodes a MATLAB file of version 6 (the format of version 5 without compression), as `save -v6` writes it. Fails
-/// with kUnsupported if a variable has 2 GiB or more, which the format cannot hold. If `data` does not fill the
-/// extents, the contract is broken.
-[[nodiscard]] Result<std::vector<uint8_t>> encode_mat(std::span<const MatVariable> variables,
-                                                      const std::string& location);
 
 }  // namespace e2lf

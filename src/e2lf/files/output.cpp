@@ -9,7 +9,6 @@
 #include <string>
 #include <string_view>
 
-#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
@@ -17,8 +16,6 @@
 namespace e2lf {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr char kLive[] = "e2lf.live";  ///< marks a workspace whose content cannot be created again
 
 bool is_there(const fs::path& path) {
   std::error_code error;
@@ -53,29 +50,20 @@ Result<fs::path> resolve(const fs::path& named) {
   return error ? path : resolved;
 }
 
-/// Fails if a name is that of the record or the side file of another existing file, as which the output would be read.
-Result<void> check_not_a_side_file(const fs::path& path, const SideFile& side) {
+/// Fails if a name is that of the record of another existing file or folder, as which the output would be read.
+Result<void> check_not_a_record(const fs::path& path) {
   const std::string name = path.filename().string(), record_end = record_path_beside("").string();
-  const auto belongs = [&path](const char* what, const fs::path& owner) {
-    return fail(ErrorCode::kExists, path,
-                cat("this is the name of the ", what, " of ", owner.filename().string(),
-                    ", and would be read as such; choose another output"));
-  };
   std::error_code error;
+  fs::path owner;
   if (name.ends_with(record_end) && name.size() > record_end.size()) {
-    const fs::path owner = path.parent_path() / name.substr(0, name.size() - record_end.size());
-    if (fs::is_regular_file(owner, error)) return belongs("record", owner);
+    owner = path.parent_path() / name.substr(0, name.size() - record_end.size());
+    if (!fs::is_regular_file(owner, error)) owner.clear();
   }
-  if (name == "run.json" && is_our_record(path)) return belongs("record", path.parent_path());
-  const fs::path owner = side.other_owner != nullptr ? side.other_owner(path, path) : fs::path();
-  return owner.empty() ? Result<void>() : belongs("triggers", owner);
-}
-
-bool is_same_content(const fs::path& a, const fs::path& b) {
-  std::error_code error;
-  if (fs::file_size(a, error) != fs::file_size(b, error) || error) return false;
-  std::ifstream of_a(a, std::ios::binary), of_b(b, std::ios::binary);
-  return std::equal(std::istreambuf_iterator<char>(of_a), {}, std::istreambuf_iterator<char>(of_b));
+  if (name == "run.json" && is_our_record(path)) owner = path.parent_path();
+  if (owner.empty()) return {};
+  return fail(ErrorCode::kExists, path,
+              cat("this is the name of the record of ", owner.filename().string(),
+                  ", and would be read as such; choose another output"));
 }
 
 Error foreign_side(const fs::path& side, const fs::path& target, bool is_ours) {
@@ -84,54 +72,6 @@ Error foreign_side(const fs::path& side, const fs::path& target, bool is_ours) {
                                        "another output";
   return {ErrorCode::kExists, cat("this file would belong to ", target.filename().string(), remedy), side.string(),
           is_ours ? Setting::kOverwrite : Setting::kNone};
-}
-
-Error shared_side(const fs::path& side, const fs::path& target, const fs::path& owner) {
-  return fail(ErrorCode::kExists, side,
-              cat("these data belong to ", owner.filename().string(), ", and would be read as those of ",
-                  target.filename().string(), " too; choose another output"));
-}
-
-/// Returns "events-interrupted-1.npz" or the next unused name, including that of the side file.
-fs::path free_name(const fs::path& target, const SideFile& side) {
-  for (int number = 1;; ++number) {
-    fs::path name = target;
-    name.replace_filename(cat(target.stem().string(), "-interrupted-", number, target.extension().string()));
-    if (!is_there(name) && (side.path_of == nullptr || !is_there(side.path_of(name)))) return name;
-  }
-}
-
-/// Returns the unfinished file in a workspace that would have had this name, or an empty path.
-fs::path part_of(const fs::path& workspace, const std::string& name) {
-  std::error_code error;
-  for (fs::directory_iterator entry(workspace, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string found = entry->path().filename().string();
-    const bool is_record = found.starts_with(record_path_beside(name).string());
-    if (found == name || (found.starts_with(name + ".") && !is_record)) return entry->path();
-  }
-  return {};
-}
-
-/// Returns a function that saves the finished part of a target and its side file after a killed run, if it cannot be
-/// created again.
-Workspace::OnDead keeper(const fs::path& target, const SideFile& side, const Recover& recover) {
-  if (!recover) return {};
-  return [target, side, recover](const fs::path& workspace) {
-    std::error_code error;
-    const std::string name = target.filename().string();
-    const fs::path partial = part_of(workspace, name);
-    if (partial.empty() || !fs::exists(workspace / kLive, error)) return;
-    const fs::path kept = free_name(target, side);
-    const std::string what = recover(partial, kept);
-    if (what.empty()) return;
-    std::string names = kept.string();
-    if (side.path_of != nullptr) {
-      const fs::path part = part_of(workspace, side.path_of(target).filename().string());
-      if (!part.empty()) fs::rename(part, side.path_of(kept), error);
-      if (!part.empty() && !error) names += cat(" and ", side.path_of(kept).filename().string());
-    }
-    log_warning(cat("an interrupted run had written ", what, " of ", name, "; they are kept in ", names));
-  };
 }
 
 Result<void> move_into_place(const fs::path& from, const fs::path& to) {
@@ -220,22 +160,20 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   E2LF_RETURN_IF_ERROR(check_ending(named, rules.ending));
   E2LF_ASSIGN_OR_RETURN(output.target_, resolve(named));
   std::error_code error;
-  E2LF_RETURN_IF_ERROR(check_not_a_side_file(fs::absolute(named, error), rules.side));
-  E2LF_RETURN_IF_ERROR(check_not_a_side_file(output.target_, rules.side));
+  E2LF_RETURN_IF_ERROR(check_not_a_record(fs::absolute(named, error)));
+  E2LF_RETURN_IF_ERROR(check_not_a_record(output.target_));
   E2LF_RETURN_IF_ERROR(check_apart(named, rules.read_beside));
   E2LF_RETURN_IF_ERROR(check_apart(record_path_beside(output.target_), rules.inputs));
   output.side_ = rules.side;
   if (rules.side.path_of != nullptr) {
     output.side_path_ = rules.side.path_of(output.target_);
     E2LF_RETURN_IF_ERROR(check_apart(output.side_path_, rules.inputs));
+    E2LF_RETURN_IF_ERROR(check_apart(output.side_path_, rules.read_beside));
   }
   output.overwrite_ = rules.overwrite;
-  output.is_live_ = rules.is_live;
   E2LF_RETURN_IF_ERROR(output.check_place());
-  E2LF_ASSIGN_OR_RETURN(Workspace workspace,
-                        Workspace::create(output.target_, keeper(output.target_, rules.side, rules.recover)));
+  E2LF_ASSIGN_OR_RETURN(Workspace workspace, Workspace::create(output.target_, rules.is_live));
   output.place_ = workspace.path() / output.target_.filename();
-  if (output.is_live_) E2LF_RETURN_IF_ERROR(write_file(workspace.path() / kLive, std::string("live\n")));
   output.workspace_.emplace(std::move(workspace));
   return output;
 }
@@ -256,10 +194,6 @@ Result<void> OutputFile::check_place() const {
     return foreign_side(record, target_, is_our_record(record));
   }
   if (side_path_.empty() || !is_there(side_path_)) return {};
-  if (const fs::path owner = side_.other_owner(side_path_, target_); !owner.empty()) {
-    // The existing file is the same; but this risk is not taken for a result that cannot be repeated.
-    return is_live_ ? shared_side(side_path_, target_, owner) : Result<void>();
-  }
   const bool is_ours = side_.is_ours(side_path_);
   return overwrite_ && is_ours ? Result<void>() : foreign_side(side_path_, target_, is_ours);
 }
@@ -269,24 +203,19 @@ Result<void> OutputFile::commit() {
   // The files may have changed since create().
   E2LF_RETURN_IF_ERROR(check_place());
   const fs::path record = record_path_beside(target_), new_side = workspace_->path() / side_path_.filename();
-  bool keeps_side = side_path_.empty();
-  if (!side_path_.empty() && is_there(side_path_)) {
-    const fs::path owner = side_.other_owner(side_path_, target_);
-    keeps_side = is_there(new_side) && is_same_content(new_side, side_path_);
-    if (!owner.empty() && !keeps_side) return shared_side(side_path_, target_, owner);
-  }
+  const bool has_side = !side_path_.empty();
   // Old side files are set aside first: a result without its triggers is incomplete, but one with those of another is
   // wrong. They return if the result cannot be moved.
   const fs::path old_record = workspace_->path() / "replaced_record", old_side = workspace_->path() / "replaced_side";
   std::error_code error;
   fs::rename(record, old_record, error);
-  if (!keeps_side) fs::rename(side_path_, old_side, error);
+  if (has_side) fs::rename(side_path_, old_side, error);
   if (const Result<void> moved = move_into_place(place_, target_); !moved) {
     fs::rename(old_record, record, error);
-    if (!keeps_side) fs::rename(old_side, side_path_, error);
+    if (has_side) fs::rename(old_side, side_path_, error);
     return moved;
   }
-  if (!keeps_side && is_there(new_side)) E2LF_RETURN_IF_ERROR(move_into_place(new_side, side_path_));
+  if (has_side && is_there(new_side)) E2LF_RETURN_IF_ERROR(move_into_place(new_side, side_path_));
   return is_there(record_path()) ? move_into_place(record_path(), record) : Result<void>();
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,17 +15,9 @@
 /// GrowingFolder.
 namespace e2lf {
 
-/// A run that was killed leaves its workspace, which the next run to the same place removes. Results of live input in
-/// it, which cannot be repeated, are saved first: a Recover function writes the finished part of `partial` to `kept`
-/// and returns what it is ("12 cycles"), or "" if there is nothing.
-using Recover = std::function<std::string(const std::filesystem::path& partial, const std::filesystem::path& kept)>;
-
 /// The second file of a format that stores a part of its content beside the first, such as triggers beside events.
 struct SideFile {
   std::filesystem::path (*path_of)(const std::filesystem::path& result) = nullptr;  ///< null = there is none
-  /// Returns another file than `result` that this side file belongs to, or an empty path.
-  std::filesystem::path (*other_owner)(const std::filesystem::path& side,
-                                       const std::filesystem::path& result) = nullptr;
   /// Returns whether e2lf wrote a file with the name of a side file, judging by its first bytes.
   bool (*is_ours)(const std::filesystem::path& side) = nullptr;
 };
@@ -39,12 +30,10 @@ struct OutputRules {
   bool streams = false;  ///< whether the format is written front to back, so that "-", devices and pipes are possible
   bool is_live = false;  ///< whether the result cannot be created again
   SideFile side = {};
-  Recover recover = {};
 };
 
 /// A result file with the files that belong to it: its record (<file>.run.json) and its side file. They are checked
-/// together, appear together and are replaced together. If a side file also belongs to another result (the triggers of
-/// a.csv and a.npy), it is not changed and must have the content that this result needs.
+/// together, appear together and are replaced together.
 class OutputFile {
  public:
   /// Resolves links in `named`, and checks it and its side files. Fails with kExists (a file exists that may not be
@@ -74,7 +63,7 @@ class OutputFile {
   std::filesystem::path target_, place_;
   std::filesystem::path side_path_;  ///< empty = none
   SideFile side_;
-  bool overwrite_ = false, is_live_ = false;
+  bool overwrite_ = false;
   std::optional<Workspace> workspace_;
 };
 

@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char kLock[] = "e2lf.lock";
-constexpr size_t kLongestStem = 200;  ///< in bytes; file systems allow 255 for a name
+constexpr char kLive[] = "e2lf.live";  ///< marks a workspace whose content cannot be created again
+constexpr size_t kLongestStem = 200;   ///< in bytes; file systems allow 255 for a name
 
 fs::path folder_of(const fs::path& target) {
   return target.has_parent_path() ? target.parent_path() : fs::path(".");
@@ -65,8 +66,8 @@ Descriptor open_lock(const fs::path& workspace, int flags) {
   return Descriptor(::open((workspace / kLock).c_str(), flags | O_RDWR | O_CLOEXEC | O_NOFOLLOW, 0666));
 }
 
-/// Removes the abandoned workspaces of a target. Fails if one is in use.
-Result<void> clear_dead(const fs::path& target, const Workspace::OnDead& on_dead) {
+/// Removes the abandoned workspaces of a target, but for those of live input. Fails if one is in use.
+Result<void> clear_dead(const fs::path& target) {
   const std::string stem = stem_of(target);
   std::vector<fs::path> found;
   std::error_code error;
@@ -84,7 +85,11 @@ Result<void> clear_dead(const fs::path& target, const Workspace::OnDead& on_dead
                        "); wait for it or choose another output"),
                    target.string()};
     }
-    if (on_dead) on_dead(workspace);
+    if (fs::exists(workspace / kLive, error)) {
+      log_warning(
+          cat(workspace.string(), ": an interrupted run left its data of a live input here; move or remove it"));
+      continue;
+    }
     fs::remove_all(workspace, error);
     log_warning(cat(workspace.string(), ": removed; it was left by an interrupted run"));
   }
@@ -132,7 +137,7 @@ std::string without_workspaces(std::string text) {
   return text;
 }
 
-Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dead) {
+Result<Workspace> Workspace::create(const fs::path& target, bool is_live) {
   static int counter = 0;
   std::error_code error;
   const fs::path folder = folder_of(target);
@@ -143,7 +148,7 @@ Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dea
   // exists.
   const Descriptor turn(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   static_cast<void>(turn.locks(LOCK_EX));
-  E2LF_RETURN_IF_ERROR(clear_dead(target, on_dead));
+  E2LF_RETURN_IF_ERROR(clear_dead(target));
   const int number = __atomic_add_fetch(&counter, 1, __ATOMIC_RELAXED);
   const fs::path path = folder / cat(stem_of(target), ::getpid(), ".", number, ".part");
   fs::create_directory(path, error);
@@ -155,6 +160,7 @@ Result<Workspace> Workspace::create(const fs::path& target, const OnDead& on_dea
     return fail_to("write here", target, error_number);
   }
   static_cast<void>(lock.locks(LOCK_EX | LOCK_NB));
+  if (is_live) E2LF_RETURN_IF_ERROR(write_file(path / kLive, std::string("live\n")));
   return Workspace(path, lock.release());
 }
 

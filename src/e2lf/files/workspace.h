@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 
 #include "e2lf/base/result.h"
@@ -13,12 +12,10 @@ namespace e2lf {
 /// lock ends with the process, however that ends, so that a run can distinguish an abandoned workspace from one in use.
 class Workspace {
  public:
-  /// Is called with an abandoned workspace of the same target before it is removed.
-  using OnDead = std::function<void(const std::filesystem::path& workspace)>;
-
   /// Creates missing parent folders and the workspace, and removes abandoned workspaces of the same target with a
-  /// warning. Fails with kIo, and with kExists if another process is writing to this target.
-  [[nodiscard]] static Result<Workspace> create(const std::filesystem::path& target, const OnDead& on_dead = {});
+  /// warning. Those of live input (`is_live`), which cannot be recorded again, are named and left to the user. Fails
+  /// with kIo, and with kExists if another process is writing to this target.
+  [[nodiscard]] static Result<Workspace> create(const std::filesystem::path& target, bool is_live = false);
 
   Workspace(Workspace&& other) noexcept;
   Workspace& operator=(Workspace&& other) noexcept;

@@ -8,10 +8,31 @@
 #include <set>
 #include <zlib.h>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::zip {
+namespace {
+
+constexpr uint32_t kLocalHeader = 0x04034b50;
+constexpr uint32_t kDirectoryEntry = 0x02014b50;
+constexpr uint32_t kDirectoryEnd = 0x06054b50;
+constexpr uint32_t kDirectoryEnd64 = 0x06064b50;
+constexpr uint32_t kLocator64 = 0x07064b50;
+
+constexpr uint64_t kLocalHeaderSize = 30;
+constexpr uint64_t kDirectoryEntrySize = 46;
+constexpr uint64_t kDirectoryEndSize = 22;
+constexpr uint64_t kDirectoryEnd64Size = 56;
+constexpr uint64_t kLocator64Size = 20;
+
+constexpr uint16_t kExtra64 = 1;           ///< id of the extra field with 64-bit sizes
+constexpr uint32_t kIn64 = 0xFFFFFFFF;     ///< means "the value is in the zip64 record"
+constexpr uint16_t kCountIn64 = 0xFFFF;    ///< the same for counts
+constexpr uint16_t kVersion64 = 45;        ///< the version needed to extract
+constexpr uint16_t kUtf8Names = 1U << 11;  ///< flag
+
+}  // namespace
 namespace {
 
 template <typename T>

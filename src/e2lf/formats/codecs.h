@@ -100,39 +100,26 @@ namespace e2lf::formats::dsec {
 
 namespace e2lf::formats::numpy {
 
-/// Events as numpy arrays, in any order of time. A .npy file is an array of records with the fields x, y, p, t in any
-/// order and of any numeric type, or an array [events, 4]. It is streamed. Written are OpenEB's records {x u2, y u2, p
-/// i2, t i8}, 16 bytes. An .npz file contains the columns x, y, p, t as arrays of equal length, or one array of records
-/// or rows, and optionally trigger_p, trigger_id, trigger_t, and size = [width, height]. It is read and written as a
-/// whole, in memory. table/layout.h describes columns, names, units and polarities.
+/// Events as numpy arrays, which are read as a whole, in memory. A .npy file is an array of records with the fields x,
+/// y, p, t in any order and of any numeric type, or an array [events, 4]. An .npz file contains the columns x, y, p, t
+/// as arrays of equal length, or one array of records or rows, and optionally trigger_p, trigger_id, trigger_t, and
+/// size = [width, height]; it is also written. table/table.h describes columns, names, units and polarities.
 
 [[nodiscard]] bool detect_npy(std::span<const uint8_t> head);
 [[nodiscard]] Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options);
-[[nodiscard]] Result<WriterPtr> create_npy_file(const std::filesystem::path& path, const RecordingInfo& info);
-/// Corrects the number of events in a file whose create_npy_file() writer was killed. Fails with kFormat (not such a
-/// file) and kIo.
-[[nodiscard]] Result<void> recover_npy(const std::filesystem::path& path);
 
 [[nodiscard]] bool detect_npz(std::span<const uint8_t> head);
 [[nodiscard]] Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options);
 [[nodiscard]] Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info);
 
-/// A folder with a .npy file for each field of an event, as those of EVREAL (events_ts, events_xy [events, 2],
-/// events_p) and EV-IMO have, and optionally metadata.json with sensor_resolution = [height, width]. It is read as a
-/// whole, in memory.
-[[nodiscard]] bool is_event_folder(const std::filesystem::path& path);
-[[nodiscard]] Result<ReaderPtr> open_event_folder(const std::filesystem::path& path, const OpenOptions& options);
-
 }  // namespace e2lf::formats::numpy
 
 namespace e2lf::formats::text {
 
-/// Events as lines of text. Two orders are written:
-///   csv: x,y,p,t   t in integral microseconds; first line "%geometry:W,H" if the size is known
-///   txt: t x y p   t in seconds with six decimals; first line "W H" if the size is known
-/// If the size of a .csv is not known, its first line is "%x,y,p,t". Readers accept columns with names in any order and
-/// unit (table/layout.h), other separators and comments. Lines that are not events are dropped (kBadRecord); if most
-/// are not, opening or reading fails with kFormat.
+/// Events as lines of text. Written are lines x,y,p,t with t in integral microseconds, below "%geometry:W,H" or, if the
+/// size is not known, "%x,y,p,t". Readers accept columns with names in any order and unit (table/table.h), other
+/// separators and comments. In a .txt without names, the columns are t x y p, with t in seconds. Lines that are not
+/// events are dropped (kBadRecord); if most are not, opening or reading fails with kFormat.
 
 /// Returns whether the first lines are rows of numbers.
 [[nodiscard]] bool detect(std::span<const uint8_t> head);
@@ -141,6 +128,5 @@ namespace e2lf::formats::text {
 [[nodiscard]] Result<ReaderPtr> open_txt(SourcePtr source, const OpenOptions& options);
 
 [[nodiscard]] Result<WriterPtr> create_csv(SinkPtr sink, const RecordingInfo& info);
-[[nodiscard]] Result<WriterPtr> create_txt(SinkPtr sink, const RecordingInfo& info);
 
 }  // namespace e2lf::formats::text

@@ -2,7 +2,7 @@
 // Comparison of pictures at each of a list of disparities; see Op::kPlaneSweep.
 #include <span>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/geometry/shift.h"
 #include "e2lf/model/onnx/onnx_layers.h"

@@ -3,7 +3,7 @@
 #include <numeric>
 #include <span>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/geometry/shift.h"
 #include "e2lf/model/onnx/onnx_layers.h"

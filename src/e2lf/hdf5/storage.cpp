@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/hdf5/storage.h"
-
 #include <algorithm>
 #include <array>
 #include <zlib.h>
 
 #include "e2lf/base/text.h"
+#include "e2lf/hdf5/library.h"
 
 namespace e2lf::hdf5 {
 namespace {

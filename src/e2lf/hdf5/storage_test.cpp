@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/hdf5/storage.h"
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -8,6 +6,7 @@
 #include <zlib.h>
 
 #include "e2lf/files/file.h"
+#include "e2lf/hdf5/library.h"
 #include "testing/test_files.h"
 
 namespace e2lf::hdf5 {

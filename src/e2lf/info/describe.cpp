@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/measurement_io.h"
-#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/measurement/event_image_io.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/eval/metrics.h"
@@ -18,10 +18,9 @@
 #include "e2lf/files/safetensors.h"
 #include "e2lf/info/page_parts.h"
 #include "e2lf/learn/data/packed_data.h"
-#include "e2lf/lightfield/contact_sheet.h"
-#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
 #include "e2lf/report/chart.h"

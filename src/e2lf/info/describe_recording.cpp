@@ -4,7 +4,7 @@
 
 #include "e2lf/info/describe.h"
 #include "e2lf/info/recording_report.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::info {
 namespace fs = std::filesystem;

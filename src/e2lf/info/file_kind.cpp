@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/measurement_io.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::info {

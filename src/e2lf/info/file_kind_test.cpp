@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/capture/measurement/event_image_writer.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "testing/test_files.h"

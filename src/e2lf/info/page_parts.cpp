@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "e2lf/base/text.h"
-#include "e2lf/lightfield/contact_sheet.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/report/axis.h"
 #include "e2lf/report/chart.h"
 

@@ -3,10 +3,9 @@
 
 #include <algorithm>
 
-#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::info {
 namespace fs = std::filesystem;

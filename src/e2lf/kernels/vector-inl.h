@@ -11,7 +11,7 @@
 
 #include <hwy/highway.h>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/kernels/elements.h"
 
 // Loops over accumulators must be unrolled so that these stay in registers.

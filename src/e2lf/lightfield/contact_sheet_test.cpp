@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/lightfield/contact_sheet.h"
-
 #include <gtest/gtest.h>
+
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::lightfield {
 namespace {

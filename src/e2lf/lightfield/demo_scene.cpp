@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/lightfield/demo_scene.h"
-
 #include <cmath>
 
 #include "e2lf/base/rng.h"
+#include "e2lf/lightfield/scene.h"
 
 namespace e2lf::lightfield {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::lightfield {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/lightfield/formats/readers.h"
@@ -120,9 +120,8 @@ Result<Image> read_image(const std::filesystem::path& path) {
   return decode_image(bytes, path.string());
 }
 
-Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth, const std::string& view_grid) {
+Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth) {
   RawImage raw = raw_of(image, depth == PngDepth::k16 ? 2 : 1);
-  raw.view_grid = view_grid;
   raw.samples.resize(image.pixels.size() * raw.sample_bytes);
   if (depth == PngDepth::k16) {
     quantise16(image.pixels, raw.samples.data());
@@ -138,9 +137,8 @@ Result<std::vector<uint8_t>> encode_png(const ByteImage& image) {
   return encode_png_rows(raw);
 }
 
-Result<void> write_png(const std::filesystem::path& path, const Image& image, PngDepth depth,
-                       const std::string& view_grid) {
-  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, encode_png(image, depth, view_grid));
+Result<void> write_png(const std::filesystem::path& path, const Image& image, PngDepth depth) {
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, encode_png(image, depth));
   return write_file(path, bytes);
 }
 

@@ -50,15 +50,14 @@ enum class PngDepth { k8, k16 };
 /// Also fails with kNotFound and kIo.
 [[nodiscard]] Result<Image> read_image(const std::filesystem::path& path);
 
-/// Encodes a PNG with little compression, for speed. 16-bit samples are round(65535 * clamp(value)). `view_grid` is
-/// stored as text; it states the grid of views of a lenslet mosaic, e.g. "8x8". Fails with kInternal if libpng fails.
-[[nodiscard]] Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth,
-                                                      const std::string& view_grid = {});
+/// Encodes a PNG with little compression, for speed. 16-bit samples are round(65535 * clamp(value)). Fails
+/// with kInternal if libpng fails.
+[[nodiscard]] Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth);
 [[nodiscard]] Result<std::vector<uint8_t>> encode_png(const ByteImage& image);
 
 /// Encodes a PNG into a file that appears either whole or not at all. Fails as encode_png does, and with kIo.
 [[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const Image& image,
-                                     PngDepth depth = PngDepth::k8, const std::string& view_grid = {});
+                                     PngDepth depth = PngDepth::k8);
 [[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const ByteImage& image);
 
 /// Encodes a grey picture as PNG with 1 bit per pixel, white from 128 on. Fails with kInternal if libpng fails. A

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/memory.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/strided_view.h"
-#include "e2lf/base/uninitialised.h"
 
 namespace e2lf::lightfield {
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <fstream>
 #include <mutex>
 #include <span>
@@ -14,9 +15,9 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/result_folder.h"
-#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/formats/readers.h"
 #include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::lightfield {
 namespace fs = std::filesystem;
@@ -187,15 +188,10 @@ struct FormatWord {
   const char* word;
   LightFieldFormat format;
 };
-constexpr FormatWord kFormatWords[] = {{"png", LightFieldFormat::kPng8}, {"png16", LightFieldFormat::kPng16},
-                                       {"hci", LightFieldFormat::kHci},  {"stanford", LightFieldFormat::kStanford},
-                                       {"npy", LightFieldFormat::kNpy},  {"lenslet", LightFieldFormat::kLenslet},
-                                       {"mat", LightFieldFormat::kMat},  {"h5", LightFieldFormat::kHdf5}};
-
-LightFieldKind kind_of_folder(LightFieldFormat format) {
-  if (format == LightFieldFormat::kHci) return LightFieldKind::kHciFolder;
-  return format == LightFieldFormat::kStanford ? LightFieldKind::kStanfordFolder : LightFieldKind::kViewFolder;
-}
+constexpr FormatWord kFormatWords[] = {{"png", LightFieldFormat::kPng8},
+                                       {"png16", LightFieldFormat::kPng16},
+                                       {"npy", LightFieldFormat::kNpy},
+                                       {"h5", LightFieldFormat::kHdf5}};
 
 Result<void> write_folder(const fs::path& path, const LightFieldView& light_field, const WriteOptions& options,
                           const ProgressFn& progress) {
@@ -217,28 +213,24 @@ Result<LightFieldFormat> parse_format(const std::string& word) {
 }
 
 bool is_folder_format(LightFieldFormat format) {
-  return format == LightFieldFormat::kPng8 || format == LightFieldFormat::kPng16 || format == LightFieldFormat::kHci ||
-         format == LightFieldFormat::kStanford;
+  return format == LightFieldFormat::kPng8 || format == LightFieldFormat::kPng16;
 }
 
-LightFieldFormat format_of_path(const fs::path& path) {
+Result<LightFieldFormat> format_of_path(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".npy") return LightFieldFormat::kNpy;
-  if (extension == ".mat") return LightFieldFormat::kMat;
   if (extension == ".h5" || extension == ".hdf5") return LightFieldFormat::kHdf5;
-  if (extension == ".png") return LightFieldFormat::kLenslet;
-  return LightFieldFormat::kPng8;
+  const bool is_named = extension.size() > 1 && std::isalpha(static_cast<unsigned char>(extension[1])) != 0;
+  if (!is_named) return LightFieldFormat::kPng8;
+  return Error{ErrorCode::kUnsupported,
+               cat("light fields are not written as ", extension, "; use .npy, .h5 or the name of a folder"),
+               path.string(), Setting::kOutputFormat};
 }
 
 Result<void> write_views(const fs::path& folder, const LightFieldView& light_field, LightFieldFormat format,
                          const ProgressFn& progress) {
   E2LF_REQUIRE(is_folder_format(format), "views are written in a folder format");
   const Shape shape = shape_of(light_field);
-  if (format == LightFieldFormat::kHci && shape.views_x > kHciColumns) {
-    return Error{ErrorCode::kShape, cat("HCI names number at most 9 view columns, not ", shape.views_x, "; write png"),
-                 folder.string()};
-  }
-  const LightFieldKind kind = kind_of_folder(format);
   const PngDepth depth = format == LightFieldFormat::kPng16 ? PngDepth::k16 : PngDepth::k8;
   std::mutex mutex;
   std::optional<Error> error;
@@ -246,8 +238,8 @@ Result<void> write_views(const fs::path& folder, const LightFieldView& light_fie
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-      const Result<void> status =
-          write_png(folder / written_view_name(kind, view_y, view_x), view_image(light_field, view_y, view_x), depth);
+      const Result<void> status = write_png(folder / view_name(LightFieldKind::kViewFolder, view_y, view_x),
+                                            view_image(light_field, view_y, view_x), depth);
       const std::lock_guard lock(mutex);
       if (!status.ok() && !error) error = status.error();
       ++done;
@@ -264,8 +256,6 @@ Result<void> write_light_field(const fs::path& path, const LightFieldView& light
   if (is_folder_format(options.format)) return write_folder(path, light_field, options, progress);
   E2LF_RETURN_IF_ERROR(check_output(path, options.overwrite));
   if (options.format == LightFieldFormat::kNpy) return write_npy_light_field(path, light_field);
-  if (options.format == LightFieldFormat::kLenslet) return write_lenslet(path, light_field);
-  if (options.format == LightFieldFormat::kMat) return write_mat(path, light_field);
   return write_hdf5(path, light_field);
 }
 

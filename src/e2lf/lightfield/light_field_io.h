@@ -22,8 +22,8 @@ enum class LightFieldKind {
   kArrayFolder,     ///< folder with lightfield.npy, as written by `e2lf reconstruct --format npy`
   kMat,             ///< MATLAB file older than version 7.3 with `LF` (U,V,H,W) or (U,V,H,W,3 or more)
   kHdf5,            ///< HDF5 file (such as a MATLAB file of version 7.3) with `LF`, `LF_y` or `Hr_SAI_y`
-  kLenslet,  ///< one picture that is a lenslet mosaic: the views of each pixel lie side by side. Those written by e2lf
-             ///< state their number of views; a Lytro ESLF (named *_eslf.png) has 14x14
+  kLenslet,  ///< one picture that is a lenslet mosaic: the views of each pixel lie side by side. A Lytro ESLF (named
+             ///< *_eslf.png) has 14x14
   kNpy,      ///< array [view_y, view_x, y, x] or [view, y, x], each optionally with [channel] at the end
   kNpz,      ///< such an array named `light_field`, `lightfield` or `LF`, or as the only one
 };
@@ -87,25 +87,21 @@ struct ReadOptions {
                                                   const ProgressFn& progress = {});
 
 enum class LightFieldFormat {
-  kPng8,      ///< folder of VV_UU.png, round(255 * clamp(value))
-  kPng16,     ///< folder of VV_UU.png, round(65535 * clamp(value))
-  kHci,       ///< folder of input_CamNNN.png, 8 bits, at most 9 view columns
-  kStanford,  ///< folder of out_RR_CC_-y_-x.png, 8 bits; y and x are row and column, since only view steps are known
-  kNpy,       ///< float32 [view_y, view_x, y, x] or [view_y, view_x, y, x, channel], unclamped
-  kLenslet,   ///< one 16-bit PNG, sample (y * views_y + view_y, x * views_x + view_x)
-  kMat,       ///< MATLAB 6 file, `LF` single (U,V,H,W) or (U,V,H,W,3) as in LFToolbox, unclamped
-  kHdf5,      ///< .h5 with `LF_y` float32 [view, y, x], unclamped; colour becomes grey
+  kPng8,   ///< folder of VV_UU.png, round(255 * clamp(value))
+  kPng16,  ///< folder of VV_UU.png, round(65535 * clamp(value))
+  kNpy,    ///< float32 [view_y, view_x, y, x] or [view_y, view_x, y, x, channel], unclamped
+  kHdf5,   ///< .h5 with `LF_y` float32 [view, y, x], unclamped; colour becomes grey
 };
 
-/// Parses the name of a format: png, png16, hci, stanford, npy, lenslet, mat or h5. Fails with kInvalidValue.
+/// Parses the name of a format: png, png16, npy or h5. Fails with kInvalidValue.
 [[nodiscard]] Result<LightFieldFormat> parse_format(const std::string& word);
 
 /// Returns true if a format is a folder of views.
 [[nodiscard]] bool is_folder_format(LightFieldFormat format);
 
-/// Returns the format that the extension of a path implies: .npy, .mat, .h5 / .hdf5 or .png (lenslet mosaic), otherwise
-/// a folder of 8-bit views.
-[[nodiscard]] LightFieldFormat format_of_path(const std::filesystem::path& path);
+/// Returns the format that the extension of a path implies: .npy, .h5 or .hdf5, or without an extension a folder of
+/// 8-bit views. Fails with kUnsupported for other extensions.
+[[nodiscard]] Result<LightFieldFormat> format_of_path(const std::filesystem::path& path);
 
 struct WriteOptions {
   LightFieldFormat format = LightFieldFormat::kPng8;

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
-#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::lightfield {
 namespace {

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/lightfield/demo_scene.h"
 #include "testing/textured_plane.h"
 
 namespace e2lf::lightfield {

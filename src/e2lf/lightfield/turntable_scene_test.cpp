@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
 
 namespace e2lf::lightfield {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 namespace e2lf::live {
 namespace {

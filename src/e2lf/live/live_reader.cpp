@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 
 namespace e2lf::live {
 

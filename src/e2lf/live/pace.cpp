@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/live/pace.h"
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::live {

@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "e2lf/base/clock.h"
-#include "e2lf/lightfield/crop.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/live/event_sums.h"
 #include "e2lf/pipeline/event_depth.h"
 #include "e2lf/recon/reconstruct.h"

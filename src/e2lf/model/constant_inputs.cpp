@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/model/network.h"
 
 namespace e2lf::model {

@@ -5,7 +5,7 @@
 #include <list>
 #include <mutex>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::model {

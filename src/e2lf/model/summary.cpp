@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/model_parts.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/measurement_io.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/pipeline/recorded_setup.h"
 

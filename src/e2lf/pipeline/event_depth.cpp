@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <numeric>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/depth/laplace_map.h"
-#include "e2lf/lightfield/crop.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/model/depth_network.h"
 #include "e2lf/recon/inversion.h"
 

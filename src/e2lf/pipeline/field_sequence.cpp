@@ -1,45 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/pipeline/field_sequence.h"
 
-#include <algorithm>
 #include <chrono>
 
-#include "e2lf/base/text.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
 
 namespace e2lf::pipeline {
-
-recon::Method colour_method(recon::Method grey, const capture::ColourFilter& filter) {
-  return [grey = std::move(grey), filter](const capture::MeasurementView& measurement,
-                                          const ProgressFn& progress) -> Result<lightfield::LightField> {
-    if (measurement.kind != capture::MeasurementKind::kEventImages) {
-      return Error{ErrorCode::kInvalidValue,
-                   "colours can only be reconstructed from event images; leave the filter out", ""};
-    }
-    const auto [transitions, height, width] = measurement.events.extents;
-    if (height % 2 != 0 || width % 2 != 0) {
-      return Error{ErrorCode::kShape,
-                   cat("event images of ", width, "x", height,
-                       " px do not divide into blocks of 2x2 colour filters; leave the filter out or crop the events"),
-                   ""};
-    }
-    lightfield::LightField colour;
-    for (size_t place = 0; place < 4; ++place) {
-      const size_t channel = filter.channels[place];
-      E2LF_ASSIGN_OR_RETURN(const lightfield::LightField one, grey(capture::behind_filter(measurement.events, place),
-                                                                   progress_of_pass(progress, place, 4)));
-      if (place == 0) {
-        lightfield::Shape shape = one.shape();
-        shape.channels = 3;
-        colour = lightfield::LightField(shape);
-      }
-      const auto share = static_cast<float>(std::count(filter.channels.begin(), filter.channels.end(), channel));
-      for (size_t i = 0; i < one.data().size(); ++i) colour.data()[3 * i + channel] += one.data()[i] / share;
-    }
-    return colour;
-  };
-}
 
 void apply_tone(const capture::MeasurementView& measurement, const LightFieldOutput& field, Tone& tone) {
   // Without events, the brightness of the scene is unknown; a later cycle determines it.

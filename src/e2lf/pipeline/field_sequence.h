@@ -4,15 +4,9 @@
 #include <functional>
 #include <optional>
 
-#include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::pipeline {
-
-/// Returns a method that reconstructs each colour separately with the method `grey`, from the pixels behind its filter.
-/// If two filters of a block have the same colour, their mean is used. The light field has one pixel for each block of
-/// 2x2. The method fails as `grey` does, and with kShape if a side of the images is odd.
-[[nodiscard]] recon::Method colour_method(recon::Method grey, const capture::ColourFilter& filter);
 
 /// The light field of one cycle.
 struct Field {

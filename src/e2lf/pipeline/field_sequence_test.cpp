@@ -81,22 +81,5 @@ TEST(FieldSequence, TakesTheLitTransitionsOfCyclesInWhichTheSceneMoves) {
   EXPECT_FLOAT_EQ(of_lit.light_field.data()[0], 0);
 }
 
-TEST(ColourMethod, EachColourComesFromThePixelsBehindItsFilter) {
-  capture::EventImages images(3, 4, 6);
-  const std::array<int16_t, 4> counts = {10, 20, 40, 70};  // for the four pixels of each block
-  for (size_t place = 0; place < 4; ++place) images.values[place / 2 * 6 + place % 2] = counts[place];
-  const recon::Method colour = colour_method(constant_field, capture::colour_filter_from_name("rggb").value());
-  const auto field = colour(images, {});
-  ASSERT_TRUE(field) << field.error().text();
-  EXPECT_EQ(field->shape(), (lightfield::Shape{8, 8, 2, 3, 3}));
-  EXPECT_FLOAT_EQ(field->at(3, 4, 1, 2, 0), 0.1F);
-  EXPECT_FLOAT_EQ(field->at(3, 4, 1, 2, 1), 0.3F) << "the mean of two greens";
-  EXPECT_FLOAT_EQ(field->at(3, 4, 1, 2, 2), 0.7F);
-
-  const auto odd = colour(capture::EventImages(3, 4, 5), {});
-  ASSERT_FALSE(odd);
-  EXPECT_EQ(odd.error().code, ErrorCode::kShape);
-}
-
 }  // namespace
 }  // namespace e2lf::pipeline

@@ -204,9 +204,7 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
       return recon::reconstruct_by_inversion(owned(measured.events), known.codes, known.constants);
     };
   }
-  if (use.colour_filter.empty()) return method;
-  E2LF_ASSIGN_OR_RETURN(const capture::ColourFilter filter, capture::colour_filter_from_name(use.colour_filter));
-  return colour_method(std::move(method), filter);
+  return method;
 }
 
 recon::Method method_of(std::shared_ptr<const recon::Reconstructor> network, const MethodUse& use) {
@@ -218,9 +216,7 @@ recon::Method method_of(std::shared_ptr<const recon::Reconstructor> network, con
 Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone) {
   E2LF_ASSIGN_OR_RETURN(recon::Method ready, method.ready(use));
   std::optional<recon::Method> lit;
-  // Behind colour filters, the correlation of neighbouring pixels does not measure motion.
-  if (method.lit && use.colour_filter.empty() &&
-      (use.cycles == 1 || model::is_conditioned_on_camera(method.lit->model()))) {
+  if (method.lit && (use.cycles == 1 || model::is_conditioned_on_camera(method.lit->model()))) {
     lit = method_of(method.lit, use);
   }
   return FieldSequence(std::move(ready), method.complete(tone), std::move(lit));

@@ -29,9 +29,8 @@ struct MethodChoice {
 
 /// How a method is applied to each measurement.
 struct MethodUse {
-  size_t passes = 1;               ///< number of passes of the network; see Reconstructor::reconstruct()
-  size_t cycles = 1;               ///< number of cycles of a static scene over which counts are summed
-  std::string colour_filter = {};  ///< a name for capture::colour_filter_from_name(); empty = grey
+  size_t passes = 1;  ///< number of passes of the network; see Reconstructor::reconstruct()
+  size_t cycles = 1;  ///< number of cycles of a static scene over which counts are summed
 };
 
 /// A method that is ready for any number of measurements, and the decisions that led to it, which callers log and

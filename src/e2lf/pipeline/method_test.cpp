@@ -95,7 +95,6 @@ TEST(OpenMethod, TheInversionIsThatOfReconAndTakesOneCycleAndPass) {
   EXPECT_TRUE(std::ranges::equal(field.value().data(), expected.value().data()));
   EXPECT_EQ(opened->ready({.passes = 2}).error().location, "passes");
   EXPECT_EQ(opened->ready({.cycles = 2}).error().location, "cycles");
-  EXPECT_EQ(opened->ready({.colour_filter = "xyzw"}).error().code, ErrorCode::kInvalidValue);
 }
 
 TEST(OpenMethod, PatternsOfNobodyAreTheUsualOnes) {

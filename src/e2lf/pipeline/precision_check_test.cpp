@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/isa.h"
-#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/recon/reconstruct.h"
 #include "testing/test_networks.h"

@@ -2,11 +2,11 @@
 #include "e2lf/pipeline/recorded_setup.h"
 
 #include "e2lf/capture/measurement/recorded_setup.h"
-#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/result_folder.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::pipeline {
 
@@ -57,8 +57,7 @@ Result<capture::Codes> read_patterns(const std::filesystem::path& path) {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char *kCodesNote = "recorded_codes", *kCameraNote = "recorded_camera", *kViewsNote = "recorded_views",
-                     *kColourNote = "recorded_colour_filter";
+constexpr const char *kCodesNote = "recorded_codes", *kCameraNote = "recorded_camera", *kViewsNote = "recorded_views";
 constexpr const char* kSize = "recording_bytes";
 
 /// Returns the size of a recording, which distinguishes it from another that replaced it.
@@ -148,15 +147,6 @@ Result<capture::RecordedSetup> setup_of_cycles(const fs::path& recording, const 
   if (!setup.codes) return setup;
   if (auto codes = cycles::codes_of_images(*setup.codes, schedule)) setup.codes = std::move(codes);
   return setup;
-}
-
-std::string recorded_colour_filter(const fs::path& events) {
-  const auto note = note_beside(events, kColourNote);
-  return note ? note->value("colours", "") : "";
-}
-
-Json colour_filter_notes(const std::string& filter, const fs::path& events) {
-  return filter.empty() ? Json::object() : Json{{kColourNote, with_size({{"colours", filter}}, events)}};
 }
 
 }  // namespace e2lf::pipeline

@@ -72,11 +72,4 @@ struct KnownCodes {
     const std::filesystem::path& recording, const cycles::CycleReader& reader,
     const std::optional<capture::Codes>& of_caller = std::nullopt);
 
-/// Returns the colour filters (see capture::colour_filter_from_name()) of the sensor of a recording or of event images,
-/// which their run record contains. Returns an empty string if it has none or describes other events.
-[[nodiscard]] std::string recorded_colour_filter(const std::filesystem::path& events);
-/// Returns the notes that store the colour filters in the record of events that were just written; none if `filter` is
-/// empty.
-[[nodiscard]] Json colour_filter_notes(const std::string& filter, const std::filesystem::path& events);
-
 }  // namespace e2lf::pipeline

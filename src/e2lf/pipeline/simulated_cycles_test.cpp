@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
 #include "e2lf/sensor/event_model.h"
 
 namespace e2lf::pipeline {

@@ -7,7 +7,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/program/option_values.h"
-#include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::program {
@@ -85,14 +84,7 @@ Result<lightfield::LightField> load_scene(const fs::path& path, const SceneOptio
   lightfield::ReadOptions read = read_options(options.flags);
   read.views_y.count = options.views_y;
   read.views_x.count = options.views_x;
-  read.colour = options.colour || options.filter;
-  E2LF_ASSIGN_OR_RETURN(lightfield::LightField scene, read_with_progress(path, read, is_quiet));
-  if (!options.filter) return scene;
-  if (scene.shape().channels == 1) {
-    return Error{ErrorCode::kInvalidValue, "the light field is grey; colour filters require one in colour",
-                 path.string()};
-  }
-  return sensor::light_behind(*options.filter, scene);
+  return read_with_progress(path, read, is_quiet);
 }
 
 Error no_light_field_error(const fs::path& path) {

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -59,14 +58,11 @@ void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_vie
 
 /// Options for reading a scene, which must have as many views as the patterns have cells.
 struct SceneOptions {
-  LightFieldFlags flags = {};                        ///< the number of views in it is ignored
-  size_t views_y = 8, views_x = 8;                   ///< number of central views
-  bool colour = false;                               ///< whether to keep the colour; otherwise grey
-  std::optional<capture::ColourFilter> filter = {};  ///< if set, the scene as a sensor with these filters receives it
+  LightFieldFlags flags = {};       ///< the number of views in it is ignored
+  size_t views_y = 8, views_x = 8;  ///< number of central views
 };
 
-/// Reads a light field of any supported format, with values in [0, 1]. Fails as read_light_field() does, and with
-/// kInvalidValue if filters require colour and the light field has none.
+/// Reads a light field of any supported format, in grey and with values in [0, 1]. Fails as read_light_field() does.
 [[nodiscard]] Result<lightfield::LightField> load_scene(const std::filesystem::path& path, const SceneOptions& options,
                                                         bool is_quiet);
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 /// The kinds of values of options.
 namespace e2lf::program {

@@ -15,7 +15,7 @@
 #include "e2lf/info/version.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/verb.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::program {

@@ -15,7 +15,7 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/files/options.h"

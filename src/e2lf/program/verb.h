@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/base/format.h"
 #include "e2lf/base/result.h"
+#include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
 #include "e2lf/program/option_values.h"
 

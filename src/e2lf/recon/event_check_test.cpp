@@ -4,7 +4,6 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/sensor/pixel_model.h"
 

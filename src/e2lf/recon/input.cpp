@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
 
 namespace e2lf::recon {

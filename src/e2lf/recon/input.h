@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "e2lf/base/planes.h"
 #include "e2lf/base/result.h"
+#include "e2lf/base/strided_view.h"
 #include "e2lf/capture/measurement/measurement.h"
-#include "e2lf/capture/profile/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::recon {

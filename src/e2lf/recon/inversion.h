@@ -6,7 +6,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
-#include "e2lf/capture/profile/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 
 namespace e2lf::recon {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recon/denoise.h"

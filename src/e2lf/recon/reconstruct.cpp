@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/model/depth_network.h"

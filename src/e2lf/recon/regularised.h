@@ -5,7 +5,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/recon/placed_images.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "e2lf/capture/profile/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/recon/denoise.h"
 
 namespace e2lf::recon {

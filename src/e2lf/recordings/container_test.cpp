@@ -265,8 +265,7 @@ TEST_P(Container, FlippedBitsCostLittleAndNeverTurnTimeBack) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, Container,
                          testing::Values(Format{"dat", "rec_cd.dat", true}, Format{"hdf5", "rec.hdf5", true},
-                                         Format{"npy", "rec.npy", false}, Format{"npz", "rec.npz", true, true},
-                                         Format{"csv", "rec.csv", true}, Format{"txt", "rec.txt", true}),
+                                         Format{"npz", "rec.npz", true, true}, Format{"csv", "rec.csv", true}),
                          [](const auto& format) { return format.param.name; });
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "e2lf/base/uninitialised.h"
+#include "e2lf/base/memory.h"
 
 namespace e2lf::recordings {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 namespace e2lf::recordings {
 namespace {

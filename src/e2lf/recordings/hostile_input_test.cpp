@@ -104,8 +104,9 @@ TEST(Hdf5Writer, RefusesAPauseThatItsIndexWouldHaveToFill) {
 }
 
 TEST(EmptyText, KeepsTheSizeOfTheSensor) {
-  for (const char* format : {"csv", "txt"}) {
-    const std::vector<uint8_t> bytes = encoded({}, format);
+  for (const auto& [format, text] : {std::pair("csv", "%geometry:640,480\n"), {"txt", "640 480\n"}}) {
+    const std::string_view head = text;
+    const std::vector<uint8_t> bytes(head.begin(), head.end());
     auto reader = open_bytes(bytes, {.format = format}).value();
     EXPECT_EQ(reader->info().width, 640u) << format;
     EXPECT_TRUE(read_all(*reader).value().empty());

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "e2lf/base/contract.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::recordings {

@@ -9,7 +9,6 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/io/decompress.h"
 #include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
@@ -78,8 +77,9 @@ std::filesystem::path side_trigger_path(const std::filesystem::path& recording) 
 
 Result<TriggersPtr> open_side_triggers(const std::filesystem::path& recording) {
   if (recording.empty()) return TriggersPtr();
-  E2LF_ASSIGN_OR_RETURN(auto source, open_file_beside(side_trigger_path(recording)));
-  if (source == nullptr) return TriggersPtr();
+  std::error_code error;
+  if (!std::filesystem::exists(side_trigger_path(recording), error)) return TriggersPtr();
+  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(side_trigger_path(recording)));
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   const std::string_view first = as_text(head).substr(0, as_text(head).substr(0, kDetectBytes).find('\n'));
   if (!is_trigger_header(first)) {

@@ -6,7 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 namespace e2lf::report {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <iterator>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/report/axis.h"
 #include "e2lf/report/page.h"

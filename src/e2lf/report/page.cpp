@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/report/chart.h"
 

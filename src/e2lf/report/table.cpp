@@ -6,7 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/csv.h"
 #include "e2lf/files/options.h"

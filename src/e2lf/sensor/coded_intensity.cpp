@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/block_kernels.h"
@@ -57,25 +57,6 @@ Result<CodedIntensities> coded_intensities(const capture::Codes& codes, const Li
     }
   });
   return intensities;
-}
-
-lightfield::LightField light_behind(const capture::ColourFilter& filter, const LightFieldView& colour) {
-  const lightfield::Shape shape = lightfield::shape_of(colour);
-  E2LF_REQUIRE(shape.channels == 3, "colour filters need colour");
-  lightfield::LightField light({shape.views_y, shape.views_x, 2 * shape.height, 2 * shape.width});
-  parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
-    for (size_t view = begin; view < end; ++view) {
-      const auto from = colour[view / shape.views_x][view % shape.views_x];
-      const auto to = light.view(view / shape.views_x, view % shape.views_x);
-      for (size_t y = 0; y < 2 * shape.height; ++y) {
-        for (size_t x = 0; x < 2 * shape.width; ++x) {
-          const size_t channel = filter.channels[2 * (y % 2) + x % 2];
-          to[y * 2 * shape.width + x] = from[y / 2][x / 2][channel];
-        }
-      }
-    }
-  });
-  return light;
 }
 
 namespace {

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/colour_filter.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/lightfield/light_field.h"
@@ -21,11 +20,6 @@ using capture::CodedIntensities;
 
 /// Checks that `codes` can be applied to `light_field`, as coded_intensities() does.
 [[nodiscard]] Result<void> check_fit(const capture::Codes& codes, const LightFieldView& light_field);
-
-/// Returns the light on the pixels of a sensor with colour filters: a grey light field of twice the height and width,
-/// in which each pixel of a 2x2 block takes the channel of its filter. All four see the same point; the parallax within
-/// a block is neglected. A grey light field breaks the contract.
-[[nodiscard]] lightfield::LightField light_behind(const capture::ColourFilter& filter, const LightFieldView& colour);
 
 struct ImageOptions {
   float sigma = 0.005F;  ///< standard deviation of the noise of each pixel in each image

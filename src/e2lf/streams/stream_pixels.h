@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/profile/sensor_constants.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/recordings/event.h"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/pack.h"

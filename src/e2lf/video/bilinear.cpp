@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/model/onnx/onnx_layers.h"
 #include "e2lf/video/operations.h"

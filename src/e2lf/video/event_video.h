@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/voxel_grid.h"
+#include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/video/video_model.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/engine/pack.h"
 #include "e2lf/model/onnx/onnx_layers.h"

@@ -8,7 +8,7 @@
 #include <random>
 #include <thread>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/view/connections.h"
 #include "e2lf/view/page.h"

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "e2lf/base/result.h"
@@ -29,5 +31,52 @@ using EventImageFile = CyclesFile<EventImages>;
 /// such file or array, or a missing number in a folder), kUnsupported (another extension), and as setup_from_arrays()
 /// and the readers of these formats do.
 [[nodiscard]] Result<EventImageFile> read_event_images(const std::filesystem::path& path);
+
+using MeasurementFile = CyclesFile<Measurement>;
+
+/// Reads an .npz file whose arrays determine the kind: `images` float [cycles, N, y, x] are coded images, `events`
+/// int16 [cycles, N-1, y, x] together with `images` [cycles, 1, y, x] are a hybrid, and `lens_array` float [cycles, y,
+/// x] is the image behind a lens array. All other files are read by read_event_images(). Fails with kShape (axes or
+/// sizes that do not match), kInvalidValue (values that are not finite), and as read_event_images() does.
+[[nodiscard]] Result<MeasurementFile> read_measurements(const std::filesystem::path& path);
+
+/// Writes measurements in the format that read_measurements() describes. All cycles must have the same kind and shape.
+/// Fails with kIo.
+[[nodiscard]] Result<void> write_measurements(const std::filesystem::path& path, const MeasurementFile& file);
+
+/// Returns whether the names of the arrays are those of a measurement with intensity images.
+[[nodiscard]] bool holds_images(const NpzArrays& arrays);
+
+/// Writes an .npz file with `events` int16 [cycles, N-1, y, x] cycle by cycle, in constant memory for any number of
+/// cycles. The file appears complete at finish(); if the writer is destroyed before, it leaves nothing.
+/// read_event_images() and numpy read it.
+class EventImageWriter {
+ public:
+  /// Starts writing to a temporary file beside `path`. Fails with kIo.
+  [[nodiscard]] static Result<EventImageWriter> create(const std::filesystem::path& path);
+  EventImageWriter(EventImageWriter&&) noexcept;
+  ~EventImageWriter();
+
+  /// Stores the setup of the events in the file. Must be called before the first cycle is added.
+  void keep(const RecordedSetup& setup);
+
+  /// Appends a cycle. All cycles must have the shape of the first one. Fails with kIo.
+  [[nodiscard]] Result<void> add(const EventImages& images);
+
+  [[nodiscard]] uint64_t cycles() const;
+
+  /// Adds the findings of the whole recording (RecordedSetup::findings), completes the file and moves it to its path.
+  /// Fails with kIo, and with kInvalidValue if no cycle was added.
+  [[nodiscard]] Result<void> finish(const std::string& findings = "");
+
+ private:
+  class Impl;
+  explicit EventImageWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Writes an .npz file with `events` int16 [cycles, N-1, y, x] and the setup; see setup_to_arrays(). All cycles
+/// must have the same shape. Fails with kIo.
+[[nodiscard]] Result<void> write_event_images(const std::filesystem::path& path, const EventImageFile& file);
 
 }  // namespace e2lf::capture

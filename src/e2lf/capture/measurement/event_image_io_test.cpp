@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "e2lf/capture/measurement/event_image_io.h"
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -9,7 +11,6 @@
 #include <unistd.h>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/capture/measurement/event_image_writer.h"
 #include "e2lf/files/file.h"
 
 namespace e2lf::capture {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/measurement/event_image_writer.h"
-
 #include <filesystem>
 #include <gtest/gtest.h>
 
@@ -77,35 +75,6 @@ TEST(EventImageWriter, LeavesNothingBehindWithoutFinish) {
     ASSERT_TRUE(writer->add(random_images(1)));
   }
   EXPECT_TRUE(fs::is_empty(folder));
-  fs::remove_all(folder);
-}
-
-TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRecovered) {
-  const fs::path folder = test_path("event_image_writer_recover");
-  fs::remove_all(folder);
-  auto writer = EventImageWriter::create(folder / "a.npz");
-  ASSERT_TRUE(writer);
-  writer->keep(test_setup());
-  for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
-  const fs::path partial = fs::directory_iterator(folder)->path();
-  const auto all = fs::file_size(partial);
-  for (const auto size : {all, all - 100, all / 2, uintmax_t{1600}, uintmax_t{0}}) {
-    fs::copy_file(partial, folder / "cut", fs::copy_options::overwrite_existing);
-    fs::resize_file(folder / "cut", size);
-    const auto cycles = recover_event_images(folder / "cut", folder / "found.npz");
-    if (size == 0) {
-      EXPECT_EQ(cycles.error().code, ErrorCode::kFormat);
-      continue;
-    }
-    ASSERT_TRUE(cycles) << size << cycles.error().text();
-    EXPECT_EQ(*cycles, size == all ? 4U : size == all - 100 ? 3U : size == all / 2 ? 1U : 0U) << size;
-    if (*cycles == 0) continue;
-    const auto file = read_event_images(folder / "found.npz");
-    ASSERT_TRUE(file) << file.error().text();
-    ASSERT_EQ(file->cycles.size(), *cycles);
-    EXPECT_EQ(file->cycles.back(), random_images(*cycles - 1));
-    expect_test_setup(file->setup);
-  }
   fs::remove_all(folder);
 }
 

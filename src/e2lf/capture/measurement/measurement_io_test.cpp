@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/measurement/measurement_io.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
 
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "testing/test_files.h"
 
 namespace e2lf::capture {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/measurement/voxel_grid.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
+
+#include "e2lf/capture/measurement/measurement.h"
 
 namespace e2lf::capture {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/capture/patterns/codes_io.h"
-
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "e2lf/capture/patterns/codes.h"
 #include "testing/test_files.h"
 
 namespace e2lf::capture {

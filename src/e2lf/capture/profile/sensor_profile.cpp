@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::capture {

@@ -8,7 +8,7 @@
 #include "e2lf/info/file_kind.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/program/option_values.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -80,7 +80,7 @@ Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Sche
   options.tracker.first_pattern = flags.first_pattern;
   if (const auto chosen = pipeline::choose_source(options, flags.origin_us); !chosen)
     return by_flag(chosen.error(), {});
-  if (flags.filter_pixels) options.filter = cycles::PixelFilterOptions{};
+  options.filters_pixels = flags.filter_pixels;
   return options;
 }
 

@@ -5,7 +5,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/program/option_values.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

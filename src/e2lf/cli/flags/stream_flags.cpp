@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "e2lf/base/text.h"
-#include "e2lf/lightfield/crop.h"
-#include "e2lf/lightfield/demo_scene.h"
+#include "e2lf/lightfield/scene.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/streams/event_stream.h"
 

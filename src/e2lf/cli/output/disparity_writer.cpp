@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/output/disparity_writer.h"
 
-#include "e2lf/base/format.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/depth/colour_scale.h"
 #include "e2lf/depth/disparity_files.h"

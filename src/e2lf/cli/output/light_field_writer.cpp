@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/output/light_field_writer.h"
 
-#include "e2lf/base/clock.h"
-#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/event_images.h"
 #include "e2lf/info/recording_report.h"
-#include "e2lf/lightfield/contact_sheet.h"
-#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // e2lf accumulate: divides a recording into pattern cycles and accumulates their event images
 
-#include "e2lf/base/clock.h"
-#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_image_writer.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/pattern_places.h"
@@ -152,12 +151,6 @@ Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const
   return page;
 }
 
-/// Saves the complete cycles of an interrupted run.
-std::string recover_cycles(const fs::path& partial, const fs::path& kept) {
-  const auto cycles = capture::recover_event_images(partial, kept);
-  return cycles && *cycles > 0 ? counted(*cycles, "cycle") : std::string();
-}
-
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   if (arguments.output.extension() != ".npz") {
@@ -167,7 +160,6 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");
   OutputRules rules = output_rules(verb, {arguments.input, arguments.cycles.schedule, arguments.codes});
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
-  rules.recover = recover_cycles;
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   RunRecord record("accumulate");
   CyclePlot plot;
@@ -233,7 +225,6 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.note(found);
   record.note(reading_notes(arguments.input, reader.recording().info()));
   if (setup.views) record.note("views", capture::orientation_name(*setup.views));
-  record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(arguments.input), output.path()));
   record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   Json json = report_json(rig, reader);

@@ -6,10 +6,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/calibrate/report.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/method_flags.h"
@@ -34,7 +32,7 @@ struct CalibrateArguments {
   CodesSource codes;
   std::string camera = "evk4-lcos", name;
   std::vector<std::string> held;
-  bool is_even = false, keep_out = false;
+  bool is_even = false;
   CycleFlags cycles;
 };
 
@@ -185,7 +183,6 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   E2LF_ASSIGN_OR_RETURN(const calibrate::Calibration calibration, calibrate::calibrate(scenes, codes, start,
                                                                                        {.held = arguments.held,
                                                                                         .is_even = arguments.is_even,
-                                                                                        .keep_out = arguments.keep_out,
                                                                                         .progress = bar.callback()}));
   record.end_step("calibrate");
   for (const std::string& warning : calibration.warnings) log_warning(warning);
@@ -235,8 +232,6 @@ int run_calibrate(const std::vector<std::string>& arguments) {
       ->delimiter(',');
   app.add_flag("--even", calibration.is_even,
                "the scenes are known to be uniform, e.g. a card that fills the image: do not search for flat areas");
-  app.add_flag("--keep-out", calibration.keep_out,
-               "fit to every second square of 64 px of the image, and compare on the others");
   add_cycle_options(app, calibration.cycles);
   return verb.run(arguments, [&] { return calibrate_camera(calibration, verb); });
 }

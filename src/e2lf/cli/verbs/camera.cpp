@@ -2,9 +2,8 @@
 // The verbs of live cameras: camera list, camera check, and record, which writes a live input byte for byte.
 #include <cstdio>
 
-#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/cli/flags/recording_flags.h"
@@ -17,7 +16,7 @@
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/io/bytes.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -53,8 +52,7 @@ Result<void> list_cameras(const CommonOptions& common) {
   } else {
     for (const Json& camera : cameras) std::printf("%s\n", printable(camera.get<std::string>()).c_str());
   }
-  return cameras.empty() && !common.json ? cameras::unopened_error("", {}, cameras::find_usb_cameras())
-                                         : Result<void>();
+  return cameras.empty() && !common.json ? cameras::unopened_error("", {}) : Result<void>();
 }
 
 /// Statistics of the events and triggers that a camera sent.
@@ -311,7 +309,6 @@ Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const recordings::CameraSetup setup, camera_setup(arguments.camera));
   OutputRules rules = output_rules(verb, {arguments.input});
   rules.streams = true;
-  rules.recover = recordings::recover_recording({});
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   // This is checked before the camera starts, because its data must not wait for it.
   if (!output.is_stream() && recordings::is_camera_name(arguments.input.string())) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // e2lf codes: show; render, which writes the images for an aperture display; play (codes_play.cpp)
+#include "e2lf/capture/patterns/codes.h"
+
 #include <algorithm>
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes_io.h"
 #include "e2lf/cli/flags/display_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/schedule.h"

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "e2lf/base/log.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/display_flags.h"
 #include "e2lf/cli/verbs.h"

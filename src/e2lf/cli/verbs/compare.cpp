@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/verbs.h"

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_image_writer.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/options.h"
@@ -16,7 +16,6 @@
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/run_record.h"
-#include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 
@@ -32,25 +31,13 @@ struct ConvertArguments {
   LightFieldFlags light_field{.views = 0};
 };
 
-/// Returns the format of --format, or else of the extension. A name without an extension is a folder of views, while
-/// "x.mat" is not.
-Result<lightfield::LightFieldFormat> light_field_format(const ConvertArguments& arguments) {
-  if (!arguments.format.empty()) return lightfield::parse_format(arguments.format);
-  const lightfield::LightFieldFormat format = lightfield::format_of_path(arguments.output);
-  const std::string extension = arguments.output.extension().string();
-  const bool is_named = extension.size() > 1 && std::isalpha(static_cast<unsigned char>(extension[1])) != 0;
-  if (format != lightfield::LightFieldFormat::kPng8 || !is_named) return format;
-  return fail(ErrorCode::kUnsupported, arguments.output,
-              "light fields are not written with this extension; use .npy, .mat, .h5, .png (a lenslet mosaic) or the "
-              "name of a folder, or give --format");
-}
-
 Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   lightfield::ReadOptions read = unchanged_options(arguments.light_field);
   read.colour = arguments.colour;
   lightfield::WriteOptions write;
-  E2LF_ASSIGN_OR_RETURN(write.format, light_field_format(arguments));
+  E2LF_ASSIGN_OR_RETURN(write.format, arguments.format.empty() ? lightfield::format_of_path(arguments.output)
+                                                               : lightfield::parse_format(arguments.format));
   std::optional<ResultFolder> folder;
   std::optional<OutputFile> file;
   if (lightfield::is_folder_format(write.format)) {
@@ -92,7 +79,6 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::recorded_setup(input, reader.info()));
   setup.views = given.after(setup.views);
   record.note(pipeline::setup_notes(setup, output.path()));
-  record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(input), output.path()));
   return record.write(output.record_path(), verb);
 }
 
@@ -113,7 +99,6 @@ Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recor
                                   const CommonOptions& common) {
   const fs::path named = part_path(arguments.output, number);
   OutputRules rules = recordings::recording_output_rules({arguments.input}, common.overwrite, codec);
-  rules.recover = recordings::recover_recording(codec);
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, rules));
   if (number > 1 && output.is_stream()) {
     return fail(ErrorCode::kUnsupported, arguments.output,
@@ -222,7 +207,6 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
   }
   E2LF_RETURN_IF_ERROR(capture::write_event_images(output.path(), file));
   record.end_step("convert");
-  record.note(pipeline::colour_filter_notes(pipeline::recorded_colour_filter(arguments.input), output.path()));
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   const capture::EventImages& first = file.cycles.front();
   print_result(
@@ -272,8 +256,8 @@ int run_convert(const std::vector<std::string>& arguments) {
                  "file or folder to write; its extension determines the format")
       ->required();
   app.add_option("--format", conversion.format,
-                 "format of the output: evt3, evt2, evt2.1, dat, hdf5, dsec, csv, npy, npz for recordings; npz "
-                 "for event images; png, png16, hci, stanford, npy, lenslet, mat, h5 for light fields");
+                 "format of the output: evt3, evt2, evt2.1, dat, hdf5, csv, npz for recordings; npz for event images; "
+                 "png, png16, npy, h5 for light fields");
   app.add_flag("--shift-time", conversion.shift_time, "let times begin at 0 instead of the time of the sensor")
       ->group(kRecordingOptions);
   app.add_flag("--invert-polarity", conversion.invert_polarity, "exchange ON and OFF events")->group(kRecordingOptions);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // e2lf demo: renders a procedural scene, simulates its events and reconstructs its light field
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_image_writer.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/output/light_field_writer.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
@@ -10,7 +10,6 @@
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/info/page_parts.h"
-#include "e2lf/lightfield/demo_scene.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"
 #include "e2lf/lightfield/scene.h"

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/method_flags.h"
@@ -16,8 +16,8 @@
 #include "e2lf/cli/verbs/live_page.h"
 #include "e2lf/diagnose/field_check.h"
 #include "e2lf/info/recording_report.h"
-#include "e2lf/lightfield/crop.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/live/session.h"
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/run_record.h"

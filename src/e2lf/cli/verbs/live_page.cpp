@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "e2lf/base/progress.h"
-#include "e2lf/base/stop.h"
 #include "e2lf/base/text.h"
 #include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_requests.h"

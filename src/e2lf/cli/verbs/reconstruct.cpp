@@ -4,9 +4,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/method_flags.h"
@@ -27,7 +26,7 @@ namespace {
 struct ReconstructArguments {
   fs::path input, output;
   MethodFlags method_flags;
-  std::string method = "network", format = "png", colour_filter;
+  std::string method = "network", format = "png";
   size_t passes = 1, cycles_per_field = 1;
   CycleFlags cycles;
   OrientationFlags orientation;
@@ -121,17 +120,12 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_RETURN_IF_ERROR(complete_choice(flags, std::move(setup), record, choice));
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method,
                         by_flag(pipeline::open_method(std::move(choice)), arguments.input));
-  const std::string recorded_filter = pipeline::recorded_colour_filter(arguments.input);
-  const pipeline::MethodUse use{
-      .passes = arguments.passes,
-      .cycles = arguments.cycles_per_field,
-      .colour_filter = arguments.colour_filter.empty() ? recorded_filter : arguments.colour_filter};
+  const pipeline::MethodUse use{.passes = arguments.passes, .cycles = arguments.cycles_per_field};
   E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(flags));
   E2LF_ASSIGN_OR_RETURN(pipeline::FieldSequence sequence,
                         by_flag(pipeline::open_sequence(method, use, tone), arguments.input));
   E2LF_ASSIGN_OR_RETURN(std::optional<diagnose::FieldCheck> check, diagnose::FieldCheck::create(method, use));
   note_method(method, arguments.input, flags.codes.model, arguments.passes, record);
-  if (!use.colour_filter.empty()) record.resolve("colour-filter", use.colour_filter);
   record.end_step("open");
   LightFieldWriter writer({.input = arguments.input,
                            .format = arguments.format,
@@ -190,10 +184,6 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   add_tone_options(app, reconstruction.method_flags);
   add_choice(app, "--method", reconstruction.method, {"network", "inversion", "regularised"},
              "network; inversion (closed form) or regularised (slower, iterative), which need no model, only patterns");
-  app.add_option(
-      "--colour-filter", reconstruction.colour_filter,
-      "colours of each 2x2 pixels of the sensor, row by row, such as rggb: the light field has colour and half "
-      "the resolution; default: as the record beside the events states");
   add_count(app, "--passes", reconstruction.passes, 1, 64,
             "number of runs of the network at shifted positions whose results are averaged: better quality, but "
             "proportionally slower (the paper's network supports only 1)");

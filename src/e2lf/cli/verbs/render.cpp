@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
@@ -11,9 +10,9 @@
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/film/film_file.h"
 #include "e2lf/film/parallax.h"
-#include "e2lf/lightfield/contact_sheet.h"
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/refocus.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"

@@ -4,12 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "e2lf/base/format.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/measurement/event_image_writer.h"
-#include "e2lf/capture/measurement/measurement_io.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/stream_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/schedule.h"
@@ -23,7 +21,6 @@
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
-#include "e2lf/recordings/open/open_named_recording.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -35,7 +32,7 @@ namespace {
 struct SimulateArguments {
   fs::path input, output;
   CodesSource codes;
-  std::string event_model, camera, measurement, colour_filter;
+  std::string event_model, camera, measurement;
   std::optional<float> eps, tau, sigma_w, sigma_z, sigma_i;
   float scene_gain = 1.0F, residue = 0.0F;
   size_t cycles = 1;
@@ -122,9 +119,6 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
   }
   setup.scene = {arguments.light_field, codes.views_y, codes.views_x};
   if (views) setup.scene.flags.orientation = {false, views->flip_x, views->flip_y};
-  if (!arguments.colour_filter.empty()) {
-    E2LF_ASSIGN_OR_RETURN(setup.scene.filter, capture::colour_filter_from_name(arguments.colour_filter));
-  }
   if (!arguments.event_model.empty()) event_model = arguments.event_model;
   if (!arguments.measurement.empty()) {
     E2LF_ASSIGN_OR_RETURN(setup.known.measurement, capture::measurement_from_name(arguments.measurement));
@@ -273,12 +267,6 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
   if (!setup.has_images() && arguments.sigma_i) {
     return useless("--sigma-i", "event images have no noise of intensity images");
   }
-  if (!arguments.colour_filter.empty() && arguments.stream.has_turntable()) {
-    return fail(ErrorCode::kInvalidValue, "--colour-filter", "the turntable is grey; leave the colour filter out");
-  }
-  if (setup.has_images() && !arguments.colour_filter.empty()) {
-    return useless("--colour-filter", "colours can only be reconstructed from event images");
-  }
   if (setup.as_images && arguments.no_triggers) {
     return useless("--no-triggers", "event images do not contain triggers");
   }
@@ -357,10 +345,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   if (lost > 0) {
     log_warning(cat(lost, " of ", events + lost, " events waited too long for the readout and were lost"));
   }
-  if (!output.is_stream()) {
-    if (!setup.as_images) record.note(pipeline::setup_notes(setup.recorded, output.path()));
-    record.note(pipeline::colour_filter_notes(arguments.colour_filter, output.path()));
-  }
+  if (!output.is_stream() && !setup.as_images) record.note(pipeline::setup_notes(setup.recorded, output.path()));
   record.end_step("simulate");
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   print_measurement(first, common);
@@ -382,10 +367,6 @@ int run_simulate(const std::vector<std::string>& arguments) {
       ->required();
   add_codes_options(app, simulation.codes);
   add_camera_option(app, simulation.camera, "the camera that records; default: the paper's event model");
-  app.add_option(
-      "--colour-filter", simulation.colour_filter,
-      "colour filters over each 2x2 pixels of the sensor, row by row, such as rggb; the input must have colour, and "
-      "each of its pixels corresponds to such a block");
   add_light_field_options(app, simulation.light_field, /*has_views=*/false);
   app.add_option("--event-model", simulation.event_model,
                  "quantised (Eq. 8), reference-aware (Eq. 9, 10), esim or v2e; default: the model's");

@@ -3,7 +3,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "e2lf/base/format.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/learn/data/packed_data.h"

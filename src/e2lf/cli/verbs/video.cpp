@@ -3,9 +3,7 @@
 #include <chrono>
 #include <optional>
 
-#include "e2lf/base/clock.h"
-#include "e2lf/base/format.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/recording_flags.h"
@@ -18,7 +16,7 @@
 #include "e2lf/lightfield/image.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/video/event_video.h"
 

@@ -19,7 +19,7 @@
 #include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
-#include "e2lf/recordings/open/open_named_recording.h"
+#include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/page.h"
 #include "e2lf/view/recording_item.h"

@@ -10,7 +10,6 @@
 #include "e2lf/formats/codecs.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/io/decompress.h"
 #include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::formats::dat {
@@ -240,8 +239,10 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   }
   TriggersPtr triggers;
   SourcePtr trigger_source;
-  if (const std::filesystem::path path = source->logical_path(); !path.empty()) {
-    E2LF_ASSIGN_OR_RETURN(trigger_source, open_file_beside(trigger_path(path)));
+  std::error_code error;
+  if (const std::filesystem::path path = source->path();
+      !path.empty() && std::filesystem::exists(trigger_path(path), error)) {
+    E2LF_ASSIGN_OR_RETURN(trigger_source, open_file_source(trigger_path(path)));
   }
   if (trigger_source != nullptr) {
     E2LF_ASSIGN_OR_RETURN(const Header trigger_header, read_header(*trigger_source));

@@ -9,8 +9,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/formats/codecs.h"
-#include "e2lf/formats/table/layout.h"
-#include "e2lf/formats/table/table_reader.h"
+#include "e2lf/formats/table/table.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/hdf5_file.h"
@@ -346,7 +345,7 @@ Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource&
   if (info.width == 0) read_sensor_size(file, places[chosen].name, info);
   auto columns = std::make_unique<ColumnBlocks>();
   E2LF_RETURN_IF_ERROR(columns->open(file, places[chosen], options, name, info));
-  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source.logical_path()));
+  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source.path()));
   return make_block_reader(std::move(columns), std::move(info), name, options, std::move(triggers));
 }
 

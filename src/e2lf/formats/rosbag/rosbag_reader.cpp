@@ -5,14 +5,13 @@
 #include <deque>
 #include <fstream>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/io/decompress.h"
 #include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"
 
@@ -23,9 +22,7 @@ namespace {
 constexpr size_t kMaxFiles = 100'000;
 
 bool is_bag_file(const fs::path& path) {
-  const bool is_packed = path.extension() == ".zstd" || path.extension() == ".zst";
-  const std::string extension = (is_packed ? path.stem() : path).extension().string();
-  return extension == ".db3" || extension == ".mcap";
+  return path.extension() == ".db3" || path.extension() == ".mcap";
 }
 
 std::vector<fs::path> files_of_folder(const fs::path& folder) {
@@ -51,7 +48,6 @@ class BagFiles final : public Bag {
   Result<bool> next(BagMessage& message, DecodeSummary& summary) override {
     for (;;) {
       E2LF_ASSIGN_OR_RETURN(const bool more, bag_->next(message, summary));
-      summary.add_losses(std::exchange(*losses_, {}));
       if (more) return true;
       if (file_ + 1 >= files_.size()) return false;
       E2LF_RETURN_IF_ERROR(open(file_ + 1));
@@ -62,13 +58,8 @@ class BagFiles final : public Bag {
 
   Result<void> open(size_t file) {
     file_ = file;
-    *losses_ = {};
     E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(files_[file]));
-    E2LF_ASSIGN_OR_RETURN(auto head, source->fetch(kDetectBytes));
-    if (is_packed(head)) {
-      E2LF_ASSIGN_OR_RETURN(source, make_unpacked_source(std::move(source), losses_));
-      E2LF_ASSIGN_OR_RETURN(head, source->fetch(kDetectBytes));
-    }
+    E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
     if (detect_mcap(head)) {
       E2LF_ASSIGN_OR_RETURN(bag_, open_mcap_bag(std::move(source)));
       return {};
@@ -79,7 +70,6 @@ class BagFiles final : public Bag {
 
  private:
   std::vector<fs::path> files_;
-  std::shared_ptr<DecodeSummary> losses_ = std::make_shared<DecodeSummary>();
   BagPtr bag_;
   size_t file_ = 0;
 };
@@ -256,7 +246,6 @@ class Evt3Source final : public ByteSource {
     buffer_.assign(header_.begin(), header_.end());
     used_ = 0;
     position_ = 0;
-    *losses_ = {};
   }
 
   ChosenMessages messages_;

@@ -2,7 +2,7 @@
 // Reads the messages of .db3 files; declared in bag.h.
 #include <map>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/formats/rosbag/bag.h"
 #ifdef E2LF_HAVE_SQLITE

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/formats/table/layout.h"
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/median.h"
 #include "e2lf/base/text.h"
+#include "e2lf/formats/table/table.h"
 
 namespace e2lf::formats::table {
 namespace {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/formats/table/table_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/files/elements.h"
-#include "e2lf/formats/table/layout.h"
+#include "e2lf/formats/table/table.h"
 #include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::formats::table {

@@ -286,24 +286,5 @@ TEST(TableArrays, TimesThatFloatsDoNotResolveAreRefused) {
   EXPECT_EQ(read_arrays(arrays).error().code, ErrorCode::kInvalidValue);
 }
 
-TEST(TableArrays, AFolderOfEvrealIsARecording) {
-  TestFolder folder;
-  const EventColumns all = events();
-  std::vector<int16_t> xy;
-  for (size_t i = 0; i < all.size(); ++i) {
-    xy.push_back(static_cast<int16_t>(all.x[i]));
-    xy.push_back(static_cast<int16_t>(all.y[i]));
-  }
-  std::filesystem::create_directory(folder / "seq");
-  ASSERT_TRUE(write_npy(folder / "seq/events_xy.npy", make_npy<int16_t>({all.size(), 2}, xy)).ok());
-  ASSERT_TRUE(write_npy(folder / "seq/events_p.npy", column<uint8_t>(all.p)).ok());
-  ASSERT_TRUE(write_npy(folder / "seq/events_ts.npy", column<double>(all.t, [](double t) { return t * 1e-6; })).ok());
-  ASSERT_TRUE(write_file(folder / "seq/metadata.json", std::string("{\"sensor_resolution\": [48, 64]}")).ok());
-  auto reader = open_recording(folder / "seq", kPlain);
-  ASSERT_TRUE(reader.ok()) << reader.error().text();
-  EXPECT_EQ((*reader)->info().width, 64u);
-  EXPECT_TRUE(read_all(**reader)->events == all);
-}
-
 }  // namespace
 }  // namespace e2lf::recordings

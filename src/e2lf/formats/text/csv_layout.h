@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "e2lf/formats/table/layout.h"
+#include "e2lf/formats/table/table.h"
 #include "e2lf/recordings/event.h"
 
 namespace e2lf::formats::text {

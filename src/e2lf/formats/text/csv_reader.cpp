@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cstring>
 
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/formats/codecs.h"
-#include "e2lf/formats/table/table_reader.h"
+#include "e2lf/formats/table/table.h"
 #include "e2lf/formats/text/csv_layout.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
@@ -234,7 +234,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char*
   E2LF_ASSIGN_OR_RETURN(Layout layout, decide(*source, options, head, info));
   const bool is_seconds = layout.line.unit == TimeUnit::kSeconds;
   info.format = !options.format.empty() || !info.table ? format : is_seconds ? "txt" : "csv";
-  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->logical_path()));
+  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->path()));
   auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
   return make_block_reader(std::move(lines), std::move(info), name, options, std::move(triggers));
 }

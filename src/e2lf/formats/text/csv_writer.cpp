@@ -37,8 +37,6 @@ struct DigitTable {
 /// copied from the previous line.
 class LineWriter {
  public:
-  explicit LineWriter(bool is_seconds) : is_seconds_(is_seconds) {}
-
   char* put_coordinate(char* out, uint32_t value) const {
     if (value >= 10000) return std::to_chars(out, out + 8, value).ptr;
     const uint32_t zeros = 3u - (value >= 10) - (value >= 100) - (value >= 1000);
@@ -47,7 +45,7 @@ class LineWriter {
   }
 
   char* put_time(char* out, int64_t t_us) {
-    if (t_us < 10000) return put_small_time(out, t_us);
+    if (t_us < 10000) return std::to_chars(out, out + 21, t_us).ptr;
     const int64_t upper = t_us / 10000;
     if (upper != upper_) set_upper(upper);
     std::memcpy(out, upper_text_.data(), upper_text_.size());
@@ -62,60 +60,29 @@ class LineWriter {
     return digits;
   }
 
-  char* put_small_time(char* out, int64_t t_us) const {
-    if (!is_seconds_) return std::to_chars(out, out + 21, t_us).ptr;
-    const uint64_t magnitude = t_us < 0 ? 0 - static_cast<uint64_t>(t_us) : static_cast<uint64_t>(t_us);
-    if (t_us < 0) *out++ = '-';
-    out = std::to_chars(out, out + 20, magnitude / 1'000'000).ptr;
-    *out++ = '.';
-    const auto fraction = static_cast<uint32_t>(magnitude % 1'000'000);
-    std::memcpy(out, table().of(fraction / 10000) + 2, 2);
-    std::memcpy(out + 2, table().of(fraction % 10000), 4);
-    return out + 6;
-  }
-
   /// The digits before the last four.
   void set_upper(int64_t upper) {
     upper_ = upper;
-    char* out = upper_text_.data();
-    if (is_seconds_) {
-      out = std::to_chars(out, out + 20, upper / 100).ptr;
-      *out++ = '.';
-      std::memcpy(out, table().of(static_cast<uint32_t>(upper % 100)) + 2, 2);
-      out += 2;
-    } else {
-      out = std::to_chars(out, out + 20, upper).ptr;
-    }
-    upper_size_ = static_cast<size_t>(out - upper_text_.data());
+    upper_size_ =
+        static_cast<size_t>(std::to_chars(upper_text_.data(), upper_text_.data() + 20, upper).ptr - upper_text_.data());
   }
 
-  bool is_seconds_;
   int64_t upper_ = -1;
   std::array<char, 24> upper_text_{};
   size_t upper_size_ = 0;
 };
 
 /// Writes events [begin, end) as lines and returns the end of the text; `out` has kLongestWrittenLine bytes for each.
-char* format_lines(const EventColumns& events, size_t begin, size_t end, bool is_seconds, char* out) {
-  LineWriter writer(is_seconds);
+char* format_lines(const EventColumns& events, size_t begin, size_t end, char* out) {
+  LineWriter writer;
   for (size_t i = begin; i < end; ++i) {
-    if (is_seconds) {
-      out = writer.put_time(out, events.t[i]);
-      *out++ = ' ';
-      out = writer.put_coordinate(out, events.x[i]);
-      *out++ = ' ';
-      out = writer.put_coordinate(out, events.y[i]);
-      *out++ = ' ';
-      *out++ = static_cast<char>('0' + events.p[i]);
-    } else {
-      out = writer.put_coordinate(out, events.x[i]);
-      *out++ = ',';
-      out = writer.put_coordinate(out, events.y[i]);
-      *out++ = ',';
-      *out++ = static_cast<char>('0' + events.p[i]);
-      *out++ = ',';
-      out = writer.put_time(out, events.t[i]);
-    }
+    out = writer.put_coordinate(out, events.x[i]);
+    *out++ = ',';
+    out = writer.put_coordinate(out, events.y[i]);
+    *out++ = ',';
+    *out++ = static_cast<char>('0' + events.p[i]);
+    *out++ = ',';
+    out = writer.put_time(out, events.t[i]);
     *out++ = '\n';
   }
   return out;
@@ -123,15 +90,13 @@ char* format_lines(const EventColumns& events, size_t begin, size_t end, bool is
 
 class CsvWriter final : public RecordingWriter {
  public:
-  CsvWriter(SinkPtr sink, const RecordingInfo& info, bool is_seconds)
-      : sink_(std::move(sink)), is_seconds_(is_seconds), check_(info.width, info.height, sink_->name()) {}
+  CsvWriter(SinkPtr sink, const RecordingInfo& info)
+      : sink_(std::move(sink)), check_(info.width, info.height, sink_->name()) {}
 
   Result<void> begin(const RecordingInfo& info) {
     const bool has_size = info.width != 0 && info.height != 0;
-    if (!has_size) return is_seconds_ ? Result<void>() : sink_->write(as_bytes("%x,y,p,t\n"));
-    const std::string line =
-        is_seconds_ ? cat(info.width, ' ', info.height, '\n') : cat("%geometry:", info.width, ',', info.height, '\n');
-    return sink_->write(as_bytes(line));
+    return sink_->write(
+        as_bytes(has_size ? cat("%geometry:", info.width, ',', info.height, '\n') : std::string("%x,y,p,t\n")));
   }
 
   bool holds_triggers() const override { return false; }
@@ -169,7 +134,7 @@ class CsvWriter final : public RecordingWriter {
     parallel_for(parts, 1, [&](size_t from, size_t to) {
       for (size_t i = from; i < to; ++i) {
         char* const begin = text_.buffer.data() + begin_of(i) * kLongestWrittenLine;
-        const char* const end = format_lines(events, begin_of(i), begin_of(i + 1), is_seconds_, begin);
+        const char* const end = format_lines(events, begin_of(i), begin_of(i + 1), begin);
         text_.pieces[i] = {reinterpret_cast<const uint8_t*>(begin), static_cast<size_t>(end - begin)};
       }
     });
@@ -183,26 +148,17 @@ class CsvWriter final : public RecordingWriter {
   Result<void> finish_writing() { return writing_.valid() ? writing_.get() : Result<void>(); }
 
   SinkPtr sink_;
-  bool is_seconds_;
   BatchCheck check_;
   Text text_, written_;
   std::future<Result<void>> writing_;  ///< writes written_; last, because it uses the members above
 };
 
-Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info, bool is_seconds) {
-  auto writer = std::make_unique<CsvWriter>(std::move(sink), info, is_seconds);
-  E2LF_RETURN_IF_ERROR(writer->begin(info));
-  return WriterPtr(std::move(writer));
-}
-
 }  // namespace
 
 Result<WriterPtr> create_csv(SinkPtr sink, const RecordingInfo& info) {
-  return create(std::move(sink), info, /*is_seconds=*/false);
-}
-
-Result<WriterPtr> create_txt(SinkPtr sink, const RecordingInfo& info) {
-  return create(std::move(sink), info, /*is_seconds=*/true);
+  auto writer = std::make_unique<CsvWriter>(std::move(sink), info);
+  E2LF_RETURN_IF_ERROR(writer->begin(info));
+  return WriterPtr(std::move(writer));
 }
 
 }  // namespace e2lf::formats::text

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
-#include "e2lf/base/contract.h"
 #include "e2lf/base/isa.h"
+#include "e2lf/base/result.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/learn/data/batches.h"
 #include "e2lf/learn/data/surfaces.h"

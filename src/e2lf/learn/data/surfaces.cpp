@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/learn/data/dataset.h"
 
 #if E2LF_LEARN_KERNELS

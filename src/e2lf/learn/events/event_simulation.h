@@ -5,7 +5,7 @@
 
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/capture/profile/sensor_constants.h"
+#include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/learn/events/pixel_model.h"
 
 namespace e2lf::learn {

@@ -3,7 +3,7 @@
 #include <ATen/Parallel.h>
 #include <algorithm>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/learn/kernels/winograd_conv.h"
 #include "e2lf/learn/network/network_module.h"
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <mutex>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::learn {

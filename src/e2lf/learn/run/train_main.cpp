@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 #include "e2lf/learn/run/commands.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Reads and writes lenslet mosaics; declared in readers.h.
+// Reads lenslet mosaics; declared in readers.h.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
-#include <optional>
-#include <string_view>
 #include <vector>
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
-#include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/readers.h"
@@ -25,26 +21,14 @@ struct Grid {
   size_t views_y = 0, views_x = 0;
 };
 
-/// Parses "8x8" (rows x columns), as write_light_field stores it in a PNG.
-std::optional<Grid> parse_grid(std::string_view text) {
-  Grid grid;
-  const char* const end = text.data() + text.size();
-  const auto [after, error] = std::from_chars(text.data(), end, grid.views_y);
-  if (error != std::errc() || after == end || *after != 'x') return std::nullopt;
-  const auto [last, second_error] = std::from_chars(after + 1, end, grid.views_x);
-  if (second_error != std::errc() || last != end || grid.views_y == 0 || grid.views_x == 0) return std::nullopt;
-  return grid;
-}
-
-Result<Grid> grid_of(const std::filesystem::path& path, const RawImage& mosaic, const ReadOptions& options) {
+Result<Grid> grid_of(const std::filesystem::path& path, const ReadOptions& options) {
   if (options.lenslet_views > 0) return Grid{options.lenslet_views, options.lenslet_views};
-  if (const auto stated = parse_grid(mosaic.view_grid)) return *stated;
   if (path.stem().string().ends_with("eslf")) return Grid{kLytroViews, kLytroViews};
-  return Error{
-      ErrorCode::kInvalidValue,
-      "a single image is read as a lenslet mosaic, but this one does not state its number of views; give the number of "
-      "views per axis, e.g. 14 for a Lytro camera, or cut views that stand side by side into a folder",
-      path.string(), Setting::kLensletViews};
+  return Error{ErrorCode::kInvalidValue,
+               "a single image is read as a lenslet mosaic; give its number of views per axis, e.g. 14 for a Lytro "
+               "camera, or cut "
+               "views that stand side by side into a folder",
+               path.string(), Setting::kLensletViews};
 }
 
 /// The first channel of a mosaic.
@@ -147,7 +131,7 @@ Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOpt
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(path));
   E2LF_ASSIGN_OR_RETURN(const RawImage mosaic,
                         is_png(bytes) ? decode_png(bytes, location) : decode_jpeg(bytes, location));
-  E2LF_ASSIGN_OR_RETURN(const Grid grid, grid_of(path, mosaic, options));
+  E2LF_ASSIGN_OR_RETURN(const Grid grid, grid_of(path, options));
   if (mosaic.width % grid.views_x != 0 || mosaic.height % grid.views_y != 0) {
     return Error{
         ErrorCode::kShape,
@@ -156,8 +140,7 @@ Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOpt
             " views; a single image is read as such a mosaic, give the folder to read views in separate files"),
         location};
   }
-  const bool is_stated = options.lenslet_views == 0 && !mosaic.view_grid.empty();
-  if (!is_stated) E2LF_RETURN_IF_ERROR(check_layout(mosaic, grid, location));
+  E2LF_RETURN_IF_ERROR(check_layout(mosaic, grid, location));
   StoredArray array;
   array.shape = {grid.views_y, grid.views_x, mosaic.height / grid.views_y, mosaic.width / grid.views_x,
                  mosaic.channels};
@@ -165,25 +148,6 @@ Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOpt
   array.type = mosaic.sample_bytes == 2 ? SampleType::kUint16 : SampleType::kUint8;
   array.bytes = mosaic.samples;
   return from_stored(array, options, location);
-}
-
-Result<void> write_lenslet(const std::filesystem::path& path, const LightFieldView& light_field) {
-  const Shape shape = shape_of(light_field);
-  const AxisStrides strides = huwvc_strides(shape);
-  Image mosaic(shape.width * shape.views_x, shape.height * shape.views_y, shape.channels);
-  parallel_for(shape.height, 8, [&](size_t begin, size_t end) {
-    for (size_t y = begin; y < end; ++y) {
-      for (size_t view = 0; view < shape.num_views(); ++view) {
-        const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-        const auto row = light_field[view_y][view_x][y];
-        float* out = mosaic.pixels.data() + view_y * strides.view_y + view_x * strides.view_x + y * strides.y;
-        for (size_t x = 0; x < shape.width; ++x) {
-          for (size_t c = 0; c < shape.channels; ++c) out[x * strides.x + c] = row[x][c];
-        }
-      }
-    }
-  });
-  return write_png(path, mosaic, PngDepth::k16, cat(shape.views_y, "x", shape.views_x));
 }
 
 }  // namespace e2lf::lightfield

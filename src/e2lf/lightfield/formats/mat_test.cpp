@@ -68,24 +68,6 @@ TEST_P(MatFile, ReadsFourAxesAsGrey) {
   EXPECT_TRUE(same(read_light_field(path_).value(), stored));
 }
 
-TEST(WrittenMatFile, IsOneThatMatioReads) {
-  const TestFolder folder;
-  const LightField written = numbered_light_field({3, 2, 4, 5, 3});
-  ASSERT_TRUE(write_light_field(folder / "a.mat", written, {.format = LightFieldFormat::kMat}).ok());
-  mat_t* file = Mat_Open((folder / "a.mat").c_str(), MAT_ACC_RDONLY);
-  ASSERT_NE(file, nullptr);
-  matvar_t* variable = Mat_VarRead(file, "LF");
-  ASSERT_NE(variable, nullptr);
-  EXPECT_EQ(variable->class_type, MAT_C_SINGLE);
-  EXPECT_THAT(std::vector<size_t>(variable->dims, variable->dims + variable->rank),
-              testing::ElementsAre(3, 2, 4, 5, 3));
-  const auto* values = static_cast<const float*>(variable->data);
-  const std::vector<double> expected = matlab_values(written);
-  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), values));
-  Mat_VarFree(variable);
-  Mat_Close(file);
-}
-
 TEST_P(MatFile, OtherContentIsAnError) {
   write_mat(path_, GetParam(), "other", {2, 2}, {1, 2, 3, 4}, MAT_COMPRESSION_NONE);
   EXPECT_EQ(read_light_field(path_).error().code, ErrorCode::kNotFound);

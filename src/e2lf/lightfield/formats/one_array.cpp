@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads light fields that are one array in a file of numpy or MATLAB, and writes them; declared in readers.h.
+// Reads light fields that are one array in a file of numpy or MATLAB, and writes those of numpy; declared in readers.h.
 #include <optional>
 #include <span>
 #include <string_view>
@@ -7,7 +7,6 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/base/threads.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/mat5.h"
@@ -187,30 +186,6 @@ Result<void> write_npy_light_field(const std::filesystem::path& path, const Ligh
   if (shape.channels == 3) extents.push_back(3);
   std::vector<float> scratch;
   return write_npy(path, make_npy<float>(std::move(extents), light_field.values(scratch)));
-}
-
-Result<void> write_mat(const std::filesystem::path& path, const LightFieldView& light_field) {
-  const Shape shape = shape_of(light_field);
-  const AxisStrides strides = matlab_uvhwc_strides(shape);
-  std::vector<float> samples(shape.size());
-  parallel_for(shape.width, 8, [&](size_t begin, size_t end) {
-    for (size_t x = begin; x < end; ++x) {
-      for (size_t view = 0; view < shape.num_views(); ++view) {
-        const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-        const auto from = light_field[view_y][view_x];
-        float* out = samples.data() + view_y * strides.view_y + view_x * strides.view_x + x * strides.x;
-        for (size_t y = 0; y < shape.height; ++y) {
-          for (size_t c = 0; c < shape.channels; ++c) out[y * strides.y + c * strides.channel] = from[y][x][c];
-        }
-      }
-    }
-  });
-  std::vector<size_t> extents = {shape.views_y, shape.views_x, shape.height, shape.width};
-  if (shape.channels == 3) extents.push_back(3);
-  const std::span<const uint8_t> data(reinterpret_cast<const uint8_t*>(samples.data()), samples.size() * sizeof(float));
-  const MatVariable variable{"LF", MatClass::kSingle, std::move(extents), data};
-  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> file, encode_mat(std::span(&variable, 1), path.string()));
-  return write_file(path, file);
 }
 
 }  // namespace e2lf::lightfield

@@ -121,7 +121,6 @@ namespace e2lf::lightfield {
 namespace {
 
 constexpr size_t kSignatureBytes = 8;
-constexpr const char* kViewGridKey = "Light field views";
 // Deflate cannot compress by more than a factor of 1032.
 constexpr double kMaxDeflateRatio = 1032.0;
 constexpr png_alloc_size_t kMostBytes = png_alloc_size_t{64} << 20;  ///< limit for a row, a text or a colour profile
@@ -182,17 +181,6 @@ class PngReader {
     return true;
   }
 
-  /// Returns the text about the grid of views that precedes the pixels, or "" if there is none.
-  [[nodiscard]] std::string view_grid() const {
-    png_textp texts = nullptr;
-    int count = 0;
-    png_get_text(png_, info_, &texts, &count);
-    for (int i = 0; i < count; ++i) {
-      if (std::strcmp(texts[i].key, kViewGridKey) == 0 && texts[i].text != nullptr) return texts[i].text;
-    }
-    return "";
-  }
-
   /// Returns the uncompressed size of the rows.
   [[nodiscard]] double stored_bytes() const { return stored_bytes_; }
 
@@ -242,13 +230,6 @@ class PngWriter {
     // After a difference filter, matches are rare in natural images, and searching for them dominates the time.
     png_set_compression_strategy(png_, Z_HUFFMAN_ONLY);
     png_set_compression_buffer_size(png_, size_t{1} << 18);
-    if (!image.view_grid.empty()) {
-      png_text text{};
-      text.compression = PNG_TEXT_COMPRESSION_NONE;
-      text.key = const_cast<png_charp>(kViewGridKey);
-      text.text = const_cast<png_charp>(image.view_grid.c_str());
-      png_set_text(png_, info_, &text, 1);
-    }
     png_write_info(png_, info_);
     png_write_image(png_, rows);
     png_write_end(png_, nullptr);
@@ -294,7 +275,6 @@ Result<RawImage> decode_png(std::span<const uint8_t> bytes, const std::string& n
   if (!reader.read_header(image)) return reader.error(name);
   E2LF_RETURN_IF_ERROR(check_image_size(image, reader.stored_bytes() / kMaxDeflateRatio, bytes.size(), name));
   image.samples.resize(image.height * image.row_bytes());
-  image.view_grid = reader.view_grid();
   std::vector<png_bytep> rows = row_pointers(image);
   if (!reader.read_rows(rows.data())) return reader.error(name);
   return image;

@@ -18,7 +18,7 @@
 
 namespace e2lf::lightfield {
 
-/// The columns of the grids of the benchmark and of those written here: number = 9 * row + column.
+/// The columns of the grids of the benchmark: number = 9 * row + column.
 inline constexpr size_t kHciColumns = 9;
 
 struct NumberedView {
@@ -51,10 +51,6 @@ struct PairName {
 /// name of kHciFolder.
 [[nodiscard]] std::string numbered_view_name(const std::filesystem::path& like, size_t number);
 
-/// Returns the name under which a view is written. The camera position in a Stanford name is -row and -column, in view
-/// steps.
-[[nodiscard]] std::string written_view_name(LightFieldKind kind, size_t row, size_t column);
-
 /// The grid of views that are numbered consecutively: number = first + columns * row + column.
 struct FlatGrid {
   size_t first = 0, columns = 1;
@@ -76,7 +72,6 @@ struct RawImage {
   size_t channels = 1;      ///< 1 or 3
   size_t sample_bytes = 1;  ///< 1 or 2
   bool is_bilevel = false;  ///< used for writing only: one bit per pixel, eight to a byte, the first in the high bit
-  std::string view_grid;    ///< grid of a lenslet mosaic, as stored in a PNG: "8x8" (rows x columns); may be empty
   std::vector<uint8_t> samples;
 
   [[nodiscard]] size_t row_bytes() const { return is_bilevel ? (width + 7) / 8 : width * channels * sample_bytes; }
@@ -129,7 +124,6 @@ struct ViewFiles {
 
 /// Reads `LF` of a MATLAB file older than version 7.3.
 [[nodiscard]] Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions& options);
-[[nodiscard]] Result<void> write_mat(const std::filesystem::path& path, const LightFieldView& light_field);
 
 /// Returns true if an HDF5 file has one of the data sets that read_hdf5 reads: `LF`, `LF_y` or `Hr_SAI_y`.
 [[nodiscard]] bool hdf5_has_light_field(const std::filesystem::path& path);
@@ -138,7 +132,6 @@ struct ViewFiles {
 [[nodiscard]] Result<void> write_hdf5(const std::filesystem::path& path, const LightFieldView& light_field);
 
 [[nodiscard]] Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOptions& options);
-[[nodiscard]] Result<void> write_lenslet(const std::filesystem::path& path, const LightFieldView& light_field);
 
 /// Returns the array of an .npz archive that holds the light field, or null.
 [[nodiscard]] const NpyArray* find_light_field(const NpzArrays& arrays);

@@ -139,11 +139,6 @@ std::string numbered_view_name(const std::filesystem::path& like, size_t number)
   return cat(stem.substr(0, stem.size() - digits), padded(number, digits), like.extension().string());
 }
 
-std::string written_view_name(LightFieldKind kind, size_t row, size_t column) {
-  if (kind != LightFieldKind::kStanfordFolder) return view_name(kind, row, column);
-  return cat("out_", padded(row, 2), "_", padded(column, 2), "_-", row, ".000000_-", column, ".000000.png");
-}
-
 Result<FlatGrid> find_flat_grid(const std::vector<size_t>& numbers, size_t columns, const fs::path& folder) {
   const size_t first = numbers.front(), last = numbers.back(), span = last - first + 1;
   if (columns > 0) return grid_of_columns(first, last, columns, 0);

@@ -2,7 +2,7 @@
 #include "e2lf/model/onnx/onnx_export.h"
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes_io.h"
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/depth_network.h"
 #include "e2lf/model/onnx/onnx_graph.h"

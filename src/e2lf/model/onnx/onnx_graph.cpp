@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "e2lf/base/contract.h"
+#include "e2lf/base/result.h"
 
 namespace e2lf::model {
 namespace {

@@ -50,9 +50,6 @@ namespace e2lf::recordings::hdf5_events {
 /// without compression.
 [[nodiscard]] Result<WriterPtr> create_file(const std::filesystem::path& path, const RecordingInfo& info);
 
-/// Fails if a file whose writer was killed cannot be read, that is, within the first second of writing.
-[[nodiscard]] Result<void> recover(const std::filesystem::path& path);
-
 /// Opens the events of an HDF5 file that is not Metavision's; `info` contains its header and size.
 using OpenLayout = Result<ReaderPtr> (*)(hid_t file, RecordingInfo info, const ByteSource& source,
                                          const OpenOptions& options);

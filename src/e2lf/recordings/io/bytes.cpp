@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "e2lf/base/contract.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 

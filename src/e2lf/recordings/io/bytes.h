@@ -59,10 +59,6 @@ class ByteSource {
 
   /// Returns the file of the source, for libraries that open files themselves, or an empty path if there is none.
   [[nodiscard]] virtual std::filesystem::path path() const { return {}; }
-
-  /// Returns the name of the content as a file, whose extension may determine the format and beside which other files
-  /// may lie: path(), or for a compressed file its name without ".gz". Empty if there is none.
-  [[nodiscard]] virtual std::filesystem::path logical_path() const { return path(); }
 };
 
 using SourcePtr = std::unique_ptr<ByteSource>;

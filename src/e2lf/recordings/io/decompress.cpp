@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <lz4frame.h>
-#include <zlib.h>
 
-#include "e2lf/base/contract.h"
-#include "e2lf/base/little_endian.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 #ifdef E2LF_HAVE_ZSTD
@@ -17,9 +15,6 @@ namespace e2lf::recordings {
 namespace {
 
 constexpr size_t kFirstRoom = size_t{1} << 16;
-constexpr size_t kUnpackBytes = size_t{1} << 18;
-/// Limit of one step, so that zlib's 32-bit counters suffice.
-constexpr size_t kMaxStepBytes = size_t{1} << 20;
 
 class Stored final : public Decompressor {
  public:
@@ -30,32 +25,6 @@ class Stored final : public Decompressor {
     room = room.subspan(count);
     return packed.empty() ? State::kBetweenParts : State::kInside;
   }
-};
-
-class Gzip final : public Decompressor {
- public:
-  Gzip() { inflateInit2(&stream_, 16 + MAX_WBITS); }
-  Gzip(const Gzip&) = delete;
-  Gzip& operator=(const Gzip&) = delete;
-  ~Gzip() override { inflateEnd(&stream_); }
-
-  State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
-    stream_.next_in = const_cast<Bytef*>(packed.data());  // zlib only reads it
-    stream_.avail_in = static_cast<uInt>(packed.size());
-    stream_.next_out = room.data();
-    stream_.avail_out = static_cast<uInt>(room.size());
-    const int state = inflate(&stream_, Z_NO_FLUSH);
-    packed = packed.last(stream_.avail_in);
-    room = room.last(stream_.avail_out);
-    if (state == Z_STREAM_END) {
-      inflateReset(&stream_);
-      return State::kBetweenParts;
-    }
-    return state == Z_OK || state == Z_BUF_ERROR ? State::kInside : State::kDamaged;
-  }
-
- private:
-  z_stream stream_{};
 };
 
 class Lz4 final : public Decompressor {
@@ -158,123 +127,6 @@ Result<DecompressorPtr> make_decompressor(Compression compression) {
   }
   return Error{ErrorCode::kUnsupported,
                cat("compression ", static_cast<int32_t>(compression), " is unknown; the file may be damaged"), ""};
-}
-
-namespace {
-
-bool is_gzip(std::span<const uint8_t> head) {
-  constexpr uint8_t kReservedFlags = 0xE0;
-  return head.size() >= kPackedMarkBytes && head[0] == 0x1F && head[1] == 0x8B && head[2] == 8 &&
-         (head[3] & kReservedFlags) == 0;
-}
-
-bool is_zstd(std::span<const uint8_t> head) {
-  return head.size() >= kPackedMarkBytes && load_le<uint32_t>(head.data()) == 0xFD2FB528;
-}
-
-class UnpackedSource final : public ByteSource {
- public:
-  UnpackedSource(SourcePtr packed, DecompressorPtr unpacker, std::shared_ptr<DecodeSummary> losses)
-      : packed_(std::move(packed)), unpacker_(std::move(unpacker)), losses_(std::move(losses)) {}
-
-  Result<std::span<const uint8_t>> fetch(size_t wanted) override {
-    while (end_ - begin_ < wanted && !has_ended_) E2LF_RETURN_IF_ERROR(unpack_more(wanted));
-    return std::span<const uint8_t>(buffer_).subspan(begin_, end_ - begin_);
-  }
-  void consume(size_t count) override {
-    E2LF_REQUIRE(count <= end_ - begin_, "more consumed than fetched");
-    begin_ += count;
-    position_ += count;
-  }
-  uint64_t position() const override { return position_; }
-  Result<void> seek(uint64_t) override {
-    return Error{ErrorCode::kUnsupported, "a compressed file is not seekable; unpack it first", name()};
-  }
-  bool seekable() const override { return false; }
-  std::optional<uint64_t> size() const override { return std::nullopt; }
-  std::optional<std::chrono::steady_clock::time_point> arrival() const override { return packed_->arrival(); }
-  DecodeSummary left_out() const override {
-    DecodeSummary all = packed_->left_out();
-    all.add_losses(*losses_);
-    return all;
-  }
-  std::string name() const override { return packed_->name(); }
-  std::filesystem::path logical_path() const override {
-    const std::filesystem::path path = packed_->path();
-    return path.extension() == ".gz" || path.extension() == ".zst" ? path.parent_path() / path.stem() : path;
-  }
-
- private:
-  Result<void> unpack_more(size_t wanted) {
-    std::copy(buffer_.begin() + static_cast<ptrdiff_t>(begin_), buffer_.begin() + static_cast<ptrdiff_t>(end_),
-              buffer_.begin());
-    end_ -= begin_;
-    begin_ = 0;
-    // Grows in steps, because `wanted` may exceed the content.
-    const size_t room = std::max(kUnpackBytes, std::min({wanted, 2 * end_, kMaxStepBytes}));
-    if (buffer_.size() < end_ + room) buffer_.resize(end_ + room);
-    // If the output was full, more follows without further input.
-    E2LF_ASSIGN_OR_RETURN(const auto at_hand, packed_->fetch(was_full_ ? 0 : 1));
-    if (at_hand.empty() && !was_full_) {
-      has_ended_ = true;
-      if (state_ == Decompressor::State::kInside) losses_->add(Violation::kTruncated, packed_->position());
-      return {};
-    }
-    const auto packed = at_hand.first(std::min(at_hand.size(), kMaxStepBytes));
-    if (state_ == Decompressor::State::kBetweenParts && !packed.empty() && packed[0] == 0) {
-      has_ended_ = true;  // padding of the last block of a tape
-      return {};
-    }
-    auto rest = packed;
-    auto free = std::span(buffer_).subspan(end_, room);
-    if (state_ == Decompressor::State::kInside || !rest.empty()) state_ = unpacker_->step(rest, free);
-    was_full_ = free.empty();
-    end_ += room - free.size();
-    packed_->consume(packed.size() - rest.size());
-    if (state_ == Decompressor::State::kDamaged) {
-      has_ended_ = true;
-      losses_->add(Violation::kBadRecord, packed_->position());
-    }
-    return {};
-  }
-
-  SourcePtr packed_;
-  DecompressorPtr unpacker_;
-  std::shared_ptr<DecodeSummary> losses_;
-  Decompressor::State state_ = Decompressor::State::kInside;
-  std::vector<uint8_t> buffer_;
-  size_t begin_ = 0, end_ = 0;
-  uint64_t position_ = 0;
-  bool was_full_ = false, has_ended_ = false;
-};
-
-}  // namespace
-
-bool is_packed(std::span<const uint8_t> head) {
-  return is_gzip(head) || is_zstd(head);
-}
-
-Result<SourcePtr> make_unpacked_source(SourcePtr packed, std::shared_ptr<DecodeSummary> losses) {
-  E2LF_ASSIGN_OR_RETURN(const auto head, packed->fetch(kPackedMarkBytes));
-  DecompressorPtr unpacker = std::make_unique<Gzip>();
-  if (!is_gzip(head)) {
-    E2LF_ASSIGN_OR_RETURN(unpacker, make_decompressor(Compression::kZstd));
-  }
-  return SourcePtr(std::make_unique<UnpackedSource>(std::move(packed), std::move(unpacker), std::move(losses)));
-}
-
-Result<SourcePtr> open_file_beside(const std::filesystem::path& path) {
-  std::error_code error;
-  for (const char* const extension : {"", ".gz", ".zst"}) {
-    std::filesystem::path candidate = path;
-    candidate += extension;
-    if (path.empty() || !std::filesystem::exists(candidate, error)) continue;
-    E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(candidate));
-    E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
-    return is_packed(head) ? make_unpacked_source(std::move(source), std::make_shared<DecodeSummary>())
-                           : Result<SourcePtr>(std::move(source));
-  }
-  return SourcePtr();
 }
 
 }  // namespace e2lf::recordings

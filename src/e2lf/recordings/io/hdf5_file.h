@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
-#include "e2lf/hdf5/storage.h"
+#include "e2lf/hdf5/library.h"
 #include "e2lf/recordings/io/bytes.h"
 
 namespace e2lf::recordings::hdf5_events {

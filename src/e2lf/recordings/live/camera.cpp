@@ -10,9 +10,9 @@
 #include <thread>
 #include <utility>
 
-#include "e2lf/base/contract.h"
 #include "e2lf/base/log.h"
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::recordings {

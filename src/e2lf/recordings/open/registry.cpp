@@ -3,16 +3,19 @@
 
 #include <algorithm>
 #include <deque>
+#include <fstream>
 #include <mutex>
 #include <string_view>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
-#include "e2lf/recordings/io/decompress.h"
 #include "e2lf/recordings/io/header_text.h"
+#include "e2lf/recordings/live/camera.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -35,8 +38,7 @@ std::deque<Codec> built_in_codecs() {
        .is_table = true,
        .detect = hdf5_events::detect,
        .open = hdf5_events::open,
-       .create_file = hdf5_events::create_file,
-       .recover = hdf5_events::recover},
+       .create_file = hdf5_events::create_file},
   };
 }
 
@@ -66,7 +68,6 @@ class SharedSource final : public ByteSource {
   DecodeSummary left_out() const override { return source_->left_out(); }
   std::string name() const override { return source_->name(); }
   std::filesystem::path path() const override { return source_->path(); }
-  std::filesystem::path logical_path() const override { return source_->logical_path(); }
 
  private:
   std::shared_ptr<ByteSource> source_;
@@ -83,6 +84,8 @@ struct Beginning {
 
 constexpr Beginning kBeginnings[] = {
     {"PK\x03\x04"sv, 0, "a zip archive; unpack it, then give the recording in it"},
+    {"\x1F\x8B"sv, 0, "compressed by gzip; unpack it with `gunzip`, then give the recording in it"},
+    {"\x28\xB5\x2F\xFD"sv, 0, "compressed by Zstandard; unpack it with `zstd -d`, then give the recording in it"},
     {"BZh"sv, 0, "compressed by bzip2; unpack it with `bzip2 -d`, then give the recording in it"},
     {"\3757zXZ\0"sv, 0, "compressed by xz; unpack it with `xz -d`, then give the recording in it"},
     {"\x04\x22\x4D\x18"sv, 0, "compressed by lz4; unpack it with `lz4 -d`, then give the recording in it"},
@@ -142,7 +145,7 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
-  const std::filesystem::path path = source.logical_path();
+  const std::filesystem::path path = source.path();
   const Codec* const by_extension = codec_of_extension(path);
   // An archive of arrays without known names is still an archive of arrays.
   const bool is_npz = by_extension != nullptr && by_extension->name == "npz" && head.front() == 'P';
@@ -218,24 +221,16 @@ bool is_recording_folder(const std::filesystem::path& path) {
 }
 
 Result<ReaderPtr> open_recording(SourcePtr source, const OpenOptions& options) {
-  std::shared_ptr<DecodeSummary> losses;
-  // No more bytes than needed: a live source of a named format may not have more for a while.
-  E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kPackedMarkBytes));
   std::shared_ptr<ByteSource> live;  // its losses are counted while it is read
   if (source->arrival()) {
     live = std::move(source);
     source = std::make_unique<SharedSource>(live);
-  }
-  if (is_packed(head)) {
-    losses = std::make_shared<DecodeSummary>();
-    E2LF_ASSIGN_OR_RETURN(source, make_unpacked_source(std::move(source), losses));
   }
   E2LF_ASSIGN_OR_RETURN(const Codec* codec,
                         options.format.empty() ? detect_codec(*source) : find_codec(options.format));
   if (codec->open == nullptr) return unsupported(*codec, "read", source->name());
   if (!codec->is_table) E2LF_RETURN_IF_ERROR(refuse_table_options(options, codec->name, source->name()));
   E2LF_ASSIGN_OR_RETURN(auto reader, codec->open(std::move(source), options));
-  if (losses != nullptr) reader->count_losses([losses] { return *losses; });
   if (live != nullptr) reader->count_losses([live] { return live->left_out(); });
   return check_stream(std::move(reader));
 }
@@ -270,6 +265,88 @@ Result<WriterPtr> create_recording(SinkPtr sink, const std::string& format, cons
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, find_codec(format));
   if (codec->create == nullptr) return unsupported(*codec, "stream", sink->name());
   return codec->create(std::move(sink), info);
+}
+
+bool is_live_recording(const std::string& name) {
+  return name == "-" || is_camera_name(name) || is_stream(name);
+}
+
+std::filesystem::path file_of_recording(const std::string& name) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path path = name == "-"            ? fs::canonical("/proc/self/fd/0", error)
+                        : is_camera_name(name) ? path_of_camera(name)
+                                               : fs::path(name);
+  return fs::is_regular_file(path, error) || fs::is_directory(path, error) ? path : fs::path();
+}
+
+Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, const CameraSetup& setup) {
+  if (is_camera_name(name)) return open_camera_bytes(name, setup);
+  if (name == "-") return open_camera_bytes("camera://pipe", setup);
+  if (!is_stream(name)) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        "this is not a live input; give a camera (camera://NAME), tcp://ADDRESS:PORT, replay:FILE, a named pipe "
+        "or -",
+        name};
+  }
+  E2LF_ASSIGN_OR_RETURN(const CameraPlugin pipes, find_camera_plugin("pipe", name));
+  E2LF_ASSIGN_OR_RETURN(CameraPtr camera, pipes.open(name));
+  return start_camera_source(std::move(camera), name, setup);
+}
+
+Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOptions& options) {
+  struct stat input {};
+  const bool is_pipe =
+      name == "-" && ::fstat(STDIN_FILENO, &input) == 0 && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode));
+  if (is_pipe || (name != "-" && is_live_recording(name))) {
+    E2LF_ASSIGN_OR_RETURN(SourcePtr source, open_live_bytes(name, options.camera));
+    return open_recording(std::move(source), options);
+  }
+  if (has_settings(options.camera)) {
+    return Error{ErrorCode::kInvalidValue, "camera settings do not apply to a file; leave them out", name};
+  }
+  return open_recording(std::filesystem::path(name), options);
+}
+
+namespace fs = std::filesystem;
+namespace {
+
+bool is_our_trigger_file(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
+  const auto codec = codec_to_write(path, "");
+  if (codec && (*codec)->is_side_file != nullptr) return (*codec)->is_side_file(path);
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  return line == "p,id,t";
+}
+
+}  // namespace
+
+OutputRules output_rules(const std::vector<fs::path>& inputs, bool overwrite) {
+  OutputRules rules;
+  rules.overwrite = overwrite;
+  rules.is_live = !inputs.empty() && file_of_recording(inputs.front().string()).empty();
+  for (const fs::path& input : inputs) {
+    if (input.empty()) continue;
+    const fs::path file = file_of_recording(input.string());
+    rules.inputs.push_back(file.empty() ? input : file);
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) continue;
+    rules.read_beside.push_back(record_path_beside(file));
+    const auto codec = codec_to_write(file, "");
+    if (codec && (*codec)->side_file != nullptr) rules.read_beside.push_back((*codec)->side_file(file));
+  }
+  return rules;
+}
+
+OutputRules recording_output_rules(const std::vector<fs::path>& inputs, bool overwrite, const Codec& codec) {
+  OutputRules rules = output_rules(inputs, overwrite);
+  rules.streams = codec.create != nullptr;
+  rules.side = {codec.side_file, is_our_trigger_file};
+  return rules;
 }
 
 }  // namespace e2lf::recordings

@@ -358,13 +358,4 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }
 
-Result<void> recover(const std::filesystem::path& path) {
-  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
-  E2LF_ASSIGN_OR_RETURN(const auto reader, open(std::move(source), {}));
-  EventBatch batch;
-  E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
-  if (more) return {};
-  return Error{ErrorCode::kFormat, "no event was written before the end; record to .raw", path.string()};
-}
-
 }  // namespace e2lf::recordings::hdf5_events

@@ -2,10 +2,9 @@
 // Opens and creates RAW recordings of every encoding; declared in codecs.h.
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_reader.h"
-#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_codec.h"
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_encoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/timed/timed_words.h"
 
 namespace e2lf::recordings {
 namespace {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_encoder.h"
-
 #include <algorithm>
 
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 
 namespace e2lf::recordings::evt3 {

@@ -12,7 +12,7 @@
 
 #include <hwy/highway.h>
 
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/lane_tables.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::recordings::evt3 {

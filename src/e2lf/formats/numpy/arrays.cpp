@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads and writes events in .npz files; declared in codecs.h.
+// Reads events in .npy and .npz files and writes .npz; declared in codecs.h.
 #include <algorithm>
 #include <array>
 #include <string_view>
@@ -8,12 +8,11 @@
 #include "e2lf/base/memory.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/npy.h"
-#include "e2lf/files/options.h"
 #include "e2lf/formats/codecs.h"
-#include "e2lf/formats/table/layout.h"
-#include "e2lf/formats/table/table_reader.h"
+#include "e2lf/formats/table/table.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/side_triggers.h"
 
 namespace e2lf::formats::numpy {
 using table::Field;
@@ -25,7 +24,7 @@ namespace {
 constexpr size_t kBlockEvents = size_t{1} << 17;
 constexpr uint64_t kEventBytes = 13;  // of its columns x, y, p, t
 constexpr const char* kReadRemedy =
-    "an .npz file is read as a whole: store the events as .npy, .csv or .hdf5, or in parts";
+    "arrays of numpy are read as a whole: store the events as .raw, .csv or .hdf5, or in parts";
 
 /// Returns a column of the archive, after checking that it is one-dimensional and numeric.
 Result<const NpyArray*> find_column(const NpzArrays& arrays, const std::string& key, const std::string& name) {
@@ -167,8 +166,8 @@ class NpzWriter final : public RecordingWriter {
     const size_t count = all_.events.size() + more;
     if (count <= room_) return {};
     room_ = std::max(2 * count, kBlockEvents);
-    return require_memory(2 * kEventBytes * room_,
-                          "an .npz file is written as a whole: write .raw, .npy or .hdf5 instead", sink_->name());
+    return require_memory(2 * kEventBytes * room_, "an .npz file is written as a whole: write .raw or .hdf5 instead",
+                          sink_->name());
   }
 
   SinkPtr sink_;
@@ -293,8 +292,8 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
 }
 
 /// Creates a reader of decoded arrays; `info` contains format and size.
-Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name,
-                              const OpenOptions& options) {
+Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name, const OpenOptions& options,
+                              TriggersPtr side_triggers = {}) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   const NpyArray* const rows = find_rows(arrays);
   std::vector<NpzColumn> columns;
@@ -310,7 +309,8 @@ Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::s
   E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, rows != nullptr, options, name, info, unit, num_bad));
   E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
   E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "", name));
-  return make_block_reader(std::make_unique<MemoryBlocks>(std::move(all), num_bad), std::move(info), name, options);
+  auto blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
+  return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(side_triggers));
 }
 
 }  // namespace
@@ -334,55 +334,29 @@ Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options) {
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 
-namespace {
-
-/// Returns the .npy files of a folder whose names denote fields of an event, "events_t" or "x", if they are complete.
-std::vector<std::string> field_files(const std::filesystem::path& path) {
-  std::vector<std::string> files;
-  bool has_xy = false;
-  std::error_code error;
-  for (auto entry = std::filesystem::directory_iterator(path, error);
-       !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
-    const std::filesystem::path& file = entry->path();
-    const table::ColumnName known = table::parse_column_name(file.stem().string());
-    if (file.extension() != ".npy" || (!known.is_xy && !known.field)) continue;
-    has_xy = has_xy || known.is_xy;
-    files.push_back(file.stem().string());
-  }
-  const table::KnownColumns known = table::find_fields(files);
-  for (const Field field : {Field::kX, Field::kY, Field::kP, Field::kT}) {
-    const bool is_in_xy = has_xy && (field == Field::kX || field == Field::kY);
-    if (!known[table::of(field)] && !is_in_xy) return {};
-  }
-  return files;
+bool detect_npy(std::span<const uint8_t> head) {
+  const auto header = parse_npy_header(head, "");
+  if (!header || !are_rows_of_events(header->array)) return false;
+  const std::vector<NpyField>& fields = header->array.fields;
+  const auto names_time = [](const NpyField& field) { return table::parse_column_name(field.name).field == Field::kT; };
+  return fields.empty() ||
+         (fields.size() >= table::kNumFields && std::any_of(fields.begin(), fields.end(), names_time));
 }
 
-}  // namespace
-
-bool is_event_folder(const std::filesystem::path& path) {
-  return !field_files(path).empty();
-}
-
-Result<ReaderPtr> open_event_folder(const std::filesystem::path& path, const OpenOptions& options) {
+Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
+  const std::string name = source->name();
+  E2LF_RETURN_IF_ERROR(require_memory(3 * source->size().value_or(0), kReadRemedy, name));
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source));
   NpzArrays arrays;
-  for (const std::string& key : field_files(path)) {
-    const std::filesystem::path file = path / cat(key, ".npy");
-    std::error_code error;
-    const uintmax_t bytes = std::filesystem::file_size(file, error);
-    if (!error) E2LF_RETURN_IF_ERROR(require_memory(3 * bytes, "store the events as .raw or .hdf5", file.string()));
-    E2LF_ASSIGN_OR_RETURN(arrays[key], read_npy(file));
+  E2LF_ASSIGN_OR_RETURN(arrays["events"], decode_npy(bytes, name));
+  if (!are_rows_of_events(arrays["events"])) {
+    return Error{ErrorCode::kShape,
+                 "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4]; "
+                 "store one of them",
+                 name};
   }
-  RecordingInfo info{.format = "evreal"};
-  if (const auto metadata = read_json(path / "metadata.json"); metadata && metadata->is_object()) {
-    Json size = metadata->value("sensor_resolution", Json());
-    if (!size.is_array()) size = {metadata->value("height", Json()), metadata->value("width", Json())};
-    const auto is_size = [](const Json& value) { return value.is_number_unsigned() && value.get<uint64_t>() <= 65536; };
-    if (size.size() == 2 && is_size(size[0]) && is_size(size[1])) {
-      info.height = size[0].get<size_t>();
-      info.width = size[1].get<size_t>();
-    }
-  }
-  return open_arrays(std::move(arrays), std::move(info), path.string(), options);
+  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->path()));
+  return open_arrays(std::move(arrays), {.format = "npy"}, name, options, std::move(triggers));
 }
 
 Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/base/stop.h"
+#include "e2lf/base/progress.h"
 
 #include <atomic>
 #include <csignal>
