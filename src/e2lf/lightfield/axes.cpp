@@ -25,22 +25,6 @@ float likely_white(float high) {
   return found == std::end(kWhites) ? high : *found;
 }
 
-/// Warns if many values lie outside of [0, 1], which suggests another range. A few such values are normal in some
-/// views.
-void warn_of_range(float low, float high, double share_below, double share_above, const std::string& location) {
-  constexpr double kMany = 1.0 / 16;
-  const std::string found = cat(location, ": the values are in ", low, "..", high);
-  if (low < -0.5F || share_below > kMany) {
-    log_warning(
-        cat(found, ", and ", std::round(100 * share_below),
-            " % of them are below 0, which is black; if another value is black, scale them to 0..1 first",
-            low >= -1.0F - kRangeTolerance && high <= 1.0F + kRangeTolerance ? ", from -1..1 as (x + 1) / 2" : ""));
-  } else if (share_above > kMany) {
-    log_warning(cat(found, ", and ", std::round(100 * share_above),
-                    " % of them are above 1, which is white; if another value is white, give it"));
-  }
-}
-
 }  // namespace
 
 void BadSamples::add(float stored) {
@@ -71,14 +55,7 @@ Error BadSamples::error(const std::string& location) const {
 }
 
 Result<void> check_values(const LightField& light_field, float assumed_white, const std::string& location) {
-  float low = light_field.data().front(), high = low;
-  size_t below = 0, above = 0;
-  for (const float value : light_field.data()) {
-    low = std::min(low, value);
-    high = std::max(high, value);
-    below += value < -kRangeTolerance ? 1 : 0;
-    above += value > 1.0F + kRangeTolerance ? 1 : 0;
-  }
+  const auto [low, high] = std::ranges::minmax(light_field.data());
   const float most = std::round(high * assumed_white);
   const bool are_bits = assumed_white == 255.0F && most == 1.0F;
   const bool are_bytes = assumed_white == 65535.0F && most > 0.0F && most <= 255.0F;
@@ -89,19 +66,6 @@ Result<void> check_values(const LightField& light_field, float assumed_white, co
                      are_bits ? 1 : 255),
                  location, Setting::kWhite};
   }
-  const auto count = static_cast<double>(light_field.data().size());
-  constexpr float kLeastContrast = 0.02F;
-  if (assumed_white == 65535.0F && most > 0.0F && most <= 16383.0F) {
-    log_warning(
-        cat(location, ": the values are in ", std::round(low * assumed_white), "..", most,
-            ", and 65535 is assumed to be white; if they have fewer than 16 bits, give the value that is white, e.g. ",
-            likely_white(most)));
-  } else if (high - low < kLeastContrast) {
-    log_warning(
-        cat(location, ": the values are ", high == low ? cat("all ", low) : cat("in ", low, "..", high),
-            ", where 0 is black and 1 is white: there is hardly any contrast; if another value is white, give it"));
-  }
-  warn_of_range(low, high, static_cast<double>(below) / count, static_cast<double>(above) / count, location);
   return {};
 }
 

@@ -13,8 +13,7 @@
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/lightfield/light_field_io.h"
 
-/// Checks whether the numbers that were read are plausible for a light field. Impossible values are errors. Implausible
-/// ones are logged as warnings, together with what was found.
+/// Checks whether the numbers that were read are plausible for a light field.
 namespace e2lf::lightfield {
 
 /// Deviations from [0, 1] up to this size are rounding errors.
@@ -43,8 +42,7 @@ struct BadSamples {
 
 /// Checks the values of a light field against the assumed white, i.e. the stored number that was taken as 1 because
 /// none was named (0 = one was named). Fails with kInvalidValue if the integers are those of a smaller type: 0 and 1 in
-/// 8 bits, or 0 to 255 in 16 bits. Warns if they use fewer bits than they have, if the values hardly differ, and if
-/// many of them lie outside of [0, 1].
+/// 8 bits, or 0 to 255 in 16 bits.
 [[nodiscard]] Result<void> check_values(const LightField& light_field, float assumed_white,
                                         const std::string& location);
 

@@ -70,7 +70,7 @@ struct ReadOptions {
   RangePolicy range = RangePolicy::kRefuse;
   float white =
       0.0F;  ///< the stored number that means 1; 0 = the largest of an unsigned 8- or 16-bit type, 1 for other types
-  size_t view_columns = 0;                 ///< columns of the grid of a kHciFolder; 0 = find_flat_grid()
+  size_t view_columns = 0;                 ///< columns of the grid of a kHciFolder; 0 = a square grid
   size_t lenslet_views = 0;                ///< views per microlens and axis of a lenslet mosaic; 0 = as it states
   size_t patch_views = 8;                  ///< views per axis of an `Hr_SAI_y` patch
   uint64_t max_bytes = uint64_t{8} << 30;  ///< limit for the stored array and for the result in memory

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <mutex>
 #include <numeric>
 #include <string_view>
@@ -39,47 +38,6 @@ bool take_prefix(std::string_view& text, std::string_view prefix) {
 std::string padded(size_t number, size_t digits) {
   const std::string text = std::to_string(number);
   return std::string(digits - std::min(digits, text.size()), '0') + text;
-}
-
-constexpr size_t kMostViewsPerAxis = 10000;
-
-/// Returns the whole number of a line `key = 9` in parameters.cfg, or 0 if there is none.
-size_t setting_of(const fs::path& file, const std::string& key) {
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line);) {
-    const size_t equals = line.find('=');
-    const size_t begin = line.find_first_not_of(" \t");
-    if (equals == std::string::npos || begin == std::string::npos) continue;
-    if (line.substr(begin, line.find_last_not_of(" \t", equals - 1) + 1 - begin) != key) continue;
-    const unsigned long value = std::strtoul(line.c_str() + equals + 1, nullptr, 10);
-    return value <= kMostViewsPerAxis ? value : 0;
-  }
-  return 0;
-}
-
-/// Returns the grid with this number of columns. If the numbers end at the end of a row but begin within one, the first
-/// views are missing.
-FlatGrid grid_of_columns(size_t first, size_t last, size_t columns, size_t rows) {
-  const size_t span = last - first + 1, whole = (span + columns - 1) / columns * columns;
-  const bool lacks_first = span < whole && (last + 1) % columns == 0 && last + 1 >= whole;
-  return {lacks_first ? last + 1 - whole : first, columns, rows};
-}
-
-/// Returns the distance between rows that have equally many numbers and equal gaps between them, or 0 if the numbers do
-/// not have this form.
-size_t row_distance(const std::vector<size_t>& numbers) {
-  std::vector<size_t> begins;
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    if (i == 0 || numbers[i] != numbers[i - 1] + 1) begins.push_back(i);
-  }
-  if (begins.size() < 2 || begins[1] < 2 || numbers.size() != begins.size() * begins[1]) return 0;
-  const size_t distance = numbers[begins[1]] - numbers[0];
-  for (size_t row = 1; row < begins.size(); ++row) {
-    if (begins[row] != row * begins[1] || numbers[begins[row]] != numbers[0] + row * distance) return 0;
-  }
-  // A square with one view missing in the middle also has two such rows.
-  const bool may_be_square = begins.size() == 2 && views_per_axis(numbers.back() - numbers.front() + 1) > 0;
-  return may_be_square ? 0 : distance;
 }
 
 }  // namespace
@@ -139,32 +97,24 @@ std::string numbered_view_name(const std::filesystem::path& like, size_t number)
   return cat(stem.substr(0, stem.size() - digits), padded(number, digits), like.extension().string());
 }
 
+namespace {
+
+/// The grid of views that are numbered consecutively: number = first + columns * row + column.
+struct FlatGrid {
+  size_t first = 0, columns = 1;
+};
+
+/// Finds the grid of views with these numbers, which must be sorted and distinct, with at least one: that of the stated
+/// number of columns, or a square one, in which some views may be missing. Fails with kInvalidValue.
 Result<FlatGrid> find_flat_grid(const std::vector<size_t>& numbers, size_t columns, const fs::path& folder) {
-  const size_t first = numbers.front(), last = numbers.back(), span = last - first + 1;
-  if (columns > 0) return grid_of_columns(first, last, columns, 0);
-  const fs::path config = folder / "parameters.cfg";
-  const size_t said_columns = setting_of(config, "num_cams_x"), said_rows = setting_of(config, "num_cams_y");
-  if (said_columns > 0 && said_rows > 0) {
-    FlatGrid grid = grid_of_columns(first, last, said_columns, said_rows);
-    const size_t views = said_columns * said_rows;
-    // The benchmark numbers from 0, so a grid that lacks its first views begins there.
-    if (last < views) grid.first = 0;
-    if (last - grid.first < views) return grid;
-    return Error{ErrorCode::kShape,
-                 cat("the file states ", said_columns, "x", said_rows, " views, but the views are numbered from ",
-                     first, " to ", last, "; correct num_cams_x and num_cams_y, or give the number of view columns"),
-                 config.string()};
-  }
-  if (const size_t distance = row_distance(numbers)) return FlatGrid{first, distance, 0};
-  if (const size_t side = views_per_axis(span)) return FlatGrid{first, side, 0};
+  const size_t first = numbers.front(), last = numbers.back();
+  if (columns == 0) columns = views_per_axis(last - first + 1);
+  if (columns > 0) return FlatGrid{first, columns};
   return Error{ErrorCode::kInvalidValue,
                cat(numbers.size(), " views are numbered consecutively from ", first, " to ", last,
-                   ", which is not a square grid; give the number of view columns, or copy the "
-                   "missing views"),
+                   ", which is not a square grid; give the number of view columns, or copy the missing views"),
                folder.string()};
 }
-
-namespace {
 
 /// The numbers of rows or columns from the first to the last, which are `step` apart, since only every second view may
 /// have been kept.
@@ -196,11 +146,6 @@ Result<void> place_in_rows(const ViewFiles& views, size_t columns, const fs::pat
     grid.files[{at / grid.flat.columns, at % grid.flat.columns}] = file;
   }
   grid.rows.step = grid.columns.step = 1;
-  if (grid.flat.rows == 0) return {};
-  grid.rows.add(0);
-  grid.rows.add(grid.flat.rows - 1);
-  grid.columns.add(0);
-  grid.columns.add(grid.flat.columns - 1);
   return {};
 }
 
