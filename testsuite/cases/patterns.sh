@@ -14,7 +14,7 @@ grep -q "$assumed" err.txt || fail "inversion: $(cat err.txt)"
 
 # Simulated recordings tell, in every format: in their header, or in the record beside them.
 other_codes other.npy
-for format in raw hdf5 dat csv txt; do
+for format in raw hdf5 dat csv; do
   "$E2LF" simulate demo/scene -m "$model" --cycles 2 -o "own.$format" --quiet
   "$E2LF" reconstruct "own.$format" -m "$model" -o "own_$format" --format npy >out.txt 2>err.txt
   if grep -q "patterns" err.txt; then fail "$format: $(cat err.txt)"; fi
@@ -32,7 +32,7 @@ for input in converted.hdf5 replay:other.raw images.npz -; do
   grep -q "made with other patterns than e2lf-n4" err.txt || fail "$input: $(cat err.txt)"
 done
 # Formats that hold no text keep them in the record beside them, also where they were converted.
-for format in npz npy; do
+for format in npz; do
   for whose in own other; do
     file=from_$whose.$format
     "$E2LF" convert $whose.raw "$file" --format $format --quiet 2>err.txt

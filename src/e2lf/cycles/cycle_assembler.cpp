@@ -110,7 +110,7 @@ void CycleAssembler::give_up_waiting() {
   const size_t given_up = events_.size() - next_ - options_.max_waiting_events;
   report_.events_given_up += given_up;
   next_ += given_up;
-  if (open_) set_fault(CycleFault::kLost, events_.t[next_]);
+  if (open_) set_fault(CycleFault::kLost);
 }
 
 void CycleAssembler::process(int64_t until_us, const PatternTracker* tracker) {
@@ -144,7 +144,7 @@ void CycleAssembler::finish(int64_t last_us) {
   const bool is_last = pattern_ && is_last_of_cycle(*pattern_);
   const auto enough_us = static_cast<int64_t>(
       is_last ? kEnoughOfLastPattern * static_cast<double>(options_.schedule.patterns[*pattern_].duration_us) : 0);
-  if (!is_last || last_us < pattern_begin_us_ + enough_us) set_fault(CycleFault::kPartial, last_us);
+  if (!is_last || last_us < pattern_begin_us_ + enough_us) set_fault(CycleFault::kPartial);
   consume_events(expected_end_us_);
   close_pattern(expected_end_us_);
   end_cycle();
@@ -167,15 +167,15 @@ void CycleAssembler::begin_cycle(int64_t t_us) {
   open_->cycle.pattern_events.resize(options_.schedule.size());
 }
 
-void CycleAssembler::set_fault(CycleFault fault, int64_t t_us) {
+void CycleAssembler::set_fault(CycleFault fault) {
   if (!open_ || open_->fault) return;
-  open_->fault = DroppedCycle{open_->cycle.number, open_->cycle.begin_us, t_us, fault};
+  open_->fault = DroppedCycle{open_->cycle.number, open_->cycle.begin_us, fault};
 }
 
 void CycleAssembler::end_cycle() {
   if (!open_) return;
   if (filter_) filter_->add_quiet_time(std::exchange(quiet_us_, 0));
-  if (open_->cycle.starts.size() < options_.schedule.size()) set_fault(CycleFault::kPartial, open_->cycle.begin_us);
+  if (open_->cycle.starts.size() < options_.schedule.size()) set_fault(CycleFault::kPartial);
   if (open_->fault) {
     ++report_.dropped[static_cast<size_t>(open_->fault->fault)];
     if (report_.drops.size() < CycleReport::kMaxDrops) report_.drops.push_back(*open_->fault);
@@ -238,17 +238,17 @@ float CycleAssembler::confidence_of(const std::vector<PatternStart>& starts) con
 }
 
 void CycleAssembler::apply(const PatternStart& start, const PatternTracker* tracker) {
-  if (start.kind == PatternStart::Kind::kDoubled) return set_fault(CycleFault::kDoubled, start.t_us);
+  if (start.kind == PatternStart::Kind::kDoubled) return set_fault(CycleFault::kDoubled);
   close_pattern(start.t_us);
   if (start.kind == PatternStart::Kind::kLost) {
-    set_fault(CycleFault::kLost, start.t_us);
+    set_fault(CycleFault::kLost);
     end_cycle();
     return;
   }
   if (start.pattern == first_pattern_) end_cycle();
   // The first cycle of a recording may begin in its middle; it is then dropped as a partial one.
   if (!open_) begin_cycle(start.t_us);
-  if (start.kind == PatternStart::Kind::kMissing) set_fault(CycleFault::kMissing, start.t_us);
+  if (start.kind == PatternStart::Kind::kMissing) set_fault(CycleFault::kMissing);
   open_->cycle.starts.push_back(start);
   pattern_ = start.pattern;
   pattern_begin_us_ = start.t_us;

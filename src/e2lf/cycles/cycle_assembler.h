@@ -88,7 +88,7 @@ class CycleAssembler {
   [[nodiscard]] bool is_last_of_cycle(size_t pattern) const;
   void close_overdue(int64_t until_us);
   void close_pattern(int64_t end_us);
-  void set_fault(CycleFault fault, int64_t t_us);
+  void set_fault(CycleFault fault);
   void consume_events(int64_t until_us);
   void accumulate(size_t begin, size_t end);
   void give_up_waiting();

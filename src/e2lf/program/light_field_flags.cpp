@@ -84,6 +84,7 @@ Result<lightfield::LightField> load_scene(const fs::path& path, const SceneOptio
   lightfield::ReadOptions read = read_options(options.flags);
   read.views_y.count = options.views_y;
   read.views_x.count = options.views_x;
+  read.colour = options.colour;
   return read_with_progress(path, read, is_quiet);
 }
 

@@ -60,9 +60,10 @@ void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_vie
 struct SceneOptions {
   LightFieldFlags flags = {};       ///< the number of views in it is ignored
   size_t views_y = 8, views_x = 8;  ///< number of central views
+  bool colour = false;              ///< whether to keep the colour; otherwise grey
 };
 
-/// Reads a light field of any supported format, in grey and with values in [0, 1]. Fails as read_light_field() does.
+/// Reads a light field of any supported format, with values in [0, 1]. Fails as read_light_field() does.
 [[nodiscard]] Result<lightfield::LightField> load_scene(const std::filesystem::path& path, const SceneOptions& options,
                                                         bool is_quiet);
 
