@@ -11,7 +11,7 @@ namespace e2lf::info {
 enum class FileKind {
   kRecording,    ///< events: a file, or a live source
   kEventImages,  ///< event images: .npz, .npy, or a folder of event_image_00000.npy ...
-  kImages,       ///< a measurement with intensity images (.npz): see capture/measurement/measurement_io.h
+  kImages,       ///< a measurement with intensity images (.npz): see capture/measurement/event_image_io.h
   kLightField,   ///< a light field of any format
   kCycles,       ///< a folder of cycle_00000 ..., a light field in each
   kModel,        ///< a .safetensors file: a model, or training data

@@ -26,7 +26,7 @@ enum class FrameTone {
 
 inline constexpr size_t kMaxBins = 1024;  ///< largest number of bins of a model
 
-/// A network that makes grey frames from the voxel grids (capture/measurement/voxel_grid.h) of consecutive windows of a
+/// A network that makes grey frames from the voxel grids (capture/measurement/measurement.h) of consecutive windows of a
 /// recording. Its memory is carried from frame to frame. It is stored as a model file with "measurement": "voxel-grid".
 struct VideoModel {
   std::string name;                ///< e.g. "firenet"
