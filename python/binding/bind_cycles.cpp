@@ -240,7 +240,7 @@ void bind_cycle_reader(py::module_& module) {
       py::arg("edge") = word_of(usual.edge, kEdges), py::arg("channel") = usual.channel,
       py::arg("first_pattern") = usual.tracker.first_pattern,
       py::arg("one_trigger_per_cycle") = usual.one_trigger_per_cycle, py::arg("origin_us") = py::none(),
-      py::arg("trigger_delay_us") = usual.trigger_delay_us, py::arg("filter_pixels") = usual.filter.has_value(),
+      py::arg("trigger_delay_us") = usual.trigger_delay_us, py::arg("filter_pixels") = usual.filters_pixels,
       py::arg("transitions") = pipeline::ScheduleChoice().transitions,
       py::arg("invert_polarity") = usual.invert_polarity, E2LF_OPEN_ARGUMENTS,
       "Divides a recording into pattern cycles and accumulates their event images. Returns an iterator over "

@@ -3,7 +3,9 @@ grep -q -- "--stream" <("$E2LF" info --help) || fail "no --stream"
 
 # What is no recording is named by its first bytes, by every verb, and nothing is written.
 py - <<'PY'
-import bz2, lzma, zipfile
+import bz2, gzip, lzma, zipfile
+open("a.csv", "w").write("%x,y,p,t\n" + "".join("%d,%d,%d,%d\n" % (i % 64, i % 48, i % 2, 1000 + 3 * i) for i in range(1000)))
+open("gzip.raw", "wb").write(gzip.compress(b"x" * 1000))
 with zipfile.ZipFile("zip.raw", "w") as z:
     z.writestr("a.raw", b"% evt 3.0\n")
 open("bzip2.raw", "wb").write(bz2.compress(b"x" * 1000))

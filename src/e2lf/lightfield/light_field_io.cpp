@@ -222,9 +222,10 @@ Result<LightFieldFormat> format_of_path(const fs::path& path) {
   if (extension == ".h5" || extension == ".hdf5") return LightFieldFormat::kHdf5;
   const bool is_named = extension.size() > 1 && std::isalpha(static_cast<unsigned char>(extension[1])) != 0;
   if (!is_named) return LightFieldFormat::kPng8;
-  return Error{ErrorCode::kUnsupported,
-               cat("light fields are not written as ", extension, "; use .npy, .h5 or the name of a folder"),
-               path.string(), Setting::kOutputFormat};
+  return Error{
+      ErrorCode::kUnsupported,
+      cat("light fields are not written with the extension ", extension, "; use .npy, .h5 or the name of a folder"),
+      path.string(), Setting::kOutputFormat};
 }
 
 Result<void> write_views(const fs::path& folder, const LightFieldView& light_field, LightFieldFormat format,
