@@ -13,7 +13,7 @@ open("xz.raw", "wb").write(lzma.compress(b"x" * 1000))
 open("ROS 1.raw", "wb").write(b"#ROSBAG V2.0\n" + bytes(100))
 open("Event Stream.raw", "wb").write(b"Event Stream" + bytes(100))
 PY
-for kind in zip bzip2 xz "ROS 1" "Event Stream"; do
+for kind in zip gzip bzip2 xz "ROS 1" "Event Stream"; do
   fails 1 "$kind" "$E2LF" info "$kind.raw"
   fails 1 "; " "$E2LF" convert "$kind.raw" foreign.csv
   fails 1 "$kind" "$E2LF" accumulate "$kind.raw" -o foreign.npz
