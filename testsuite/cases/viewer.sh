@@ -44,6 +44,7 @@ absent none.html
 # A map for each cycle, of the view that the record of e2lf depth names.
 "$E2LF" depth cycles -o cycle_depth --view-row 3 --view-column 2 --quiet
 "$E2LF" view cycles --disparity cycle_depth --export cycle_depth.html --quiet
+"$E2LF" view cycle_depth/cycle_00001 --export depth_of_cycle.html --quiet
 py - <<'PY'
 import json, re
 text = re.search(r'id="e2lf-document"[^>]*>(.*?)</script>', open("cycle_depth.html").read(), re.S).group(1)

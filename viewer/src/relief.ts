@@ -27,7 +27,8 @@ export function pressReliefKey(state: State, key: string): boolean {
  *  unknown: there, the surface would hang between two things. */
 export function cellsOf(map: DisparityMap, step: number): Uint32Array {
   const [width, height] = map.size;
-  const jump = Math.max(0.06, 0.025 * (map.range[1] - map.range[0])) * step;
+  const coarseness = clamp(480 / width, 1, 4); // the same slope is steeper from pixel to pixel in a smaller map
+  const jump = Math.max(0.06, 0.025 * (map.range[1] - map.range[0])) * step * coarseness;
   const cells = new Uint32Array(6 * Math.floor((width - 1) / step) * Math.floor((height - 1) / step));
   let count = 0;
   for (let y = 0; y + step < height; y += step) {

@@ -45,6 +45,7 @@ export class LiveFieldScreen implements Screen {
   private readonly problem = element('p', { class: 'advice', role: 'status' });
   private readonly depth: LiveDepth;
   private readonly ways: HTMLElement; // to look at it, if there are several
+  private readonly ofRelief: HTMLElement[];
   private grey: { header: PictureHeader; pixels: Uint8Array } | null = null;
   private small: { width: number; height: number; pictures: Pictures } | null = null;
   private isAskingDepth = false;
@@ -70,8 +71,8 @@ export class LiveFieldScreen implements Screen {
     this.size = new SettingControl(size, (to) => this.tell(`size?to=${to}`));
     panel.group('Light field', this.figures.root, this.findings.root, this.problem,
       panel.button('Freeze', () => this.tell('freeze')), this.fineButton, panel.button('Brightness anew', () => this.tell('brightness')));
-    this.ways = panel.group('Picture', panel.choice('show', 'Show', { picture: 'light field', disparity: 'disparity', relief: 'relief' }),
-      panel.slider('overlay', 'Colours on the relief', { low: 0, high: 1, step: 0.05 }), panel.slider('depth', 'Depth of the relief', { low: 0, high: 1.5, step: 0.05 }));
+    this.ofRelief = [panel.slider('overlay', 'Colours on the relief', { low: 0, high: 1, step: 0.05 }), panel.slider('depth', 'Depth of the relief', { low: 0, high: 1.5, step: 0.05 })];
+    this.ways = panel.group('Picture', panel.choice('show', 'Show', { picture: 'light field', disparity: 'disparity', relief: 'relief' }), ...this.ofRelief);
     this.ways.hidden = true;
     panel.group('Pace',
       element('label', { class: 'choice' }, element('span', {}, 'Size'), size),
@@ -269,6 +270,7 @@ export class LiveFieldScreen implements Screen {
 
   layout(): void {
     const { stage } = this.context;
+    for (const slider of this.ofRelief) slider.hidden = this.way() !== 'relief';
     this.pane.layout(stage.clientWidth - 16, stage.clientHeight - 16, this.way() === 'relief');
   }
 

@@ -117,10 +117,10 @@ Result<DisparityMaps> read_disparity(const fs::path& path, const lightfield::Sha
   return found;
 }
 
-/// Returns whether `e2lf depth` wrote a folder.
+/// Returns whether a folder contains maps of `e2lf depth`, or is that of one of its cycles.
 bool is_depth_folder(const fs::path& path) {
   std::error_code error;
-  return is_our_record(path / "run.json") && fs::exists(files_of(path).front(), error);
+  return fs::is_directory(path, error) && fs::exists(files_of(path).front(), error);
 }
 
 /// Returns the light field of which the maps in a folder of `e2lf depth` are, or an empty path if it is not there.
@@ -145,6 +145,7 @@ class DocumentMaker {
     if (is_live(path)) {
       return fail(ErrorCode::kUnsupported, path, "a live recording cannot be shown; convert it to a file first");
     }
+    if (is_depth_folder(path)) return add_depth(path);
     E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
     if (kind == FileKind::kModel) {
       E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
@@ -154,7 +155,6 @@ class DocumentMaker {
     if (kind == FileKind::kEventImages) return add_event_images(path);
     if (kind == FileKind::kLightField || kind == FileKind::kCycles) return add_light_field(path, name_of(path));
     if (kind == FileKind::kRecording) return add_recording(path);
-    if (kind == FileKind::kResults && is_depth_folder(path)) return add_depth(path);
     if (kind != FileKind::kImages) return other_kind_error(path, kind, "something that the viewer can show");
     return fail(ErrorCode::kUnsupported, path,
                 "the viewer does not show measurements with intensity images; reconstruct a light field from it");
