@@ -284,8 +284,8 @@ Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const captu
   result.flat_pixels = scene.num_pixels();
   if (calibrator.areas().size() < kLeastAreas) {
     return Error{ErrorCode::kInvalidValue,
-                 cat("only ", calibrator.areas().size(), " flat areas were found in ", result.flat_pixels,
-                     " flat pixels; record a scene with larger uniform areas of different brightness"),
+                 cat("the scene has too few flat areas (", calibrator.areas().size(), " were found, ", kLeastAreas,
+                     " are needed); record a grey card and state `even`, or a scene with larger uniform areas"),
                  ""};
   }
   const Solution solution = solve(calibrator, all, options.is_even);

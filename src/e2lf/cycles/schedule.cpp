@@ -135,8 +135,8 @@ Result<Schedule> parse_schedule(const std::string& text, const std::string& name
   if (patterns.is_array() && !patterns.empty() && patterns[0].is_array()) {
     return Error{
         ErrorCode::kInvalidValue,
-        "the file contains patterns, not their times; give it as `codes`, and as schedule the schedule.json that "
-        "`e2lf codes render` writes beside the pictures of the patterns",
+        "the file contains patterns, not their times; give it as `codes`, and as `schedule` the schedule.json that "
+        "`e2lf codes render` writes beside the images of the patterns",
         name};
   }
   for (size_t i = 0; patterns.is_array() && i < patterns.size(); ++i) {

@@ -135,10 +135,12 @@ Findings RigCheck::findings(const cycles::CycleReader& reader) const {
 void RigCheck::add_signs(const cycles::CycleReader& reader, Findings& findings) const {
   const uint64_t inverted = polarities_[static_cast<size_t>(Polarity::kInverted)];
   const uint64_t half_off = polarities_[static_cast<size_t>(Polarity::kHalfCycleOff)];
+  // live decodes most cycles only as far as their event images require, so that their signs are not known.
+  const uint64_t known = inverted + half_off + polarities_[static_cast<size_t>(Polarity::kRight)];
   if (inverted > 0) {
     findings.push_back({"polarity-inverted",
                         Severity::kError,
-                        cat("the polarity is inverted in ", inverted, " of ", cycles_,
+                        cat("the polarity is inverted in ", inverted, " of ", known,
                             " cycles: the change from black to the first pattern causes OFF events"),
                         reader.options().invert_polarity ? "omit `invert-polarity`" : "give `invert-polarity`",
                         {{"cycles", inverted}}});
@@ -146,7 +148,7 @@ void RigCheck::add_signs(const cycles::CycleReader& reader, Findings& findings) 
   if (half_off > 0) {
     findings.push_back({"half-cycle-off",
                         Severity::kError,
-                        cat("the patterns of ", half_off, " of ", cycles_, " cycles are mistaken for their inverses"),
+                        cat("the patterns of ", half_off, " of ", known, " cycles are mistaken for their inverses"),
                         "check `first-pattern` and `origin-us`",
                         {{"cycles", half_off}}});
   }

@@ -213,10 +213,10 @@ std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles:
   if (times_us.size() < options.schedule.size()) {
     auto of_cycles = check_times(times_us, options.schedule, options.one_trigger_per_cycle);
     if (times_us.size() >= kEnoughOfCycles && of_cycles && of_cycles->code == "triggers-of-cycles") return of_cycles;
-    return finding(
-        "triggers-few",
-        cat("there are ", times_us.size(), " triggers, and a cycle has ", options.schedule.size(), " patterns"),
-        "record for longer, or give `one-trigger-per-cycle` if each marks a cycle");
+    return finding("triggers-few",
+                   cat("the recording has fewer triggers (", times_us.size(), ") than a cycle has patterns (",
+                       options.schedule.size(), ")"),
+                   "record for longer, or give `one-trigger-per-cycle` if each marks a cycle");
   }
   if (auto found = check_times(times_us, options.schedule, options.one_trigger_per_cycle)) return found;
   if (last_us - times_us.back() > 2 * options.schedule.cycle_us() && times_us.size() < TriggerInput::kMostTimes) {

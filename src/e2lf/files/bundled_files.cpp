@@ -87,7 +87,8 @@ Result<fs::path> find_file_or_bundled(const BundledKind& kind, const std::string
   if (fs::exists(name, error)) return fs::path(name);
   const std::vector<std::string> names = bundled_names(kind);
   const std::string remedy =
-      names.empty() ? "give one" : cat("give one, or a bundled ", kind.bundled, ": ", join(names));
+      names.empty() ? "give its path: the files of e2lf were not found, whose folder models E2LF_MODELS names"
+                    : cat("give one, or a bundled ", kind.bundled, ": ", join(names));
   return Error{ErrorCode::kNotFound, cat("there is no such ", kind.any, "; ", remedy), name};
 }
 

@@ -148,7 +148,7 @@ const char* kind_text(FileKind kind) {
 
 Error other_kind_error(const fs::path& path, FileKind kind, const char* wanted) {
   return {ErrorCode::kUnsupported,
-          cat("this is ", kind_text(kind), "; give ", wanted, text_of(kind).use,
+          cat("expected ", wanted, ", not ", kind_text(kind), text_of(kind).use,
               kind == FileKind::kCycles ? (path / "cycle_00000").string() : ""),
           path.string()};
 }

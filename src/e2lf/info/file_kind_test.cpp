@@ -89,7 +89,7 @@ TEST(FileKind, SaysWhatAFolderContainsThatIsOfNoKind) {
 TEST(FileKind, NamesTheVerbForAnInputOfAnotherKind) {
   const Error error = other_kind_error("scene", FileKind::kLightField, "event images");
   EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-  EXPECT_EQ(error.message, "this is a light field; give event images: `e2lf simulate` generates events from it");
+  EXPECT_EQ(error.message, "expected event images, not a light field: `e2lf simulate` generates events from it");
 }
 
 }  // namespace

@@ -33,7 +33,9 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
   if (!known) {
     return Error{ErrorCode::kInvalidValue,
-                 "the patterns that the camera showed are unknown; give the model that was trained for them", ""};
+                 "the patterns that the camera showed are unknown; state them as `codes`, or give the model that was "
+                 "trained for them",
+                 ""};
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
                         choice.algorithm == kDepth ? first_for(known->codes, {"e2lf-n4-depth", "e2lf-n4-cycle-depth"})
