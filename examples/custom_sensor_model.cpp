@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <e2lf/eval/metrics.h>
 #include <e2lf/lightfield/scene.h>
-#include <e2lf/recon/linear_estimate.h>
+#include <e2lf/recon/inversion.h>
 #include <e2lf/sensor/coded_intensity.h>
 
 namespace {

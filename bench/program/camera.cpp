@@ -9,7 +9,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/verb.h"
@@ -221,24 +220,19 @@ BenchReport camera_report(const Json& json) {
     table.columns.push_back({name, true, true, cat(name, " psnr_db")});
     table.columns.push_back({"difference", true, false, cat(name, " difference_db")});
   }
-  report::BarChart chart{"mean PSNR, dB", false, 2, {}, {}};
-  for (const Json& model : base) chart.series.push_back({model["model"].get<std::string>(), {}});
   for (const Json& row : json["settings"]) {
     table.rows.push_back({report::text_cell(row["setting"].get<std::string>())});
-    chart.groups.push_back(row["setting"].get<std::string>());
     for (size_t i = 0; i < base.size(); ++i) {
       const double db = row["models"][i]["mean_psnr_db"].get<double>();
       table.rows.back().push_back(report::number_cell(db, 2));
       table.rows.back().push_back(report::number_cell(db - base[i]["mean_psnr_db"].get<double>(), 2));
-      chart.series[i].values.emplace_back(db);
     }
   }
   return {"What each imperfection of a camera costs",
           cat("mean PSNR over ", json["scenes"].get<size_t>(),
               " scenes at their best brightness, dB, and the difference to the camera (",
               json["camera"].get<std::string>(), ") itself"),
-          {table},
-          {chart}};
+          {table}};
 }
 
 Result<void> bench(const CameraBench& options, const std::vector<fs::path>& report_names, const Verb& verb) {

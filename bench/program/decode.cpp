@@ -87,8 +87,6 @@ BenchReport decode_report(const std::vector<DecodeBenchmarkRow>& rows,
                        {"ratio", true, false, "skipping to one thread"},
                        {"reference", true}},
                       {}};
-  report::BarChart chart{
-      "M events/s", true, 0, {}, {{"one thread", {}}, {"all threads", {}}, {"scalar reference", {}}}};
   for (const DecodeBenchmarkRow& row : rows) {
     const auto known = [&](double value) { return row.reference > 0 ? std::optional(value) : std::nullopt; };
     const auto skipped = [&](double value) { return row.skipping > 0 ? std::optional(value) : std::nullopt; };
@@ -99,10 +97,6 @@ BenchReport decode_report(const std::vector<DecodeBenchmarkRow>& rows,
          report::number_cell(row.all_threads, 0), report::number_cell(known(row.all_threads / row.reference), 1),
          report::number_cell(skipped(row.skipping), 0), report::number_cell(skipped(row.skipping / row.one_thread), 1),
          report::number_cell(known(row.reference), 0)});
-    chart.groups.push_back(row.shape);
-    chart.series[0].values.emplace_back(row.one_thread);
-    chart.series[1].values.emplace_back(row.all_threads);
-    chart.series[2].values.push_back(known(row.reference));
   }
   report::Table published{"Other decoders on one thread, as measured on another machine (Zen 4), M events/s.",
                           {{"others, on ANOTHER machine (Zen 4)"}},
@@ -117,8 +111,7 @@ BenchReport decode_report(const std::vector<DecodeBenchmarkRow>& rows,
   BenchReport found{"Speed of decoding",
                     cat("decoding from memory, M events/s; ", num_threads(), " threads, ", current_isa(),
                         "; ratios to the scalar reference in this run; one thread by its processor time"),
-                    {std::move(table), std::move(published)},
-                    {std::move(chart)}};
+                    {std::move(table), std::move(published)}};
   for (const auto& row : conversions) {
     found.note += cat(found.note.empty() ? "" : "\n", "RAW file to ", row.format, " in ", folder, ": ",
                       std::lround(row.mevents_per_s), " M events/s");

@@ -65,8 +65,7 @@ BenchReport reconstruct_report(const Json& json) {
   BenchReport found{"Speed of reconstruction",
                     cat(json["network"].get<std::string>(), ", ", json_line(json["image"]), " px, ",
                         json["threads"].get<int>(), " threads, ", json["isa"].get<std::string>()),
-                    {table},
-                    {bars_of(table, 1, "seconds")}};
+                    {table}};
   found.note = cat(has_peer ? "" : cat("peer: none (", peer["absent"].get<std::string>(), ")\n"),
                    onnx.contains("absent") ? cat("ONNX Runtime: ", onnx["absent"].get<std::string>(), "\n") : "",
                    "multiply-add peak of this machine, GFLOP/s: ", json_line(json["peak_gflops"]), "; peak memory ",
@@ -119,7 +118,6 @@ BenchReport video_report(const Json& json) {
                        {"float32 x", true},
                        {"bfloat16 x", true}},
                       {}};
-  report::BarChart chart{"seconds for a frame", true, 4, {}, {{"float32", {}}, {"bfloat16", {}}, {"libtorch", {}}}};
   BenchReport found{"Speed of networks of frames", cat(json["threads"].get<int>(), " threads, ",
                                                        json["isa"].get<std::string>(), "; seconds for a frame")};
   constexpr const char* kKinds[] = {"float32", "bfloat16", "peer"};
@@ -128,11 +126,8 @@ BenchReport video_report(const Json& json) {
     std::vector<report::Cell> cells = {
         report::text_cell(name),
         report::text_cell(cat(row["image"][1].get<size_t>(), "x", row["image"][0].get<size_t>()))};
-    chart.groups.push_back(name);
     for (size_t i = 0; i < std::size(kKinds); ++i) {
       cells.push_back(row.contains(kKinds[i]) ? number_of(row[kKinds[i]], "seconds", 4) : report::Cell());
-      const Json& value = cells.back().value;
-      chart.series[i].values.push_back(value.is_number() ? std::optional(value.get<double>()) : std::nullopt);
     }
     for (const char* precision : {"float32", "bfloat16"}) {
       cells.push_back(row.contains(precision) ? number_of(row[precision], "ratio_to_peer", 1) : report::Cell());
@@ -145,7 +140,6 @@ BenchReport video_report(const Json& json) {
                                                 peer["largest_difference"].get<float>());
   }
   found.tables = {std::move(table)};
-  found.charts = {std::move(chart)};
   return found;
 }
 
@@ -193,8 +187,7 @@ BenchReport simulation_report(const Json& json, const StreamBenchmark& stream) {
                            report::number_cell(stream.reference_events_per_s * 1e-6, 2)});
   return {"Speed of simulation",
           cat(num_threads(), " threads, ", current_isa(), "; the scalar reference in the same run"),
-          {table, by_event},
-          {bars_of(table, 3, "times the scalar reference")}};
+          {table, by_event}};
 }
 
 int run_simulate(const std::vector<std::string>& arguments) {
@@ -235,23 +228,14 @@ BenchReport training_report(const Json& json) {
   report::Table table{"Ratios to the first row of the same job.",
                       {{"job"}, {"what"}, {"precision"}, {"samples/s", true}, {"ratio", true}},
                       {}};
-  std::map<std::string, report::BarChart> charts;
   for (const Json& row : json["rows"]) {
     table.rows.push_back({text_of(row, "job"), text_of(row, "name"), text_of(row, "precision"),
                           number_of(row, "samples_per_s", 2), number_of(row, "ratio", 2)});
-    const std::string job = row["job"].get<std::string>();
-    report::BarChart& chart =
-        charts.try_emplace(job, report::BarChart{cat(job, ", samples per second"), true, 2, {}, {{job, {}}}})
-            .first->second;
-    chart.groups.push_back(cat(row["name"].get<std::string>(), ", ", row["precision"].get<std::string>()));
-    chart.series[0].values.emplace_back(row["samples_per_s"].get<double>());
   }
-  BenchReport found{"Speed of training",
-                    cat("training: samples of 64x64x8x8, batch ", json["batch"].get<uint64_t>(),
-                        "; synthesis: light fields of 96x96x8x8; ", json["threads"].get<int>(), " threads"),
-                    {std::move(table)}};
-  for (auto& [job, chart] : charts) found.charts.push_back(std::move(chart));
-  return found;
+  return {"Speed of training",
+          cat("training: samples of 64x64x8x8, batch ", json["batch"].get<uint64_t>(),
+              "; synthesis: light fields of 96x96x8x8; ", json["threads"].get<int>(), " threads"),
+          {std::move(table)}};
 }
 
 /// Runs the program that measures training, which needs torch, and reads the JSON that it prints.

@@ -12,7 +12,6 @@
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/verb.h"
@@ -196,24 +195,19 @@ BenchReport motion_report(const Json& json, const MotionBench& options) {
                        {"difference", true},
                        {"scene motion", true}},
                       {}};
-  report::BarChart chart{"mean PSNR, dB", false, 2, {}, {{"lit transitions", {}}, {"whole cycle", {}}}};
   for (const Json& row : json["motions"]) {
     const double lit_db = row["lit_psnr_db"].get<double>(), whole_db = row["whole_psnr_db"].get<double>();
     const std::string name = row["motion"].get<std::string>();
     table.rows.push_back({report::text_cell(name), report::number_cell(lit_db, 2), report::number_cell(whole_db, 2),
                           report::number_cell(whole_db - lit_db, 2),
                           report::number_cell(row["scene_motion"].get<double>(), 3)});
-    chart.groups.push_back(name);
-    chart.series[0].values.emplace_back(lit_db);
-    chart.series[1].values.emplace_back(whole_db);
   }
   return {"What motion costs",
           cat("PSNR of ", options.lit.stem().string(), " and ", options.whole.stem().string(),
               " against the best match within the cycle, dB, and the motion that the events of the whole cycle show; "
               "camera ",
               json["camera"].get<std::string>()),
-          {table},
-          {chart}};
+          {table}};
 }
 
 Result<recon::Reconstructor> open_network(const fs::path& path, const capture::SensorProfile& camera) {

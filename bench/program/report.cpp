@@ -9,16 +9,6 @@
 namespace e2lf::bench {
 using namespace program;
 
-report::BarChart bars_of(const report::Table& table, size_t column, const std::string& label) {
-  report::BarChart chart{label, true, 3, {}, {{table.columns.at(column).name, {}}}};
-  for (const auto& row : table.rows) {
-    if (!row[column].value.is_number()) continue;
-    chart.groups.push_back(row[0].text);
-    chart.series[0].values.emplace_back(row[column].value.get<double>());
-  }
-  return chart;
-}
-
 Result<ReportOutput> open_reports(const std::vector<std::filesystem::path>& names, const Verb& verb) {
   return ReportOutput::open(names, output_rules(verb, {}));
 }
@@ -29,7 +19,6 @@ Result<void> finish(const Verb& verb, const Json& json, const BenchReport& found
     page.paragraph(found.about);
     for (const report::Table& table : found.tables) page.table(table);
     if (!found.note.empty()) page.paragraph(found.note);
-    for (const report::BarChart& chart : found.charts) page.drawing(report::chart_svg(chart));
     page.heading("All figures").facts(json);
     E2LF_RETURN_IF_ERROR(reports.write(page));
   }

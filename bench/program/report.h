@@ -7,7 +7,6 @@
 #include "e2lf/files/options.h"
 #include "e2lf/program/report_output.h"
 #include "e2lf/program/verb.h"
-#include "e2lf/report/chart.h"
 #include "e2lf/report/table.h"
 
 /// The output of benchmarks: printed text, JSON and the files of --report.
@@ -16,16 +15,12 @@ namespace e2lf::bench {
 using program::ReportOutput;
 using program::Verb;
 
-/// The results of a benchmark as text, tables and charts.
+/// The results of a benchmark as text and tables.
 struct BenchReport {
   std::string title, about;                ///< about: sizes, threads, and the meaning of the figures
   std::vector<report::Table> tables = {};  ///< captions are only shown on the page
-  std::vector<report::BarChart> charts = {};
-  std::string note = {};  ///< below the tables
+  std::string note = {};                   ///< below the tables
 };
-
-/// Returns a bar chart of one column, with the names of the first column.
-[[nodiscard]] report::BarChart bars_of(const report::Table& table, size_t column, const std::string& label);
 
 /// Prints the results, as JSON if the verb has --json, and writes the files of --report.
 [[nodiscard]] Result<void> finish(const Verb& verb, const Json& json, const BenchReport& found, ReportOutput& reports);

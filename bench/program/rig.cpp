@@ -156,7 +156,6 @@ BenchReport rig_report(const Json& json) {
   return {"One cycle from light field to light field",
           about,
           {table},
-          {bars_of(table, 1, "seconds")},
           cat("decoded events equal the simulated ones: ", json["decoded_is_simulated"].dump(),
               "; so do their sums: ", json["accumulated_is_summed"].dump())};
 }

@@ -3,7 +3,7 @@
 #include <pybind11/stl.h>
 #include <variant>
 
-#include "e2lf/model/depth_network.h"
+#include "e2lf/model/model.h"
 #include "e2lf/pipeline/event_depth.h"
 #include "e2lf/pipeline/method.h"
 #include "e2lf/recon/event_check.h"

@@ -4,7 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/video/event_video.h"
+#include "e2lf/video/video_model.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"
 #include "python/binding/module.h"

@@ -38,13 +38,13 @@ for row in rows:
         assert row["events_per_pixel"] == other["events_per_pixel"] and float(row["psnr_db"]) < float(other["psnr_db"]), row
 PY
 
-# The figures are those of the verbs that it stands for, of the regularised method, too.
+# The figures are those of the verbs that it stands for.
 "$E2LF" demo -o demo --width 48 --height 32 --quiet
 other_codes other.npy
-echo '{"methods": [{"name": "r", "algorithm": "regularised", "codes": "other.npy"}], "scenes": [{"name": "g", "scenes": ["demo/scene"]}], "seeds": [5]}' >r.json
+echo '{"methods": [{"name": "r", "algorithm": "inversion", "codes": "other.npy"}], "scenes": [{"name": "g", "scenes": ["demo/scene"]}], "seeds": [5]}' >r.json
 "$E2LF" compare r.json -o r --json --quiet >r.out
 "$E2LF" simulate demo/scene --codes other.npy --camera paper --seed 5 -o events.npz --quiet
-"$E2LF" reconstruct events.npz --method regularised --gain 1 --format npy -o recon --quiet
+"$E2LF" reconstruct events.npz --method inversion --gain 1 --format npy -o recon --quiet
 "$E2LF" eval demo/scene recon --events events.npz --json >eval.json
 py - <<'PY'
 import json
@@ -53,7 +53,7 @@ row, other = json.load(open("r.out"))["results"][0], json.load(open("eval.json")
 assert abs(row["psnr_db"] - other["psnr_db"]) < 1e-4 and abs(row["ssim"] - other["ssim_uniform7"]) < 1e-5, (row, other)
 assert row["events_per_pixel"] == other["events"]["total_events_per_pixel"]
 PY
-fails 1 "method" "$E2LF" reconstruct events.npz --method regularised --passes 2 -o no
+fails 1 "method" "$E2LF" reconstruct events.npz --method inversion --passes 2 -o no
 
 # LaTeX: what is opened is closed, every row has as many cells, names are escaped.
 py - <<'PY'
@@ -142,7 +142,7 @@ fails 1 "give e.g. 1/4" "$E2LF" compare c.json -o out --shard 3/2
 mkdir foreign && echo mine >foreign/table.csv
 fails 1 "this folder was not written by e2lf compare" "$E2LF" compare c.json -o foreign
 fails 1 "this folder was not written by e2lf compare" "$E2LF" compare c.json -o demo
-fails 1 "this is not a folder of results of e2lf compare" "$E2LF" compare c.json -o out2 --merge foreign
+fails 1 "no results" "$E2LF" compare c.json -o out2 --merge foreign
 [ "$(cat foreign/table.csv)" = mine ] || fail "a file of someone else was replaced"
 echo mine >one/notes.txt
 "$E2LF" compare more.json -o one --set seeds=[1,2] --quiet

@@ -90,8 +90,8 @@ sums = all_.sum((0, 2, 3))
 assert sums[0] > 0 and sums[3] > 0 and sums[7] < 0 and abs(sums[4]) < 0.1 * sums[3], sums
 PY
 # Reconstruction takes what the patterns that are named are for.
-"$E2LF" reconstruct rig.raw --codes whole.npy --method regularised -o whole_field --json >whole.json 2>/dev/null
-"$E2LF" reconstruct rig.raw --codes codes.json --method regularised -o lit_field --json >lit.json 2>/dev/null
+"$E2LF" reconstruct rig.raw --codes whole.npy --method inversion -o whole_field --json >whole.json 2>/dev/null
+"$E2LF" reconstruct rig.raw --codes codes.json --method inversion -o lit_field --json >lit.json 2>/dev/null
 [ "$(json whole.json "len(j['cycles'])")/$(json lit.json "len(j['cycles'])")" = 3/4 ] || fail "cycles: $(cat whole.json lit.json)"
 "$E2LF" codes render --codes whole.npy -o display --quiet
 [ "$(ls display/frame_*.png | wc -l)" = 8 ] || fail "$(ls display)"

@@ -33,8 +33,8 @@ fails 2 'disparity' "$E2LF" refocus "$lf" -o x.png
 fails 1 'use .gif, .webm or .mp4' "$E2LF" animate "$lf" -o x.avi
 fails 1 "x.png" "$E2LF" animate "$lf" --path orbit -o x.png
 fails 1 'two ends' "$E2LF" animate "$lf" --path focus --from 1 -o x.gif
-fails 1 'leaves the picture of 64x48 px' "$E2LF" refocus "$lf" --disparity=0,1e30 -o x.png
-fails 1 'leaves the picture of 64x48 px' "$E2LF" animate "$lf" --still=-64 -o x.gif
+fails 1 'exceeds the image of 64x48 px' "$E2LF" refocus "$lf" --disparity=0,1e30 -o x.png
+fails 1 'exceeds the image of 64x48 px' "$E2LF" animate "$lf" --still=-64 -o x.gif
 # A name says what a file holds.
 fails 1 ".png" "$E2LF" refocus "$lf" --disparity=0 -o x.jpg
 fails 1 ".png" "$E2LF" epi "$lf" -o x.npy

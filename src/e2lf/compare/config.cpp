@@ -19,8 +19,8 @@ template <typename Method, typename Visitor>
 void visit_method(Method& method, Visitor& visit) {
   visit("name", method.name, "name in the tables");
   visit("algorithm", method.algorithm,
-        "`network`; `inversion` or `regularised`, [which need no model](#methods-without-a-network); or `event-video`, "
-        "[a scan of views](#a-scan-of-views)");
+        "`network`; `inversion`, [which needs no model](#the-method-without-a-network); or `event-video`, [a scan of "
+        "views](#a-scan-of-views)");
   visit("model", method.model,
         "a model file, which determines the measurement, or the folder of [the release](models.md#the-release); for "
         "`event-video`, a [model of frames](video.md#networks)");

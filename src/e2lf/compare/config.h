@@ -53,7 +53,7 @@ struct Config {
   bool pictures = true;
 };
 
-inline constexpr const char* kAlgorithms[] = {"network", "inversion", "regularised", "event-video"};
+inline constexpr const char* kAlgorithms[] = {"network", "inversion", "event-video"};
 
 /// Reads a configuration. Fails with kFormat and kInvalidValue (unknown keys, for which the nearest known
 /// one is suggested, values out of range, duplicate names, or nothing to compare). The location is the place in the

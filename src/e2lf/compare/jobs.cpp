@@ -6,7 +6,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/compare/measure.h"
-#include "e2lf/compare/result_page.h"
+#include "e2lf/compare/tables.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/sha256.h"

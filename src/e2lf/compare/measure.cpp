@@ -77,16 +77,13 @@ double measured_us(const ComparedMethod& method, const cycles::Schedule& schedul
   return pattern_us * static_cast<double>(method.codes.num_patterns);
 }
 
-/// Adds the mean events of each transition over the cycles, and the total cost of all cycles.
+/// Adds the total cost of all cycles.
 void add_costs(const ComparedMethod& method, const std::vector<capture::Measurement>& cycles, Json& figures) {
   const auto count = static_cast<double>(cycles.size());
-  std::vector<double> per_transition(cycles.front().events.count);
   double total = 0;
+  const bool has_events = cycles.front().events.count > 0;
   for (const capture::Measurement& measured : cycles) {
-    if (per_transition.empty()) break;
-    const eval::EventStatistics statistics = eval::event_statistics(measured.events);
-    total += statistics.total_events_per_pixel;
-    for (size_t k = 0; k < per_transition.size(); ++k) per_transition[k] += statistics.events_per_pixel[k] / count;
+    if (has_events) total += eval::event_statistics(measured.events).total_events_per_pixel;
   }
   const cycles::Schedule schedule = cycles::paper_schedule(std::max<size_t>(method.codes.num_patterns, 2));
   const double image_bits =
@@ -94,8 +91,7 @@ void add_costs(const ComparedMethod& method, const std::vector<capture::Measurem
   figures["events_per_pixel"] = total;
   figures["bits_per_pixel"] = eval::event_cost(total).bits_per_light_field_pixel + image_bits;
   figures["measurement_ms"] = count * measured_us(method, schedule) / 1000;
-  if (!per_transition.empty()) figures["cycle_ms"] = count * static_cast<double>(schedule.cycle_us()) / 1000;
-  figures["events_per_transition"] = per_transition;
+  if (has_events) figures["cycle_ms"] = count * static_cast<double>(schedule.cycle_us()) / 1000;
 }
 
 void add_quality(const eval::LightFieldMetrics& quality, Json& figures) {
@@ -283,7 +279,6 @@ Result<Outcome> JobRunner::run(const Job& job, const LightField& truth, const li
   E2LF_RETURN_IF_ERROR(add_disparity(disparity, outcome));
   outcome.figures["gain"] = json_number(gain);
   outcome.figures["num_patterns"] = method.codes.num_patterns;
-  outcome.figures["patterns"] = capture::codes_to_json(method.codes)["patterns"];
   return outcome;
 }
 

@@ -4,12 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/compare/result_page.h"
+#include "e2lf/compare/tables.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/model.h"
-#include "e2lf/recon/linear_estimate.h"
+#include "e2lf/recon/inversion.h"
 #include "e2lf/sensor/event_model.h"
 #include "testing/test_files.h"
 
@@ -157,7 +157,7 @@ TEST(Measure, ErrorsNameMethodSceneAndSensor) {
 TEST(Measure, MethodsShareEventsAndJobsShareMethods) {
   Plan plan = inversion_plan(2, 1.0F);
   plan.methods.push_back(plan.methods[0]);
-  plan.methods[1].config.algorithm = "regularised";
+  plan.methods[1].config.camera = "evk4-lcos";
   plan.methods.push_back(plan.methods[0]);
   std::ranges::reverse(plan.methods[2].codes.values);
   plan.scenes.push_back(plan.scenes[0]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include "e2lf/compare/result_page.h"
+#include "e2lf/compare/tables.h"
 
 namespace e2lf::compare {
 namespace {

@@ -2,9 +2,18 @@
 #include "e2lf/compare/tables.h"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/report/axis.h"
+#include "e2lf/depth/disparity_files.h"
+#include "e2lf/files/file.h"
+#include "e2lf/files/options.h"
+#include "e2lf/lightfield/epi.h"
+#include "e2lf/lightfield/views.h"
+#include "e2lf/report/chart.h"
+#include "e2lf/report/page.h"
 
 namespace e2lf::compare {
 
@@ -208,6 +217,157 @@ Json all_json(const Plan& plan, const Results& results) {
   }
   json["results"] = report::table_json(result_table(plan, results))["rows"];
   return json;
+}
+
+namespace {
+
+/// Returns the number of the job of a method on a scene with the first seed.
+size_t first_job(const Plan& plan, size_t method, size_t scene, size_t sensor) {
+  const auto is_it = [&](const Job& job) { return job.method == method && job.scene == scene && job.sensor == sensor; };
+  return static_cast<size_t>(std::find_if(plan.jobs.begin(), plan.jobs.end(), is_it) - plan.jobs.begin());
+}
+
+void add_pictures(const Plan& plan, const Results& results, const ResultStore& store, size_t sensor,
+                  report::Page& page) {
+  page.heading("Pictures", 3)
+      .paragraph(
+          "The upper left view and its enlarged middle, with the EPI of the middle row below. Beside it is the error: "
+          "black is none, white is 0.2 and more. Below is the disparity: bright is near, dark is far.");
+  for (size_t scene = 0; scene < plan.scenes.size(); ++scene) {
+    const std::vector<uint8_t> truth = store.picture(truth_key(plan.scenes[scene]));
+    if (truth.empty()) continue;
+    std::vector<std::vector<uint8_t>> kept = {truth};
+    std::vector<std::string> captions = {"truth"};
+    for (size_t method = 0; method < plan.methods.size(); ++method) {
+      const size_t job = first_job(plan, method, scene, sensor);
+      if (job == plan.jobs.size() || !results[job]) continue;
+      std::vector<uint8_t> png = store.picture(plan.jobs[job].key);
+      if (png.empty()) continue;
+      const Json psnr = results[job]->value("psnr_db", Json());
+      kept.push_back(std::move(png));
+      captions.push_back(cat(plan.methods[method].config.name,
+                             psnr.is_number() ? cat(", ", report::tick_text(psnr.get<double>(), 2), " dB") : ""));
+    }
+    std::vector<report::Picture> pictures;
+    for (size_t i = 0; i < kept.size(); ++i) pictures.push_back({kept[i], captions[i]});
+    page.heading(cat(plan.scenes[scene].group.name, ": ", plan.scenes[scene].name), 4).pictures(pictures);
+  }
+}
+
+}  // namespace
+
+std::string result_page(const Plan& plan, const Results& results, const ResultStore& store,
+                        const std::string& command) {
+  report::Page page(plan.name);
+  const auto there = static_cast<size_t>(
+      std::count_if(results.begin(), results.end(), [](const auto& result) { return result.has_value(); }));
+  page.paragraph(cat(counted(plan.methods.size(), "method"), ", ", counted(plan.scenes.size(), "scene"), " in ",
+                     counted(plan.groups.size(), "group"), ", ", counted(plan.sensors.size(), "sensor"), "; ", there,
+                     " of ", counted(results.size(), "result"),
+                     " exist. The mean is that of the groups. The best value of each column is marked."));
+  page.code(command);
+  for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
+    page.heading(cat("Sensor ", plan.sensors[sensor].config.name));
+    page.table(quality_table(plan, results, sensor));
+    const report::Table cost = cost_table(plan, results, sensor);
+    if (cost.columns.size() > 1) page.table(cost);
+    if (plan.pictures) add_pictures(plan, results, store, sensor, page);
+  }
+  return page.html();
+}
+
+Result<void> write_tables(const std::filesystem::path& folder, const Plan& plan, const Results& results,
+                          const ResultStore& store, const std::string& command) {
+  std::string latex;
+  for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
+    latex += report::table_latex(quality_table(plan, results, sensor));
+  }
+  E2LF_RETURN_IF_ERROR(write_file(folder / "table.csv", report::table_csv(result_table(plan, results))));
+  E2LF_RETURN_IF_ERROR(write_file(folder / "table.json", json_text(all_json(plan, results))));
+  E2LF_RETURN_IF_ERROR(write_file(folder / "table.tex", latex));
+  return write_file(folder / "index.html", result_page(plan, results, store, command));
+}
+
+namespace {
+
+using lightfield::enlarged;
+using lightfield::Image;
+using lightfield::LightField;
+
+constexpr size_t kMostWidth = 320, kGap = 4, kRowsPerView = 5;
+constexpr float kWhiteError = 0.2F;
+
+Image fitted(const Image& image) {
+  if (image.width <= kMostWidth) return image;
+  return lightfield::shrink(image, kMostWidth, std::max<size_t>(1, image.height * kMostWidth / image.width));
+}
+
+/// Copies an image onto the canvas, converting grey to colour if the canvas has colour.
+void paste(const Image& image, size_t top, size_t left, Image& canvas) {
+  for (size_t y = 0; y < image.height; ++y) {
+    for (size_t x = 0; x < image.width; ++x) {
+      const float* from = image.pixels.data() + (y * image.width + x) * image.channels;
+      float* to = canvas.pixels.data() + ((top + y) * canvas.width + left + x) * canvas.channels;
+      for (size_t c = 0; c < canvas.channels; ++c) to[c] = from[std::min(c, image.channels - 1)];
+    }
+  }
+}
+
+/// Returns the error of the first view, averaged over its colours.
+Image error_image(const Image& view, const Image& truth) {
+  Image error(view.width, view.height, 1);
+  for (size_t i = 0; i < view.pixels.size(); ++i) {
+    const float difference = std::abs(std::clamp(view.pixels[i], 0.0F, 1.0F) - truth.pixels[i]);
+    error.pixels[i / view.channels] += difference / (kWhiteError * static_cast<float>(view.channels));
+  }
+  return error;
+}
+
+/// Returns the middle of a picture, enlarged and with a white frame. Its sides are at most a third of those of the
+/// view.
+Image inset_of(const Image& view, const Image& shown) {
+  const size_t times = 3;
+  const size_t side = std::max<size_t>(1, std::min(shown.width, shown.height) / 3 / times);
+  Image part(side, side, view.channels);
+  for (size_t y = 0; y < side; ++y) {
+    const size_t from = ((view.height - side) / 2 + y) * view.width + (view.width - side) / 2;
+    std::copy_n(view.pixels.data() + from * view.channels, side * view.channels,
+                part.pixels.data() + y * side * view.channels);
+  }
+  Image framed(side * times + 2, side * times + 2, view.channels);
+  std::fill(framed.pixels.begin(), framed.pixels.end(), 1.0F);
+  paste(enlarged(part, times, times), 1, 1, framed);
+  return framed;
+}
+
+}  // namespace
+
+Image look(const LightField& field, const LightField* truth, const Image& disparity, const Image& true_disparity) {
+  E2LF_REQUIRE(truth == nullptr || truth->shape() == field.shape(), "a light field is compared with one of its shape");
+  const Image view = lightfield::view_image(field, 0, 0);
+  const Image shown = fitted(view);
+  const Image epi = lightfield::horizontal_epi(field, 0, field.shape().height / 2);
+  const Image strip =
+      enlarged(epi.width > shown.width ? lightfield::shrink(epi, shown.width, epi.height) : epi, kRowsPerView, 1);
+  const size_t columns = truth == nullptr ? 1 : 2;
+  const bool has_disparity = !disparity.pixels.empty();
+  const size_t height = shown.height + kGap + strip.height;
+  Image canvas(columns * (shown.width + kGap) - kGap, height + (has_disparity ? kGap + shown.height : 0),
+               has_disparity ? 3 : field.shape().channels);
+  std::fill(canvas.pixels.begin(), canvas.pixels.end(), 0.5F);
+  paste(shown, 0, 0, canvas);
+  const Image inset = inset_of(view, shown);
+  if (inset.width <= shown.width && inset.height <= shown.height) {
+    paste(inset, shown.height - inset.height, shown.width - inset.width, canvas);
+  }
+  paste(strip, shown.height + kGap, 0, canvas);
+  if (has_disparity) {
+    const Image& shown_fully = true_disparity.pixels.empty() ? disparity : true_disparity;
+    paste(fitted(depth::colour_picture(disparity, depth::shown_range(shown_fully))), height + kGap, 0, canvas);
+  }
+  if (truth == nullptr) return canvas;
+  paste(fitted(error_image(view, lightfield::view_image(*truth, 0, 0))), 0, shown.width + kGap, canvas);
+  return canvas;
 }
 
 }  // namespace e2lf::compare

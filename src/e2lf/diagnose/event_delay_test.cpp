@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/diagnose/event_delay.h"
-
 #include <gtest/gtest.h>
+
+#include "e2lf/diagnose/triggers.h"
 
 namespace e2lf::diagnose {
 namespace {

@@ -2,11 +2,204 @@
 #include "e2lf/diagnose/event_images.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <numeric>
 
 #include "e2lf/base/text.h"
+#include "e2lf/base/threads.h"
+#include "e2lf/recon/inversion.h"
+#include "e2lf/recon/placed_images.h"
 
 namespace e2lf::diagnose {
+namespace {
+
+constexpr size_t kNoiseRadius = 1, kDetailRadius = 8;              // px
+constexpr float kLargestDisparity = 2.5F, kDisparityStep = 0.25F;  // px per view step
+
+constexpr size_t kMostSideOfParallax = 512;  // px
+// docs/troubleshooting.md states how often these thresholds are wrong.
+constexpr double kMismatchRatio = 0.97;  // below it, other places are right
+constexpr double kConfirmed = 1.003;     // above it, the stated ones are
+
+capture::EventImages middle_part(const capture::EventImages& events) {
+  const size_t height = std::min(events.height, kMostSideOfParallax),
+               width = std::min(events.width, kMostSideOfParallax);
+  const size_t top = (events.height - height) / 2, left = (events.width - width) / 2;
+  capture::EventImages middle(events.count, height, width);
+  for (size_t row = 0; row < events.count * height; ++row) {
+    const size_t y = row / height * events.height + top + row % height;
+    std::copy_n(events.values.begin() + static_cast<ptrdiff_t>(y * events.width + left), width,
+                middle.values.begin() + static_cast<ptrdiff_t>(row * width));
+  }
+  return middle;
+}
+
+struct PatternPlace {
+  double y = 0, x = 0;  ///< the centre of light of a pattern, in view steps from the middle
+};
+using Images = std::vector<std::vector<float>>;
+
+/// Returns the centres of light of the patterns after black; nothing if one of them is black as well.
+std::vector<PatternPlace> places_of(const capture::Codes& codes) {
+  const recon::PlacedImages placed = recon::place_images(capture::CodedIntensities(codes.num_patterns, 1, 1), codes);
+  std::vector<PatternPlace> places;
+  for (size_t n = 0; n < placed.images.size(); ++n) {
+    if (placed.patterns[n] != n + 1) return {};
+    places.push_back({placed.images[n].view_y, placed.images[n].view_x});
+  }
+  return places.size() + 1 == codes.num_patterns ? places : std::vector<PatternPlace>();
+}
+
+std::vector<float> box_means(const std::vector<float>& image, size_t height, size_t width, size_t radius) {
+  std::vector<float> means = recon::box_sums(image, height, width, radius);
+  const auto area = static_cast<float>((2 * radius + 1) * (2 * radius + 1));
+  for (float& value : means) value /= area;
+  return means;
+}
+
+/// Returns the details of the log intensities after each transition: less noise, and without the mean around.
+Images details_of(const capture::EventImages& events, float on_per_off) {
+  Images details;
+  std::vector<float> level(events.image_size());
+  for (size_t k = 0; k < events.count; ++k) {
+    for (size_t i = 0; i < level.size(); ++i) {
+      const float count = events.image(k)[i];
+      level[i] += count > 0 ? count : on_per_off * count;
+    }
+    details.push_back(box_means(level, events.height, events.width, kNoiseRadius));
+    const std::vector<float> mean = box_means(details.back(), events.height, events.width, kDetailRadius);
+    for (size_t i = 0; i < mean.size(); ++i) details.back()[i] -= mean[i];
+  }
+  return details;
+}
+
+/// Displaces the images so far that they show different things.
+Images unrelated(const Images& images, size_t height, size_t width) {
+  Images displaced = images;
+  for (size_t n = 0; n < images.size(); ++n) {
+    const size_t dy = n * height / (images.size() + 1), dx = n * width / images.size();
+    for (size_t i = 0; i < images[n].size(); ++i) {
+      displaced[n][i] = images[n][(i / width + dy) % height * width + (i % width + dx) % width];
+    }
+  }
+  return displaced;
+}
+
+/// Returns the radius of the windows that are compared, in px. A large window averages noise, but a small image has too
+/// few of them.
+size_t window_radius(size_t height, size_t width) {
+  return std::clamp<size_t>(std::min(height, width) / 24, 5, 16);
+}
+
+/// Returns the mean over the pixels of the variance between the images at the disparity that fits best.
+double mismatch(const Images& images, const std::vector<PatternPlace>& places, size_t height, size_t width) {
+  const size_t size = height * width, radius = window_radius(height, width);
+  std::vector<float> least(size, std::numeric_limits<float>::infinity()), sum(size), squares(size);
+  for (float disparity = -kLargestDisparity; disparity <= kLargestDisparity; disparity += kDisparityStep) {
+    std::ranges::fill(sum, 0.0F);
+    std::ranges::fill(squares, 0.0F);
+    for (size_t n = 0; n < images.size(); ++n) {
+      const auto dy = disparity * static_cast<float>(places[n].y), dx = disparity * static_cast<float>(places[n].x);
+      for (size_t i = 0; i < size; ++i) {
+        const float value = recon::sample_bilinear(images[n], height, width, static_cast<float>(i / width) + dy,
+                                                   static_cast<float>(i % width) + dx);
+        sum[i] += value;
+        squares[i] += value * value;
+      }
+    }
+    const auto count = static_cast<float>(images.size());
+    for (size_t i = 0; i < size; ++i) squares[i] = squares[i] / count - sum[i] * sum[i] / (count * count);
+    const std::vector<float> around = recon::box_sums(squares, height, width, radius);
+    for (size_t i = 0; i < size; ++i) least[i] = std::min(least[i], around[i]);
+  }
+  return std::accumulate(least.begin(), least.end(), 0.0) / static_cast<double>(size);
+}
+
+/// Candidates for the true places, of which the first are the stated ones.
+struct Candidate {
+  OtherPlaces other;
+  std::vector<PatternPlace> places;
+};
+
+std::vector<Candidate> candidates_for(const std::vector<PatternPlace>& stated) {
+  std::vector<Candidate> candidates = {{{}, stated}};
+  for (size_t n = 0; n < stated.size(); ++n) {
+    for (size_t other = n + 1; other < stated.size(); ++other) {
+      std::vector<PatternPlace> places = stated;
+      std::swap(places[n], places[other]);
+      candidates.push_back({{cat("with the patterns a", n + 2, " and a", other + 2, " exchanged"), true,
+                             "check the order of the patterns in `codes` and on the display", 1},
+                            places});
+    }
+  }
+  const auto add_orientation = [&](const char* name, const char* remedy, auto change) {
+    std::vector<PatternPlace> places = stated;
+    std::ranges::transform(places, places.begin(), change);
+    candidates.push_back({{name, false, remedy, 1}, places});
+  };
+  add_orientation("with mirrored patterns", "render the patterns with `flip-x`, or state the orientation of the views",
+                  [](const PatternPlace& place) { return PatternPlace{.y = place.y, .x = -place.x}; });
+  add_orientation("with patterns turned by 90 degrees", "render the patterns with `rotate` 90",
+                  [](const PatternPlace& place) { return PatternPlace{.y = -place.x, .x = place.y}; });
+  add_orientation("with patterns mirrored and turned by 90 degrees",
+                  "render the patterns with `flip-x` and `rotate` 90",
+                  [](const PatternPlace& place) { return PatternPlace{.y = place.x, .x = place.y}; });
+  return candidates;
+}
+
+}  // namespace
+
+std::vector<OtherPlaces> compare_places(const capture::EventImages& events, const capture::Codes& codes,
+                                        float on_per_off) {
+  constexpr size_t kLeastPatterns = 3;  // two centres of light define only a direction
+  if (codes.num_patterns != events.count + 1) return {};
+  const std::vector<PatternPlace> stated = places_of(codes);
+  if (stated.size() < kLeastPatterns) return {};
+  const Images images = details_of(events, on_per_off);
+  const Images others = unrelated(images, events.height, events.width);
+  std::vector<Candidate> candidates = candidates_for(stated);
+  parallel_for(candidates.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const std::vector<PatternPlace>& places = candidates[i].places;
+      const double by_chance = mismatch(others, places, events.height, events.width);
+      candidates[i].other.mismatch =
+          by_chance > 0 ? mismatch(images, places, events.height, events.width) / by_chance : 1;
+    }
+  });
+  std::vector<OtherPlaces> result;
+  for (size_t i = 1; i < candidates.size(); ++i) {
+    result.push_back(candidates[i].other);
+    result.back().mismatch /= std::max(candidates[0].other.mismatch, 1e-9);
+  }
+  return result;
+}
+
+std::optional<Finding> check_places(const capture::EventImages& events, const capture::Codes& codes,
+                                    const std::optional<capture::SensorProfile>& camera) {
+  using enum capture::PixelConstant;
+  const bool is_pixel = camera && camera->is_pixel();
+  const float on_per_off = is_pixel ? camera->pixel[kThresholdOff] / camera->pixel[kThresholdOn] : 1.0F;
+  const std::vector<OtherPlaces> places = compare_places(middle_part(events), codes, on_per_off);
+  const auto best = std::ranges::min_element(places, {}, &OtherPlaces::mismatch);
+  if (best == places.end() || best->mismatch > kConfirmed) return std::nullopt;
+  if (best->mismatch >= kMismatchRatio) {
+    return Finding{"patterns-undecided",
+                   Severity::kNote,
+                   "the parallax between the event images does not tell in which order and orientation the patterns "
+                   "were shown",
+                   "use more light or a scene with depth, or sum more cycles of a still scene",
+                   {{"mismatch", best->mismatch}, {"change", best->name}}};
+  }
+  const double percent = std::round(1000 * (1 - best->mismatch)) / 10;
+  return Finding{best->is_order ? "order-better-changed" : "orientation-better-changed",
+                 Severity::kError,
+                 cat("the parallax between the event images agrees ", percent, " % better ", best->name),
+                 best->remedy,
+                 {{"mismatch", best->mismatch}, {"change", best->name}}};
+}
+
 namespace {
 
 /// Statistics of the counts of one event image.

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "e2lf/base/text.h"
-#include "e2lf/diagnose/pattern_places.h"
+#include "e2lf/diagnose/event_images.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/sensor/pixel_model.h"
@@ -288,7 +288,7 @@ Result<std::optional<FieldCheck>> FieldCheck::create(const pipeline::OpenedMetho
   // The error of a method that does not use the sensor profile does not depend on the polarity or the order of the
   // events. If the camera of the events is unknown, a network is judged by its own profile.
   if (method.camera ? !is_pixel || method.takes_sums() : method.network != nullptr) {
-    check.judging_ = method.algorithm == "regularised" ? Judging::kNoise : Judging::kChanges;
+    check.is_judged_ = true;
   }
   return std::optional(std::move(check));
 }
@@ -301,7 +301,7 @@ Result<recon::EventError> FieldCheck::compare(const lightfield::LightField& ligh
 Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightField& light_field,
                                                      const capture::Measurement& measurement, bool is_of_lit,
                                                      bool is_confirmed) const {
-  if (judging_ == Judging::kNone) return std::optional<Explanation>();
+  if (!is_judged_) return std::optional<Explanation>();
   const Candidate& own = candidate(is_of_lit);
   const capture::EventImages& events = measurement.events;
   const lightfield::CropRegion region = middle_of(events, kMostSide, kMostSide);
@@ -329,7 +329,7 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
     }
   }
   // Intensity images have no signs.
-  if (is_confirmed && judging_ == Judging::kChanges && measurement.kind == capture::MeasurementKind::kEventImages) {
+  if (is_confirmed && measurement.kind == capture::MeasurementKind::kEventImages) {
     E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio, explained.tried));
     auto places = check_places(given, check.codes, check.pixels);
     // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.

@@ -53,14 +53,13 @@ class FieldCheck {
     recon::Method method;
     recon::EventCheck check;
   };
-  enum class Judging { kNone, kNoise, kChanges };
 
   [[nodiscard]] const Candidate& candidate(bool is_of_lit) const { return is_of_lit && lit_ ? *lit_ : own_; }
 
   Candidate own_;
   std::optional<Candidate> lit_;               ///< for the lit transitions of cycles with motion
   std::optional<Candidate> of_models_camera_;  ///< with the camera of the network, if the caller specifies another one
-  Judging judging_ = Judging::kNone;
+  bool is_judged_ = false;
 };
 
 }  // namespace e2lf::diagnose

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/diagnose/pattern_places.h"
-
 #include <algorithm>
 #include <gtest/gtest.h>
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "e2lf/cycles/cycle_reader.h"
-#include "e2lf/diagnose/event_delay.h"
 #include "e2lf/diagnose/finding.h"
 #include "e2lf/diagnose/triggers.h"
 

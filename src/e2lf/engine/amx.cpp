@@ -4,7 +4,6 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/result.h"
 #include "e2lf/engine/conv.h"
-#include "e2lf/engine/pack.h"
 #include "e2lf/engine/tap_grid.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/engine/pack.h"
+#include "e2lf/engine/conv.h"
 
 namespace e2lf::engine {
 namespace {

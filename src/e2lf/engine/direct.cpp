@@ -2,7 +2,6 @@
 // Implements make_direct() of conv.h: convolutions as sums over the taps.
 #include "e2lf/base/result.h"
 #include "e2lf/engine/conv.h"
-#include "e2lf/engine/pack.h"
 #include "e2lf/engine/tap_grid.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -228,7 +227,7 @@ std::unique_ptr<Kernel> make_direct(const ConvSpec& spec) {
 }
 
 std::unique_ptr<Kernel> make_direct_int16(const ConvSpec& spec) {
-  E2LF_REQUIRE(int16_supported(), "this CPU has no int16 products that are worth it");
+  E2LF_REQUIRE(int16_supported(), "int16 products are not faster than float32 on this CPU");
   return HWY_DYNAMIC_DISPATCH(MakeDirectInt16)(spec);
 }
 

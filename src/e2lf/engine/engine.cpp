@@ -7,7 +7,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/engine/conv.h"
-#include "e2lf/engine/device.h"
 #include "e2lf/engine/row_memory.h"
 #include "e2lf/engine/stream.h"
 

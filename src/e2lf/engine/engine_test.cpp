@@ -13,9 +13,9 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
-#include "e2lf/engine/reference.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/safetensors.h"
+#include "testing/engine_reference.h"
 #include "testing/engine_runs.h"
 #include "testing/test_networks.h"
 

@@ -8,7 +8,7 @@
 #define E2LF_ENGINE_FACTORS_INL_H_
 #endif
 
-#include "e2lf/engine/pack.h"
+#include "e2lf/engine/conv.h"
 #include "e2lf/kernels/vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -12,21 +12,9 @@
 
 namespace e2lf::engine {
 
-/// Runs the network on a whole image by plain loops with sums in double precision, as the reference for every kernel.
-/// The input is float32 [input_channels, height, width], and the result is [output channels, height, width] at the
-/// resolution of the output. Sizes of the image (model::size_multiple()) or of weights that do not fit break the
-/// contract. Fails as model::infer_shapes does, and with kNotFound if a weight is missing.
-[[nodiscard]] Result<std::vector<float>> run_reference(const model::Network& network, const model::Weights& weights,
-                                                       std::span<const float> input, size_t height, size_t width);
-
 /// The memory of recurrent layers by names that begin with those of the layers; [channel, y, x] each. If it is empty,
 /// the network is at rest.
 using ReferenceState = std::map<std::string, std::vector<float>>;
-
-/// Runs one frame in the same way, with a state that is carried from frame to frame.
-[[nodiscard]] Result<std::vector<float>> run_reference(const model::Network& network, const model::Weights& weights,
-                                                       std::span<const float> input, size_t height, size_t width,
-                                                       ReferenceState& state);
 
 /// A tensor [channel, y, x].
 struct ReferencePlanes {

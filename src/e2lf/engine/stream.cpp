@@ -7,7 +7,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/engine/pack.h"
+#include "e2lf/engine/conv.h"
 
 namespace e2lf::engine {
 namespace {

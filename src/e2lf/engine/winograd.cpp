@@ -334,7 +334,7 @@ std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec) {
 }
 
 std::unique_ptr<Kernel> make_winograd_int16(const ConvSpec& spec) {
-  E2LF_REQUIRE(int16_supported(), "this CPU has no int16 products that are worth it");
+  E2LF_REQUIRE(int16_supported(), "int16 products are not faster than float32 on this CPU");
   return HWY_DYNAMIC_DISPATCH(MakeWinogradInt16)(spec);
 }
 

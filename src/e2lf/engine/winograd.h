@@ -2,7 +2,6 @@
 #pragma once
 
 #include "e2lf/engine/conv.h"
-#include "e2lf/engine/pack.h"
 
 namespace e2lf::engine {
 

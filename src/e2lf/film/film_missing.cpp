@@ -9,7 +9,7 @@ struct FilmFile::Impl {};
 Result<void> check_film_support() {
   return Error{ErrorCode::kMissingDependency,
                "this build cannot write films; install libavcodec-dev, libavformat-dev, libavutil-dev "
-               "and libswscale-dev and build again, or write a chart as .svg",
+               "and libswscale-dev and build again",
                ""};
 }
 

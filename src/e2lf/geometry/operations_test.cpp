@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/engine/reference.h"
-#include "e2lf/model/onnx/onnx_layers.h"
+#include "e2lf/model/onnx/onnx_export.h"
+#include "testing/engine_reference.h"
 #include "testing/engine_runs.h"
 #include "testing/test_networks.h"
 

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <string>
 
-#include "e2lf/engine/pack.h"
+#include "e2lf/engine/conv.h"
 #include "e2lf/engine/pixel_kernel-inl.h"
 #include "e2lf/geometry/shift.h"
 

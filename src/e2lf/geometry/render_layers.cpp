@@ -6,7 +6,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/geometry/shift.h"
-#include "e2lf/model/onnx/onnx_layers.h"
+#include "e2lf/model/onnx/onnx_export.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/geometry/render_layers.cpp"

@@ -16,14 +16,13 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/files/safetensors.h"
-#include "e2lf/info/page_parts.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/learn/data/packed_data.h"
-#include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/summary.h"
-#include "e2lf/report/chart.h"
+#include "e2lf/recordings/open/registry.h"
 #include "e2lf/video/video_model.h"
 
 namespace e2lf::info {
@@ -32,52 +31,6 @@ namespace {
 
 Json orientation_json(const std::optional<capture::Orientation>& views) {
   return views ? Json(capture::orientation_name(*views)) : Json();
-}
-
-/// Returns a histogram of the values in bins of equal width.
-std::string histogram(const char* label, std::span<const float> values, float low, float high, size_t bins) {
-  report::LineChart chart{label, "share, %", {{"", {}, /*is_filled=*/true}}};
-  std::vector<double> counts(bins);
-  const float width = std::max(high - low, 1e-6F) / static_cast<float>(bins);
-  for (const float value : values) {
-    if (!std::isfinite(value)) continue;
-    const float bin = std::clamp((value - low) / width, 0.0F, static_cast<float>(bins - 1));
-    counts[static_cast<size_t>(bin)] += 100.0 / static_cast<double>(values.size());
-  }
-  for (size_t i = 0; i < bins; ++i) {
-    for (const size_t edge : {i, i + 1}) {
-      chart.lines[0].points.push_back({static_cast<double>(low + width * static_cast<float>(edge)), counts[i]});
-    }
-  }
-  return report::chart_svg(chart);
-}
-
-Result<void> show(const capture::EventImageFile& file, report::Page& page) {
-  const capture::EventImages& first = file.cycles.front();
-  page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, and grey is none.");
-  E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(first), "event images"}}, 1600, page));
-  page.drawing(transition_bars(eval::event_statistics(first).events_per_pixel));
-  constexpr float kMost = 16.5F;
-  const std::vector<float> counts(first.values.begin(), first.values.end());
-  page.drawing(histogram("ON minus OFF events of a pixel in a transition; values beyond 16 are counted at the ends",
-                         counts, -kMost, kMost, 33));
-  if (!file.setup.codes) return {};
-  page.heading("Patterns");
-  add_patterns(*file.setup.codes, page);
-  return {};
-}
-
-Result<void> show(const lightfield::LightField& field, float low, float high, report::Page& page) {
-  page.heading("Views");
-  E2LF_RETURN_IF_ERROR(
-      add_pictures({{lightfield::contact_sheet(field), "all views, in the order of the aperture"}}, 1600, page));
-  page.heading("Parallax");
-  E2LF_RETURN_IF_ERROR(add_pictures(
-      {{lightfield::epi_picture(field, lightfield::middle_cut(field.shape())),
-        "the middle view, with the EPIs of two cuts below and beside it, framed in the colours of the cuts"}},
-      1200, page));
-  page.heading("Values").drawing(histogram("value", field.data(), std::min(low, 0.0F), std::max(high, 1.0F), 128));
-  return {};
 }
 
 Result<Description> describe_model(const fs::path& path) {
@@ -92,14 +45,7 @@ Result<Description> describe_model(const fs::path& path) {
   Json json = model::summary_json(model);
   json["kind"] = "model";
   std::string patterns = model.codes ? capture::codes_text(*model.codes) : std::string();
-  const auto show_patterns = [codes = model.codes](report::Page& page) -> Result<void> {
-    if (codes) {
-      page.heading("Patterns");
-      add_patterns(*codes, page);
-    }
-    return {};
-  };
-  return Description{std::move(json), std::move(patterns), show_patterns};
+  return Description{std::move(json), std::move(patterns)};
 }
 
 /// Describes training data that `e2lf pack` wrote.
@@ -120,9 +66,7 @@ Result<Description> describe_safetensors(const fs::path& path) {
 }
 
 Result<Description> describe_event_images(const fs::path& path) {
-  E2LF_ASSIGN_OR_RETURN(capture::EventImageFile read, capture::read_event_images(path));
-  const auto kept = std::make_shared<const capture::EventImageFile>(std::move(read));
-  const capture::EventImageFile& file = *kept;
+  E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
   const capture::EventImages& first = file.cycles.front();
   const capture::RecordedSetup& setup = file.setup;
   const eval::EventStatistics statistics = eval::event_statistics(first);
@@ -134,7 +78,7 @@ Result<Description> describe_event_images(const fs::path& path) {
                {"codes", setup.codes.has_value()},
                {"orientation", orientation_json(setup.views)},
                {"first_cycle", eval::to_json(statistics)}};
-  return Description{std::move(json), {}, [kept](report::Page& page) { return show(*kept, page); }};
+  return Description{std::move(json)};
 }
 
 /// Describes a measurement with intensity images.
@@ -158,11 +102,10 @@ Result<Description> describe_images(const fs::path& path) {
 
 Result<Description> describe_light_field(const fs::path& path, const lightfield::ReadOptions& options) {
   E2LF_ASSIGN_OR_RETURN(const auto kind, lightfield::detect_kind(path));
-  E2LF_ASSIGN_OR_RETURN(lightfield::LightField read, lightfield::read_light_field(path, options));
-  const auto light_field = std::make_shared<const lightfield::LightField>(std::move(read));
-  const lightfield::Shape& shape = light_field->shape();
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(path, options));
+  const lightfield::Shape& shape = light_field.shape();
   E2LF_ASSIGN_OR_RETURN(const capture::Orientation stored, lightfield::stored_orientation(path));
-  const auto [low, high] = std::minmax_element(light_field->data().begin(), light_field->data().end());
+  const auto [low, high] = std::minmax_element(light_field.data().begin(), light_field.data().end());
   Json json = {{"kind", "light field"},
                {"format", lightfield::kind_name(kind)},
                {"views", {shape.views_y, shape.views_x}},
@@ -172,9 +115,7 @@ Result<Description> describe_light_field(const fs::path& path, const lightfield:
                {"stored_orientation", capture::orientation_name(stored)},
                {"min", *low},
                {"max", *high}};
-  return Description{std::move(json), {}, [light_field, low = *low, high = *high](report::Page& page) {
-                       return show(*light_field, low, high, page);
-                     }};
+  return Description{std::move(json)};
 }
 
 /// Returns the names in a folder, sorted.
@@ -231,14 +172,14 @@ Result<Description> describe_results(const fs::path& path) {
   std::vector<std::string> names = names_in(path);
   std::erase(names, "run.json");
   return Description{{{"kind", "results"}, {"verb", verb}, {"names", names}},
-                     "run.json describes the run that made them; give one of them for more information\n"};
+                     "run.json describes the run that produced these files; `e2lf info` describes each of them\n"};
 }
 
 Result<Description> describe_cycles(const fs::path& path, const lightfield::ReadOptions& options) {
   const std::vector<fs::path> folders = lightfield::cycle_folders(path);
   E2LF_ASSIGN_OR_RETURN(Description first, describe_light_field(folders.front(), options));
   Json json = {{"kind", "cycles"}, {"cycles", folders.size()}, {"first_cycle", std::move(first.json)}};
-  return Description{std::move(json), {}, std::move(first.show)};
+  return Description{std::move(json)};
 }
 
 Result<Description> describe_camera(const fs::path& path) {
@@ -349,6 +290,108 @@ Result<Description> describe(FileKind kind, const fs::path& path, const Describe
 Result<Description> describe(const fs::path& path, const DescribeOptions& options) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
   return describe(kind, path, options);
+}
+
+namespace {
+
+Json assumptions_json(const recordings::RecordingInfo& info) {
+  Json texts = Json::array();
+  for (const recordings::Assumption& assumption : info.assumptions) texts.push_back(assumption_text(assumption));
+  return texts;
+}
+
+Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
+             const RecordingStatistics& statistics, Json parts) {
+  const double duration_s = static_cast<double>(summary.last_t_us - summary.first_t_us) * 1e-6;
+  Json json = {{"kind", "recording"},
+               {"format", info.format},
+               {"width", info.width},
+               {"height", info.height},
+               {"duration_s", duration_s},
+               {"events_per_s", duration_s > 0 ? static_cast<double>(summary.events()) / duration_s : 0.0}};
+  Json counts = summary_json(summary);
+  const Json left_out = std::move(counts["left_out"]);
+  counts.erase("left_out");
+  json.update(counts);
+  json["trigger_channels"] = statistics.triggers_json();
+  json["extents"] = {{"width", statistics.width()}, {"height", statistics.height()}};
+  json["assumptions"] = assumptions_json(info);
+  json["read_as"] = reading_json(info);
+  json["left_out"] = left_out;
+  json["parts"] = std::move(parts);
+  json["header"] = header_json(info);
+  return json;
+}
+
+}  // namespace
+
+Result<Description> describe_recording(const fs::path& path, const DescribeOptions& options) {
+  recordings::OpenOptions open = options.recording;
+  open.counts_reports = true;
+  E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(path.string(), open));
+  RecordingStatistics statistics;
+  recordings::DecodeSummary summary;
+  recordings::EventBatch batch;
+  Json parts_json = Json::array();
+  for (bool more_parts = true; more_parts;) {
+    E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
+    if (more) {
+      statistics.add(batch);
+      if (options.on_batch) options.on_batch(batch);
+      if (options.progress) options.progress(summary.events() + reader->summary().events(), 0);
+      continue;
+    }
+    const recordings::DecodeSummary part = reader->summary();
+    summary.append(part);
+    parts_json.push_back({{"events", part.events()},
+                          {"triggers", part.triggers},
+                          {"first_t_us", part.first_t_us},
+                          {"last_t_us", part.last_t_us}});
+    E2LF_ASSIGN_OR_RETURN(more_parts, reader->next_part());
+  }
+  Description description{to_json(reader->info(), summary, statistics, std::move(parts_json))};
+  description.failure = summary.live.failure;
+  return description;
+}
+
+namespace {
+
+size_t beyond(const recordings::Column<uint16_t>& coordinates, size_t known) {
+  if (coordinates.empty()) return known;
+  return std::max<size_t>(known, size_t{*std::max_element(coordinates.begin(), coordinates.end())} + 1);
+}
+
+}  // namespace
+
+void RecordingStatistics::Edges::add(int64_t t_us) {
+  if (count == 0) first_us = t_us;
+  last_us = t_us;
+  ++count;
+}
+
+double RecordingStatistics::Edges::period_us() const {
+  return count < 2 ? 0.0 : static_cast<double>(last_us - first_us) / static_cast<double>(count - 1);
+}
+
+void RecordingStatistics::add(const recordings::EventBatch& batch) {
+  width_ = beyond(batch.events.x, width_);
+  height_ = beyond(batch.events.y, height_);
+  for (const recordings::Trigger& trigger : batch.triggers) {
+    Channel& channel = channels_[trigger.id];
+    (trigger.p != 0 ? channel.rising : channel.falling).add(trigger.t);
+  }
+}
+
+Json RecordingStatistics::triggers_json() const {
+  Json json = Json::array();
+  for (const auto& [id, channel] : channels_) {
+    json.push_back({{"channel", id},
+                    {"rising", channel.rising.count},
+                    {"falling", channel.falling.count},
+                    {"rising_period_us", channel.rising.period_us()},
+                    {"falling_period_us", channel.falling.period_us()}});
+  }
+  return json;
 }
 
 }  // namespace e2lf::info

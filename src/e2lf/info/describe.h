@@ -20,10 +20,9 @@ namespace e2lf::info {
 
 /// The description of a file or folder.
 struct Description {
-  Json json;                                             ///< all that is known
-  std::string note = {};                                 ///< what can be done with it, or a drawing
-  std::function<Result<void>(report::Page&)> show = {};  ///< adds pictures to a page, if there are any
-  std::string failure = {};                              ///< what ended live input before its end
+  Json json;                 ///< all that is known
+  std::string note = {};     ///< what can be done with it, or a drawing
+  std::string failure = {};  ///< what ended live input before its end
 
   /// Returns the table of all that is known with the note, in characters that are safe on a terminal.
   [[nodiscard]] std::string text() const;

@@ -7,7 +7,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/report/axis.h"
 #include "e2lf/report/chart.h"
 
 namespace e2lf::info {
@@ -27,28 +26,6 @@ Result<void> add_pictures(const std::vector<NamedImage>& images, size_t most_wid
   for (size_t i = 0; i < images.size(); ++i) pictures.push_back({kept[i], images[i].caption});
   page.pictures(pictures);
   return {};
-}
-
-void add_patterns(const capture::Codes& codes, report::Page& page) {
-  page.begin_row();
-  for (size_t n = 0; n < codes.num_patterns; ++n) {
-    const auto pattern = codes.pattern(n);
-    page.drawing(report::grid_svg({codes.views_x, {pattern.begin(), pattern.end()}}), cat("a", n + 1));
-  }
-  page.end_row();
-}
-
-std::string transition_bars(const std::vector<double>& events_per_pixel) {
-  report::BarChart chart;
-  chart.y_label = "events per pixel";
-  chart.decimals = 3;
-  report::BarChart::Series series{"signed sums", {}};
-  for (size_t k = 0; k < events_per_pixel.size(); ++k) {
-    chart.groups.push_back(cat("transition ", k + 1));
-    series.values.emplace_back(events_per_pixel[k]);
-  }
-  chart.series.push_back(std::move(series));
-  return report::chart_svg(chart);
 }
 
 namespace {

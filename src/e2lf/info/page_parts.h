@@ -6,7 +6,6 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
-#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/pattern_tracker.h"
 #include "e2lf/lightfield/image.h"
@@ -28,12 +27,6 @@ struct NamedImage {
   std::string caption;
 };
 [[nodiscard]] Result<void> add_pictures(const std::vector<NamedImage>& images, size_t most_width, report::Page& page);
-
-/// Adds the patterns side by side, numbered.
-void add_patterns(const capture::Codes& codes, report::Page& page);
-
-/// Returns a bar chart of the events per pixel of each transition.
-[[nodiscard]] std::string transition_bars(const std::vector<double>& events_per_pixel);
 
 /// The marks and cycles that were found in a recording, for its chart.
 struct FoundCycle {

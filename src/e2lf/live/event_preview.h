@@ -9,7 +9,7 @@
 
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/lightfield/image.h"
-#include "e2lf/live/arrival_clock.h"
+#include "e2lf/live/live_cycle.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::live {

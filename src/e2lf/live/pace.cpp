@@ -20,7 +20,7 @@ Result<std::optional<PictureSize>> size_from_name(const std::string& name) {
   for (const PictureSize size : kSizes) {
     if (name == size_name(size)) return std::optional(size);
   }
-  return Error{ErrorCode::kInvalidValue, cat("\"", name, "\" is no size; give auto, full, half or quarter"), "size"};
+  return Error{ErrorCode::kInvalidValue, cat("unknown size \"", name, "\"; use auto, full, half or quarter"), "size"};
 }
 
 size_t block_side(PictureSize size) {

@@ -12,7 +12,7 @@
 
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/files/options.h"
-#include "e2lf/live/arrival_clock.h"
+#include "e2lf/live/live_cycle.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::live {

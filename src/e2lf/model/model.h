@@ -106,4 +106,11 @@ enum class WeightStorage { kFloat32, kBfloat16 };
 /// AcqNet.safetensors. Fails with kNotFound and kShape if they are not the released ones, and as read_safetensors does.
 [[nodiscard]] Result<Model> import_release(const std::filesystem::path& folder);
 
+/// The number of outputs of a depth network: the disparity of view (views_y / 2, views_x / 2) in px per view step, and
+/// the logarithm of its scale. They are the parameters of a Laplace distribution.
+inline constexpr size_t kDepthOutputs = 2;
+
+/// Returns true if a network gives disparities instead of views: it has kDepthOutputs outputs.
+[[nodiscard]] bool is_depth_network(const Model& model);
+
 }  // namespace e2lf::model

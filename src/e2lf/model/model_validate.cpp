@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "e2lf/base/text.h"
-#include "e2lf/model/depth_network.h"
+#include "e2lf/model/model.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
@@ -175,6 +175,11 @@ Result<void> validate_weights(const Network& network, const Weights& weights, co
 
 Result<void> validate(const Model& model, const std::string& location) {
   return ModelCheck(model, location).run();
+}
+
+bool is_depth_network(const Model& model) {
+  const auto shapes = infer_shapes(model.network);
+  return shapes && shapes->back().channels == kDepthOutputs && model.views_y * model.views_x != kDepthOutputs;
 }
 
 }  // namespace e2lf::model

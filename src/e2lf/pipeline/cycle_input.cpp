@@ -17,7 +17,7 @@ Result<void> check(const CycleInputOptions& options) {
   if (options.max_cycles == 0 || options.max_cycles >= options.cycles_per_field) return {};
   return Error{ErrorCode::kInvalidValue,
                cat("a light field takes ", options.cycles_per_field, " cycles, but at most ", options.max_cycles,
-                   " are to be read; raise the limit"),
+                   " may be read; raise this limit"),
                "max_cycles"};
 }
 
@@ -34,7 +34,7 @@ Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions
   if (file.cycles.size() < options.cycles_per_field) {
     return Error{ErrorCode::kInvalidValue,
                  cat("there are ", file.cycles.size(), " cycles, fewer than the ", options.cycles_per_field,
-                     " of one light field; ask for fewer"),
+                     " from which one light field is reconstructed; reduce the number of cycles per light field"),
                  ""};
   }
   if (options.invert_polarity && !capture::has_events(measured)) {

@@ -8,7 +8,7 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/depth/laplace_map.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/model/depth_network.h"
+#include "e2lf/model/model.h"
 #include "e2lf/recon/inversion.h"
 
 namespace e2lf::pipeline {

@@ -6,9 +6,8 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/model/depth_network.h"
-#include "e2lf/recon/linear_estimate.h"
-#include "e2lf/recon/regularised.h"
+#include "e2lf/model/model.h"
+#include "e2lf/recon/inversion.h"
 
 namespace e2lf::pipeline {
 namespace fs = std::filesystem;
@@ -196,17 +195,10 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
                                " reconstructs each light field from one cycle; omit the number of cycles"),
                  "cycles"};
   }
-  recon::Method method = method_of(network, use);
-  if (algorithm == "regularised") {
-    method = [known = *codes](const capture::MeasurementView& measured, const ProgressFn& progress) {
-      return recon::reconstruct_regularised(owned(measured.events), known.codes, known.constants, {}, progress);
-    };
-  } else if (!network) {
-    method = [known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {
-      return recon::reconstruct_by_inversion(owned(measured.events), known.codes, known.constants);
-    };
-  }
-  return method;
+  if (network) return method_of(network, use);
+  return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {
+    return recon::reconstruct_by_inversion(owned(measured.events), known.codes, known.constants);
+  });
 }
 
 recon::Method method_of(std::shared_ptr<const recon::Reconstructor> network, const MethodUse& use) {

@@ -13,7 +13,7 @@ namespace e2lf::pipeline {
 
 /// The choice of a method that reconstructs light fields from measurements.
 struct MethodChoice {
-  std::string algorithm = "network";                       ///< "depth" (network), "inversion", "regularised" (patterns)
+  std::string algorithm = "network";                       ///< or "depth" (a network), or "inversion" (patterns)
   std::optional<model::Model> model = {};                  ///< the network; empty = the bundled one for the patterns
   std::optional<capture::Codes> codes = {};                ///< patterns that the caller specifies
   std::optional<capture::SensorProfile> camera = {};       ///< sensor profile that the caller specifies

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/recon/linear_estimate.h"
+#include "e2lf/recon/inversion.h"
 
 namespace e2lf::pipeline {
 namespace {

@@ -69,6 +69,14 @@ template <typename T, size_t N>
   return std::find_if(table, table + N - 1, [&](const Choice<T>& choice) { return value == choice.value; })->word;
 }
 
+/// After set_completing(), run_subverb() and Verb::run() only print the words with which their arguments, of which the
+/// last may be incomplete, can continue; see cli/completion.bash.
+void set_completing();
+[[nodiscard]] bool is_completing();
+/// Prints the words that begin with `begin`, and those that may follow the words behind the name of a verb.
+void print_candidates(const std::vector<std::string>& words, const std::string& begin);
+void print_candidates(const CLI::App& app, std::vector<std::string> words);
+
 }  // namespace e2lf::program
 
 /// Names the type of all path options; CLI11 would call it TEXT.

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/engine/device.h"
+#include "e2lf/engine/engine.h"
 
 namespace e2lf::program {
 namespace fs = std::filesystem;

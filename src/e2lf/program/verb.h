@@ -123,14 +123,6 @@ struct VerbEntry {
 int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
                 const std::vector<std::string>& arguments);
 
-/// After set_completing(), run_subverb() and Verb::run() only print the words with which their arguments, of which the
-/// last may be incomplete, can continue; see cli/completion.bash.
-void set_completing();
-[[nodiscard]] bool is_completing();
-/// Prints the words that begin with `begin`, and those that may follow the words behind the name of a verb.
-void print_candidates(const std::vector<std::string>& words, const std::string& begin);
-void print_candidates(const CLI::App& app, std::vector<std::string> words);
-
 /// Returns a result whose error, if there is one, has this location.
 template <typename T>
 [[nodiscard]] Result<T> located(Result<T> result, const std::filesystem::path& location) {

@@ -11,7 +11,6 @@
 #include "e2lf/files/safetensors.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/recon/inversion.h"
-#include "e2lf/recon/linear_estimate.h"
 #include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::recon {

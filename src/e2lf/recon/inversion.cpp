@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/inversion.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recon/input.h"
+#include "e2lf/recon/placed_images.h"
 
 namespace e2lf::recon {
 namespace {
@@ -49,6 +54,219 @@ Result<capture::CodedIntensities> invert_events(const capture::EventImages& imag
     }
   });
   return intensities;
+}
+
+namespace {
+
+/// Computes sliding sums of `count` values that are `stride` apart. The end values are repeated.
+void line_sums(const float* in, float* out, size_t count, size_t stride, size_t radius) {
+  const auto last = static_cast<ptrdiff_t>(count) - 1, reach = static_cast<ptrdiff_t>(radius);
+  const auto at = [&](ptrdiff_t i) {
+    return double{in[static_cast<size_t>(std::clamp<ptrdiff_t>(i, 0, last)) * stride]};
+  };
+  double sum = 0;
+  for (ptrdiff_t i = -reach; i <= reach; ++i) sum += at(i);
+  for (ptrdiff_t i = 0; i <= last; ++i) {
+    out[static_cast<size_t>(i) * stride] = static_cast<float>(sum);
+    sum += at(i + reach + 1) - at(i - reach);
+  }
+}
+
+void denoise_image(std::span<float> image, std::span<const int16_t> counts, const capture::EventImages& images,
+                   const capture::SensorConstants& constants, size_t radius) {
+  const auto& [eps, tau, sigma_w, sigma_z, sigma_i] = constants;
+  const float fixed = sigma_w * sigma_w + tau * tau / 12;
+  std::vector<float> value(image.size()), square(image.size()), noise(image.size());
+  for (size_t i = 0; i < image.size(); ++i) {
+    value[i] = std::log(std::max(image[i], 0.0F) + eps);
+    square[i] = value[i] * value[i];
+    const float events = sigma_z * static_cast<float>(counts[i]);
+    noise[i] = fixed + events * events;
+  }
+  const auto values = box_sums(value, images.height, images.width, radius);
+  const auto squares = box_sums(square, images.height, images.width, radius);
+  const auto noises = box_sums(noise, images.height, images.width, radius);
+  const auto area = static_cast<float>((2 * radius + 1) * (2 * radius + 1));
+  for (size_t i = 0; i < image.size(); ++i) {
+    const float mean = values[i] / area, variance = squares[i] / area - mean * mean;
+    const float keep = variance > 0 ? std::max(0.0F, 1 - noises[i] / area / variance) : 0.0F;
+    image[i] = std::max(0.0F, std::exp(mean + keep * (value[i] - mean)) - eps);
+  }
+}
+
+}  // namespace
+
+std::vector<float> box_sums(std::span<const float> values, size_t height, size_t width, size_t radius) {
+  std::vector<float> rows(values.size()), sums(values.size());
+  parallel_for(height, 8, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) line_sums(&values[y * width], &rows[y * width], width, 1, radius);
+  });
+  parallel_for(width, 16, [&](size_t begin, size_t end) {
+    for (size_t x = begin; x < end; ++x) line_sums(&rows[x], &sums[x], height, width, radius);
+  });
+  return sums;
+}
+
+void denoise_intensities(capture::CodedIntensities& intensities, const capture::EventImages& images,
+                         const capture::SensorConstants& constants, size_t radius) {
+  E2LF_REQUIRE(intensities.count == images.count + 1 && intensities.image_size() == images.image_size(),
+               "coded intensities and event images must belong together");
+  for (size_t k = 0; k < images.count; ++k) {
+    denoise_image(intensities.image(k + 1), images.image(k), images, constants, radius);
+  }
+}
+
+namespace {
+
+using Matrix = std::vector<std::vector<double>>;
+
+/// Solves matrix * x = right for all columns of `right` in place, by Gauss-Jordan elimination with pivoting.
+void solve(Matrix matrix, Matrix& right) {
+  const size_t size = matrix.size();
+  for (size_t column = 0; column < size; ++column) {
+    size_t pivot = column;
+    for (size_t row = column; row < size; ++row) {
+      if (std::abs(matrix[row][column]) > std::abs(matrix[pivot][column])) pivot = row;
+    }
+    std::swap(matrix[column], matrix[pivot]);
+    std::swap(right[column], right[pivot]);
+    for (size_t row = 0; row < size; ++row) {
+      if (row == column) continue;
+      const double factor = matrix[row][column] / matrix[column][column];
+      for (size_t i = column; i < size; ++i) matrix[row][i] -= factor * matrix[column][i];
+      for (size_t i = 0; i < right[row].size(); ++i) right[row][i] -= factor * right[column][i];
+    }
+  }
+  for (size_t row = 0; row < size; ++row) {
+    for (double& value : right[row]) value /= matrix[row][row];
+  }
+}
+
+/// Computes B K, the prior correlation of each view with each normalised coded image, [pattern][view].
+Matrix correlations(const capture::Codes& codes, const std::vector<size_t>& lit, double length) {
+  Matrix result(lit.size(), std::vector<double>(codes.pattern_size()));
+  for (size_t i = 0; i < lit.size(); ++i) {
+    const auto pattern = codes.pattern(lit[i]);
+    double open = 0;
+    for (const float value : pattern) open += value;
+    for (size_t view = 0; view < codes.pattern_size(); ++view) {
+      for (size_t other = 0; other < codes.pattern_size(); ++other) {
+        const auto dy = static_cast<double>(view / codes.views_x) - static_cast<double>(other / codes.views_x);
+        const auto dx = static_cast<double>(view % codes.views_x) - static_cast<double>(other % codes.views_x);
+        result[i][view] += pattern[other] / open * std::exp(-(dy * dy + dx * dx) / (2 * length * length));
+      }
+    }
+  }
+  return result;
+}
+
+struct View {
+  double y = 0, x = 0;  ///< relative to the centre of the views
+  std::vector<float> weights;
+};
+
+/// Renders one row of a view as the weighted sum of the pictures, each sampled where it shows the same point.
+void render_row(const View& view, std::span<const PlacedImage> images, std::span<const float> disparity,
+                const lightfield::Shape& shape, size_t y, std::span<float> row) {
+  const size_t height = shape.height, width = shape.width;
+  for (size_t x = 0; x < width; ++x) {
+    const auto fy = static_cast<float>(y), fx = static_cast<float>(x);
+    // The disparity is known at the centre. A first guess determines where the pixel of this view lies there.
+    const float guess = disparity[y * width + x];
+    const float d = sample_bilinear(disparity, height, width, fy - guess * static_cast<float>(view.y),
+                                    fx - guess * static_cast<float>(view.x));
+    float sum = 0;
+    for (size_t n = 0; n < images.size(); ++n) {
+      sum += view.weights[n] * sample_bilinear(images[n].pixels, height, width,
+                                               fy + d * static_cast<float>(images[n].view_y - view.y),
+                                               fx + d * static_cast<float>(images[n].view_x - view.x));
+    }
+    row[x] = sum;
+  }
+}
+
+Result<void> check_not_empty(const capture::CodedIntensities& images) {
+  if (images.image_size() > 0) return {};
+  return Error{ErrorCode::kShape, cat("images of ", images.width, "x", images.height, " are empty; give some pixels"),
+               ""};
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const ViewPrior& prior) {
+  std::vector<size_t> lit;
+  for (size_t n = 0; n < codes.num_patterns; ++n) {
+    double open = 0;
+    for (const float value : codes.pattern(n)) open += value;
+    if (open > 0) lit.push_back(n);
+  }
+  E2LF_REQUIRE(!lit.empty(), "one pattern at least must let light through");
+
+  const size_t size = lit.size(), views = codes.pattern_size();
+  const Matrix with_views = correlations(codes, lit, prior.correlation_length);
+  Matrix system(size + 1, std::vector<double>(size + 1, 1.0)), solution = with_views;
+  system[size][size] = 0;
+  for (size_t i = 0; i < size; ++i) {
+    for (size_t j = 0; j < size; ++j) {
+      double open = 0, sum = 0;
+      for (size_t view = 0; view < views; ++view) {
+        open += codes.pattern(lit[j])[view];
+        sum += with_views[i][view] * codes.pattern(lit[j])[view];
+      }
+      system[i][j] = sum / open + (i == j ? prior.noise : 0);
+    }
+  }
+  solution.emplace_back(views, 1.0);
+  solve(std::move(system), solution);
+
+  Matrix weights(views, std::vector<double>(codes.num_patterns));
+  for (size_t i = 0; i < size; ++i) {
+    for (size_t view = 0; view < views; ++view) weights[view][lit[i]] = solution[i][view];
+  }
+  return weights;
+}
+
+Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& intensities,
+                                               const capture::Codes& codes, const LinearEstimateOptions& options) {
+  if (intensities.count != codes.num_patterns) {
+    return Error{ErrorCode::kShape,
+                 cat("there are ", intensities.count, " coded images but ", codes.num_patterns,
+                     " patterns; use the patterns that the events were recorded with"),
+                 ""};
+  }
+  E2LF_RETURN_IF_ERROR(check_not_empty(intensities));
+  const PlacedImages placed = place_images(intensities, codes);
+  const std::vector<PlacedImage>& images = placed.images;
+  const std::vector<size_t>& lit = placed.patterns;
+  if (lit.empty()) return Error{ErrorCode::kInvalidValue, "every pattern is black; use patterns with open cells", ""};
+
+  lightfield::LightField light_field({codes.views_y, codes.views_x, intensities.height, intensities.width});
+  const lightfield::Shape& shape = light_field.shape();
+  const std::vector<float> disparity = coded_disparity(images, shape.height, shape.width, options.search);
+  const auto weights = view_weights(codes, options.prior);
+  parallel_for(shape.num_views() * shape.height, 8, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const size_t number = i / shape.height, y = i % shape.height;
+      View view{static_cast<double>(number / shape.views_x) - view_centre(shape.views_y),
+                static_cast<double>(number % shape.views_x) - view_centre(shape.views_x),
+                {}};
+      for (const size_t n : lit) view.weights.push_back(static_cast<float>(weights[number][n]));
+      render_row(view, images, disparity, shape, y, light_field.data().subspan(i * shape.width, shape.width));
+    }
+  });
+  return light_field;
+}
+
+Result<lightfield::LightField> reconstruct_by_inversion(const capture::EventImages& images, const capture::Codes& codes,
+                                                        const capture::SensorConstants& constants,
+                                                        const LinearEstimateOptions& options) {
+  InversionOptions inversion;
+  inversion.constants = constants;
+  inversion.centred = true;
+  E2LF_ASSIGN_OR_RETURN(inversion.black, black_pattern(images, codes));
+  E2LF_ASSIGN_OR_RETURN(capture::CodedIntensities intensities, invert_events(images, inversion));
+  denoise_intensities(intensities, images, constants, options.denoise_radius);
+  return linear_estimate(intensities, codes, options);
 }
 
 }  // namespace e2lf::recon

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recon/linear_estimate.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "e2lf/recon/denoise.h"
+#include "e2lf/recon/inversion.h"
 
 namespace e2lf::recon {
 namespace {

@@ -8,7 +8,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/recon/denoise.h"
+#include "e2lf/recon/inversion.h"
 
 namespace e2lf::recon {
 namespace {
@@ -124,21 +124,6 @@ Result<size_t> black_pattern(const capture::EventImages& images, const capture::
   if (images.image_size() > 0) return black;
   return Error{ErrorCode::kShape, cat("images of ", images.width, "x", images.height, " are empty; give some pixels"),
                ""};
-}
-
-std::vector<float> disparity_in_view(const std::vector<float>& disparity, size_t height, size_t width, double view_y,
-                                     double view_x) {
-  std::vector<float> seen(disparity.size());
-  for (size_t y = 0; y < height; ++y) {
-    for (size_t x = 0; x < width; ++x) {
-      // The disparity is known at the centre. A first guess determines where the pixel of this view lies there.
-      const float guess = disparity[y * width + x];
-      seen[y * width + x] =
-          sample_bilinear(disparity, height, width, static_cast<float>(y) - guess * static_cast<float>(view_y),
-                          static_cast<float>(x) - guess * static_cast<float>(view_x));
-    }
-  }
-  return seen;
 }
 
 }  // namespace e2lf::recon

@@ -48,9 +48,4 @@ struct PlacedImages {
 /// and patterns do not match or the images are empty.
 [[nodiscard]] Result<size_t> black_pattern(const capture::EventImages& images, const capture::Codes& codes);
 
-/// Returns the disparity [y, x], which is given as seen from the centre of the views, at the point that each pixel of a
-/// view at (view_y, view_x) from the centre shows.
-[[nodiscard]] std::vector<float> disparity_in_view(const std::vector<float>& disparity, size_t height, size_t width,
-                                                   double view_y, double view_x);
-
 }  // namespace e2lf::recon

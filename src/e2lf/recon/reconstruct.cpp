@@ -10,7 +10,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/model/depth_network.h"
+#include "e2lf/model/model.h"
 #include "e2lf/model/network.h"
 
 namespace e2lf::recon {

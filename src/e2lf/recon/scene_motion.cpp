@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/recon/denoise.h"
+#include "e2lf/recon/inversion.h"
 
 namespace e2lf::recon {
 namespace {

@@ -4,14 +4,54 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iomanip>
 #include <iterator>
+#include <sstream>
+#include <utility>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/report/axis.h"
 #include "e2lf/report/page.h"
 
 namespace e2lf::report {
+namespace {
+
+/// The multiples of a step in a range. A multiple that is outside by a billionth of a step counts as inside, because
+/// decimal steps are not exact as doubles.
+struct Multiples {
+  double first, last;
+  Multiples(double low, double high, double step)
+      : first(std::ceil(low / step - 1e-9)), last(std::floor(high / step + 1e-9)) {}
+  [[nodiscard]] double count() const { return std::max(last - first + 1, 0.0); }
+};
+
+}  // namespace
+
+Ticks round_ticks(double low, double high, size_t most) {
+  E2LF_REQUIRE(std::isfinite(low) && std::isfinite(high) && low < high && most >= 2, "an axis needs a range");
+  // A step of a tenth of this gives more than `most` ticks in any case.
+  int exponent = static_cast<int>(std::floor(std::log10((high - low) / static_cast<double>(most)))) - 1;
+  for (;; ++exponent) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      Ticks ticks;
+      ticks.step = factor * std::pow(10.0, exponent);
+      const Multiples multiples(low, high, ticks.step);
+      if (multiples.count() > static_cast<double>(most)) continue;
+      ticks.decimals = std::max(-exponent, 0);
+      for (double i = multiples.first; i <= multiples.last; ++i) ticks.values.push_back(i * ticks.step);
+      return ticks;
+    }
+  }
+}
+
+std::string tick_text(double value, int decimals) {
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(decimals) << value;
+  std::string text = std::move(out).str();
+  if (text.find_first_not_of("-0.") == std::string::npos && text.starts_with('-')) text.erase(0, 1);
+  return text;
+}
+
 namespace {
 
 constexpr double kWidth = 900, kPlotHeight = 260, kRight = 30, kFont = 13, kLegendRow = 20;
@@ -92,35 +132,23 @@ struct Range {
   }
 };
 
-/// The y axis, whose range ends at ticks. A logarithmic axis is linear in the logarithms, which at() takes.
+/// The y axis, whose range ends at ticks.
 struct VerticalAxis {
   std::vector<double> places;
   Axis axis;
   std::vector<std::string> texts;
 
-  VerticalAxis(const Range& range, double top, bool has_signs = true) {
+  VerticalAxis(const Range& range, double top, bool has_signs) {
     const Ticks inner = round_ticks(range.low, range.high, kMostTicks - 2);
     axis.low = std::floor(range.low / inner.step + 1e-9) * inner.step;
     axis.high = std::ceil(range.high / inner.step - 1e-9) * inner.step;
     const Ticks ticks = round_ticks(axis.low, axis.high, kMostTicks);
     places = ticks.values;
-    set_page(top);
+    axis.page_low = top + kPlotHeight;
+    axis.page_high = top;
     for (const double value : places) {
       texts.push_back(tick_text(has_signs ? value : std::abs(value), ticks.decimals));
     }
-  }
-
-  /// `range` is that of the logarithms.
-  [[nodiscard]] static VerticalAxis logarithmic(const Range& range, double top) {
-    VerticalAxis made;
-    for (const double value : log_ticks(std::pow(10, range.low), std::pow(10, range.high), kMostTicks)) {
-      made.places.push_back(std::log10(value));
-      made.texts.push_back(cat(value));
-    }
-    made.axis.low = made.places.front();
-    made.axis.high = made.places.back();
-    made.set_page(top);
-    return made;
   }
 
   [[nodiscard]] std::string svg(double left, double right, const std::string& name) const {
@@ -132,13 +160,6 @@ struct VerticalAxis {
       text += label(left - 6, y + 4, "end", texts[i]);
     }
     return text;
-  }
-
- private:
-  VerticalAxis() = default;
-  void set_page(double top) {
-    axis.page_low = top + kPlotHeight;
-    axis.page_high = top;
   }
 };
 
@@ -163,59 +184,13 @@ struct HorizontalAxis {
   }
 };
 
-/// Places the names of groups: horizontally if they fit side by side, and tilted otherwise.
-struct GroupNames {
-  bool is_tilted = false;
-  double height = 24, left = 0;
-  static constexpr double kTilt = 0.6;  ///< radians
-
-  GroupNames(const std::vector<std::string>& names, double tick_margin) : left(tick_margin) {
-    const double longest = widest(names), count = static_cast<double>(std::max<size_t>(names.size(), 1));
-    is_tilted = longest + 8 > (kWidth - kRight - tick_margin) / count;
-    if (!is_tilted) return;
-    height = longest * std::sin(kTilt) + 2 * kFont;
-    // A tilted name ends below the middle of its group and begins to the left of it.
-    left = std::max(tick_margin, longest * std::cos(kTilt) + 4);
-  }
-
-  [[nodiscard]] std::string svg(double x, double y, const std::string& name) const {
-    if (!is_tilted) return label(x, y + 18, "middle", name);
-    return label(x, y + 14, "end", name, cat(" transform=\"rotate(-", kTilt * 180 / M_PI, " ", x, " ", y + 14, ")\""));
-  }
-};
-
-Range bar_range(const BarChart& chart) {
-  Range range;
-  for (const auto& series : chart.series) {
-    for (const auto& value : series.values) range.add(value.value_or(NAN));
-  }
-  if (range.low > range.high) return range.open();
-  if (chart.from_zero) {
-    range.add(0);
-  } else {
-    range.low -= std::max(range.high - range.low, 0.1 * std::abs(range.high)) / 4;
-  }
-  return range.open();
-}
-
-std::string bar(double x, double width, double base, double y, size_t series, const std::string& about) {
-  return cat("<rect x=\"", x, "\" y=\"", std::min(y, base), "\" width=\"", width, "\" height=\"", std::abs(base - y),
-             "\" fill=\"", colour_of(series), "\"><title>", escaped(about), "</title></rect>\n");
-}
-
-template <typename Named>
-std::vector<LegendEntry> entries_of(const std::vector<Named>& list) {
-  std::vector<LegendEntry> entries;
-  for (const Named& named : list) entries.push_back({named.name, colour_of(entries.size())});
-  return entries;
-}
-
 const char* colour_of(const Marks& marks) {
   return marks.as_line ? colour_of(*marks.as_line) : "#888888";
 }
 
 std::vector<LegendEntry> entries_of(const LineChart& chart) {
-  std::vector<LegendEntry> entries = entries_of(chart.lines);
+  std::vector<LegendEntry> entries;
+  for (const Line& line : chart.lines) entries.push_back({line.name, colour_of(entries.size())});
   if (!chart.bands.bands.empty()) entries.push_back({chart.bands.name, kBandColour});
   for (const Marks& marks : chart.marks) {
     if (!marks.marks.empty()) entries.push_back({marks.name, colour_of(marks)});
@@ -223,21 +198,15 @@ std::vector<LegendEntry> entries_of(const LineChart& chart) {
   return entries;
 }
 
-/// Returns the position of a value along the y axis; NaN if it has none.
-double height_of(const LineChart& chart, double y) {
-  return chart.is_logarithmic ? (y > 0 ? std::log10(y) : NAN) : y;
-}
-
 std::pair<Range, Range> ranges_of(const LineChart& chart) {
   Range x, y;
   for (const Line& line : chart.lines) {
     for (const auto& point : line.points) {
-      const double height = height_of(chart, point.y);
-      if (!std::isfinite(point.x) || !std::isfinite(height)) continue;
+      if (!std::isfinite(point.x) || !std::isfinite(point.y)) continue;
       x.add(point.x);
-      y.add(height);
+      y.add(point.y);
     }
-    if (line.is_filled && !chart.is_logarithmic) y.add(0);
+    if (line.is_filled) y.add(0);
   }
   if (x.low > x.high) {
     for (const auto& band : chart.bands.bands) {
@@ -295,8 +264,7 @@ std::string chart_svg(const LineChart& chart) {
   const auto [x_range, y_range] = ranges_of(chart);
   const Legend legend(entries_of(chart));
   const double top = legend.height + 30;
-  const VerticalAxis y = chart.is_logarithmic ? VerticalAxis::logarithmic(y_range.open(), top)
-                                              : VerticalAxis(y_range.open(), top, chart.has_signs);
+  const VerticalAxis y(y_range.open(), top, chart.has_signs);
   const HorizontalAxis x(x_range.open(), widest(y.texts) + 12);
   const bool has_marks =
       std::any_of(chart.marks.begin(), chart.marks.end(), [](const Marks& marks) { return !marks.marks.empty(); });
@@ -308,41 +276,11 @@ std::string chart_svg(const LineChart& chart) {
     const Line& line = chart.lines[i];
     std::vector<Line::Point> on_page;
     for (const auto& point : line.points) {
-      const double height = height_of(chart, point.y);
-      if (std::isfinite(point.x) && std::isfinite(height)) on_page.push_back({x.axis.at(point.x), y.axis.at(height)});
+      if (std::isfinite(point.x) && std::isfinite(point.y)) on_page.push_back({x.axis.at(point.x), y.axis.at(point.y)});
     }
-    svg += line_svg(line, colour_of(i), line.is_filled && !chart.is_logarithmic, on_page, y.axis.at(0));
+    svg += line_svg(line, colour_of(i), line.is_filled, on_page, y.axis.at(0));
   }
   for (const Marks& marks : chart.marks) svg += marks_svg(marks, x, bottom);
-  return svg + "</svg>\n";
-}
-
-std::string chart_svg(const BarChart& chart) {
-  for (const auto& series : chart.series) {
-    E2LF_REQUIRE(series.values.size() == chart.groups.size(), "a series of bars needs a value for each group");
-  }
-  const Legend legend(entries_of(chart.series));
-  const VerticalAxis y(bar_range(chart), legend.height + 30);
-  const GroupNames names(chart.groups, widest(y.texts) + 12);
-  const double bottom = y.axis.page_low;
-  const double base = y.axis.at(std::clamp(0.0, y.axis.low, y.axis.high));
-  const double group_width =
-      (kWidth - kRight - names.left) / static_cast<double>(std::max<size_t>(chart.groups.size(), 1));
-  const double bar_width = 0.8 * group_width / static_cast<double>(std::max<size_t>(chart.series.size(), 1));
-  std::string svg =
-      svg_begin(kWidth, bottom + names.height) + legend.svg + y.svg(names.left, kWidth - kRight, chart.y_label);
-  for (size_t group = 0; group < chart.groups.size(); ++group) {
-    const double begin = names.left + group_width * static_cast<double>(group);
-    for (size_t i = 0; i < chart.series.size(); ++i) {
-      const auto& value = chart.series[i].values[group];
-      if (!value || !std::isfinite(*value)) continue;
-      const std::string about =
-          cat(chart.groups[group], ", ", chart.series[i].name, ": ", tick_text(*value, chart.decimals));
-      svg += bar(begin + 0.1 * group_width + bar_width * static_cast<double>(i), bar_width, base, y.axis.at(*value), i,
-                 about);
-    }
-    svg += names.svg(begin + group_width / 2, bottom, chart.groups[group]);
-  }
   return svg + "</svg>\n";
 }
 
@@ -353,13 +291,9 @@ std::string grid_svg(const CellGrid& grid) {
   for (size_t i = 0; i < grid.values.size(); ++i) {
     const double x = static_cast<double>(i % grid.columns) * grid.cell_px;
     const double y = static_cast<double>(i / grid.columns) * grid.cell_px;
-    const double share = (grid.values[i] - grid.low) / std::max(grid.high - grid.low, 1e-12);
-    const auto level = std::isfinite(share) ? std::lround(255 * std::clamp(share, 0.0, 1.0)) : 255L;
+    const auto level = std::lround(255 * std::clamp(grid.values[i], 0.0, 1.0));
     svg += cat("<rect x=\"", x, "\" y=\"", y, "\" width=\"", grid.cell_px, "\" height=\"", grid.cell_px,
                "\" fill=\"rgb(", level, ',', level, ',', level, ")\" stroke=\"#888\" stroke-width=\"0.4\"/>\n");
-    if (grid.decimals < 0 || !std::isfinite(grid.values[i])) continue;
-    svg += label(x + grid.cell_px / 2, y + grid.cell_px / 2 + 4, "middle", tick_text(grid.values[i], grid.decimals),
-                 level < 128 ? " fill=\"#fff\"" : " fill=\"#000\"");
   }
   return svg + "</svg>\n";
 }

@@ -7,6 +7,28 @@
 
 namespace e2lf::report {
 
+/// Round numbers along an axis: multiples of `step`, which is 1, 2 or 5 times a power of ten.
+struct Ticks {
+  double step = 1;
+  int decimals = 0;  ///< number of decimals that the values need
+  std::vector<double> values;
+};
+
+/// Returns the finest ticks of which at most `most` (>= 2) lie in [low, high], ends included. The contract is broken
+/// unless both are finite and `low` is less than `high`.
+[[nodiscard]] Ticks round_ticks(double low, double high, size_t most);
+
+/// Formats a value as "28.50". Zero never gets a minus sign.
+[[nodiscard]] std::string tick_text(double value, int decimals);
+
+/// Maps [low, high] linearly to [page_low, page_high], either of which may be descending.
+struct Axis {
+  double low = 0, high = 1, page_low = 0, page_high = 1;
+  [[nodiscard]] double at(double value) const {
+    return page_low + (page_high - page_low) * (value - low) / (high - low);
+  }
+};
+
 /// Charts as SVG elements for a page, 900 px wide, with ticks at round numbers and a legend above. Their text has the
 /// colour of the surrounding text, and the margins are as wide as the labels need. Values that are not finite are
 /// omitted.
@@ -43,8 +65,7 @@ struct Marks {
 struct LineChart {
   std::string x_label, y_label;
   std::vector<Line> lines;
-  bool is_logarithmic = false;  ///< the y axis; values of 0 and less are omitted, nothing is filled
-  bool has_signs = true;        ///< if false, -2 is labelled 2 along the y axis
+  bool has_signs = true;  ///< if false, -2 is labelled 2 along the y axis
   Bands bands = {};
   std::vector<Marks> marks = {};
 };
@@ -53,28 +74,10 @@ struct LineChart {
 /// are no points, it covers the bands and marks.
 [[nodiscard]] std::string chart_svg(const LineChart& chart);
 
-/// A chart with one bar per series for every group.
-struct BarChart {
-  std::string y_label;
-  bool from_zero = true;  ///< if false, the axis begins slightly below the smallest value, as suits decibels
-  int decimals = 2;       ///< decimals of the values shown when the pointer is over a bar
-  std::vector<std::string> groups;
-  struct Series {
-    std::string name;
-    std::vector<std::optional<double>> values;  ///< one per group; no bar is drawn for an absent value
-  };
-  std::vector<Series> series;
-};
-
-/// Draws a bar chart. If the number of values of a series differs from the number of groups, the contract is broken.
-[[nodiscard]] std::string chart_svg(const BarChart& chart);
-
-/// A grid of cells, such as the views of a light field, from dark at `low` to bright at `high`.
+/// A grid of cells, such as the views of an aperture, from 0 (black) to 1 (white).
 struct CellGrid {
   size_t columns = 8;
   std::vector<double> values;  ///< row by row; the rows must be complete
-  double low = 0, high = 1;
-  int decimals = -1;  ///< decimals of the number in each cell; negative: no number is written
   double cell_px = 12;
 };
 

@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 #include <regex>
 
-#include "e2lf/report/axis.h"
-
 namespace e2lf::report {
 namespace {
 
@@ -16,16 +14,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 using testing::Pointwise;
-
-/// The numbers of an attribute over the whole drawing.
-std::vector<double> numbers(const std::string& svg, const std::string& attribute) {
-  std::vector<double> found;
-  const std::regex pattern(" " + attribute + "=\"(-?[0-9.e+-]+)\"");
-  for (std::sregex_iterator at(svg.begin(), svg.end(), pattern), end; at != end; ++at) {
-    found.push_back(std::stod((*at)[1]));
-  }
-  return found;
-}
 
 TEST(RoundTicks, AreTheFinestThatAreFewEnough) {
   EXPECT_THAT(round_ticks(0, 10, 11).values, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
@@ -54,69 +42,9 @@ TEST(RoundTicks, LieInTheRangeAndAreMultiplesForAnyRange) {
   }
 }
 
-TEST(LogTicks, EncloseTheRange) {
-  EXPECT_THAT(log_ticks(0.03, 7, 8), Pointwise(DoubleNear(1e-12), {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0}));
-  EXPECT_THAT(log_ticks(1, 10, 8), Pointwise(DoubleNear(1e-12), {1.0, 2.0, 5.0, 10.0}));
-  EXPECT_THAT(log_ticks(3, 3, 8), Pointwise(DoubleNear(1e-12), {2.0, 5.0}));
-  EXPECT_THAT(log_ticks(1e-5, 1, 8), Pointwise(DoubleNear(1e-12), {1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0}));
-  const std::vector<double> many = log_ticks(3e-12, 4e15, 8);
-  EXPECT_LE(many.size(), 10U);
-  EXPECT_LE(many.front(), 3e-12);
-  EXPECT_GE(many.back(), 4e15);
-}
-
 TEST(TickText, HasNoNegativeZero) {
   EXPECT_EQ(tick_text(-0.0001, 2), "0.00");
   EXPECT_EQ(tick_text(-0.5, 1), "-0.5");
-}
-
-TEST(BarChart, HeightsAreProportional) {
-  BarChart chart;
-  chart.groups = {"a", "b"};
-  chart.series = {{"one", {10.0, 5.0}}, {"two", {std::nullopt, 2.5}}};
-  const std::string svg = chart_svg(chart);
-  // After two marks of the legend, three bars.
-  const auto heights = numbers(svg.substr(svg.find("<svg") + 4), "height");
-  ASSERT_EQ(heights.size(), 6U);
-  EXPECT_NEAR(heights[3] / heights[4], 2, 1e-4);
-  EXPECT_NEAR(heights[3] / heights[5], 4, 1e-4);
-  EXPECT_THAT(svg, HasSubstr("<title>b, two: 2.50</title>"));
-}
-
-TEST(BarChart, BarsOfDecibelsBeginAtTheFootOfTheAxis) {
-  BarChart chart;
-  chart.from_zero = false;
-  chart.groups = {"scene"};
-  chart.series = {{"a", {28.0}}, {"b", {29.0}}};
-  const std::string svg = chart_svg(chart);
-  const auto y = numbers(svg, "y"), height = numbers(svg, "height");
-  const size_t last = height.size() - 1;
-  EXPECT_GT(height[last], height[last - 1]);
-  EXPECT_THAT(svg, Not(HasSubstr(">0.0<")));
-}
-
-TEST(BarChart, LongNamesAreTiltedAndInside) {
-  BarChart chart;
-  for (int i = 0; i < 12; ++i) chart.groups.push_back("a scene with quite a long name " + std::to_string(i));
-  chart.series = {{"one", std::vector<std::optional<double>>(12, 1.0)}};
-  const std::string svg = chart_svg(chart);
-  EXPECT_THAT(svg, HasSubstr("rotate(-"));
-  const double drawn_height = numbers(svg, "height").front();
-  const double length = 0.62 * 13 * static_cast<double>(chart.groups.back().size());
-  const std::regex place("rotate\\(-[0-9.]+ ([0-9.]+) ([0-9.]+)\\)");
-  std::smatch match;
-  ASSERT_TRUE(std::regex_search(svg, match, place));
-  EXPECT_GE(std::stod(match[1]) - length * std::cos(0.6), 0);
-  EXPECT_LE(std::stod(match[2]) + length * std::sin(0.6), drawn_height);
-}
-
-TEST(BarChart, TheLegendWraps) {
-  BarChart chart;
-  chart.groups = {"g"};
-  for (int i = 0; i < 9; ++i) chart.series.push_back({"a method with a long name", {1.0}});
-  EXPECT_GT(numbers(chart_svg(chart), "height").front(), 260 + 3 * 20);
-  const auto x = numbers(chart_svg(chart), "x");
-  for (const double value : x) EXPECT_LT(value, 900);
 }
 
 TEST(LineChart, PointsLieWhereTheTicksSay) {
@@ -129,18 +57,8 @@ TEST(LineChart, PointsLieWhereTheTicksSay) {
   EXPECT_NEAR(std::stod(match[3]), 870, 1e-3);
 }
 
-TEST(LineChart, EqualRatiosAreEqualStepsOnALogarithmicAxis) {
-  LineChart chart{"time", "loss", {{"a", {{0, 1}, {1, 0}, {2, 10}, {3, 100}}}}, /*is_logarithmic=*/true};
-  const std::string svg = chart_svg(chart);
-  const std::regex points("points=\"([0-9.]+),([0-9.]+) ([0-9.]+),([0-9.]+) ([0-9.]+),([0-9.]+) \"");
-  std::smatch match;
-  ASSERT_TRUE(std::regex_search(svg, match, points)) << "the zero is left out";
-  EXPECT_NEAR(std::stod(match[2]) - std::stod(match[4]), 130, 1e-2);
-  EXPECT_NEAR(std::stod(match[4]) - std::stod(match[6]), 130, 1e-2);
-}
-
 TEST(LineChart, AFilledLineEndsAtZero) {
-  const LineChart chart{"x", "y", {{"a", {{0, -2}, {1, -1}}, /*is_filled=*/true}}, false, /*has_signs=*/false};
+  const LineChart chart{"x", "y", {{"a", {{0, -2}, {1, -1}}, /*is_filled=*/true}}, /*has_signs=*/false};
   const std::string svg = chart_svg(chart);
   const std::regex points("points=\"[0-9.]+,([0-9.]+) [0-9.]+,([0-9.]+) [0-9.]+,([0-9.]+) [0-9.]+,([0-9.]+)\"");
   std::smatch match;
@@ -200,25 +118,19 @@ TEST(LineChart, WhatIsNotFiniteIsLeftOut) {
 
 TEST(Charts, DrawNothingAndOneValue) {
   EXPECT_THAT(chart_svg(LineChart{}), HasSubstr("</svg>"));
-  EXPECT_THAT(chart_svg(BarChart{}), HasSubstr("</svg>"));
   EXPECT_THAT(chart_svg(LineChart{"x", "y", {{"a", {{3, 28}}}}}), HasSubstr(">3.0<"));
 }
 
 TEST(Charts, EscapeNames) {
-  BarChart chart;
-  chart.groups = {"<script>"};
-  chart.series = {{"a & b", {1.0}}};
-  const std::string svg = chart_svg(chart);
+  const std::string svg = chart_svg(LineChart{"<script>", "y", {{"a & b", {{0, 1}}}}});
   EXPECT_THAT(svg, Not(HasSubstr("<script>")));
   EXPECT_THAT(svg, HasSubstr("a &amp; b"));
 }
 
-TEST(CellGrid, BrightnessFollowsTheValueAndTextIsReadable) {
-  const std::string svg = grid_svg({.columns = 2, .values = {20, 30}, .low = 20, .high = 30, .decimals = 1});
+TEST(CellGrid, BrightnessIsTheValue) {
+  const std::string svg = grid_svg({.columns = 2, .values = {0, 1}});
   EXPECT_THAT(svg, HasSubstr("rgb(0,0,0)"));
   EXPECT_THAT(svg, HasSubstr("rgb(255,255,255)"));
-  EXPECT_THAT(svg, HasSubstr("fill=\"#fff\">20.0<"));
-  EXPECT_THAT(svg, HasSubstr("fill=\"#000\">30.0<"));
 }
 
 }  // namespace

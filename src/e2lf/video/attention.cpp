@@ -9,7 +9,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/engine/pack.h"
+#include "e2lf/engine/conv.h"
 #include "e2lf/video/operations.h"
 
 #undef HWY_TARGET_INCLUDE

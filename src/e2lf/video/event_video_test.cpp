@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/video/event_video.h"
-
 #include <gtest/gtest.h>
 
+#include "e2lf/video/video_model.h"
 #include "testing/video_networks.h"
 
 namespace e2lf::video {

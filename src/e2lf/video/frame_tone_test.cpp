@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "e2lf/video/event_video.h"
+#include "e2lf/video/video_model.h"
 
 namespace e2lf::video {
 namespace {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/files/npy.h"
-#include "e2lf/video/event_video.h"
 #include "e2lf/video/import_event_video.h"
+#include "e2lf/video/video_model.h"
 
 namespace e2lf::video {
 namespace {

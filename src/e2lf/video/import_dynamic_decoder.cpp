@@ -3,7 +3,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/model/model_parts.h"
-#include "e2lf/video/checkpoint_importer.h"
+#include "e2lf/video/import_event_video.h"
 
 namespace e2lf::video {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/engine/pack.h"
+#include "e2lf/engine/conv.h"
 #include "e2lf/video/operations.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/model/onnx/onnx_layers.h"
+#include "e2lf/model/onnx/onnx_export.h"
 
 namespace e2lf::video {
 namespace {

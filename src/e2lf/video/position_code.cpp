@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/engine/pack.h"
+#include "e2lf/engine/conv.h"
 #include "e2lf/video/operations.h"
 
 namespace e2lf::video {

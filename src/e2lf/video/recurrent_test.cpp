@@ -9,8 +9,8 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
-#include "e2lf/engine/reference.h"
 #include "e2lf/engine/stream.h"
+#include "testing/engine_reference.h"
 #include "testing/engine_runs.h"
 #include "testing/video_networks.h"
 

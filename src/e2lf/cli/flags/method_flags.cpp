@@ -164,10 +164,6 @@ void note_classical(const OpenedMethod& method, const fs::path& events, const fs
 
 }  // namespace
 
-void say_bundled_network(const pipeline::BundledNetwork& network) {
-  say_taken(network.model.name, network.model.camera && network.model.camera->is_pixel());
-}
-
 void note_method(const OpenedMethod& method, const fs::path& events, const fs::path& model, size_t passes,
                  RunRecord& record) {
   if (method.camera && method.camera_stated_by != StatedBy::kNone) {

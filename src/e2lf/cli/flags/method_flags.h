@@ -41,9 +41,6 @@ void add_tone_options(CLI::App& app, MethodFlags& flags);
 /// kInvalidValue.
 [[nodiscard]] Result<pipeline::Tone> tone_of(const MethodFlags& flags);
 
-/// Logs which bundled network was chosen because no model was given.
-void say_bundled_network(const pipeline::BundledNetwork& network);
-
 /// Logs and records the decisions behind a method for `events`: the network or patterns that were chosen by default,
 /// the sources of the patterns and the sensor profile, and any mismatch between these and the method. `model` is the
 /// file that the user gave, and `passes` the requested number of passes.

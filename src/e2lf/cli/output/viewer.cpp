@@ -1,9 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/output/viewer.h"
 
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/live/event_sums.h"
+#include "e2lf/live/live_requests.h"
+#include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/page.h"
+#include "e2lf/view/server.h"
 
 namespace e2lf::cli {
+
 bool has_viewer() {
   return true;
 }
@@ -30,6 +43,192 @@ Result<void> write_comparison_page(const std::filesystem::path& path, const Show
   quality.truth_source = "those of the scene";
   document.add_comparison(0, 1, {quality});
   return view::write_page(path, document);
+}
+
+namespace {
+
+using view::Answer;
+using Kept = std::shared_ptr<view::LightFieldCycles>;
+
+Answer refusal(const std::string& text) {
+  return {409, "text/plain", text};
+}
+
+Kept keep(lightfield::LightField light_field) {
+  auto kept = std::make_shared<view::LightFieldCycles>();
+  kept->add("cycle", std::move(light_field));
+  return kept;
+}
+
+class ServedLivePage : public LivePage {
+ public:
+  ServedLivePage(live::Session& session, FineMethod fine, std::shared_ptr<recordings::RunningCamera> camera)
+      : session_(session), method_(std::move(fine)), camera_(std::move(camera)) {}
+  ~ServedLivePage() override {
+    if (server_) server_->end();
+    for (std::thread* thread : {&serving_, &refining_}) {
+      if (thread->joinable()) thread->join();
+    }
+  }
+
+  Result<void> start(uint16_t port) {
+    E2LF_ASSIGN_OR_RETURN(view::Server server, view::Server::create(document(), port, [this](const auto& question) {
+                            return answer(question);
+                          }));
+    server_.emplace(std::move(server));
+    serving_ = std::thread([this] { result_ = server_->run(); });
+    return {};
+  }
+
+  [[nodiscard]] std::string url() const override { return server_->url(); }
+
+  Result<void> finish() override {
+    if (!stop_requested()) {
+      hide_progress();
+      std::fprintf(stderr, "the source has ended; the last light field is shown at %s; press Ctrl-C to end\n",
+                   url().c_str());
+    }
+    serving_.join();
+    return result_;
+  }
+
+ private:
+  std::optional<Answer> answer(const view::Question& question) {
+    if (question.is_command && question.name == "freeze") return freeze();
+    if (question.is_command && question.name == "fine") return refine();
+    if (question.is_command && question.name == "camera") return change_camera(question.parameters);
+    if (!question.is_command && question.name == "statistics") return statistics();
+    auto answered = live::answer(session_, question.is_command, question.name, question.parameters);
+    if (!answered) return std::nullopt;
+    return Answer{answered->status, std::move(answered->type), std::move(answered->body)};
+  }
+
+  Answer change_camera(const std::map<std::string, std::string>& parameters) {
+    const auto text = [&](const char* name) {
+      const auto found = parameters.find(name);
+      return found == parameters.end() ? std::string() : found->second;
+    };
+    const Result<void> changed = camera_->change(text("name"), text("value"));
+    return changed ? made(Json::object()) : refusal(changed.error().message);
+  }
+
+  Answer statistics() {
+    Json json = live::statistics(session_);
+    json["camera"] = Json::array();
+    for (const recordings::CameraControl& control : camera_->controls()) {
+      json["camera"].push_back(
+          {{"name", control.name}, {"value", control.value}, {"least", control.least}, {"most", control.most}});
+    }
+    const std::lock_guard lock(mutex_);
+    json["is_refining"] = is_refining_;
+    json["refining_error"] = refining_error_;
+    return made(json);
+  }
+
+  static Answer made(const Json& json) {
+    return {200, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace)};
+  }
+
+  Answer freeze() {
+    auto now = session_.freeze();
+    if (!now) return refusal("there is no light field yet");
+    if (const auto fits = view::check_browser_memory(now->light_field.shape(), "frozen"); !fits) {
+      return refusal(fits.error().message);
+    }
+    Kept kept = keep(std::move(now->light_field));
+    now->light_field = {};
+    const std::lock_guard lock(mutex_);
+    frozen_ = std::move(*now);
+    quick_ = std::move(kept);
+    fine_.reset();
+    server_->replace(document());
+    return made({{"name", frozen_name()}});
+  }
+
+  /// Reconstructs the frozen cycle again in a separate thread.
+  Answer refine() {
+    std::string name;
+    {
+      const std::lock_guard lock(mutex_);
+      if (is_refining_) return refusal("a reconstruction is in progress");
+      if (!quick_) return refusal("nothing is frozen yet");
+      is_refining_ = true;
+      refining_error_.clear();
+      name = fine_name();
+    }
+    if (refining_.joinable()) refining_.join();
+    refining_ = std::thread([this] {
+      std::unique_lock lock(mutex_);
+      const live::LiveField frozen = frozen_;
+      lock.unlock();
+      auto refined = method_(frozen);
+      lock.lock();
+      is_refining_ = false;
+      if (!refined) refining_error_ = refined.error().text();
+      if (refined && frozen.serial != frozen_.serial)
+        refining_error_ = "another light field was frozen in the meantime";
+      if (!refining_error_.empty()) return;
+      fine_ = keep(std::move(*refined));
+      enlarge_quick();
+      server_->replace(document());
+    });
+    return made({{"name", name}});
+  }
+
+  /// Gives the frozen light field the size of the one that was reconstructed well, so that both are compared.
+  void enlarge_quick() {
+    const lightfield::Shape& size = fine_->shape();
+    const auto small = quick_->read(0);
+    if (quick_->shape() == size || !small) return;
+    quick_ = keep(live::enlarged(**small, size.height, size.width));
+  }
+
+  [[nodiscard]] std::string frozen_name() const { return cat("cycle ", frozen_.cycle.number); }
+  [[nodiscard]] std::string fine_name() const { return frozen_name() + ", reconstructed well"; }
+
+  /// Returns the current content of the page. mutex_ must be locked unless the server has not started yet.
+  [[nodiscard]] view::Document document() const {
+    const recordings::RecordingInfo& info = session_.reader().cycles().recording().info();
+    const model::Model& model = session_.model();
+    const Json about = {{"width", info.width}, {"height", info.height}, {"views", {model.views_y, model.views_x}}};
+    view::Document document;
+    for (const auto& [kind, name] : {std::pair{"live_setup", "Set up"}, std::pair{"live_field", "Light field"}}) {
+      Json item = about;
+      item["kind"] = kind;
+      item["name"] = name;
+      document.add_item(std::move(item));
+    }
+    document.set_growing();
+    if (!quick_) return document;
+    document.add_light_field(frozen_name(), quick_);
+    if (!fine_) return document;
+    document.add_light_field(fine_name(), fine_);
+    if (!(fine_->shape() == quick_->shape())) return document;
+    const auto fine = fine_->read(0), quick = quick_->read(0);
+    if (fine && quick) document.add_comparison(3, 2, {view::quality_of(**fine, **quick)});
+    return document;
+  }
+
+  live::Session& session_;
+  FineMethod method_;
+  std::shared_ptr<recordings::RunningCamera> camera_;
+  std::mutex mutex_;
+  live::LiveField frozen_;  ///< without its views
+  Kept quick_, fine_;
+  bool is_refining_ = false;
+  std::string refining_error_;
+  std::optional<view::Server> server_;
+  Result<void> result_;
+  std::thread serving_, refining_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine,
+                                                  std::shared_ptr<recordings::RunningCamera> camera, uint16_t port) {
+  auto page = std::make_unique<ServedLivePage>(session, std::move(fine), std::move(camera));
+  E2LF_RETURN_IF_ERROR(page->start(port));
+  return std::unique_ptr<LivePage>(std::move(page));
 }
 
 }  // namespace e2lf::cli

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,8 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/depth/true_disparity.h"
 #include "e2lf/lightfield/light_field.h"
+#include "e2lf/live/session.h"
+#include "e2lf/recordings/live/camera.h"
 
 /// What other verbs show in the viewer. In a build without it, these functions fail with kMissingDependency.
 namespace e2lf::cli {
@@ -31,5 +34,27 @@ struct Shown {
 [[nodiscard]] Result<void> write_comparison_page(const std::filesystem::path& path, const Shown& truth,
                                                  const Shown& reconstruction,
                                                  const std::optional<depth::DisparityError>& error);
+
+/// Reconstructs the cycle of a frozen light field again in the best quality. The result is upright and has the same
+/// brightness.
+using FineMethod = std::function<Result<lightfield::LightField>(const live::LiveField& frozen)>;
+
+/// The page of `e2lf live`, served by a separate thread. Besides the requests of live_requests.h, it answers those for
+/// the views of the last frozen light field and of the same cycle reconstructed in the best quality. Its additional
+/// commands (POST) are freeze and fine, which return {"name"} of the light field that the page will contain, and
+/// camera?name=&value=, which changes a setting of the camera; the statistics list those settings as "camera".
+class LivePage {
+ public:
+  virtual ~LivePage() = default;
+  [[nodiscard]] virtual std::string url() const = 0;
+  /// Continues to serve until stop_requested(). Fails with kIo.
+  [[nodiscard]] virtual Result<void> finish() = 0;
+};
+
+/// Starts serving. `session` must outlive the page, which changes the settings of `camera`. Fails with kIo if the port
+/// is in use, and with kMissingDependency in a build without the viewer.
+[[nodiscard]] Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine,
+                                                                std::shared_ptr<recordings::RunningCamera> camera,
+                                                                uint16_t port);
 
 }  // namespace e2lf::cli

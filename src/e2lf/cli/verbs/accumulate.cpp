@@ -7,8 +7,7 @@
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/diagnose/pattern_places.h"
-#include "e2lf/eval/metrics.h"
+#include "e2lf/diagnose/event_images.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/info/page_parts.h"
@@ -16,7 +15,6 @@
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/light_field_flags.h"
 #include "e2lf/program/report_output.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/event_rate.h"
@@ -98,8 +96,9 @@ class PlacesCheck {
     if (diagnose::has_doubt(findings)) return std::nullopt;
     if (setup.codes) return diagnose::check_places(sum_, *setup.codes, setup.camera);
     log_info(
-        "nothing states the patterns, so that their order and orientation are not checked; give --codes or the "
-        "--schedule of e2lf codes render");
+        "the patterns are unknown, so their order and orientation cannot be checked; name them with --codes, or give "
+        "the "
+        "schedule that `e2lf codes render` wrote with --schedule");
     return std::nullopt;
   }
 
@@ -140,7 +139,6 @@ Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const
   if (first) {
     page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, grey is none.");
     E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(*first), "event images"}}, 1600, page));
-    page.drawing(transition_bars(eval::event_statistics(*first).events_per_pixel));
   }
   page.heading("Cycles");
   if (cycles.size() > 1) {

@@ -10,15 +10,12 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/model/model.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
-#include "e2lf/recon/event_check.h"
-#include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
 #include "e2lf/terminal/progress_bar.h"
 
@@ -99,52 +96,6 @@ void match_transitions(const std::string& wanted, capture::Codes& codes, std::ve
   }
 }
 
-/// Returns by how much the events that a network's light field implies differ from the actual ones, given a sensor
-/// profile.
-Result<double> error_with_camera(model::Model model, const capture::SensorProfile& camera, const capture::Codes& codes,
-                                 const capture::EventImages& events) {
-  model.camera = camera;
-  E2LF_ASSIGN_OR_RETURN(const recon::Reconstructor reconstructor, recon::Reconstructor::create(std::move(model)));
-  E2LF_ASSIGN_OR_RETURN(const auto light_field, reconstructor.reconstruct(capture::Measurement(events)));
-  const recon::EventCheck check{codes, {}, sensor::EventModel::kReferenceAware, camera};
-  E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
-  return error.least;
-}
-
-/// Compares both cameras with the events of the first cycle, using the named or a bundled network: {"start", "found",
-/// "better"}. Returns null if no network conditioned on the sensor profile matches these patterns.
-Result<Json> compare_cameras(std::optional<model::Model> model, const capture::Codes& codes,
-                             const capture::SensorProfile& start, const capture::SensorProfile& found,
-                             const capture::EventImages& events) {
-  if (!model) {
-    E2LF_ASSIGN_OR_RETURN(auto network, pipeline::bundled_network(codes, start));
-    if (network) {
-      say_bundled_network(*network);
-      model = std::move(network->model);
-    }
-  }
-  if (!model || !model::is_conditioned_on_camera(*model) || model->num_patterns != codes.num_patterns ||
-      model->measurement() != capture::MeasurementKind::kEventImages || (model->codes && *model->codes != codes)) {
-    return Json();
-  }
-  E2LF_ASSIGN_OR_RETURN(const double before, error_with_camera(*model, start, codes, events));
-  E2LF_ASSIGN_OR_RETURN(const double after, error_with_camera(std::move(*model), found, codes, events));
-  constexpr double kAlike = 0.01;  // smaller differences of the error are not significant
-  const char* better = after > (1.0 + kAlike) * before   ? "start"
-                       : before > (1.0 + kAlike) * after ? "found"
-                                                         : "neither";
-  return Json{{"start", before}, {"found", after}, {"better", better}};
-}
-
-std::string comparison_text(const Json& comparison) {
-  const std::string better = comparison["better"];
-  return formatted("results differ from the events by %.3f with the starting camera, by %.3f with this one: %s",
-                   comparison["start"].get<double>(), comparison["found"].get<double>(),
-                   better == "start"   ? "the starting camera is better; keep it"
-                   : better == "found" ? "this one is better; use it"
-                                       : "neither is better; either will do");
-}
-
 /// Returns the command that uses the camera.
 std::string next_step(const CalibrateArguments& arguments) {
   std::string command = cat("e2lf reconstruct ", shell_word(arguments.inputs.front().string()));
@@ -186,11 +137,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
                                                                                         .progress = bar.callback()}));
   record.end_step("calibrate");
   for (const std::string& warning : calibration.warnings) log_warning(warning);
-  Json report = calibrate::report_json(calibration);
-  E2LF_ASSIGN_OR_RETURN(report["event_check"], compare_cameras(std::move(model), codes, start, calibration.camera,
-                                                               scenes.front().cycles.front()));
-  const bool is_worse = report["event_check"].is_object() && report["event_check"]["better"] == "start";
-  if (is_worse) log_warning(comparison_text(report["event_check"]));
+  const Json report = calibrate::report_json(calibration);
   record.note("report", report);
   E2LF_RETURN_IF_ERROR(write_file(output.path(), calibrate::camera_json(calibration).dump(2) + "\n"));
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
@@ -198,14 +145,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
     std::printf("%s\n", report.dump(2).c_str());
   } else if (!common.quiet) {
     std::printf("%s", calibrate::report_text(calibration).c_str());
-    if (report["event_check"].is_null()) {
-      std::printf(
-          "not compared with the starting camera, because no bundled network was found for these patterns "
-          "and physical pixels; give one with -m\n");
-    } else if (!is_worse) {
-      std::printf("%s\n", comparison_text(report["event_check"]).c_str());
-    }
-    if (!is_worse) print_next_step(next_step(arguments), common);
+    print_next_step(next_step(arguments), common);
   }
   return {};
 }

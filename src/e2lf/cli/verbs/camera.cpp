@@ -6,7 +6,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
-#include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/rig.h"
 #include "e2lf/files/file.h"

@@ -11,7 +11,7 @@
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/compare/jobs.h"
-#include "e2lf/compare/result_page.h"
+#include "e2lf/compare/tables.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/sha256.h"
@@ -90,7 +90,8 @@ Result<void> take_over(const CompareArguments& arguments, const compare::Plan& p
   for (const compare::Scene& scene : plan.scenes) pictures.push_back(compare::truth_key(scene));
   for (const fs::path& folder : arguments.merged) {
     if (!is_our_record(folder / "run.json")) {
-      return fail(ErrorCode::kNotFound, folder, "this is not a folder of results of e2lf compare; give one");
+      return fail(ErrorCode::kNotFound, folder,
+                  "the folder contains no results of `e2lf compare`; give the output folder of a comparison");
     }
     E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder), pictures));
     log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " copied"));

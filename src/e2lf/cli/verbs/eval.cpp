@@ -8,7 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/compare/result_page.h"
+#include "e2lf/compare/tables.h"
 #include "e2lf/depth/colour_scale.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/true_disparity.h"
@@ -17,7 +17,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/info/page_parts.h"
-#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/inputs.h"
 #include "e2lf/program/report_output.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/report/chart.h"
@@ -69,25 +69,6 @@ void read_recorded_tone(const fs::path& path, eval::EvalRow& row) {
     if (tone.contains("gain") && tone["gain"].is_number()) row.gain = tone["gain"].get<double>();
     if (tone.contains("black") && tone["black"].is_number()) row.black = tone["black"].get<double>();
   }
-}
-
-/// Returns a grid with one number for each view, in the order of the aperture.
-std::string view_grid(const eval::LightFieldMetrics& quality, double eval::Metrics::*metric, int decimals) {
-  report::CellGrid grid;
-  grid.columns = 0;
-  grid.low = INFINITY;
-  grid.high = -INFINITY;
-  for (const eval::ViewMetrics& view : quality.views) {
-    const double value = view.metrics.*metric;
-    grid.values.push_back(value);
-    if (view.view_y == quality.views.front().view_y) ++grid.columns;
-    if (!std::isfinite(value)) continue;
-    grid.low = std::min(grid.low, value);
-    grid.high = std::max(grid.high, value);
-  }
-  grid.decimals = decimals;
-  grid.cell_px = 46;
-  return report::grid_svg(grid);
 }
 
 /// The result of a comparison: the figures, and the reconstruction for images.
@@ -171,13 +152,6 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const Truth& tr
                      shape.channels == 1 ? "grey" : "colour"));
   page.table(eval::quality_table(rows));
   if (const std::string tones = tone_text(rows); !tones.empty()) page.paragraph(tones);
-  page.heading("Views").paragraph("The views in the order of the aperture.");
-  for (const eval::EvalRow& row : rows) {
-    page.begin_row();
-    page.drawing(view_grid(row.quality, &eval::Metrics::psnr_db, 1), cat(row.method, ": PSNR, dB"));
-    page.drawing(view_grid(row.quality, &eval::Metrics::ssim_uniform7, 3), cat(row.method, ": SSIM, windows of 7x7"));
-    page.end_row();
-  }
   page.heading("Pictures")
       .paragraph(
           "The upper left view and its enlarged centre, with the EPI of the middle row below, whose lines are straight "
@@ -189,7 +163,7 @@ Result<report::Page> eval_page(const std::vector<Compared>& all, const Truth& tr
   E2LF_RETURN_IF_ERROR(add_pictures(pictures, 700, page));
   if (true_scene.disparity) E2LF_RETURN_IF_ERROR(add_disparities(all, true_scene, page));
   if (const auto& events = rows.front().events) {
-    page.heading("Events").facts(eval::to_json(*events)).drawing(transition_bars(events->events_per_pixel));
+    page.heading("Events").facts(eval::to_json(*events));
   }
   return page;
 }

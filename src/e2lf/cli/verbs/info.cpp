@@ -3,13 +3,13 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/recording_flags.h"
+#include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/describe.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/info/page_parts.h"
-#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/inputs.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/report_output.h"
 #include "e2lf/program/run_record.h"
@@ -31,17 +31,6 @@ void print(const Description& found, const CommonOptions& common) {
   std::printf("%s", (common.json ? json_text(found.json) : found.text()).c_str());
 }
 
-Result<void> write_report(const Description& found, const InfoArguments& arguments, const std::string& rate_svg,
-                          ReportOutput& reports) {
-  if (!reports.is_wanted()) return {};
-  report::Page page = verb_page(arguments.path.string());
-  if (!found.note.empty()) page.code(found.note);
-  if (!rate_svg.empty()) page.heading("Events over time").drawing(rate_svg);
-  if (found.show) E2LF_RETURN_IF_ERROR(found.show(page));
-  page.heading("All that is known").table(report::facts_table(found.json));
-  return reports.write(page);
-}
-
 Result<void> print_recording(const InfoArguments& arguments, ReportOutput& reports, const Verb& verb) {
   const CommonOptions& common = verb.common();
   constexpr size_t kPlotBins = 2000;
@@ -57,7 +46,11 @@ Result<void> print_recording(const InfoArguments& arguments, ReportOutput& repor
   hide_progress();
   verb.note_failed_input(found.failure);
   print(found, common);
-  return write_report(found, arguments, report::chart_svg(rate_chart(rate.rate())), reports);
+  if (!reports.is_wanted()) return {};
+  report::Page page = verb_page(arguments.path.string());
+  page.heading("Events over time").drawing(report::chart_svg(rate_chart(rate.rate())));
+  page.heading("All that is known").table(report::facts_table(found.json));
+  return reports.write(page);
 }
 
 Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
@@ -67,13 +60,19 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
   if (kind != FileKind::kLightField && kind != FileKind::kCycles) {
     E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
   }
-  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, output_rules(verb, {path})));
-  if (kind == FileKind::kRecording) return print_recording(arguments, reports, verb);
+  if (kind == FileKind::kRecording) {
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, output_rules(verb, {path})));
+    return print_recording(arguments, reports, verb);
+  }
+  if (!arguments.reports.empty()) {
+    return fail(ErrorCode::kUnsupported, "--report", "reports are made of recordings; `e2lf view` shows ",
+                kind_text(kind));
+  }
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(const Description found,
                         describe(kind, path, {.light_field = unchanged_options(arguments.light_field)}));
   print(found, verb.common());
-  return write_report(found, arguments, {}, reports);
+  return {};
 }
 
 }  // namespace

@@ -13,13 +13,12 @@
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/cli/verbs/live_page.h"
 #include "e2lf/diagnose/field_check.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/live/session.h"
-#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/sibling_program.h"
 
@@ -291,7 +290,7 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
                 "a file is not a live source; give replay:FILE to play it at its own speed");
   }
   if (arguments.records && arguments.output.empty()) {
-    return fail(ErrorCode::kInvalidValue, "--record", "recordings need a folder; give one with -o");
+    return fail(ErrorCode::kInvalidValue, "--record", "recordings require a folder; set it with -o");
   }
   RunRecord record("live");
   const CodesSource& codes = arguments.method.codes;

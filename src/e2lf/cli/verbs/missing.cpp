@@ -3,7 +3,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/cli/verbs/live_page.h"
 
 namespace e2lf::cli {
 #ifdef E2LF_NO_VIEWER

@@ -14,7 +14,7 @@
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/recording_report.h"
-#include "e2lf/program/light_field_flags.h"
+#include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/sibling_program.h"
 
@@ -182,8 +182,8 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   app.add_option("-o,--output", reconstruction.output, "folder to write")->required();
   add_method_options(app, reconstruction.method_flags, "the file of the events");
   add_tone_options(app, reconstruction.method_flags);
-  add_choice(app, "--method", reconstruction.method, {"network", "inversion", "regularised"},
-             "network; inversion (closed form) or regularised (slower, iterative), which need no model, only patterns");
+  add_choice(app, "--method", reconstruction.method, {"network", "inversion"},
+             "network, or inversion in closed form, which needs no model, only patterns");
   add_count(app, "--passes", reconstruction.passes, 1, 64,
             "number of runs of the network at shifted positions whose results are averaged: better quality, but "
             "proportionally slower (the paper's network supports only 1)");

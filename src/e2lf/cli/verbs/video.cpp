@@ -6,7 +6,6 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/recording_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/event_windows.h"
 #include "e2lf/files/file.h"
@@ -18,7 +17,7 @@
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
-#include "e2lf/video/event_video.h"
+#include "e2lf/video/video_model.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -69,7 +69,7 @@ Result<void> add_light_field(Safetensors& file, const fs::path& path) {
 Result<void> add_texture(Safetensors& file, const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(auto image, lightfield::read_image(path));
   if (std::min(image.width, image.height) < kSmallestTexture) {
-    return fail(ErrorCode::kInvalidValue, path, "the picture is smaller than 64x64 px; leave it out");
+    return fail(ErrorCode::kInvalidValue, path, "the image must have at least 64x64 px; remove it from the inputs");
   }
   image = lightfield::to_grey(std::move(image));
   return insert(file, cat("texture/", path.parent_path().filename().string(), "/", path.stem().string()),
@@ -82,7 +82,8 @@ Result<PackSummary> pack(const fs::path& output, const PackOptions& options, con
   E2LF_RETURN_IF_ERROR(check_output(output, options.overwrite));
   E2LF_ASSIGN_OR_RETURN(const auto pictures, list_pictures(options.textures));
   const size_t total = options.light_fields.size() + pictures.size();
-  if (total == 0) return fail(ErrorCode::kInvalidValue, "", "there is nothing to pack; give light fields or images");
+  if (total == 0)
+    return fail(ErrorCode::kInvalidValue, "", "no light fields and no images were given; name at least one");
 
   Safetensors file;
   size_t done = 0;

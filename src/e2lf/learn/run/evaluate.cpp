@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/run/evaluate.h"
 
-#include "e2lf/learn/events/input_form.h"
+#include "e2lf/learn/events/event_simulation.h"
 
 namespace e2lf::learn {
 

@@ -9,7 +9,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/csv.h"
 #include "e2lf/files/file.h"
-#include "e2lf/report/axis.h"
 #include "e2lf/report/chart.h"
 
 namespace e2lf::learn {
@@ -83,9 +82,9 @@ report::Line running_mean(const report::Line& line) {
   return mean;
 }
 
-void add_chart(const char* heading, std::vector<report::Line> lines, bool is_logarithmic, report::Page& page) {
+void add_chart(const char* heading, std::vector<report::Line> lines, report::Page& page) {
   if (lines.empty() || lines.front().points.empty()) return;
-  report::LineChart chart{"samples", heading, std::move(lines), is_logarithmic};
+  report::LineChart chart{"samples", heading, std::move(lines)};
   page.drawing(report::chart_svg(chart));
 }
 
@@ -131,17 +130,17 @@ void add_patterns(const PatternState& state, report::Page& page) {
   page.end_row();
 }
 
-/// Creates a page with the results of the validation, the loss on a logarithmic axis with its running mean, PSNR,
+/// Creates a page with the results of the validation, the loss in decibels with its running mean, PSNR,
 /// events per pixel, learning rate and speed, the patterns at up to eight points of the run, and the configuration.
 report::Page curves_page(const std::string& title, const RunCurves& curves, const Json& config) {
   report::Page page(title);
   page.table(scene_table(curves, config));
   page.heading("Training");
-  add_chart("loss: mean squared error of the training samples", {curves.loss, running_mean(curves.loss)}, true, page);
-  add_chart("PSNR of the validation scenes, dB", curves.psnr_db, false, page);
-  add_chart("events per pixel of the validation scenes", curves.events_per_pixel, false, page);
-  add_chart("learning rate", {curves.learning_rate}, false, page);
-  add_chart("samples per second", {curves.samples_per_s}, false, page);
+  add_chart("loss: PSNR of the training samples, dB", {curves.loss, running_mean(curves.loss)}, page);
+  add_chart("PSNR of the validation scenes, dB", curves.psnr_db, page);
+  add_chart("events per pixel of the validation scenes", curves.events_per_pixel, page);
+  add_chart("learning rate", {curves.learning_rate}, page);
+  add_chart("samples per second", {curves.samples_per_s}, page);
   if (!curves.patterns.empty()) page.heading("Patterns");
   constexpr size_t kTimes = 8;
   const size_t shown = std::min(kTimes, curves.patterns.size());
@@ -184,12 +183,12 @@ Result<void> RunLog::add(const PatternRow& row) const {
 
 report::Page RunLog::page(const std::string& title, const Json& config) const {
   RunCurves curves;
-  curves.loss.name = "mean squared error";
+  curves.loss.name = "of each row";
   for (const std::string& line : table_lines(folder_ / kSteps)) {
     const auto field = csv_cells(line);
     if (field.size() < 7) continue;
     const double samples = number(field[1]);
-    curves.loss.points.push_back({samples, number(field[3])});
+    curves.loss.points.push_back({samples, -10 * std::log10(number(field[3]))});
     curves.learning_rate.points.push_back({samples, number(field[4])});
     curves.samples_per_s.points.push_back({samples, number(field[6])});
   }

@@ -11,7 +11,7 @@
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/learn/events/input_form.h"
+#include "e2lf/learn/events/event_simulation.h"
 #include "e2lf/learn/run/commands.h"
 #include "e2lf/model/unet.h"
 #include "testing/test_training_data.h"

@@ -1,17 +1,240 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/onnx/onnx_export.h"
 
+#include <array>
+#include <cmath>
+#include <map>
+#include <span>
+
+#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/options.h"
-#include "e2lf/model/depth_network.h"
+#include "e2lf/model/model.h"
 #include "e2lf/model/onnx/onnx_graph.h"
-#include "e2lf/model/onnx/onnx_layers.h"
+#include "e2lf/model/operation.h"
 
 namespace e2lf::model {
 namespace {
 
 using Integers = std::vector<int64_t>;
+
+std::string add_convolution(OnnxCall& call) {
+  const Layer& layer = call.layer;
+  const auto kernel = static_cast<int64_t>(layer.kernel), stride = static_cast<int64_t>(layer.stride);
+  OnnxGraph::Attributes attributes = {{"kernel_shape", Integers{kernel, kernel}},
+                                      {"strides", Integers{stride, stride}}};
+  call.inputs.push_back("weights/" + layer.name + ".weight");
+  call.inputs.push_back("weights/" + layer.name + ".bias");
+  if (layer.op == Op::kConvTransposed) return call.node("ConvTranspose", attributes);
+  attributes.emplace_back("pads", Integers(4, kernel == stride ? 0 : kernel / 2));
+  return call.node("Conv", attributes);
+}
+
+/// ONNX orders the result with pixels of a block before channels, whereas Op::kPixelUnshuffle has channels first.
+std::string add_unshuffle(OnnxCall& call) {
+  const size_t channels = call.input_shapes.front().channels, area = call.layer.stride * call.layer.stride;
+  Integers order;
+  for (size_t c = 0; c < channels; ++c) {
+    for (size_t pixel = 0; pixel < area; ++pixel) order.push_back(static_cast<int64_t>(pixel * channels + c));
+  }
+  const std::string blocks = call.graph.add_node("SpaceToDepth", call.inputs, "blocks/" + call.layer.name,
+                                                 {{"blocksize", static_cast<int64_t>(call.layer.stride)}});
+  const std::string indices = call.graph.add_constant("orders/" + call.layer.name, order);
+  return call.graph.add_node("Gather", {blocks, indices}, call.output, {{"axis", int64_t{1}}});
+}
+
+std::string add_shuffle(OnnxCall& call) {
+  return call.node("DepthToSpace",
+                   {{"blocksize", static_cast<int64_t>(call.layer.stride)}, {"mode", std::string("CRD")}});
+}
+
+std::string add_upsampling(OnnxCall& call) {
+  return call.resize({{"mode", std::string("nearest")},
+                      {"coordinate_transformation_mode", std::string("asymmetric")},
+                      {"nearest_mode", std::string("floor")}});
+}
+
+using Export = std::string (*)(OnnxCall& call);
+
+/// Returns the function that adds an operation, or null.
+Export export_of(const std::string& op) {
+  static const std::map<std::string, Export> known = {
+      {Op::kConv, add_convolution},
+      {Op::kConvTransposed, add_convolution},
+      {Op::kPixelUnshuffle, add_unshuffle},
+      {Op::kPixelShuffle, add_shuffle},
+      {Op::kUpsample, add_upsampling},
+      {Op::kAdd, [](OnnxCall& call) { return call.node("Sum"); }},
+      {Op::kMean, [](OnnxCall& call) { return call.node("Mean"); }},
+      {Op::kConcat,
+       [](OnnxCall& call) {
+         return call.node("Concat", {{"axis", int64_t{1}}});
+       }},
+      {Op::kSigmoid, [](OnnxCall& call) { return call.node("Sigmoid"); }}};
+  const auto found = known.find(op);
+  return found != known.end() ? found->second : find_operation(op)->onnx;
+}
+
+}  // namespace
+
+std::string OnnxCall::resize(const OnnxGraph::Attributes& attributes) {
+  const auto stride = static_cast<float>(layer.stride);
+  const std::vector<float> scales = {1.0F, 1.0F, stride, stride};
+  const size_t size = scales.size();
+  const std::string name = graph.add_constant("scales/" + layer.name, std::span(&size, 1), scales);
+  return graph.add_node("Resize", {inputs.front(), "", name}, output, attributes);
+}
+
+std::string OnnxCall::slice(const std::string& tensor, size_t begin, size_t end, const std::string& name) {
+  std::vector<std::string> inputs_of_slice = {tensor};
+  for (const auto& [part, value] :
+       {std::pair{"/begin", begin}, std::pair{"/end", end}, std::pair{"/axis", size_t{1}}}) {
+    inputs_of_slice.push_back(graph.add_constant(name + part, Integers{static_cast<int64_t>(value)}));
+  }
+  return graph.add_node("Slice", inputs_of_slice, name);
+}
+
+std::string onnx_refusal(const Network& network) {
+  for (const Layer& layer : network.layers) {
+    if (export_of(layer.op) == nullptr) return cat("layer \"", layer.name, "\" is the operation ", layer.op);
+  }
+  return "";
+}
+
+std::string add_onnx_layers(OnnxGraph& graph, const Network& network, const Weights& weights,
+                            const std::string& input) {
+  for (const WeightShape& tensor : weight_shapes(network)) {
+    graph.add_constant("weights/" + tensor.name, tensor.shape, weights.at(tensor.name));
+  }
+  const std::vector<LayerShape> shapes = infer_shapes(network).value();
+  std::map<std::string, std::pair<std::string, LayerShape>> tensors = {{"input", {input, {network.input_channels, 1}}}};
+  std::string result;
+  for (size_t i = 0; i < network.layers.size(); ++i) {
+    const Layer& layer = network.layers[i];
+    const bool adds = !layer.residual.empty();
+    OnnxCall call{graph, layer, {}, {}, (adds || layer.relu ? "linear/" : "layers/") + layer.name};
+    for (const std::string& name : layer.inputs) {
+      call.inputs.push_back(tensors.at(name).first);
+      call.input_shapes.push_back(tensors.at(name).second);
+    }
+    result = export_of(layer.op)(call);
+    if (adds) {
+      const std::string name = (layer.relu ? "sums/" : "layers/") + layer.name;
+      result = graph.add_node("Add", {result, tensors.at(layer.residual).first}, name);
+    }
+    if (layer.relu) result = graph.add_node("Relu", {result}, "layers/" + layer.name);
+    tensors[layer.name] = {result, shapes[i]};
+  }
+  return result;
+}
+
+namespace {
+
+using Integers = std::vector<int64_t>;
+
+/// Makes the input planes of one model. Tensors that several groups need are made only once.
+class InputForms {
+ public:
+  InputForms(OnnxGraph& graph, size_t transitions, const capture::SensorConstants& constants, std::string events)
+      : graph_(graph), transitions_(transitions), constants_(constants), events_(std::move(events)) {}
+
+  /// Returns C_k, the cumulative counts.
+  const std::string& cumulative() {
+    if (cumulative_.empty()) {
+      const std::string axis = graph_.add_constant("input/channel_axis", Integers{1});
+      cumulative_ = graph_.add_node("CumSum", {events_, axis}, "input/cumulative");
+    }
+    return cumulative_;
+  }
+
+  /// Returns min(J_k, 1) with J_k = eps (exp(tau (C_k + s_k / 2)) - 1). The exponent is limited to the value at which
+  /// J_k is 1, so that no count overflows.
+  std::string intensity() {
+    const auto number = [&](const char* name, double value) {
+      return graph_.add_constant(name, static_cast<float>(value));
+    };
+    const double eps = constants_.eps;
+    const std::string one = number("input/one", 1.0);
+    std::string x = graph_.add_node("Mul", {last_change(one), number("input/half", 0.5)}, "input/half_steps");
+    x = graph_.add_node("Add", {cumulative(), x}, "input/steps");
+    x = graph_.add_node("Mul", {x, number("input/tau", constants_.tau)}, "input/log_steps");
+    x = graph_.add_node("Min", {x, number("input/white_log", std::log1p(1.0 / eps))}, "input/log");
+    x = graph_.add_node("Exp", {x}, "input/exp");
+    x = graph_.add_node("Sub", {x, one}, "input/above_black");
+    return graph_.add_node("Mul", {x, number("input/eps", eps)}, "input/intensity");
+  }
+
+ private:
+  /// Returns s_k, the sign of the last non-zero count up to k.
+  std::string last_change(const std::string& one) {
+    const std::string signs = graph_.add_node("Sign", {events_}, "input/signs");
+    std::vector<std::string> changes;
+    for (size_t k = 0; k < transitions_; ++k) {
+      const std::string index = graph_.add_constant(cat("input/k", k), Integers{static_cast<int64_t>(k)});
+      std::string sign = graph_.add_node("Gather", {signs, index}, cat("input/sign", k), {{"axis", int64_t{1}}});
+      if (k > 0) {
+        // 1 if this count is zero, in which case the previous sign is kept.
+        const std::string changed = graph_.add_node("Abs", {sign}, cat("input/changed", k));
+        const std::string still = graph_.add_node("Sub", {one, changed}, cat("input/still", k));
+        const std::string kept = graph_.add_node("Mul", {still, changes.back()}, cat("input/kept", k));
+        sign = graph_.add_node("Add", {sign, kept}, cat("input/change", k));
+      }
+      changes.push_back(sign);
+    }
+    return graph_.add_node("Concat", changes, "input/last_change", {{"axis", int64_t{1}}});
+  }
+
+  OnnxGraph& graph_;
+  size_t transitions_;
+  capture::SensorConstants constants_;
+  std::string events_, cumulative_;
+};
+
+/// Expands each number of the conditioning vector to a constant plane.
+std::string camera_planes(OnnxGraph& graph, const std::string& conditioning, const OnnxSize& size) {
+  const std::string axes = graph.add_constant("input/image_axes", Integers{2, 3});
+  const std::string pixels = graph.add_node("Unsqueeze", {conditioning, axes}, "input/trait_pixels");
+  const std::string ones = graph.add_constant("input/ones", Integers{1, 1});
+  const std::string shape = graph.add_node("Concat", {ones, size.padded}, "input/trait_shape", {{"axis", int64_t{0}}});
+  return graph.add_node("Expand", {pixels, shape}, "input/camera");
+}
+
+}  // namespace
+
+std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& groups, size_t transitions,
+                           const capture::SensorConstants& constants, const std::string& events,
+                           const std::string& conditioning, const OnnxSize& size) {
+  InputForms forms(graph, transitions, constants, events);
+  std::array<std::string, 4> made;  // one for each kind that is made from events
+  std::vector<std::string> planes;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    std::string& form = made[static_cast<size_t>(groups[g].kind)];
+    if (form.empty()) {
+      switch (groups[g].kind) {
+        case InputKind::kCounts:
+          form = events;
+          break;
+        case InputKind::kCumulative:
+          form = forms.cumulative();
+          break;
+        case InputKind::kIntensity:
+          form = forms.intensity();
+          break;
+        case InputKind::kCamera:
+          form = camera_planes(graph, conditioning, size);
+          break;
+        default:
+          E2LF_REQUIRE(false, "an exported model takes event images alone");
+      }
+    }
+    const std::string scale = graph.add_constant(cat("input/scale", g), groups[g].scale);
+    planes.push_back(graph.add_node("Mul", {form, scale}, cat("input/group", g)));
+  }
+  return graph.add_node("Concat", planes, "input/planes", {{"axis", int64_t{1}}});
+}
+
+namespace {
 
 // The limit leaves ample room for everything except the weights within 2 GiB.
 constexpr size_t kMostWeights = (size_t{2} << 30) - (size_t{256} << 20);

@@ -8,7 +8,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/model/onnx/onnx_graph.h"
-#include "e2lf/model/onnx/onnx_layers.h"
 
 namespace e2lf::model {
 namespace {
