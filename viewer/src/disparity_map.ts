@@ -70,6 +70,7 @@ export class DisparityMap {
     return {
       disparities: this.texture,
       overlay: this.isKnown ? opacity : 0,
+      followsMap: this.isKnown && state.get('size') === 0,
       overlayRange: this.range,
       leastConfidence: this.hasConfidence ? state.get('sure') : 0,
       viewpoint: [state.get('x'), state.get('y')],

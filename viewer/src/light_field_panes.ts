@@ -142,7 +142,7 @@ export class LightFieldPanes {
   private overlay(camera: Record<string, Uniform>, map: DisparityMap | null): Record<string, Uniform> {
     const { state } = this.context;
     const opacity = this.shown() === 'disparity' ? 1 : state.get('overlay');
-    return map?.uniforms(state, opacity) ?? { disparities: camera['taps']!, overlay: 0 };
+    return map?.uniforms(state, opacity) ?? { disparities: camera['taps']!, overlay: 0, followsMap: false };
   }
 
   private secondTone(): Record<string, Uniform> {
@@ -185,7 +185,9 @@ export class LightFieldPanes {
   private valueAt(x: number, y: number, isSecond: boolean): string {
     const { painter, state } = this.context;
     const { width, height } = this.item;
-    const whole = { ...lightFieldUniforms(this.first, this.second), ...this.camera.uniforms(state, this.item.views), ...this.overlay({}, null), mode: Number(isSecond) };
+    const camera = this.camera.uniforms(state, this.item.views);
+    const map = this.all.find((shown) => shown.isSecond === isSecond)?.map ?? null;
+    const whole = { ...lightFieldUniforms(this.first, this.second), ...camera, ...this.overlay(camera, map), overlay: 0, mode: Number(isSecond) };
     const colour = painter.read(1, 1, pictureShader, { ...whole, part: [x / width, y / height, 1 / width, 1 / height] });
     const isGrey = (isSecond ? this.second : this.first).isGrey;
     return [...colour.subarray(0, isGrey ? 1 : 3)].map((value) => (value / 255).toFixed(3)).join(' ');

@@ -69,46 +69,52 @@ uniform int mode;      // 0 first, 1 second, 2 swipe, 3 difference
 uniform float split, boost;
 uniform highp sampler2D disparities;    // px per view of the pixels of one view
 uniform vec2 viewpoint, mapView;
+uniform bool followsMap;
 
 vec2 foundAt(vec2 p) {
   return texelFetch(disparities, ivec2(clamp(p, vec2(0.0), size - 1.0)), 0).rg;
 }
-// The map follows the scene: from another viewpoint, each point of its view is shifted by its own disparity.
-vec3 overlaid(vec3 picture) {
-  vec2 p = place * size;
-  vec2 shifted = p + (focus.x + dot(focus.yz, place - 0.5)) * viewpoint;
-  vec2 from = shifted;
+// Returns the point of the view of the map that is at p from the viewpoint: each point is shifted by its own disparity.
+vec2 seenAt(vec2 p) {
+  vec2 from = p;
   for (int i = 0; i < 4; ++i) {
     float disparity = foundAt(from).r;
-    if (disparity > 1e3) return picture;    // unknown
-    from = shifted - disparity * (viewpoint - mapView);
+    if (disparity > 1e3) break;    // unknown
+    from = p - disparity * (viewpoint - mapView);
   }
+  return from;
+}
+vec3 overlaid(vec3 picture, vec2 from) {
   vec2 found = foundAt(from);
   return found.r > 1e3 ? picture : mix(picture, colourOf(found.r), overlay * opacityOf(found.g, from));
 }
 
-vec3 light(bool isSecond) {
-  vec2 p = place * size;
-  float disparity = focus.x + dot(focus.yz, place - 0.5);
+// A viewpoint between views is interpolated along the disparities of the map, so that points at all depths are sharp.
+vec3 light(bool isSecond, vec2 p, vec2 from) {
+  float disparity = focus.x + dot(focus.yz, place - 0.5), found = foundAt(from).r;
+  bool follows = followsMap && found < 1e3;
+  vec2 around = follows ? viewpoint : vec2(0.0);
+  p = follows ? p : place * size;
   vec3 sum = vec3(0.0);
   float weight = 0.0;
   for (int i = 0; i < numTaps; ++i) {
     vec4 tap = texelFetch(taps, ivec2(i, 0), 0);
-    sum += tap.w * sampled(isSecond, vec3((p + disparity * tap.yz) / size, tap.x));
+    sum += tap.w * sampled(isSecond, vec3((p + (follows ? found : disparity) * (tap.yz - around)) / size, tap.x));
     weight += tap.w;
   }
   return sum / weight;
 }
 void main() {
+  vec2 p = place * size + (focus.x + dot(focus.yz, place - 0.5)) * viewpoint, from = seenAt(p);
   if (mode == 3) {
-    vec3 difference = light(true) - light(false);
+    vec3 difference = light(true, p, from) - light(false, p, from);
     float value = clamp(boost * dot(difference, vec3(0.299, 0.587, 0.114)), -1.0, 1.0);
     // White if both agree, red if the second is brighter, blue if it is darker.
     colour = value > 0.0 ? vec4(1.0, 1.0 - value, 1.0 - value, 1.0) : vec4(1.0 + value, 1.0 + value, 1.0, 1.0);
     return;
   }
-  colour = shown(light(mode == 1 || (mode == 2 && place.x >= split)));
-  if (overlay > 0.0) colour.rgb = overlaid(colour.rgb);
+  colour = shown(light(mode == 1 || (mode == 2 && place.x >= split), p, from));
+  if (overlay > 0.0) colour.rgb = overlaid(colour.rgb, from);
 }`;
 
 // A picture enlarged by cubic interpolation (Catmull-Rom), which keeps edges sharper than a linear one.

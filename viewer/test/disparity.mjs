@@ -23,6 +23,11 @@ export const tests = {
     }
   }),
 
+  'a viewpoint between views is interpolated along the map': ({ url, expected }) => withPage(url('between.html', 'x=1&y=0.5&overlay=0'), {}, async (page) => {
+    // Half a view to the right of view 4, 4: one pixel.
+    assertNear((await rowOf(page, 'canvas.picture', row)).slice(2, -1), expected.views[4][4].slice(1, -2), 1, 'sharp');
+  }),
+
   'the focus moves map and picture alike': ({ url, expected }) => withPage(url('disparity.html', 'x=0.5&y=0.5&focus=2&overlay=1'), {}, async (page) => {
     // View 4, 4 is half a view from the middle on both axes: one pixel to the left.
     const got = await rowOf(page, 'canvas.picture', row);

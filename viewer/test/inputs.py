@@ -45,6 +45,7 @@ np.save(f"{folder}/other.npy", other)
 disparity = np.tile((1 + np.arange(WIDTH) / WIDTH).astype(np.float32), (HEIGHT, 1))
 disparity[:, 60:] = np.nan
 np.save(f"{folder}/disparity.npy", disparity)
+np.save(f"{folder}/true_disparity.npy", np.full((HEIGHT, WIDTH), DISPARITY, np.float32))
 
 
 def disparity_colours(values):

@@ -45,8 +45,9 @@ struct InputGroup {
 /// provides all of them.
 [[nodiscard]] Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& groups);
 
-/// What a network loses in arithmetic other than float32: the PSNR with float32 minus that with the other, dB, on
-/// scenes that were simulated for this network. An absent value was not measured.
+/// What a network loses in arithmetic other than float32: the PSNR (of disparities for a network for depth) with
+/// float32 minus that with the other, dB, on scenes that were simulated for this network. An absent value was not
+/// measured.
 struct PrecisionLoss {
   std::optional<double> bfloat16_db = {}, int16_db = {};
   bool operator==(const PrecisionLoss&) const = default;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include "e2lf/base/isa.h"
+#include "e2lf/depth/true_disparity.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/recon/reconstruct.h"
@@ -45,6 +47,25 @@ TEST_F(PrecisionCheck, AutomaticPrecisionIsFloat32UntilItWasChecked) {
   set_max_isa("sse4").value();
   EXPECT_EQ(automatic(model), Precision::kFloat32);
   EXPECT_EQ(measure_precision_loss(model, scenes).value(), model::PrecisionLoss());
+}
+
+TEST_F(PrecisionCheck, JudgesNetworksForDepthByTheirDisparities) {
+  model::Model model = random_model();
+  model.network = model::recnet(3, model::kDepthOutputs, 16);
+  model.weights = engine::random_weights(model.network, 3);
+  const std::vector<lightfield::LightField> scenes = {
+      lightfield::render_light_field(lightfield::demo_scene(1), {8, 8, 48, 64, 1})};
+  const lightfield::Image truth = depth::true_disparity(scenes[0], std::nullopt).value().disparity;
+  const capture::Measurement events = simulate_cycle({.codes = *model.codes}, scenes[0], 0).value();
+  const auto error = [&](Precision precision) {
+    const auto outputs = recon::Reconstructor::create(model, {precision}).value().reconstruct(events).value();
+    double sum = 0;
+    for (size_t i = 0; i < truth.pixels.size(); ++i) sum += std::pow(outputs.data()[i] - truth.pixels[i], 2);
+    return sum;
+  };
+  const model::PrecisionLoss loss = measure_precision_loss(model, scenes).value();
+  if (!loss.bfloat16_db) GTEST_SKIP() << "this processor has no bfloat16";
+  EXPECT_NEAR(*loss.bfloat16_db, 10 * std::log10(error(Precision::kBfloat16) / error(Precision::kFloat32)), 1e-3);
 }
 
 TEST_F(PrecisionCheck, RefusesModelsWithoutPatterns) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "e2lf/depth/true_disparity.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
@@ -35,15 +36,37 @@ namespace {
 
 using engine::Precision;
 
+/// A simulated cycle of a scene, and what a network should make of it: the views, or the disparities of the middle one.
+struct Check {
+  capture::Measurement measurement;
+  std::vector<float> truth;
+};
+
+Result<std::vector<Check>> make_checks(const model::Model& model, std::span<const lightfield::LightField> scenes) {
+  SimulatedCamera camera{.measurement = model.measurement(), .codes = *model.codes};
+  camera.profile.event_model = model.event_model;
+  camera.profile.constants = model.constants;
+  if (model.camera) camera.profile = *model.camera;
+  std::vector<Check> checks;
+  for (const lightfield::LightField& scene : scenes) {
+    E2LF_ASSIGN_OR_RETURN(capture::Measurement measurement, simulate_cycle(camera, scene, 0));
+    std::vector<float> truth(scene.data().begin(), scene.data().end());
+    if (model::is_depth_network(model)) {
+      E2LF_ASSIGN_OR_RETURN(depth::TrueDisparity found, depth::true_disparity(scene, std::nullopt));
+      truth = std::move(found.disparity.pixels);
+    }
+    checks.push_back({std::move(measurement), std::move(truth)});
+  }
+  return checks;
+}
+
 /// Returns the sum of squared errors over all scenes.
-Result<double> squared_error(const recon::Reconstructor& network, const SimulatedCamera& camera,
-                             std::span<const lightfield::LightField> scenes) {
+Result<double> squared_error(const recon::Reconstructor& network, const std::vector<Check>& checks) {
   double sum = 0.0;
-  for (const lightfield::LightField& truth : scenes) {
-    E2LF_ASSIGN_OR_RETURN(const capture::Measurement measurement, simulate_cycle(camera, truth, 0));
+  for (const auto& [measurement, truth] : checks) {
     E2LF_ASSIGN_OR_RETURN(const lightfield::LightField field, network.reconstruct(measurement));
-    for (size_t i = 0; i < field.data().size(); ++i) {
-      const double error = static_cast<double>(field.data()[i]) - truth.data()[i];
+    for (size_t i = 0; i < truth.size(); ++i) {
+      const double error = static_cast<double>(field.data()[i]) - truth[i];
       sum += error * error;
     }
   }
@@ -57,19 +80,16 @@ Result<model::PrecisionLoss> measure_precision_loss(const model::Model& model,
   if (!model.codes) {
     return Error{ErrorCode::kInvalidValue, "the model has no patterns to simulate; store them in it", model.name};
   }
-  SimulatedCamera camera{.measurement = model.measurement(), .codes = *model.codes};
-  camera.profile.event_model = model.event_model;
-  camera.profile.constants = model.constants;
-  if (model.camera) camera.profile = *model.camera;
+  E2LF_ASSIGN_OR_RETURN(const std::vector<Check> checks, make_checks(model, scenes));
   E2LF_ASSIGN_OR_RETURN(const auto exact, recon::Reconstructor::create(model, {.precision = Precision::kFloat32}));
-  E2LF_ASSIGN_OR_RETURN(const double exact_error, squared_error(exact, camera, scenes));
+  E2LF_ASSIGN_OR_RETURN(const double exact_error, squared_error(exact, checks));
   model::PrecisionLoss loss;
   for (const auto& [precision, loss_db] :
        {std::pair(Precision::kBfloat16, &loss.bfloat16_db), std::pair(Precision::kInt16, &loss.int16_db)}) {
     const auto rounded = recon::Reconstructor::create(model, {.precision = precision});
     if (!rounded && rounded.error().code == ErrorCode::kUnsupported) continue;
     if (!rounded) return rounded.error();
-    E2LF_ASSIGN_OR_RETURN(const double error, squared_error(*rounded, camera, scenes));
+    E2LF_ASSIGN_OR_RETURN(const double error, squared_error(*rounded, checks));
     *loss_db = std::round(1e4 * 10.0 * std::log10(error / exact_error)) / 1e4;
   }
   return loss;

@@ -35,7 +35,8 @@ struct SimulatedCamera {
 
 /// Measures what a network loses on `scenes` in each arithmetic that this CPU supports; the others are
 /// absent. The camera that the model was trained for is simulated. The loss is that of the mean squared error over all
-/// scenes. Fails with kInvalidValue if the model has no codes, and as simulate_cycle() and recon::Reconstructor do.
+/// scenes: of the views, or, for a network for disparity, of the disparities that depth::true_disparity() finds. Fails
+/// with kInvalidValue if the model has no codes, and as simulate_cycle() and recon::Reconstructor do.
 [[nodiscard]] Result<model::PrecisionLoss> measure_precision_loss(const model::Model& model,
                                                                   std::span<const lightfield::LightField> scenes);
 
