@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <cmath>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "e2lf/base/isa.h"
 #include "e2lf/depth/true_disparity.h"
