@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
+#include "e2lf/diagnose/event_images.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/sensor/event_model.h"
 

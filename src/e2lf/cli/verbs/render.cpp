@@ -12,6 +12,7 @@
 #include "e2lf/film/parallax.h"
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/refocus.h"
+#include "e2lf/lightfield/views.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
