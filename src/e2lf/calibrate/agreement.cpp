@@ -116,7 +116,7 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
 }  // namespace
 
 std::vector<Agreement> compare(const capture::SensorProfile& camera, const OpenShares& open_shares,
-                        const std::vector<Area>& areas) {
+                               const std::vector<Area>& areas) {
   const std::vector<double> brightness = fit_brightness(camera, open_shares, areas);
   std::vector<std::vector<double>> predictions(areas.size());
   parallel_for(areas.size(), 1, [&](size_t begin, size_t end) {

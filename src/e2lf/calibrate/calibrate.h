@@ -34,7 +34,7 @@ struct Agreement {
 /// Computes the agreement of a camera with areas, each of which gets the brightness that fits it best. Rows of fewer
 /// than 300 samples are omitted.
 [[nodiscard]] std::vector<Agreement> compare(const capture::SensorProfile& camera, const OpenShares& open_shares,
-                                      const std::vector<Area>& areas);
+                                             const std::vector<Area>& areas);
 
 struct CalibrationOptions {
   std::vector<std::string> held;  ///< keys of constants that keep their starting value

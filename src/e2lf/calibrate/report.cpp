@@ -61,7 +61,7 @@ std::string constants_text(const Calibration& calibration) {
     const Meaning& meaning = meaning_of(each.key);
     const std::string range = each.is_determined ? formatted("%.4g to %.4g", each.low, each.high) : "kept";
     text += formatted("%-23s %10.4g %-13s %-22s %s\n", each.key.c_str(), each.value, meaning.unit, range.c_str(),
-                   meaning.text);
+                      meaning.text);
   }
   return text + "kept: the input does not determine this constant, so it keeps the value of the starting camera\n";
 }
@@ -112,7 +112,7 @@ std::string report_text(const Calibration& calibration) {
   std::string text = constants_text(calibration);
   text +=
       formatted("\n%zu flat pixels; %zu hot and %zu dead of %zu\n\n", calibration.flat_pixels,
-             count(calibration, PixelState::kHot), count(calibration, PixelState::kDead), calibration.states.size());
+                count(calibration, PixelState::kHot), count(calibration, PixelState::kDead), calibration.states.size());
   text += agreement_text(calibration.agreement);
   text +=
       "each row: places of one brightness (E1+E2, their mean count in the first two transitions), and of the first "

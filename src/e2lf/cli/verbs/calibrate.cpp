@@ -131,10 +131,10 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   record.end_step("read");
 
   ProgressBar bar("calibrate", common.quiet || common.json);
-  E2LF_ASSIGN_OR_RETURN(const calibrate::Calibration calibration, calibrate::calibrate(scenes, codes, start,
-                                                                                       {.held = arguments.held,
-                                                                                        .is_even = arguments.is_even,
-                                                                                        .progress = bar.callback()}));
+  E2LF_ASSIGN_OR_RETURN(
+      const calibrate::Calibration calibration,
+      calibrate::calibrate(scenes, codes, start,
+                           {.held = arguments.held, .is_even = arguments.is_even, .progress = bar.callback()}));
   record.end_step("calibrate");
   for (const std::string& warning : calibration.warnings) log_warning(warning);
   const Json report = calibrate::report_json(calibration);
