@@ -46,7 +46,7 @@ mkdir stanford hci
 for file in demo/scene/0?_0?.png; do
   name=$(basename "$file" .png)
   cp "$file" "stanford/out_${name}_-1.5_-2.5_.png"
-  cp "$file" "hci/input_Cam$(printf '%03d' $((9 * ${name:1:1} + ${name:4:1}))).png"
+  cp "$file" "hci/input_Cam$(printf '%03d' $((8 * ${name:1:1} + ${name:4:1}))).png"
 done
 for input in stanford hci; do
   "$E2LF" convert "$input" again --format png --quiet --overwrite

@@ -5,6 +5,7 @@
 #include <deque>
 
 #include "e2lf/base/text.h"
+#include "e2lf/cycles/burst_detector.h"
 #include "e2lf/cycles/cycle_assembler.h"
 
 namespace e2lf::cycles {

@@ -221,6 +221,8 @@ bool is_recording_folder(const std::filesystem::path& path) {
 }
 
 Result<ReaderPtr> open_recording(SourcePtr source, const OpenOptions& options) {
+  // A source is live if its first bytes arrived. No more are awaited, because there may be none for a while.
+  E2LF_RETURN_IF_ERROR(source->fetch(1));
   std::shared_ptr<ByteSource> live;  // its losses are counted while it is read
   if (source->arrival()) {
     live = std::move(source);
