@@ -28,7 +28,7 @@ np.save("COLOUR_SCENE/lightfield.npy", np.stack([grey, 0.8 * grey, 0.5 * grey], 
 EOF
 }
 page docs/simulation.md simulation
-exists simulation/out/colour simulation/out/lf/cycle_00004/00_00.png
+exists simulation/out/lf/cycle_00004/00_00.png
 page docs/video.md video
 exists video/out/frames/frame_000000.png
 page docs/viewer.md
