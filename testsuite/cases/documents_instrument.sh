@@ -19,13 +19,7 @@ page docs/recordings.md recordings
 exists recordings/display/contact_sheet.png recordings/out/mine/cycle_00001/07_07.png
 simulation() {
   scene
-  mkdir -p out COLOUR_SCENE && ln -s ../demo out/demo
-  e2lf convert demo/scene grey.npy --quiet
-  py - <<'EOF'
-import numpy as np
-grey = np.load("grey.npy").astype(np.float32)
-np.save("COLOUR_SCENE/lightfield.npy", np.stack([grey, 0.8 * grey, 0.5 * grey], -1))
-EOF
+  mkdir -p out && ln -s ../demo out/demo
 }
 page docs/simulation.md simulation
 exists simulation/out/lf/cycle_00004/00_00.png

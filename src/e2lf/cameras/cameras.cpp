@@ -246,7 +246,8 @@ Error unopened_error(const std::string& address, const std::vector<std::string>&
             location};
   }
   return {ErrorCode::kIo,
-          "the camera cannot be opened; end other programs that use it, and check the permissions of its USB device "
+          "the camera is busy, or its USB device cannot be opened; end other programs that use it, and check its "
+          "permissions "
           "(install the vendor's udev rules)",
           location};
 }
