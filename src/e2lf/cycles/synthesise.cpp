@@ -93,7 +93,7 @@ class SpreadCycle {
     const std::span<const int16_t> model = images_.image(0);
     for (size_t pixel = 0; pixel < model.size(); ++pixel) {
       const bool is_on = sign == BurstSign::kAny ? (pixel / 3) % 2 == 0 : sign == BurstSign::kOn;
-      draws_.uniform();  // for nothing: the recordings of a seed stay the same from version to version
+      draws_.uniform();  // Unused, but without this draw the recording of a seed would change.
       for (int i = 0; i < std::abs(model[pixel]); ++i) add_event(pixel, is_on, start_us + delay_us());
     }
   }
