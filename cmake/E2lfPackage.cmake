@@ -51,7 +51,8 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 list(JOIN development_libraries ", " development_libraries)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${same_version}, ${development_libraries}")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
-"Libraries to link with, headers, and what CMake and pkg-config need to find them.
+"Libraries to link with, headers, and the files by which CMake and
+pkg-config find them.
 Each module is a library of its own: recordings, light fields, simulation,
 reconstruction.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-e2lf)

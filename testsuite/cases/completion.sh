@@ -48,6 +48,7 @@ while read -r flag; do grep -qx -- "$flag" offered.txt || fail "$flag is not off
 command -v help2man >/dev/null || exit 0
 "$TESTSUITE/../scripts/make_manual.sh" "$E2LF" man1
 exists man1/e2lf.1 man1/e2lf-reconstruct.1 man1/e2lf-codes-render.1 man1/e2lf-model-info.1
+grep -q "^e2lf-codes-render .*images that an aperture display shows" man1/e2lf-codes-render.1 || fail "whatis finds no e2lf-codes-render"
 while read -r verb; do exists "man1/e2lf-$verb.1"; done <verbs.txt
 sed 's/\\-/-/g' man1/e2lf-reconstruct.1 >manual.txt
 while read -r flag; do
