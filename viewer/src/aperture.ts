@@ -1,5 +1,7 @@
 // The synthetic aperture: the weights of the views. Positions are in view steps from the middle of the grid.
 
+import { clamp } from './dom';
+
 export interface ApertureShape {
   x: number;
   y: number;
@@ -45,6 +47,15 @@ export function apertureWeights([rows, columns]: [number, number], aperture: Ape
   }
   if (weights.every((weight) => weight === 0)) weights[nearestView([rows, columns], aperture)] = 1;
   return weights;
+}
+
+const stepsBeyond = 2; // viewpoints that a disparity map extrapolates
+
+/** Returns the viewpoint nearest to `value` on an axis of `count` views. With a map, there are also single views from outside
+ *  the grid. */
+export function nearestViewpoint(value: number, count: number, size: number, hasMap: boolean): number {
+  const reach = (count - 1) / 2 + (hasMap && size === 0 ? stepsBeyond : 0);
+  return clamp(value, -reach, reach);
 }
 
 /** Returns the number of the view nearest to a position. */

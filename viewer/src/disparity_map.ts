@@ -1,4 +1,5 @@
 // The disparity map of a light field: its values, their confidence, and a texture for the shaders of pictures and reliefs.
+import { nearestViewpoint } from './aperture';
 import { inflateCounts, type Disparity, type Source } from './document';
 import type { Painter, Uniform } from './painter';
 import type { State } from './state';
@@ -67,13 +68,14 @@ export class DisparityMap {
   /** Sets the uniforms of the shaders. */
   uniforms(state: State, opacity: number): Record<string, Uniform> {
     const [[rows, columns], [row, column]] = [this.views, this.about.view];
+    const viewpointOn = (axis: 'x' | 'y', count: number) => nearestViewpoint(state.get(axis), count, state.get('size'), this.isKnown);
     return {
       disparities: this.texture,
       overlay: this.isKnown ? opacity : 0,
       followsMap: this.isKnown && state.get('size') === 0,
       overlayRange: this.range,
       leastConfidence: this.hasConfidence ? state.get('sure') : 0,
-      viewpoint: [state.get('x'), state.get('y')],
+      viewpoint: [viewpointOn('x', columns), viewpointOn('y', rows)],
       mapView: [column - (columns - 1) / 2, row - (rows - 1) / 2],
       layer: row * columns + column,
     };

@@ -1,5 +1,5 @@
 // The views of one cycle of a light field on the graphics card, and the pictures rendered from them.
-import { apertureTaps, apertureWeights } from './aperture';
+import { apertureTaps, apertureWeights, nearestViewpoint } from './aperture';
 import type { LightFieldItem, Source } from './document';
 import type { Painter, Pictures, Uniform } from './painter';
 import { matchShader } from './shaders';
@@ -126,7 +126,10 @@ export class Camera {
   constructor(private readonly painter: Painter) {}
 
   uniforms(state: State, views: [number, number]): Record<string, Uniform> {
-    this.weights = apertureWeights(views, { x: state.get('x'), y: state.get('y'), size: state.get('size'), shape: state.get('shape') });
+    const size = state.get('size');
+    // What is seen from outside the grid comes from the views at its edge.
+    const [x, y] = [nearestViewpoint(state.get('x'), views[1], size, false), nearestViewpoint(state.get('y'), views[0], size, false)];
+    this.weights = apertureWeights(views, { x, y, size, shape: state.get('shape') });
     const taps = apertureTaps(views, this.weights);
     this.taps = this.painter.table(this.taps, taps);
     this.numTaps = taps.length / 4;

@@ -1,6 +1,7 @@
 // One picture of a light field with its two EPIs: the row under the cursor in one row of views (below the picture), and
 // the column in one column of views (to its right). Dragging moves the viewpoint, a click focuses on the point, and the
 // wheel with shift changes the focus. As a relief, which has no EPIs, dragging turns it.
+import { nearestViewpoint } from './aperture';
 import { canvas, clamp, element, placeOn } from './dom';
 import { maxDisparity } from './light_field';
 import { turnRelief } from './relief';
@@ -17,6 +18,7 @@ export interface PaneSize {
   width: number;
   height: number;
   views: [number, number];
+  disparity?: unknown; // a map, along which single views are interpolated
 }
 
 export class Pane {
@@ -126,7 +128,8 @@ export class Pane {
     const [rows, columns] = this.size.views;
     const box = this.zoom.root.getBoundingClientRect();
     if (this.isRelief) return turnRelief(this.state, first + (3 * dx) / box.width, second + (3 * dy) / box.height);
-    const moved = (value: number, share: number, count: number) => clamp(value + 2 * share * (count - 1), -(count - 1) / 2, (count - 1) / 2);
+    const moved = (value: number, share: number, count: number) =>
+      nearestViewpoint(value + 2 * share * (count - 1), count, this.state.get('size'), this.size.disparity !== undefined);
     this.state.set('x', moved(first, dx / box.width, columns));
     this.state.set('y', moved(second, dy / box.height, rows));
   }

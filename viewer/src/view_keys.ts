@@ -1,6 +1,7 @@
 // The keys that change the viewpoint and the focus of a light field.
-import { clamp } from './dom';
+import { nearestViewpoint } from './aperture';
 import { maxDisparity } from './light_field';
+import type { PaneSize } from './pane';
 import type { State } from './state';
 
 export const viewKeys: [keys: string, does: string][] = [
@@ -11,8 +12,9 @@ export const viewKeys: [keys: string, does: string][] = [
 ];
 
 /** Handles a key. Returns true if it is one of them. */
-export function pressViewKey(state: State, [rows, columns]: [number, number], key: string): boolean {
-  const move = (name: 'x' | 'y', by: number, count: number) => state.set(name, clamp(state.get(name) + by, -(count - 1) / 2, (count - 1) / 2));
+export function pressViewKey(state: State, { views: [rows, columns], disparity }: PaneSize, key: string): boolean {
+  const move = (name: 'x' | 'y', by: number, count: number) =>
+    state.set(name, nearestViewpoint(state.get(name) + by, count, state.get('size'), disparity !== undefined));
   switch (key) {
     case 'ArrowLeft': move('x', -0.5, columns); return true;
     case 'ArrowRight': move('x', 0.5, columns); return true;

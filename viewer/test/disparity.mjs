@@ -28,6 +28,17 @@ export const tests = {
     assertNear((await rowOf(page, 'canvas.picture', row)).slice(2, -1), expected.views[4][4].slice(1, -2), 1, 'sharp');
   }),
 
+  'a viewpoint outside the grid is extrapolated along the map': ({ url, expected }) => withPage(url('between.html', 'x=4.5&y=0.5&overlay=0'), {}, async (page) => {
+    // Four views to the right of view 4, 4, where the last view is three to the right: eight pixels, of which the last view shows six.
+    assertNear((await rowOf(page, 'canvas.picture', row)).slice(9, -1), expected.views[4][4].slice(1, -9), 1, 'the plane has moved on');
+    await page.keyboard.press('ArrowRight');
+    assert.equal((await stateOf(page)).x, '5');
+    await look(page, 'x=9&y=0.5&overlay=0&size=1');
+    const atEdge = await rowOf(page, 'canvas.picture', row);
+    await look(page, 'x=3.5&y=0.5&overlay=0&size=1');
+    assertNear(await rowOf(page, 'canvas.picture', row), atEdge, 0, 'an aperture stays in the grid');
+  }),
+
   'the focus moves map and picture alike': ({ url, expected }) => withPage(url('disparity.html', 'x=0.5&y=0.5&focus=2&overlay=1'), {}, async (page) => {
     // View 4, 4 is half a view from the middle on both axes: one pixel to the left.
     const got = await rowOf(page, 'canvas.picture', row);

@@ -155,7 +155,7 @@ export class LightFieldScreen implements Screen {
   press(key: string): boolean {
     const { state } = this.context;
     if (this.panes.all[0]!.pane.zoom.press(key) || (this.panes.shown() === 'relief' && pressReliefKey(state, key))) return true;
-    if (pressViewKey(state, this.item.views, key)) return true;
+    if (pressViewKey(state, this.item, key)) return true;
     switch (key) {
       case 'g': state.set('show', state.get('show') === 'grid' ? 'picture' : 'grid'); return true;
       case '<': state.set('cycle', Math.max(state.get('cycle') - 1, 0)); return true;

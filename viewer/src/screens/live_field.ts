@@ -277,7 +277,7 @@ export class LiveFieldScreen implements Screen {
   press(key: string): boolean {
     if (this.pane.zoom.press(key) || (this.way() === 'relief' && pressReliefKey(this.context.state, key))) return true;
     if (key === 'f') this.tell('freeze');
-    return key === 'f' || pressViewKey(this.context.state, this.item.views, key);
+    return key === 'f' || pressViewKey(this.context.state, this.item, key);
   }
 
   pictures(): { name: string; canvas: HTMLCanvasElement }[] {
