@@ -20,9 +20,11 @@ class Records final : public EventBlocks {
  public:
   explicit Records(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
 
-  Result<bool> next(EventBatch& block, DecodeSummary&) override {
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
-    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kBlockRecords * kRecordBytes));
+    // A live source would wait until a whole block has arrived.
+    const size_t wanted = source_->seekable() ? kBlockRecords * kRecordBytes : kRecordBytes;
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(wanted));
     const size_t records = std::min(bytes.size() / kRecordBytes, kBlockRecords);
     for (size_t i = 0; i < records; ++i) {
       const uint8_t* record = bytes.data() + i * kRecordBytes;
@@ -33,6 +35,7 @@ class Records final : public EventBlocks {
       std::memcpy(&y, record + 10, 2);
       block.events.push_back({x, static_cast<uint16_t>(y & 0x7FFF), static_cast<uint8_t>(y >> 15), t_us});
     }
+    if (records == 0 && !bytes.empty()) summary.add(Violation::kTruncated, source_->position());
     source_->consume(records * kRecordBytes);
     return records > 0;
   }

@@ -24,7 +24,8 @@ class EventBlocks {
  public:
   virtual ~EventBlocks() = default;
 
-  /// Replaces `block` by the next one, which may be empty. Returns false at the end. Events may be implausible, and
+  /// Replaces `block` by the next one, which may be empty. Returns false at the end. A last event that is cut is
+  /// counted as Violation::kTruncated, and one that cannot be read as kBadRecord. Events may be implausible, and
   /// triggers may be delivered before or after the events of their time.
   [[nodiscard]] virtual Result<bool> next(EventBatch& block, DecodeSummary& summary) = 0;
 
