@@ -19,7 +19,7 @@ enum class Severity {
 
 /// One judgement about a rig or its recording.
 struct Finding {
-  std::string code;  ///< a stable name, such as "polarity-inverted"; docs/troubleshooting.md lists them
+  std::string code;  ///< a stable name, such as "polarity-inverted"; docs/recordings.md lists them
   Severity severity = Severity::kWarning;
   std::string message;  ///< what was found, with its figures, without a full stop
   std::string remedy;   ///< what to do about it; names of settings, such as `invert-polarity`, are in backticks
