@@ -18,7 +18,7 @@ interface DepthHeader {
   cycle: number;
   cycles: number; // that were summed
   size: string;
-  latency_s: number;
+  latency_s: number; // 0 = made after the end of the source
 }
 
 export class LiveDepth {
@@ -38,7 +38,8 @@ export class LiveDepth {
     const { map, picture } = this.sized(width, height);
     map.range = range;
     const [near, far] = range.map((value) => value.toFixed(2));
-    this.about = `cycle ${cycle}${cycles > 1 ? `, sum of ${cycles}` : ''}: ${size} size, ${Math.round(1000 * latency_s)} ms after its last event; yellow ${near}, violet ${far} px per view`;
+    const late = latency_s > 0 ? `, ${Math.round(1000 * latency_s)} ms after its last event` : '';
+    this.about = `cycle ${cycle}${cycles > 1 ? `, sum of ${cycles}` : ''}: ${size} size${late}; yellow ${near}, violet ${far} px per view`;
     map.set(new Int16Array(got.pixels.slice(0, 2 * numPixels).buffer));
     this.painter.putGrey(picture, width, height, got.pixels.subarray(2 * numPixels));
     return true;

@@ -42,6 +42,22 @@ TEST(NewestSlot, HoldsTheNewestValueAloneAndSaysWhatWasNeverTaken) {
   EXPECT_FALSE(slot.take(value));
 }
 
+TEST(NewestSlot, NothingIsLostWhileTheWriterWaits) {
+  NewestSlot<int> slot;
+  constexpr int kValues = 1'000;
+  std::thread writer([&] {
+    for (int i = 1; i <= kValues; ++i) {
+      int value = i;
+      EXPECT_FALSE(slot.put(value, std::chrono::hours(1)));
+    }
+    slot.close();
+  });
+  int expected = 0, value = 0;
+  while (slot.take(value)) EXPECT_EQ(value, ++expected);
+  writer.join();
+  EXPECT_EQ(expected, kValues);
+}
+
 TEST(NewestSlot, EveryValueIsEitherTakenOrCountedAndTheyComeInOrder) {
   NewestSlot<int> slot;
   constexpr int kValues = 20'000;

@@ -13,8 +13,14 @@ namespace e2lf::live {
 
 namespace {
 
-constexpr uint64_t kCyclesBeforeCheck = 20;
+constexpr uint64_t kFirstCycles = 20;
 constexpr double kWorkedOff = 0.8;  // of a cycle: cycles that are taken faster had waited
+
+/// Returns how long a cycle waits for the one before. The first ones arrived before the reading began; as each waits
+/// for less than a cycle, they are worked off.
+std::chrono::duration<double> patience(uint64_t number, double cycle_s) {
+  return std::chrono::duration<double>(number <= kFirstCycles ? kWorkedOff * cycle_s : 0);
+}
 
 }  // namespace
 
@@ -64,11 +70,11 @@ void Session::fail(const Error& error) {
 
 void Session::read() {
   LiveCycle cycle;
-  for (;;) {
+  for (uint64_t taken = 1;; ++taken) {
     const Result<bool> more = reader_->next(cycle);
     if (!more) fail(more.error());
     if (!more || !*more) break;
-    if (slot_.put(cycle)) reader_->statistics().add_skipped();
+    if (slot_.put(cycle, patience(taken, cycle.cycle_s))) reader_->statistics().add_skipped();
   }
   if (const auto ended = reader_->recorder().end(); !ended) fail(ended.error());
   slot_.close();
@@ -95,7 +101,8 @@ void Session::reconstruct(LiveField field) {
       continue;
     }
     {
-      const std::lock_guard lock(field_mutex_);
+      std::unique_lock lock(field_mutex_);
+      field_changed_.wait_for(lock, patience(field.serial, field.cycle.cycle_s), [this] { return !is_new_; });
       std::swap(field, shown_);
       if (std::exchange(is_new_, true)) reader_->statistics().add_skipped();
     }
@@ -147,6 +154,8 @@ Result<FieldReport> Session::make_depth(const LiveCycle& cycle) {
   next->disparity = std::move(found.map.disparity);
   next->confidence = std::move(found.map.confidence);
   next->picture = std::move(found.picture);
+  const LightFieldOutput bright(next->picture.pixels.data(), {1, 1, next->picture.height, next->picture.width, 1});
+  recon::apply_tone(bright, 0, recon::auto_gain(bright));
   next->field = {0,
                  cycle.number,
                  cycle.begin_us,
@@ -155,7 +164,7 @@ Result<FieldReport> Session::make_depth(const LiveCycle& cycle) {
                  cycle.confidence,
                  level,
                  seconds_since(begin),
-                 seconds_since(cycle.last_event)};
+                 has_ended_ ? 0 : seconds_since(cycle.last_event)};
   const FieldReport report = next->field;
   {
     const std::lock_guard lock(picture_mutex_);
@@ -172,7 +181,24 @@ std::shared_ptr<const ShownDepth> Session::depth(uint64_t after, std::chrono::mi
   const auto is_wanted = [&] { return depth_ && depth_->field.serial > after; };
   std::unique_lock lock(picture_mutex_);
   if (!has_ended_) picture_changed_.wait_for(lock, patience, is_wanted);
+  if (has_ended_ && !is_wanted()) {
+    lock.unlock();
+    complete_depth();
+    lock.lock();
+  }
   return is_wanted() ? depth_ : nullptr;
+}
+
+/// Computes the disparities of the last cycle if they are missing. The threads must have ended.
+void Session::complete_depth() {
+  const std::lock_guard one(maker_mutex_);
+  LiveCycle cycle;
+  {
+    const std::scoped_lock lock(picture_mutex_, field_mutex_);
+    if (shown_.serial == 0 || (depth_ && depth_->field.cycle >= shown_.cycle.number)) return;
+    cycle = shown_.cycle;
+  }
+  if (const Result<FieldReport> made = make_depth(cycle); !made) fail(made.error());
 }
 
 /// Prepares the network and its memory before the source is read, so that the first cycles are not late. An error would
@@ -199,7 +225,7 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const bool has_events = !capture::is_without_events(cycle.counts.events);
   bool finds_tone = false;
   // The check would take the processors from the first cycles, whose pace determines the size.
-  if (made_ >= kCyclesBeforeCheck) begin_check(cycle);
+  if (made_ >= kFirstCycles) begin_check(cycle);
   {
     const std::lock_guard lock(settings_mutex_);
     field.level = pace_.level();
@@ -281,6 +307,7 @@ void Session::show() {
       if (is_last_ && !is_new_) break;
       is_new = std::exchange(is_new_, false);
       settings_changed_ = false;
+      field_changed_.notify_one();
       const bool can_render = has_views(shown_, views_of(shown_.light_field.shape(), render_settings_));
       // The next light field has the views.
       if (!can_render && !is_new) continue;

@@ -74,11 +74,13 @@ class FieldMaker {
 template <typename T>
 class NewestSlot {
  public:
-  /// Swaps `value` with the content of the slot. Returns true if the previous content had not been taken.
-  bool put(T& value) {
+  /// Waits up to `patience` for the previous content to be taken, and swaps `value` with the content of the slot.
+  /// Returns true if the previous content had not been taken.
+  bool put(T& value, std::chrono::duration<double> patience = {}) {
     bool was_full = false;
     {
-      const std::lock_guard lock(mutex_);
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, patience, [this] { return !is_full_; });
       std::swap(value, value_);
       was_full = std::exchange(is_full_, true);
     }
@@ -93,6 +95,7 @@ class NewestSlot {
     if (!is_full_) return false;
     std::swap(value, value_);
     is_full_ = false;
+    changed_.notify_one();
     return true;
   }
 
@@ -122,7 +125,8 @@ struct FieldReport {
   float confidence = 1;
   QualityLevel level;
   double reconstruct_s = 0;
-  double latency_s = 0;  ///< time from the arrival of the last event of the cycle to the completion of the picture
+  double latency_s =
+      0;  ///< time from the arrival of the last event to the completion of the picture; 0 = after the end
 };
 
 struct SessionOptions {
@@ -151,13 +155,13 @@ struct ShownDepth {
   FieldReport field;             ///< `serial` counts the maps, and `level.size` is that of the map
   lightfield::Image disparity;   ///< px of the full size per view step
   lightfield::Image confidence;  ///< see depth::DisparityMap
-  lightfield::Image picture;     ///< brightness, about 0 to 1
+  lightfield::Image picture;     ///< brightness, with its own gain
 };
 
 /// Reconstructs light fields from a live source as fast as the hardware permits. One thread reads and accumulates
 /// events, one reconstructs, and one renders pictures. A slot between the first two holds only the newest cycle, so
 /// that cycles never queue: of the cycles that arrive during a reconstruction, all but the newest are skipped and
-/// counted.
+/// counted. Only the first twenty, which arrive while the network is prepared, wait for the one before.
 class Session {
  public:
   /// `makers` are of one or more networks for the same patterns, from the best one to the fastest.
@@ -195,7 +199,8 @@ class Session {
 
   /// Waits up to `patience` for the disparities of a cycle that are newer than `after`. Returns null if there are none
   /// by then, or no network of disparities. While they are requested and no pictures, each cycle gets disparities in
-  /// place of a light field: in the size that is fixed, or else in half size.
+  /// place of a light field: in the size that is fixed, or else in half size. After the end, those of the last cycle
+  /// are computed if they are missing.
   [[nodiscard]] std::shared_ptr<const ShownDepth> depth(uint64_t after, std::chrono::milliseconds patience);
   [[nodiscard]] bool has_depth() const { return depth_maker_.has_value(); }
 
@@ -212,6 +217,7 @@ class Session {
   [[nodiscard]] bool wants_depth() const;
   [[nodiscard]] bool wants_picture() const;
   [[nodiscard]] Result<FieldReport> make_depth(const LiveCycle& cycle);
+  void complete_depth();
   [[nodiscard]] Result<void> make_views(const LiveCycle& cycle, bool exactly, LiveField& field);
   /// The same if maker_mutex_ is locked already.
   [[nodiscard]] Result<void> make_views_locked(const LiveCycle& cycle, bool exactly, LiveField& field);

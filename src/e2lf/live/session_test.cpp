@@ -254,6 +254,18 @@ TEST(Session, GivesDisparitiesOfTheFullSizeWhileTheyAreRequested) {
   EXPECT_EQ(answered->status, 200);
 }
 
+TEST(Session, GivesTheDisparitiesOfTheLastCycleAfterTheEnd) {
+  const TestFolder folder;
+  write_recording(folder / "a.raw", 1);
+  Session session(open_replay(folder / "a.raw"), one_maker(), {.depth = depth_network()});
+  session.start();
+  ASSERT_TRUE(session.wait().ok());
+  const auto shown = session.depth(0, {});
+  ASSERT_NE(shown, nullptr);
+  EXPECT_EQ(shown->field.cycle, 0U);
+  EXPECT_EQ(session.depth(shown->field.serial, {}), nullptr) << "there is nothing newer";
+}
+
 TEST(LiveRequests, GiveThePictureThatIsAskedForAndHeedCommands) {
   const TestFolder folder;
   write_recording(folder / "a.raw", 1);
