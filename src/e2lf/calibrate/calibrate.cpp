@@ -285,7 +285,7 @@ Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const captu
   if (calibrator.areas().size() < kLeastAreas) {
     return Error{ErrorCode::kInvalidValue,
                  cat("the scene has too few flat areas (", calibrator.areas().size(), " were found, ", kLeastAreas,
-                     " are needed); record a grey card and state `even`, or a scene with larger uniform areas"),
+                     " are needed); record a grey card and give `even`, or record a scene with larger uniform areas"),
                  ""};
   }
   const Solution solution = solve(calibrator, all, options.is_even);

@@ -32,7 +32,7 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
   if (!known) {
     return Error{ErrorCode::kInvalidValue,
-                 "the patterns that the camera showed are unknown; state them as `codes`, or give the model that was "
+                 "the patterns that the camera showed are unknown; give them as `codes`, or give the model that was "
                  "trained for them",
                  ""};
   }
@@ -68,15 +68,18 @@ Result<void> open_lit(const engine::EngineOptions& options, OpenedMethod& opened
   return {};
 }
 
-/// Fails if a network for the transitions of the whole cycle is to take those between the active patterns alone.
+/// Fails if the network takes another number of event images than there are.
 Result<void> check_transitions(size_t transitions, const model::Model& model) {
+  if (transitions == 0 || transitions + 1 == model.num_patterns) return {};
   const auto shown = model.codes ? capture::codes_of_whole_cycle(*model.codes) : std::nullopt;
-  if (!shown || transitions + 1 != shown->num_patterns) return {};
+  const bool has_lit_ones = shown && transitions + 1 == shown->num_patterns;
   return Error{
       ErrorCode::kShape,
-      cat("there are only the ", transitions, " event images of the active patterns, and ", model.name, " takes the ",
-          model.num_patterns - 1, " of all transitions of the cycle; accumulate the recording with all transitions"),
-      "transitions"};
+      cat("there are ", has_lit_ones ? "only the " : "", transitions, " event images",
+          has_lit_ones ? " of the active patterns" : "", ", and ", model.name, " takes ", model.num_patterns - 1,
+          has_lit_ones ? " of all transitions of the cycle; accumulate the recording with all transitions"
+                       : "; use the model that belongs to the patterns of the recording"),
+      has_lit_ones ? "transitions" : ""};
 }
 
 Result<void> check_output(const std::string& algorithm, const model::Model& model) {

@@ -346,9 +346,25 @@ std::string Verb::flag_hint(Setting setting) const {
   return hint.empty() ? hint : hint + ")";
 }
 
+/// Returns a message of the library in which settings in backticks are spelled as the flags of this verb.
+std::string Verb::with_flags(const std::string& message) const {
+  std::string text;
+  size_t end = 0;
+  for (size_t begin = 0; (begin = message.find('`', end)) != std::string::npos;) {
+    const size_t close = message.find('`', begin + 1);
+    if (close == std::string::npos) break;
+    const std::string flag = "--" + message.substr(begin + 1, close - begin - 1);
+    const bool is_flag = flag.find(' ') == std::string::npos && app_.get_option_no_throw(flag) != nullptr;
+    text += message.substr(end, begin - end) + (is_flag ? flag : message.substr(begin, close + 1 - begin));
+    end = close + 1;
+  }
+  return text + message.substr(end);
+}
+
 int Verb::exit_code(const Result<void>& result) const {
   if (!result) {
-    const std::string text = without_workspaces(result.error().text()) + flag_hint(result.error().setting);
+    const Error& error = result.error();
+    const std::string text = with_flags(without_workspaces(error.text())) + flag_hint(error.setting);
     std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), printable(text).c_str());
   }
   if (!stop_requested() && result && !failed_input_.empty()) {

@@ -28,6 +28,13 @@ struct TestVerb {
   }
 };
 
+TEST(Verb, SpellsSettingsInErrorsAsItsFlags) {
+  TestVerb test;
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(test.run({}, Error{ErrorCode::kInvalidValue, "give `tau`, or run `e2lf other`; `x", "y `names`"}), 1);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "e2lf: try: y `names`: give --tau, or run `e2lf other`; `x\n");
+}
+
 TEST(FlagsFromConfig, ConvertsEveryKindOfValue) {
   TestVerb test;
   CLI::App& app = test.verb.app();
