@@ -63,7 +63,7 @@ export class LiveFieldScreen implements Screen {
     this.pane = new Pane(item.name, item, state, (x, y) => this.focusAt(x, y));
     this.map = new ApertureMap(state, item.views, context.say);
     this.depth = new LiveDepth(context.painter, item);
-    state.start({ x: middleOf(columns), y: middleOf(rows), overlay: 0.5 });
+    state.start({ x: middleOf(columns), y: middleOf(rows), overlay: 0.3 });
     this.fineButton = panel.button('Reconstruct this one well', () => this.tell('freeze', 'fine'));
     const average = element('input', { type: 'range', min: '1', max: '16', step: '1', name: 'average', 'aria-label': 'Cycles of a still scene' });
     this.average = new SettingControl(average, (cycles) => this.tell(`average?cycles=${cycles}`));
