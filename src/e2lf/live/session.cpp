@@ -22,6 +22,19 @@ std::chrono::duration<double> patience(uint64_t number, double cycle_s) {
   return std::chrono::duration<double>(number <= kFirstCycles ? kWorkedOff * cycle_s : 0);
 }
 
+/// Returns the figures of a light field or map that is complete now.
+FieldReport report_of(const LiveCycle& cycle, const QualityLevel& level, double reconstruct_s) {
+  return {0,
+          cycle.number,
+          cycle.begin_us,
+          cycle.cycles,
+          cycle.events,
+          cycle.confidence,
+          level,
+          reconstruct_s,
+          seconds_since(cycle.last_event)};
+}
+
 }  // namespace
 
 Session::Session(std::unique_ptr<LiveReader> reader, std::vector<FieldMaker> makers, SessionOptions options)
@@ -156,15 +169,8 @@ Result<FieldReport> Session::make_depth(const LiveCycle& cycle) {
   next->picture = std::move(found.picture);
   const LightFieldOutput bright(next->picture.pixels.data(), {1, 1, next->picture.height, next->picture.width, 1});
   recon::apply_tone(bright, 0, recon::auto_gain(bright));
-  next->field = {0,
-                 cycle.number,
-                 cycle.begin_us,
-                 cycle.cycles,
-                 cycle.events,
-                 cycle.confidence,
-                 level,
-                 seconds_since(begin),
-                 has_ended_ ? 0 : seconds_since(cycle.last_event)};
+  next->field = report_of(cycle, level, seconds_since(begin));
+  if (has_ended_) next->field.latency_s = 0;
   const FieldReport report = next->field;
   {
     const std::lock_guard lock(picture_mutex_);
@@ -299,7 +305,6 @@ void Session::show() {
   for (;;) {
     auto next = std::make_shared<ShownPicture>();
     bool is_new = false;
-    double latency_s = 0;
     {
       std::unique_lock lock(field_mutex_);
       field_changed_.wait(lock, [this] { return is_new_ || is_last_ || (settings_changed_ && shown_.serial > 0); });
@@ -313,10 +318,8 @@ void Session::show() {
       if (!can_render && !is_new) continue;
       next->settings = can_render ? render_settings_ : shown_.settings;
       next->picture = render(shown_, next->settings);
-      latency_s = seconds_since(shown_.cycle.last_event);
-      const LiveCycle& cycle = shown_.cycle;
-      next->field = {shown_.serial,    cycle.number, cycle.begin_us,       cycle.cycles, cycle.events,
-                     cycle.confidence, shown_.level, shown_.reconstruct_s, latency_s};
+      next->field = report_of(shown_.cycle, shown_.level, shown_.reconstruct_s);
+      next->field.serial = shown_.serial;
     }
     next->serial = ++serial;
     const FieldReport report = next->field;

@@ -70,7 +70,8 @@ Result<void> open_lit(const engine::EngineOptions& options, OpenedMethod& opened
 
 /// Fails if the network takes another number of event images than there are.
 Result<void> check_transitions(size_t transitions, const model::Model& model) {
-  if (transitions == 0 || transitions + 1 == model.num_patterns) return {};
+  if (transitions == 0 || !capture::has_events(model.measurement())) return {};
+  if (transitions + 1 == model.num_patterns) return {};
   const auto shown = model.codes ? capture::codes_of_whole_cycle(*model.codes) : std::nullopt;
   const bool has_lit_ones = shown && transitions + 1 == shown->num_patterns;
   return Error{

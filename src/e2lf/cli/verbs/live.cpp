@@ -79,20 +79,6 @@ struct Instrument {
   live::SessionOptions options;
 };
 
-/// Checks that the cycles have the number of event images that the network takes; otherwise, each cycle would fail.
-Result<void> check_network(const model::Model& model, const cycles::Schedule& schedule) {
-  if (model.measurement() == capture::MeasurementKind::kEventImages &&
-      schedule.num_images() + 1 == model.num_patterns) {
-    return {};
-  }
-  return fail(ErrorCode::kShape, "", "a cycle has ", schedule.num_images(), " event images, but ", model.name,
-              " takes ",
-              model.measurement() == capture::MeasurementKind::kEventImages
-                  ? cat(model.num_patterns - 1, " of them")
-                  : cat("the measurement ", capture::measurement_name(model.measurement())),
-              "; use the model that belongs to the patterns");
-}
-
 /// Returns the method that reconstructs frozen cycles in the best quality: several passes of this network.
 FineMethod fine_method(recon::Reconstructor network, const capture::Orientation& views) {
   constexpr size_t kPasses = 4;
@@ -107,13 +93,16 @@ FineMethod fine_method(recon::Reconstructor network, const capture::Orientation&
   };
 }
 
-/// Opens a network, and checks that it takes the event images of the cycles.
+/// Opens a network, and checks that it takes the event images of the cycles; otherwise, each cycle would fail.
 Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, const cycles::CycleReader& cycles,
                                             pipeline::MethodChoice choice) {
+  choice.transitions = cycles.schedule().num_images();
   E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod method,
                         by_flag(pipeline::open_method(std::move(choice)), arguments.source));
-  E2LF_RETURN_IF_ERROR(check_network(method.network->model(), cycles.schedule()));
-  return method;
+  const model::Model& model = method.network->model();
+  if (model.measurement() == capture::MeasurementKind::kEventImages) return method;
+  return fail(ErrorCode::kShape, arguments.source, model.name, " takes the measurement ",
+              capture::measurement_name(model.measurement()), "; use a model that takes event images");
 }
 
 /// Returns the check of the first cycle against its events.
