@@ -78,7 +78,7 @@ class PluginCamera final : public Camera {
       if (state == E2LF_CAMERA_ENDED) return false;
       if (state != E2LF_CAMERA_RUNS) return error_.error(ErrorCode::kIo, name_);
       if (buffer.size > 0 && buffer.bytes == nullptr) {
-        return Error{ErrorCode::kIo, "the plugin returned a buffer without memory; report this to its author", name_};
+        return fail(ErrorCode::kIo, name_, "the plugin returned a buffer without memory; report this to its author");
       }
       lost_ += buffer.lost;
       if (buffer.size > 0) bytes.assign(buffer.bytes, buffer.bytes + buffer.size);
@@ -100,7 +100,7 @@ class PluginCamera final : public Camera {
   static constexpr auto kLongestDrain = std::chrono::seconds(1);  ///< because a camera continues to send
 
   [[nodiscard]] Error has_no(const char* what) const {
-    return {ErrorCode::kUnsupported, cat("the camera has no ", what, "; leave the option out"), name_};
+    return fail(ErrorCode::kUnsupported, name_, "the camera has no ", what, "; leave the option out");
   }
 
   [[nodiscard]] Result<void> checked(int result, ErrorCode code = ErrorCode::kInvalidValue) const {
@@ -160,13 +160,11 @@ Result<CameraPlugin> load_plugin(const fs::path& file) {
   void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     const char* const reason = ::dlerror();
-    return Error{ErrorCode::kIo, cat("cannot be loaded (", reason == nullptr ? "" : one_line(reason), ")"),
-                 file.string()};
+    return fail(ErrorCode::kIo, file, "cannot be loaded (", reason == nullptr ? "" : one_line(reason), ")");
   }
   const auto function = reinterpret_cast<e2lf_camera_plugin_function>(::dlsym(library, E2LF_CAMERA_PLUGIN_FUNCTION));
   if (function == nullptr) {
-    return Error{ErrorCode::kFormat, cat("is not a camera plugin: it does not export ", E2LF_CAMERA_PLUGIN_FUNCTION),
-                 file.string()};
+    return fail(ErrorCode::kFormat, file, "is not a camera plugin: it does not export ", E2LF_CAMERA_PLUGIN_FUNCTION);
   }
   return plugin_of_functions(function(), file.string());
 }
@@ -187,20 +185,19 @@ std::vector<fs::path> plugin_files(const fs::path& place) {
 }  // namespace
 
 Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions, const std::string& location) {
-  if (functions == nullptr) return Error{ErrorCode::kFormat, "the camera plugin returns no functions", location};
+  if (functions == nullptr) return fail(ErrorCode::kFormat, location, "the camera plugin returns no functions");
   if (functions->version != E2LF_CAMERA_PLUGIN_VERSION) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("the camera plugin has version ", functions->version, " of the interface, and this program has ",
-                     E2LF_CAMERA_PLUGIN_VERSION, "; build it again with this camera_plugin.h"),
-                 location};
+    return fail(ErrorCode::kUnsupported, location, "the camera plugin has version ", functions->version,
+                " of the interface, and this program has ", E2LF_CAMERA_PLUGIN_VERSION,
+                "; build it again with this camera_plugin.h");
   }
   if (!is_plugin_name(functions->name)) {
-    return Error{ErrorCode::kFormat, "the name of a camera plugin consists of lower-case letters, digits, - and _",
-                 location};
+    return fail(ErrorCode::kFormat, location,
+                "the name of a camera plugin consists of lower-case letters, digits, - and _");
   }
   if (functions->open == nullptr || functions->close == nullptr || functions->start == nullptr ||
       functions->next == nullptr || functions->stop == nullptr) {
-    return Error{ErrorCode::kFormat, "the camera plugin lacks one of open, close, start, next and stop", location};
+    return fail(ErrorCode::kFormat, location, "the camera plugin lacks one of open, close, start, next and stop");
   }
   CameraPlugin plugin{functions->name, functions->description == nullptr ? "" : one_line(functions->description)};
   plugin.open = [functions](const std::string& address) -> Result<CameraPtr> {
@@ -233,23 +230,21 @@ std::vector<CameraPlugin> load_camera_plugins(const std::string& places) {
 Error unopened_error(const std::string& address, const std::vector<std::string>& listed) {
   const std::string location = "camera://metavision" + (address.empty() ? "" : "/" + address);
   if (listed.empty()) {
-    return {ErrorCode::kNotFound,
-            "no camera is connected; check its cable and power, the vendor's udev rules, in a container the access to "
-            "/dev/bus/usb, and that MV_HAL_PLUGIN_PATH names the folder of the HAL's plugins",
-            location};
+    return fail(
+        ErrorCode::kNotFound, location,
+        "no camera is connected; check its cable and power, the vendor's udev rules, in a container the access to "
+        "/dev/bus/usb, and that MV_HAL_PLUGIN_PATH names the folder of the HAL's plugins");
   }
   const auto is_requested = [&address](const std::string& name) {
     return address.empty() || name == address || name.ends_with(":" + address);
   };
   if (std::none_of(listed.begin(), listed.end(), is_requested)) {
-    return {ErrorCode::kNotFound, cat("there is no camera ", address, "; those connected are ", join(listed)),
-            location};
+    return fail(ErrorCode::kNotFound, location, "there is no camera ", address, "; those connected are ", join(listed));
   }
-  return {ErrorCode::kIo,
-          "the camera is busy, or its USB device cannot be opened; end other programs that use it, and check its "
-          "permissions "
-          "(install the vendor's udev rules)",
-          location};
+  return fail(ErrorCode::kIo, location,
+              "the camera is busy, or its USB device cannot be opened; end other programs that use it, and check its "
+              "permissions "
+              "(install the vendor's udev rules)");
 }
 
 namespace {

@@ -96,7 +96,7 @@ Result<std::vector<std::string>> list_metavision_cameras() try {
   names.unique();
   return std::vector<std::string>(names.begin(), names.end());
 } catch (const std::exception& error) {
-  return Error{ErrorCode::kIo, cat("the HAL cannot list cameras (", hal_text(error), "); check its plugins"), ""};
+  return fail(ErrorCode::kIo, "", "the HAL cannot list cameras (", hal_text(error), "); check its plugins");
 }
 
 Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& address, const std::string& encoding) {
@@ -117,7 +117,7 @@ Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& addre
     return error;
   }
   const auto* const identity = device->get_facility<Metavision::I_HW_Identification>();
-  if (identity == nullptr) return Error{ErrorCode::kUnsupported, "the camera does not state its encoding", address};
+  if (identity == nullptr) return fail(ErrorCode::kUnsupported, address, "the camera does not state its encoding");
   const std::string format = bare_format(identity->get_current_data_encoding_format());
   const bool is_read = format == "EVT2" || format == "EVT21" || format == "EVT2.1" || format == "EVT3";
   if (is_read && (encoding.empty() || format == hal_encoding(encoding))) return device;
@@ -219,7 +219,7 @@ class MetavisionCamera final : public Camera {
   Result<void> start() override try {
     E2LF_ASSIGN_OR_RETURN(device_, open_device(address_, setup_.encoding));
     stream_ = device_->get_facility<Metavision::I_EventsStream>();
-    if (stream_ == nullptr) return Error{ErrorCode::kUnsupported, "the camera provides no stream of events", name()};
+    if (stream_ == nullptr) return fail(ErrorCode::kUnsupported, name(), "the camera provides no stream of events");
     E2LF_RETURN_IF_ERROR(set_up_device(*device_, setup_));
     header_ = device_header(*device_);
     biases_ = device_biases(*device_);
@@ -246,7 +246,7 @@ class MetavisionCamera final : public Camera {
         end_stream();
         return false;
       }
-      if (state < 0) return Error{ErrorCode::kIo, "the stream of the camera ended by itself; start it again", name()};
+      if (state < 0) return fail(ErrorCode::kIo, name(), "the stream of the camera ended by itself; start it again");
       copy_latest(*stream_, bytes);
       if (is_watched_) unread_->forget();
     }
@@ -257,8 +257,8 @@ class MetavisionCamera final : public Camera {
       copy_buffer(*buffer, bytes);
       if (!bytes.empty()) return true;
     }
-    return Error{ErrorCode::kIo, cat("the connection to the camera is lost (", hal_text(error), "); check its cable"),
-                 name()};
+    return fail(ErrorCode::kIo, name(), "the connection to the camera is lost (", hal_text(error),
+                "); check its cable");
   } catch (const std::exception& error) {
     return failure(error);
   }
@@ -293,7 +293,7 @@ class MetavisionCamera final : public Camera {
   [[nodiscard]] std::string name() const { return "camera://metavision" + (address_.empty() ? "" : "/" + address_); }
 
   [[nodiscard]] Error failure(const std::exception& error) const {
-    return {ErrorCode::kIo, cat("the camera's driver failed (", hal_text(error), "); check its connection"), name()};
+    return fail(ErrorCode::kIo, name(), "the camera's driver failed (", hal_text(error), "); check its connection");
   }
 
   void end_stream() {

@@ -187,14 +187,13 @@ Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup)
     if (biases == nullptr) return has_no("biases");
     std::error_code error;
     if (!fs::is_regular_file(setup.biases, error)) {
-      return Error{ErrorCode::kNotFound, "there is no such file of biases; check the path", setup.biases.string()};
+      return fail(ErrorCode::kNotFound, setup.biases, "there is no such file of biases; check the path");
     }
     try {
       biases->load_from_file(setup.biases.string());
     } catch (const std::exception& failure) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("the camera rejects these biases (", hal_text(failure), "); give a file made for it"),
-                   setup.biases.string()};
+      return fail(ErrorCode::kInvalidValue, setup.biases, "the camera rejects these biases (", hal_text(failure),
+                  "); give a file made for it");
     }
   }
   if (setup.max_events_per_s) {

@@ -261,10 +261,9 @@ Result<ReplayAddress> parse_replay_address(const std::string& address) {
     const auto speed = key == "speed" ? number_in(text, kLeastSpeed, kMostSpeed) : std::nullopt;
     const auto repeat = key == "repeat" ? number_in(text, uint64_t{1}, kMostRepeats) : std::nullopt;
     if (!speed && !repeat) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("\"", part, "\" is not an option of a replay; write speed=S (0.001 to 1000) or repeat=N (1 to ",
-                       kMostRepeats, "), joined by &"),
-                   address};
+      return fail(ErrorCode::kInvalidValue, address, "\"", part,
+                  "\" is not an option of a replay; write speed=S (0.001 to 1000) or repeat=N (1 to ", kMostRepeats,
+                  "), joined by &");
     }
     replay.speed = speed.value_or(replay.speed);
     replay.repeat = repeat.value_or(replay.repeat);
@@ -281,8 +280,8 @@ Result<CameraPtr> open_replay_camera(const std::string& address) {
   E2LF_ASSIGN_OR_RETURN(const bool is_evt3, is_evt3_recording(*source));
   if (is_evt3) return CameraPtr(std::make_unique<RawReplay>(std::move(source), replayed));
   if (replayed.repeat > 1) {
-    return Error{ErrorCode::kUnsupported,
-                 "only RAW recordings in EVT3 are replayed several times; make one with e2lf convert", path};
+    return fail(ErrorCode::kUnsupported, path,
+                "only RAW recordings in EVT3 are replayed several times; make one with e2lf convert");
   }
   // The reader of the camera reports what is left out.
   E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(std::filesystem::path(path), {.policy = DecodePolicy::kSkip}));

@@ -50,8 +50,8 @@ class DescriptorCamera final : public Camera {
       const ssize_t count = ::read(descriptor_, bytes.data(), bytes.size());
       if (count < 0 && errno == EINTR) continue;
       if (count < 0)
-        return Error{ErrorCode::kIo,
-                     cat("the sender broke off (", std::strerror(errno), "); look there for the reason"), name_};
+        return fail(ErrorCode::kIo, name_, "the sender broke off (", std::strerror(errno),
+                    "); look there for the reason");
       bytes.resize(static_cast<size_t>(count));
       if (left_bytes_) *left_bytes_ -= bytes.size();
       return count > 0;
@@ -81,8 +81,8 @@ Result<void> wait_for_bytes(int descriptor, const std::string& address) {
   pollfd waiting = {descriptor, POLLIN, 0};
   while (::poll(&waiting, 1, kPollMs) <= 0) {
     if (stop_requested()) {
-      return Error{ErrorCode::kCancelled, "no program wrote to it before the run was stopped; start the writer first",
-                   address};
+      return fail(ErrorCode::kCancelled, address,
+                  "no program wrote to it before the run was stopped; start the writer first");
     }
   }
   return {};
@@ -114,7 +114,7 @@ Result<int> connect_tcp(const std::string& name) {
   if (descriptor < 0 || ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     const std::string reason = std::strerror(errno);
     if (descriptor >= 0) ::close(descriptor);
-    return Error{ErrorCode::kIo, cat("cannot connect (", reason, "); start the sender first"), name};
+    return fail(ErrorCode::kIo, name, "cannot connect (", reason, "); start the sender first");
   }
   return descriptor;
 }

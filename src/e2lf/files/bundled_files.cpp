@@ -89,7 +89,7 @@ Result<fs::path> find_file_or_bundled(const BundledKind& kind, const std::string
   const std::string remedy =
       names.empty() ? "give its path: the files of e2lf were not found, whose folder models E2LF_MODELS names"
                     : cat("give one, or a bundled ", kind.bundled, ": ", join(names));
-  return Error{ErrorCode::kNotFound, cat("there is no such ", kind.any, "; ", remedy), name};
+  return fail(ErrorCode::kNotFound, name, "there is no such ", kind.any, "; ", remedy);
 }
 
 }  // namespace e2lf

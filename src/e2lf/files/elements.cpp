@@ -30,7 +30,7 @@ bool fits_int32(T value) {
 }
 
 Error unsupported(std::string_view code, const std::string& name) {
-  return {ErrorCode::kUnsupported, cat("elements of type \"", code, "\" are not numbers; store plain numbers"), name};
+  return fail(ErrorCode::kUnsupported, name, "elements of type \"", code, "\" are not numbers; store plain numbers");
 }
 
 }  // namespace
@@ -71,8 +71,8 @@ Result<std::vector<int32_t>> elements_to_int32(std::string_view code, std::span<
   });
   if (!known) return unsupported(code, name);
   if (refused) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("element ", *refused, " is not a whole number of 32 bits; store integer counts"), name};
+    return fail(ErrorCode::kInvalidValue, name, "element ", *refused,
+                " is not a whole number of 32 bits; store integer counts");
   }
   return values;
 }
@@ -83,7 +83,7 @@ Result<size_t> checked_byte_size(std::span<const size_t> shape, size_t item_size
   for (const size_t extent : shape) {
     empty = empty || extent == 0;
     if (__builtin_mul_overflow(size, std::max<size_t>(extent, 1), &size)) {
-      return Error{ErrorCode::kFormat, "the shape is larger than any memory; the file is damaged", location};
+      return fail(ErrorCode::kFormat, location, "the shape is larger than any memory; the file is damaged");
     }
   }
   return empty ? 0 : size;

@@ -109,15 +109,15 @@ std::optional<MatrixHead> take_head(std::span<const uint8_t>& rest) {
 }
 
 Error truncated(const std::string& location) {
-  return {ErrorCode::kTruncated, "the MATLAB file ends before its data does; copy it again", location};
+  return fail(ErrorCode::kTruncated, location, "the MATLAB file ends before its data does; copy it again");
 }
 
 Error big_endian(const std::string& location) {
-  return {ErrorCode::kUnsupported, "a big-endian MATLAB file; save it on a little-endian machine", location};
+  return fail(ErrorCode::kUnsupported, location, "a big-endian MATLAB file; save it on a little-endian machine");
 }
 
 Error damaged(const std::string& location) {
-  return {ErrorCode::kFormat, "the MATLAB file is damaged; copy or save it again", location};
+  return fail(ErrorCode::kFormat, location, "the MATLAB file is damaged; copy or save it again");
 }
 
 /// Inflates a whole variable, whose length is stated by the tag at the front of `preview`.
@@ -129,8 +129,8 @@ Result<std::vector<uint8_t>> inflate_variable(const Element& element, std::span<
   // The limit leaves some room for the head around the samples, whose size the caller checks as well. zlib counts in 32
   // bits.
   if (size > max_bytes + kPreviewBytes || size > UINT32_MAX) {
-    return Error{ErrorCode::kUnsupported, cat("inflates to ", size, " bytes, more than the limit; raise the limit"),
-                 location};
+    return fail(ErrorCode::kUnsupported, location, "inflates to ", size,
+                " bytes, more than the limit; raise the limit");
   }
   std::vector<uint8_t> bytes(size);
   if (inflate_some(element.data, bytes, true) != size) return damaged(location);
@@ -187,8 +187,8 @@ Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::strin
     if (element->type == kCompressed) return open_compressed(*element, preview, max_bytes, location);
     return finish_array(std::move(head->array), inside, location);
   }
-  return Error{ErrorCode::kNotFound, cat("the MATLAB file has no variable ", name, "; save the array under that name"),
-               location};
+  return fail(ErrorCode::kNotFound, location, "the MATLAB file has no variable ", name,
+              "; save the array under that name");
 }
 
 Result<std::vector<std::string>> mat_variables(const std::filesystem::path& path) {

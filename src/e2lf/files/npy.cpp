@@ -47,7 +47,7 @@ std::string json_of_literal(std::string_view literal) {
 }
 
 Error malformed_npy(const std::string& location, const std::string& what) {
-  return {ErrorCode::kFormat, cat("not a numpy header (", what, "); save it again with numpy.save"), location};
+  return fail(ErrorCode::kFormat, location, "not a numpy header (", what, "); save it again with numpy.save");
 }
 
 struct ElementCode {
@@ -91,8 +91,8 @@ Result<void> read_record(const Json& fields, NpyHeader& header, const std::strin
     const Json& name = field[0].is_array() && field[0].size() == 2 ? field[0][1] : field[0];
     if (!name.is_string()) return malformed_npy(location, "a field has no plain name");
     if (field.size() > 2 || !field[1].is_string()) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("field \"", name.get<std::string>(), "\" is nested or an array; store plain fields"), location};
+      return fail(ErrorCode::kUnsupported, location, "field \"", name.get<std::string>(),
+                  "\" is nested or an array; store plain fields");
     }
     E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(field[1].get<std::string>(), location));
     size_t record_size = 0;
@@ -111,8 +111,8 @@ Result<void> read_descr(const Json& descr, NpyHeader& header, const std::string&
   if (!descr.is_string()) return malformed_npy(location, "\"descr\" is neither text nor a list");
   E2LF_ASSIGN_OR_RETURN(const ElementCode code, parse_code(descr.get<std::string>(), location));
   if (code.padding) {
-    return Error{ErrorCode::kUnsupported, cat("elements of type \"V", code.size, "\" are not numbers; store numbers"),
-                 location};
+    return fail(ErrorCode::kUnsupported, location, "elements of type \"V", code.size,
+                "\" are not numbers; store numbers");
   }
   header.array.type = code.type;
   append_number(code, header);
@@ -173,8 +173,7 @@ Result<NpyHeader> parse_npy_header(std::span<const uint8_t> bytes, const std::st
   if (bytes.size() < 10) return truncated;
   const uint8_t version = bytes[6];
   if (version < 1 || version > 3) {
-    return Error{ErrorCode::kUnsupported, cat("numpy format version ", int{version}, "; save it as version 1 to 3"),
-                 name};
+    return fail(ErrorCode::kUnsupported, name, "numpy format version ", int{version}, "; save it as version 1 to 3");
   }
   const size_t length_size = version == 1 ? 2 : 4;
   const size_t text_offset = kMagic.size() + 2 + length_size;
@@ -215,7 +214,7 @@ std::vector<uint8_t> npy_header_bytes(const NpyArray& array) {
 namespace {
 
 Error records_error(const std::string& name) {
-  return {ErrorCode::kUnsupported, "an array of records where plain numbers are expected; store one field", name};
+  return fail(ErrorCode::kUnsupported, name, "an array of records where plain numbers are expected; store one field");
 }
 
 void reverse_big_endian(const NpyHeader& header, std::vector<uint8_t>& bytes) {

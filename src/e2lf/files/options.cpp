@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "e2lf/base/text.h"
+
 namespace e2lf {
 
 Json json_number(float value) {
@@ -32,13 +34,13 @@ bool is_nested_deeply(std::string_view text) {
 }
 
 Result<Json> parse_json(const std::string& text, const std::string& name) {
-  if (is_nested_deeply(text)) return Error{ErrorCode::kFormat, "the JSON is nested more deeply than 64 levels", name};
+  if (is_nested_deeply(text)) return fail(ErrorCode::kFormat, name, "the JSON is nested more deeply than 64 levels");
   try {
     return Json::parse(text, nullptr, /*allow_exceptions=*/true, /*ignore_comments=*/true);
   } catch (const nlohmann::json::parse_error& error) {
-    return Error{ErrorCode::kFormat, cat("not valid JSON; ", error.what()), cat(name, ": byte ", error.byte)};
+    return fail(ErrorCode::kFormat, cat(name, ": byte ", error.byte), "not valid JSON; ", error.what());
   } catch (const nlohmann::json::out_of_range& error) {
-    return Error{ErrorCode::kFormat, cat("a number is too large; ", error.what()), name};
+    return fail(ErrorCode::kFormat, name, "a number is too large; ", error.what());
   }
 }
 
@@ -50,12 +52,12 @@ Result<Json> read_json(const std::filesystem::path& path) {
 Result<void> apply_override(Json& config, const std::string& assignment) {
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
-    return Error{ErrorCode::kInvalidValue, "an override needs the form key=value; write e.g. train.batch=16",
-                 assignment};
+    return fail(ErrorCode::kInvalidValue, assignment,
+                "an override needs the form key=value; write e.g. train.batch=16");
   }
   const auto holds_keys = [](const Json& value) { return value.is_null() || value.is_object(); };
   if (!holds_keys(config)) {
-    return Error{ErrorCode::kInvalidValue, "the configuration is not an object; write { ... } in its file", assignment};
+    return fail(ErrorCode::kInvalidValue, assignment, "the configuration is not an object; write { ... } in its file");
   }
   Json* node = &config;
   std::string key = assignment.substr(0, equals);
@@ -63,8 +65,8 @@ Result<void> apply_override(Json& config, const std::string& assignment) {
     node = &(*node)[key.substr(0, dot)];
     key = key.substr(dot + 1);
     if (!holds_keys(*node)) {
-      return Error{ErrorCode::kInvalidValue, "the override goes through a value that is not an object; shorten its key",
-                   assignment};
+      return fail(ErrorCode::kInvalidValue, assignment,
+                  "the override goes through a value that is not an object; shorten its key");
     }
   }
   const std::string text = assignment.substr(equals + 1);
@@ -99,8 +101,8 @@ Result<void> OptionReader::finish() const {
   if (!object_->is_object()) return {};
   for (const auto& [key, value] : object_->items()) {
     if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
-      return Error{ErrorCode::kInvalidValue, cat("unknown key \"", key, "\"; ", suggestion(key, known_)),
-                   child_location(key)};
+      return e2lf::fail(ErrorCode::kInvalidValue, child_location(key), "unknown key \"", key, "\"; ",
+                        suggestion(key, known_));
     }
   }
   return {};

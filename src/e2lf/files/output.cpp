@@ -87,15 +87,13 @@ Result<void> check_folder_name(const fs::path& path) {
                                          ".tif",  ".tiff", ".txt",  ".webm", ".zip"};
   const std::string extension = path.extension().string();
   if (is_there(path) || std::find(std::begin(kFiles), std::end(kFiles), extension) == std::end(kFiles)) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("the output is a folder, and a name that ends in ", extension, " is that of a file; give a folder"),
-               path.string()};
+  return fail(ErrorCode::kInvalidValue, path, "the output is a folder, and a name that ends in ", extension,
+              " is that of a file; give a folder");
 }
 
 Result<void> check_ending(const fs::path& path, const std::string& ending) {
   if (ending.empty() || path.extension() == ending) return {};
-  return Error{ErrorCode::kInvalidValue, cat("this output is written as ", ending, "; give it such a name"),
-               path.string()};
+  return fail(ErrorCode::kInvalidValue, path, "this output is written as ", ending, "; give it such a name");
 }
 
 }  // namespace
@@ -109,16 +107,12 @@ Result<void> check_apart(const fs::path& output, const std::vector<fs::path>& in
     const bool output_within = is_within(resolved, file), input_within = is_within(file, resolved);
     if (!output_within && !input_within) continue;
     if (output_within && !input_within) {
-      return Error{
-          ErrorCode::kInvalidValue,
-          cat("the output lies in an input (", input.string(), "), which is read and never written to; put it ",
-              "beside that, e.g. at ", (file.parent_path() / resolved.filename()).string()),
-          output.string()};
+      return fail(ErrorCode::kInvalidValue, output, "the output lies in an input (", input.string(),
+                  "), which is read and never written to; put it ", "beside that, e.g. at ",
+                  (file.parent_path() / resolved.filename()).string());
     }
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the output ", output_within ? "is" : "contains", " an input (", input.string(),
-                     "), which would be lost; choose another output"),
-                 output.string()};
+    return fail(ErrorCode::kInvalidValue, output, "the output ", output_within ? "is" : "contains", " an input (",
+                input.string(), "), which would be lost; choose another output");
   }
   return {};
 }
@@ -128,7 +122,7 @@ namespace {
 /// Resolves the name of a folder of results, which may not be, contain or lie in an input.
 Result<fs::path> resolve_folder(const fs::path& named, const std::vector<fs::path>& inputs) {
   if (is_standard_output(named)) {
-    return Error{ErrorCode::kUnsupported, "the output is a folder, not a pipe; give a folder", named.string()};
+    return fail(ErrorCode::kUnsupported, named, "the output is a folder, not a pipe; give a folder");
   }
   E2LF_RETURN_IF_ERROR(check_apart(named, inputs));
   return resolve(named);
@@ -141,8 +135,8 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   const bool is_stdout = is_standard_output(named);
   if (is_stdout || e2lf::is_stream(named)) {
     if (!rules.streams) {
-      return Error{ErrorCode::kUnsupported, "this output is written as a file, not to a pipe or a device; give a file",
-                   named.string()};
+      return fail(ErrorCode::kUnsupported, named,
+                  "this output is written as a file, not to a pipe or a device; give a file");
     }
     // A pipe that the same program reads and writes never ends.
     std::error_code error;
@@ -151,7 +145,7 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
           return fs::weakly_canonical(named, error) == fs::weakly_canonical(input, error);
         });
     if (is_read) {
-      return Error{ErrorCode::kInvalidValue, "the output is the pipe that is read; choose another", named.string()};
+      return fail(ErrorCode::kInvalidValue, named, "the output is the pipe that is read; choose another");
     }
     output.place_ = is_stdout ? fs::path("-") : named;
     return output;

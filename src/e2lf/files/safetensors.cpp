@@ -36,7 +36,7 @@ std::string_view type_code(std::string_view name) {
 }
 
 Error malformed(const std::string& location, const std::string& what) {
-  return {ErrorCode::kFormat, cat(what, "; save the file again"), location};
+  return fail(ErrorCode::kFormat, location, what, "; save the file again");
 }
 
 /// Parses the header as JSON. A duplicate key would hide one of its tensors, so it is rejected.
@@ -87,8 +87,7 @@ Result<Range> read_tensor(const Json& json, std::span<const uint8_t> data, const
   tensor.type = json["dtype"].get<std::string>();
   const std::string_view code = type_code(tensor.type);
   if (code.empty()) {
-    return Error{ErrorCode::kUnsupported, cat("dtype \"", tensor.type, "\" is not supported; save it as F32"),
-                 location};
+    return fail(ErrorCode::kUnsupported, location, "dtype \"", tensor.type, "\" is not supported; save it as F32");
   }
   if (!is_list_of_sizes(json["shape"])) return malformed(location, "shape is not a list of sizes");
   if (!is_list_of_sizes(json["data_offsets"]) || json["data_offsets"].size() != 2) {
@@ -102,9 +101,8 @@ Result<Range> read_tensor(const Json& json, std::span<const uint8_t> data, const
                                    " bytes of shape ", shape_text(tensor.shape)));
   }
   if (range.end > data.size()) {
-    return Error{ErrorCode::kTruncated,
-                 cat("its data end at byte ", range.end, " of ", data.size(), " there are; copy the file again"),
-                 location};
+    return fail(ErrorCode::kTruncated, location, "its data end at byte ", range.end, " of ", data.size(),
+                " there are; copy the file again");
   }
   const auto bytes = data.subspan(range.begin, size);
   tensor.bytes.assign(bytes.begin(), bytes.end());
@@ -171,23 +169,21 @@ Result<const Tensor*> Safetensors::find(const std::string& name, const std::stri
   if (found != tensors.end()) return &found->second;
   std::vector<std::string> names;
   for (const auto& entry : tensors) names.push_back(entry.first);
-  return Error{ErrorCode::kNotFound, cat("there is no tensor \"", name, "\"; ", suggestion(name, names)), file};
+  return fail(ErrorCode::kNotFound, file, "there is no tensor \"", name, "\"; ", suggestion(name, names));
 }
 
 Result<Safetensors> decode_safetensors(std::span<const uint8_t> bytes, const std::string& name) {
   if (bytes.size() < kLengthSize) {
-    return Error{ErrorCode::kTruncated, "the file ends within its first 8 bytes; copy it again", name};
+    return fail(ErrorCode::kTruncated, name, "the file ends within its first 8 bytes; copy it again");
   }
   uint64_t length = 0;
   std::memcpy(&length, bytes.data(), kLengthSize);
   if (length > bytes.size() - kLengthSize && (bytes.front() == '{' || bytes.front() == '[')) {
-    return Error{ErrorCode::kFormat, "this is a JSON file, not a model; give a .safetensors file", name};
+    return fail(ErrorCode::kFormat, name, "this is a JSON file, not a model; give a .safetensors file");
   }
   if (length > bytes.size() - kLengthSize) {
-    return Error{ErrorCode::kTruncated,
-                 cat("a header of ", length, " bytes is larger than the file (", bytes.size(),
-                     " bytes); copy it again, or give a .safetensors file"),
-                 name};
+    return fail(ErrorCode::kTruncated, name, "a header of ", length, " bytes is larger than the file (", bytes.size(),
+                " bytes); copy it again, or give a .safetensors file");
   }
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()) + kLengthSize, length);
   E2LF_ASSIGN_OR_RETURN(const Json header, parse_header(text, name));

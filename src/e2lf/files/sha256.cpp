@@ -7,6 +7,8 @@
 #include <openssl/evp.h>
 #include <vector>
 
+#include "e2lf/base/text.h"
+
 namespace e2lf {
 namespace fs = std::filesystem;
 namespace {
@@ -46,7 +48,7 @@ Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progr
     if (progress) progress(done, bytes);
   } while (file);
   if (!file.eof()) {
-    return Error{ErrorCode::kIo, "cannot read the input again for its hash; check the disk", path.string()};
+    return fail(ErrorCode::kIo, path, "cannot read the input again for its hash; check the disk");
   }
   return sha256.hex();
 }

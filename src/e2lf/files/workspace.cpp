@@ -80,10 +80,8 @@ Result<void> clear_dead(const fs::path& target) {
     const Descriptor lock = open_lock(workspace, 0);
     if (!lock.is_open()) continue;  // a folder of that name that is not a workspace
     if (!lock.locks(LOCK_EX | LOCK_NB)) {
-      return Error{ErrorCode::kExists,
-                   cat("another run is writing this output (in ", workspace.filename().string(),
-                       "); wait for it or choose another output"),
-                   target.string()};
+      return fail(ErrorCode::kExists, target, "another run is writing this output (in ", workspace.filename().string(),
+                  "); wait for it or choose another output");
     }
     if (fs::exists(workspace / kLive, error)) {
       log_warning(

@@ -225,12 +225,12 @@ struct Archive {
     return has(position, size) && get<uint32_t>(position) == signature;
   }
   [[nodiscard]] Error damaged(uint64_t position, const char* what) const {
-    return {ErrorCode::kFormat, cat("not a readable zip archive (", what, "); write it again"),
-            cat(name, ": byte ", position)};
+    return fail(ErrorCode::kFormat, cat(name, ": byte ", position), "not a readable zip archive (", what,
+                "); write it again");
   }
   [[nodiscard]] Error truncated(uint64_t position, const std::string& what) const {
-    return {ErrorCode::kTruncated, cat(what, " lies beyond the end of the archive; copy it again"),
-            cat(name, ": byte ", position)};
+    return fail(ErrorCode::kTruncated, cat(name, ": byte ", position), what,
+                " lies beyond the end of the archive; copy it again");
   }
 };
 
@@ -269,7 +269,7 @@ Result<Directory> find_directory(const Archive& archive) {
     one_disk = archive.get<uint32_t>(end64 + 16) == 0 && archive.get<uint32_t>(end64 + 20) == 0;
   }
   if (!one_disk) {
-    return Error{ErrorCode::kUnsupported, "the zip archive spans several disks; write it as one file", archive.name};
+    return fail(ErrorCode::kUnsupported, archive.name, "the zip archive spans several disks; write it as one file");
   }
   if (!archive.has(directory.offset, directory.size)) return archive.truncated(directory.offset, "the directory");
   return directory;
@@ -321,8 +321,8 @@ Result<ZipEntry> read_entry(const Archive& archive, uint64_t& position, uint64_t
   entry.method = archive.get<uint16_t>(position + 10);
   entry.crc = archive.get<uint32_t>(position + 16);
   if ((archive.get<uint16_t>(position + 8) & 1U) != 0) {
-    return Error{ErrorCode::kUnsupported, cat("\"", entry.name, "\" is encrypted; store it without a password"),
-                 archive.name};
+    return fail(ErrorCode::kUnsupported, archive.name, "\"", entry.name,
+                "\" is encrypted; store it without a password");
   }
   EntrySizes sizes{archive.get<uint32_t>(position + 24), archive.get<uint32_t>(position + 20),
                    archive.get<uint32_t>(position + 42)};
@@ -341,7 +341,7 @@ Result<ZipEntry> read_entry(const Archive& archive, uint64_t& position, uint64_t
 }
 
 Error bad_entry(const std::string& location, const char* what) {
-  return {ErrorCode::kFormat, cat("the compressed data is damaged (", what, "); write the archive again"), location};
+  return fail(ErrorCode::kFormat, location, "the compressed data is damaged (", what, "); write the archive again");
 }
 
 /// Owns the zlib state.
@@ -358,7 +358,7 @@ struct Inflater {
 Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::string& location, const ZipPeek& peek,
                                            size_t most = std::numeric_limits<size_t>::max()) {
   Inflater inflater;
-  if (!inflater.ready) return Error{ErrorCode::kInternal, "zlib did not start; free some memory", location};
+  if (!inflater.ready) return fail(ErrorCode::kInternal, location, "zlib did not start; free some memory");
   z_stream& stream = inflater.stream;
   std::span<const uint8_t> input = entry.compressed;
   std::vector<uint8_t> output;
@@ -394,8 +394,8 @@ Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::str
 }
 
 Error unknown_method(const ZipEntry& entry, const std::string& location) {
-  return {ErrorCode::kUnsupported,
-          cat("zip compression method ", entry.method, " is not supported; store or deflate it"), location};
+  return fail(ErrorCode::kUnsupported, location, "zip compression method ", entry.method,
+              " is not supported; store or deflate it");
 }
 
 }  // namespace
@@ -410,7 +410,7 @@ Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> bytes,
   for (uint64_t i = 0; i < directory.count; ++i) {
     E2LF_ASSIGN_OR_RETURN(ZipEntry entry, read_entry(archive, position, directory.offset + directory.size));
     if (!names.insert(entry.name).second) {
-      return Error{ErrorCode::kFormat, cat("\"", entry.name, "\" is in the archive twice; write it again"), name};
+      return fail(ErrorCode::kFormat, name, "\"", entry.name, "\" is in the archive twice; write it again");
     }
     // Entries that share bytes would let a small archive unpack to any size.
     compressed += entry.compressed.size();
@@ -442,7 +442,7 @@ Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::
   }
   if (bytes.size() != entry.size) return bad_entry(location, "another size than the directory states");
   if (crc32_z(0, bytes.data(), bytes.size()) != entry.crc) {
-    return Error{ErrorCode::kInvalidValue, "the checksum does not match; copy the file again", location};
+    return fail(ErrorCode::kInvalidValue, location, "the checksum does not match; copy the file again");
   }
   return bytes;
 }

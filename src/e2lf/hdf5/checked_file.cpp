@@ -158,8 +158,8 @@ Result<void> CheckedFile::close() {
   const bool is_closed = file_.close();
   E2LF_RETURN_IF_ERROR(check());
   if (is_closed) return {};
-  return Error{ErrorCode::kIo, cat("the HDF5 library could not finish the file (", last_reason(), "); check the disk"),
-               name_};
+  return fail(ErrorCode::kIo, name_, "the HDF5 library could not finish the file (", last_reason(),
+              "); check the disk");
 }
 
 }  // namespace e2lf::hdf5

@@ -82,21 +82,19 @@ Result<void> read_layout(hid_t properties, Storage& storage, const std::string& 
   const H5D_layout_t layout = H5Pget_layout(properties);
   const bool is_elsewhere = layout == H5D_VIRTUAL || H5Pget_external_count(properties) > 0;
   if (layout < 0 || is_elsewhere) {
-    return Error{ErrorCode::kUnsupported, "the data set lies in other files; store it in this one", location};
+    return fail(ErrorCode::kUnsupported, location, "the data set lies in other files; store it in this one");
   }
   if (layout != H5D_CHUNKED) return {};
   storage.chunk.resize(storage.extents.size());
   const int rank = static_cast<int>(storage.chunk.size());
   if (rank < 1 || H5Pget_chunk(properties, rank, storage.chunk.data()) != rank) {
-    return Error{ErrorCode::kFormat, "the chunks of the data set cannot be determined; the file is damaged", location};
+    return fail(ErrorCode::kFormat, location, "the chunks of the data set cannot be determined; the file is damaged");
   }
   const uint64_t elements = product(storage.chunk);
   if (elements == 0 || __builtin_mul_overflow(elements, uint64_t{storage.bytes_each}, &storage.chunk_bytes) ||
       storage.chunk_bytes > kMaxChunkBytes) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("the data set has chunks of ", elements, " elements, more than ", kMaxChunkBytes,
-                     " bytes; store it in smaller ones"),
-                 location};
+    return fail(ErrorCode::kUnsupported, location, "the data set has chunks of ", elements, " elements, more than ",
+                kMaxChunkBytes, " bytes; store it in smaller ones");
   }
   return {};
 }
@@ -115,32 +113,29 @@ Result<Storage> inspect_storage(hid_t dataset, const std::string& location) {
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
   const int rank = space.valid() ? H5Sget_simple_extent_ndims(space.get()) : -1;
   if (rank < 0 || !type.valid() || !properties.valid()) {
-    return Error{ErrorCode::kFormat, cat("not a readable data set (", last_reason(), "); copy the file again"),
-                 location};
+    return fail(ErrorCode::kFormat, location, "not a readable data set (", last_reason(), "); copy the file again");
   }
   storage.extents.resize(static_cast<size_t>(rank));
   H5Sget_simple_extent_dims(space.get(), storage.extents.data(), nullptr);
   storage.bytes_each = H5Tget_size(type.get());
   if (storage.bytes_each == 0 || H5Tdetect_class(type.get(), H5T_VLEN) != 0 || H5Tis_variable_str(type.get()) != 0) {
-    return Error{ErrorCode::kUnsupported, "the data set's elements are not of one size; store plain numbers", location};
+    return fail(ErrorCode::kUnsupported, location, "the data set's elements are not of one size; store plain numbers");
   }
   if (storage.bytes_each > kMaxElementBytes) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("the data set's elements are of ", storage.bytes_each, " bytes each; store plain numbers"),
-                 location};
+    return fail(ErrorCode::kUnsupported, location, "the data set's elements are of ", storage.bytes_each,
+                " bytes each; store plain numbers");
   }
   E2LF_RETURN_IF_ERROR(read_layout(properties.get(), storage, location));
   read_filters(properties.get(), storage);
   if (storage.filters.size() > 16) {
-    return Error{ErrorCode::kUnsupported, "the data set is packed by more than 16 filters; is the file damaged?",
-                 location};
+    return fail(ErrorCode::kUnsupported, location,
+                "the data set is packed by more than 16 filters; is the file damaged?");
   }
   storage.stored_bytes = stored_bytes(dataset);
   storage.stored_elements = stored_elements(dataset, storage);
   const bool is_compact = H5Pget_layout(properties.get()) == H5D_COMPACT;
   if (is_compact && storage.stored_elements < storage.claimed_elements()) {
-    return Error{ErrorCode::kFormat, "the data set stores fewer elements than it claims; the file is damaged",
-                 location};
+    return fail(ErrorCode::kFormat, location, "the data set stores fewer elements than it claims; the file is damaged");
   }
   return storage;
 }
@@ -171,10 +166,9 @@ Result<void> check_filters(const Storage& storage, const std::string& location) 
     const auto* const known = std::find_if(std::begin(kKnown), std::end(kKnown),
                                            [filter](const Known& candidate) { return candidate.number == filter; });
     const bool is_known = known != std::end(kKnown);
-    return Error{ErrorCode::kMissingDependency,
-                 cat("the data set is compressed by HDF5 filter ", filter, is_known ? cat(" (", known->name, ")") : "",
-                     ", which is not installed; ", is_known ? known->remedy : kByPython),
-                 location};
+    return fail(ErrorCode::kMissingDependency, location, "the data set is compressed by HDF5 filter ", filter,
+                is_known ? cat(" (", known->name, ")") : "", ", which is not installed; ",
+                is_known ? known->remedy : kByPython);
   }
   return {};
 }

@@ -88,16 +88,13 @@ Error BatchCheck::find_error(const EventColumns& events) const {
   for (size_t i = 0; i < events.size(); ++i) {
     const Event event = events[i];
     if ((width_ != 0 && event.x >= width_) || (height_ != 0 && event.y >= height_)) {
-      return {ErrorCode::kInvalidValue,
-              cat("the event at (", event.x, ", ", event.y, ") is outside the sensor of ", width_, "x", height_,
-                  "; give the right size"),
-              place(i)};
+      return fail(ErrorCode::kInvalidValue, place(i), "the event at (", event.x, ", ", event.y,
+                  ") is outside the sensor of ", width_, "x", height_, "; give the right size");
     }
-    if (event.p > 1) return {ErrorCode::kInvalidValue, cat("polarity ", int{event.p}, " is neither 0 nor 1"), place(i)};
+    if (event.p > 1) return fail(ErrorCode::kInvalidValue, place(i), "polarity ", int{event.p}, " is neither 0 nor 1");
     if (event.t < last_us) {
-      return {ErrorCode::kInvalidValue,
-              cat("time runs back from ", last_us, " to ", event.t, " us; sort the events before writing them"),
-              place(i)};
+      return fail(ErrorCode::kInvalidValue, place(i), "time runs back from ", last_us, " to ", event.t,
+                  " us; sort the events before writing them");
     }
     last_us = event.t;
   }
@@ -115,10 +112,8 @@ Result<void> BatchCheck::operator()(const EventBatch& batch) {
 
   for (const Trigger& trigger : batch.triggers) {
     if (trigger.t < last_trigger_us_) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("trigger time runs back from ", last_trigger_us_, " to ", trigger.t,
-                       " us; sort the triggers before writing them"),
-                   name_};
+      return fail(ErrorCode::kInvalidValue, name_, "trigger time runs back from ", last_trigger_us_, " to ", trigger.t,
+                  " us; sort the triggers before writing them");
     }
     last_trigger_us_ = trigger.t;
   }
@@ -133,9 +128,8 @@ Result<void> apply_size_option(const OpenOptions& options, RecordingInfo& info, 
   const auto apply = [&](size_t given, size_t& stated, const char* what) -> Result<void> {
     if (given == 0) return {};
     if (stated != 0 && stated != given) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("the file states that its ", what, " is ", stated, ", not ", given, "; leave the option out"),
-                   name};
+      return fail(ErrorCode::kInvalidValue, name, "the file states that its ", what, " is ", stated, ", not ", given,
+                  "; leave the option out");
     }
     stated = given;
     return {};

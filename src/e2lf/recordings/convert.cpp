@@ -34,8 +34,8 @@ Error nothing_to_convert(const RecordingReader& reader) {
     message += cat(" (left out: ", loss_text(left_out), "); if its header states a wrong format, name the right one");
     return {ErrorCode::kInvalidValue, std::move(message), reader.name(), Setting::kInputFormat};
   }
-  return {ErrorCode::kInvalidValue, message + "; `e2lf info` shows the content and the time range of the recording",
-          reader.name()};
+  return fail(ErrorCode::kInvalidValue, reader.name(),
+              message + "; `e2lf info` shows the content and the time range of the recording");
 }
 
 /// Reads the next batch of a recording in a separate thread while the caller processes the previous one. If only one

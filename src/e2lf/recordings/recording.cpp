@@ -79,11 +79,10 @@ Result<void> RecordingReader::join_part(int64_t first_us) {
       is_between_parts_ = true;
       break;
     case RestartPolicy::kRefuse:
-      return Error{ErrorCode::kFormat,
-                   cat("the clock starts again here, from ", restart.before_us, " back to ", first_us,
-                       " us: the camera was restarted, or files were joined; `continue` shifts the later part behind "
-                       "the earlier one, `split` keeps them separate"),
-                   restart.byte == 0 ? name_ : cat(name_, ": byte ", restart.byte)};
+      return fail(ErrorCode::kFormat, restart.byte == 0 ? name_ : cat(name_, ": byte ", restart.byte),
+                  "the clock starts again here, from ", restart.before_us, " back to ", first_us,
+                  " us: the camera was restarted, or files were joined; `continue` shifts the later part behind "
+                  "the earlier one, `split` keeps them separate");
   }
   summary_.add_restart(restart);
   if (options_.policy == DecodePolicy::kReport) {
@@ -152,10 +151,9 @@ Result<void> RecordingReader::apply_policy() {
   pass_over_cut(before);
   if (options_.policy == DecodePolicy::kStrict && before.num_violations() > 0) return violation_error(before, name_);
   if (options_.policy == DecodePolicy::kStrict && summary_.events_before_time + before.events_before_time > 0) {
-    return Error{
-        ErrorCode::kFormat,
-        "there are events before the first time, which strict reading refuses; otherwise they are left out and counted",
-        name_};
+    return fail(ErrorCode::kFormat, name_,
+                "there are events before the first time, which strict reading refuses; otherwise they are left out and "
+                "counted");
   }
   if (options_.policy == DecodePolicy::kStrict && summary_.other_streams + before.other_streams > 0) {
     return Error{ErrorCode::kInvalidValue,

@@ -83,11 +83,10 @@ Result<TriggersPtr> open_side_triggers(const std::filesystem::path& recording) {
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   const std::string_view first = as_text(head).substr(0, as_text(head).substr(0, kDetectBytes).find('\n'));
   if (!is_trigger_header(first)) {
-    return Error{ErrorCode::kFormat,
-                 cat("this file would contain the triggers of ", recording.filename().string(),
-                     ", but does not begin with the names p,id,t; write p,id,t in this order, with t in whole "
-                     "microseconds, or give the file another name"),
-                 source->name()};
+    return fail(ErrorCode::kFormat, source->name(), "this file would contain the triggers of ",
+                recording.filename().string(),
+                ", but does not begin with the names p,id,t; write p,id,t in this order, with t in whole "
+                "microseconds, or give the file another name");
   }
   return make_side_triggers(std::move(source));
 }

@@ -29,7 +29,7 @@ std::string text_of(const NamedStream& stream) {
 
 Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const OpenOptions& options,
                              const std::string& location, RecordingInfo& info) {
-  if (streams.empty()) return Error{ErrorCode::kFormat, "the recording has no stream of events", location};
+  if (streams.empty()) return fail(ErrorCode::kFormat, location, "the recording has no stream of events");
   for (const NamedStream& stream : streams) info.streams.push_back(text_of(stream));
   const std::string& wanted = options.stream;
   if (wanted.empty()) {

@@ -380,10 +380,8 @@ void Timeline::end_part(uint64_t byte) {
 Result<void> Timeline::refuse_disorder(bool is_end) const {
   constexpr uint64_t kFew = 8, kMany = 1000;
   if (num_late_ < (is_end ? kFew : kMany) || 4 * num_late_ < num_judged_) return {};
-  return Error{ErrorCode::kFormat,
-               cat(num_late_, " of the first ", num_judged_, " events are more than ", kDisorderUs / 1000,
-                   " ms earlier than an event before them; sort the recording by time"),
-               name_};
+  return fail(ErrorCode::kFormat, name_, num_late_, " of the first ", num_judged_, " events are more than ",
+              kDisorderUs / 1000, " ms earlier than an event before them; sort the recording by time");
 }
 
 Result<void> Timeline::refill_triggers(DecodeSummary& summary) {

@@ -43,7 +43,7 @@ Result<EventStream> EventStream::create(const StreamOptions& options, size_t hei
   E2LF_RETURN_IF_ERROR(validate(options));
   constexpr size_t kMost = size_t{std::numeric_limits<uint16_t>::max()} + 1;
   if (height < 1 || width < 1 || height > kMost || width > kMost || height * width > kMost * kMost - 1) {
-    return Error{ErrorCode::kShape, cat("a sensor of ", width, "x", height, " pixels cannot be; use 1 to ", kMost), ""};
+    return fail(ErrorCode::kShape, "", "a sensor of ", width, "x", height, " pixels cannot be; use 1 to ", kMost);
   }
   return EventStream(options, height, width);
 }

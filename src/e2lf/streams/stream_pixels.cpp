@@ -71,8 +71,8 @@ Result<StreamModel> stream_model_from_name(const std::string& name) {
   for (const StreamModel model : kModels) {
     if (name == stream_model_name(model)) return model;
   }
-  return Error{ErrorCode::kInvalidValue,
-               cat("unknown event model \"", name, "\"; use quantised, reference-aware, esim, v2e or pixel"), ""};
+  return fail(ErrorCode::kInvalidValue, "", "unknown event model \"", name,
+              "\"; use quantised, reference-aware, esim, v2e or pixel");
 }
 
 const char* stream_model_name(StreamModel model) {
@@ -108,7 +108,7 @@ Result<V2eOptions> v2e_preset(const std::string& name) {
     preset.leak_jitter_fraction = preset.noise_rate_cov_decades = 0.0F;
     return preset;
   }
-  return Error{ErrorCode::kInvalidValue, cat("unknown preset \"", name, "\" of v2e; use default, noisy or clean"), ""};
+  return fail(ErrorCode::kInvalidValue, "", "unknown preset \"", name, "\" of v2e; use default, noisy or clean");
 }
 
 Result<void> validate(const StreamOptions& options) {

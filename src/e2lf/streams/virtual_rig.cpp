@@ -85,14 +85,11 @@ Result<void> check(const RigOptions& options) {
   }
   if (options.rise_us < 0 || options.rise_us >= shortest_us || options.trigger_width_us < 0 ||
       options.trigger_width_us >= shortest_us) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("a rise of ", options.rise_us, " us and a trigger of ", options.trigger_width_us,
-                     " us do not fit into a pattern of ", shortest_us, " us; use shorter ones"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "a rise of ", options.rise_us, " us and a trigger of ",
+                options.trigger_width_us, " us do not fit into a pattern of ", shortest_us, " us; use shorter ones");
   }
   if (!(options.gain >= 0.0F && options.gain <= std::numeric_limits<float>::max())) {
-    return Error{ErrorCode::kInvalidValue, cat("a gain of ", options.gain, " is not a brightness; use zero or more"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "a gain of ", options.gain, " is not a brightness; use zero or more");
   }
   return {};
 }
@@ -230,10 +227,8 @@ Result<void> VirtualRig::reach_knot(int64_t t_us) {
   while (!is_enough()) {
     E2LF_ASSIGN_OR_RETURN(const lightfield::LightField field, scene_.at(num_knots_));
     if (field.shape().height != height_ || field.shape().width != width_) {
-      return Error{ErrorCode::kShape,
-                   cat("a light field of ", field.shape().width, "x", field.shape().height, " px follows one of ",
-                       width_, "x", height_, "; use fields of one size"),
-                   ""};
+      return fail(ErrorCode::kShape, "", "a light field of ", field.shape().width, "x", field.shape().height,
+                  " px follows one of ", width_, "x", height_, "; use fields of one size");
     }
     knot_ = std::move(next_);
     E2LF_ASSIGN_OR_RETURN(next_, aperture_.measure(field));

@@ -32,18 +32,14 @@ Result<void> check_whole(const NpyArray& array, const std::string& location) {
   const auto index_of = [&](auto found) { return static_cast<size_t>(found - values.begin()); };
   if (infinite != values.end()) {
     const auto count = values.size() - static_cast<size_t>(std::count_if(values.begin(), values.end(), is_finite));
-    return Error{ErrorCode::kInvalidValue,
-                 cat(count, count == 1 ? " count is" : " counts are", " not finite (NaN or infinity), the first is ",
-                     *infinite, " at ", place_of(index_of(infinite), array.shape),
-                     "; event images contain integers, so replace these values"),
-                 location};
+    return fail(ErrorCode::kInvalidValue, location, count, count == 1 ? " count is" : " counts are",
+                " not finite (NaN or infinity), the first is ", *infinite, " at ",
+                place_of(index_of(infinite), array.shape), "; event images contain integers, so replace these values");
   }
   const auto part = std::find_if(values.begin(), values.end(), [](float value) { return value != std::trunc(value); });
   if (part == values.end()) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("the count ", *part, " at ", place_of(index_of(part), array.shape),
-                   " is not a whole number; event images contain sums of signed events, so undo their scaling"),
-               location};
+  return fail(ErrorCode::kInvalidValue, location, "the count ", *part, " at ", place_of(index_of(part), array.shape),
+              " is not a whole number; event images contain sums of signed events, so undo their scaling");
 }
 
 /// Converts `array` to int16; any value that is not an integer within int16 is an error.
@@ -56,16 +52,12 @@ Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string&
   std::vector<int16_t> counts(rough.size());
   for (size_t i = 0; i < rough.size(); ++i) {
     if (is_unsigned && rough[i] >= half) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("the counts are of an unsigned type (", array.type, "), in which -1 became ", rough[i], " at ",
-                       place_of(i, array.shape), "; store them as int16"),
-                   location};
+      return fail(ErrorCode::kInvalidValue, location, "the counts are of an unsigned type (", array.type,
+                  "), in which -1 became ", rough[i], " at ", place_of(i, array.shape), "; store them as int16");
     }
     if (rough[i] < std::numeric_limits<int16_t>::min() || rough[i] > std::numeric_limits<int16_t>::max()) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("the event count ", rough[i], " at ", place_of(i, array.shape),
-                       " does not fit int16; is this an event image?"),
-                   location};
+      return fail(ErrorCode::kInvalidValue, location, "the event count ", rough[i], " at ", place_of(i, array.shape),
+                  " does not fit int16; is this an event image?");
     }
     counts[i] = static_cast<int16_t>(rough[i]);
   }
@@ -76,20 +68,16 @@ Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string&
 Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const std::string& location) {
   const std::vector<size_t>& shape = array.shape;
   if ((shape.size() != 3 && shape.size() != 4) || array.num_elements() == 0) {
-    return Error{ErrorCode::kShape,
-                 cat("an array of shape ", shape_text(shape),
-                     " is neither event images, [N-1, y, x] or [cycles, N-1, "
-                     "y, x], nor a list of events, [events, 4] with the columns t, x, y, p; store one of these forms"),
-                 location};
+    return fail(ErrorCode::kShape, location, "an array of shape ", shape_text(shape),
+                " is neither event images, [N-1, y, x] or [cycles, N-1, "
+                "y, x], nor a list of events, [events, 4] with the columns t, x, y, p; store one of these forms");
   }
   // No display shows more patterns than a camera has columns.
   constexpr size_t kMostTransitions = 16;
   if (shape[shape.size() - 3] > kMostTransitions && shape.back() <= kMostTransitions) {
-    return Error{
-        ErrorCode::kShape,
-        cat("event images of shape ", shape_text(shape), " have their axes in another order; store [N-1, y, x] ",
-            "or [cycles, N-1, y, x], as numpy.moveaxis(events, -1, -3) does"),
-        location};
+    return fail(ErrorCode::kShape, location, "event images of shape ", shape_text(shape),
+                " have their axes in another order; store [N-1, y, x] ",
+                "or [cycles, N-1, y, x], as numpy.moveaxis(events, -1, -3) does");
   }
   E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, location));
   const size_t num_cycles = shape.size() == 4 ? shape[0] : 1;
@@ -109,17 +97,15 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
 
 Result<void> check_codes(const Codes& codes, size_t transitions, const std::string& location) {
   if (codes.num_patterns == transitions + 1) return {};
-  return Error{ErrorCode::kShape,
-               cat("there are ", codes.num_patterns, " codes, but ", transitions, " event images need ",
-                   transitions + 1, "; give the codes that the events were recorded with"),
-               location};
+  return fail(ErrorCode::kShape, location, "there are ", codes.num_patterns, " codes, but ", transitions,
+              " event images need ", transitions + 1, "; give the codes that the events were recorded with");
 }
 
 Result<EventImageFile> from_arrays(const NpzArrays& arrays, const fs::path& path) {
   const auto found = arrays.find("events");
   if (found == arrays.end()) {
-    return Error{ErrorCode::kNotFound, "the file contains no array \"events\"; add it and, if they are known, codes",
-                 path.string()};
+    return fail(ErrorCode::kNotFound, path,
+                "the file contains no array \"events\"; add it and, if they are known, codes");
   }
   EventImageFile file;
   E2LF_ASSIGN_OR_RETURN(file.cycles, cycles_from_array(found->second, path.string() + ": events"));
@@ -148,20 +134,19 @@ Result<std::vector<fs::path>> list_images(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, status), end; !status && entry != end; entry.increment(status)) {
     if (const auto number = image_number(entry->path())) found.emplace_back(*number, entry->path());
   }
-  if (status) return Error{ErrorCode::kIo, cat("cannot list the folder: ", status.message()), folder.string()};
+  if (status) return fail(ErrorCode::kIo, folder, "cannot list the folder: ", status.message());
   if (found.empty()) {
-    return Error{
-        ErrorCode::kNotFound,
+    return fail(
+        ErrorCode::kNotFound, folder,
         "no event_image_*.npy in the folder; give a folder of event images (`e2lf simulate` generates them from a "
-        "light field)",
-        folder.string()};
+        "light field)");
   }
   std::sort(found.begin(), found.end());
   std::vector<fs::path> paths;
   for (size_t i = 0; i < found.size(); ++i) {
     if (found[i].first != i) {
-      return Error{ErrorCode::kNotFound,
-                   cat("event image ", i, " is missing; the numbers must run from 0 without gaps"), folder.string()};
+      return fail(ErrorCode::kNotFound, folder, "event image ", i,
+                  " is missing; the numbers must run from 0 without gaps");
     }
     paths.push_back(std::move(found[i].second));
   }
@@ -177,17 +162,14 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
     std::vector<size_t>& shape = array.shape;
     if (shape.size() == 3 && shape[2] == 1) shape.pop_back();
     if (shape.size() != 2 || array.num_elements() == 0) {
-      return Error{ErrorCode::kShape, cat("an event image has shape ", shape_text(shape), "; expected [y, x]"),
-                   path.string()};
+      return fail(ErrorCode::kShape, path, "an event image has shape ", shape_text(shape), "; expected [y, x]");
     }
     if (cycle.values.empty()) {
       cycle.height = shape[0];
       cycle.width = shape[1];
     } else if (shape[0] != cycle.height || shape[1] != cycle.width) {
-      return Error{ErrorCode::kShape,
-                   cat("this event image has shape ", shape_text(shape), ", the first one ",
-                       shape_text({cycle.height, cycle.width}), "; all must have one size"),
-                   path.string()};
+      return fail(ErrorCode::kShape, path, "this event image has shape ", shape_text(shape), ", the first one ",
+                  shape_text({cycle.height, cycle.width}), "; all must have one size");
     }
     E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, path.string()));
     cycle.values.insert(cycle.values.end(), counts.begin(), counts.end());
@@ -200,7 +182,7 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
 Result<EventImageFile> read_event_images(const fs::path& path) {
   std::error_code status;
   if (!fs::exists(path, status)) {
-    return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
+    return fail(ErrorCode::kNotFound, path, "there is no such file or folder; check the path");
   }
   if (fs::is_directory(path, status)) return read_folder(path);
   const std::string extension = path.extension().string();
@@ -213,8 +195,8 @@ Result<EventImageFile> read_event_images(const fs::path& path) {
     E2LF_ASSIGN_OR_RETURN(std::vector<EventImages> cycles, cycles_from_array(array, path.string()));
     return EventImageFile{std::move(cycles)};
   }
-  return Error{ErrorCode::kUnsupported,
-               "this is not a file of event images; use .npz, .npy or a folder of event_image_*.npy", path.string()};
+  return fail(ErrorCode::kUnsupported, path,
+              "this is not a file of event images; use .npz, .npy or a folder of event_image_*.npy");
 }
 
 namespace {
@@ -226,12 +208,12 @@ constexpr const char* kLensArray = "lens_array";
 Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, const std::string& location) {
   const std::vector<size_t>& shape = array.shape;
   if (shape.size() != 4 || array.num_elements() == 0) {
-    return Error{ErrorCode::kShape,
-                 cat("intensity images have shape ", shape_text(shape), "; expected [cycles, image, y, x]"), location};
+    return fail(ErrorCode::kShape, location, "intensity images have shape ", shape_text(shape),
+                "; expected [cycles, image, y, x]");
   }
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(location));
   if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) {
-    return Error{ErrorCode::kInvalidValue, "an intensity is not finite; correct the images", location};
+    return fail(ErrorCode::kInvalidValue, location, "an intensity is not finite; correct the images");
   }
   std::vector<CodedIntensities> cycles(shape[0], CodedIntensities(shape[1], shape[2], shape[3]));
   for (size_t i = 0; i < cycles.size(); ++i) {
@@ -243,12 +225,10 @@ Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, c
 
 Result<void> check_hybrid(const EventImages& events, const CodedIntensities& images, const std::string& location) {
   if (images.count == 1 && images.height == events.height && images.width == events.width) return {};
-  return Error{
-      ErrorCode::kShape,
-      cat("the intensity images of a cycle have shape ", shape_text({images.count, images.height, images.width}),
-          ", the event images ", shape_text({events.count, events.height, events.width}),
-          "; beside events there is one image of their size"),
-      location};
+  return fail(ErrorCode::kShape, location, "the intensity images of a cycle have shape ",
+              shape_text({images.count, images.height, images.width}), ", the event images ",
+              shape_text({events.count, events.height, events.width}),
+              "; beside events there is one image of their size");
 }
 
 Result<MeasurementFile> measurement_of_arrays(NpzArrays arrays, const fs::path& path) {
@@ -267,10 +247,8 @@ Result<MeasurementFile> measurement_of_arrays(NpzArrays arrays, const fs::path& 
   if (arrays.contains("events")) {
     E2LF_ASSIGN_OR_RETURN(EventImageFile events, read_event_images(path));
     if (events.cycles.size() != file.cycles.size()) {
-      return Error{ErrorCode::kShape,
-                   cat(file.cycles.size(), " cycles of images with ", events.cycles.size(),
-                       " of events; give both for each cycle"),
-                   location};
+      return fail(ErrorCode::kShape, location, file.cycles.size(), " cycles of images with ", events.cycles.size(),
+                  " of events; give both for each cycle");
     }
     for (size_t i = 0; i < file.cycles.size(); ++i) {
       E2LF_RETURN_IF_ERROR(check_hybrid(events.cycles[i], file.cycles[i].images, location));

@@ -93,8 +93,8 @@ class EventImageWriter::Impl {
 
   Result<void> finish(const std::string& findings) {
     if (cycles_ == 0) {
-      return Error{ErrorCode::kInvalidValue, "no complete pattern cycle was found; check the schedule and its source",
-                   file_.target().string()};
+      return fail(ErrorCode::kInvalidValue, file_.target().string(),
+                  "no complete pattern cycle was found; check the schedule and its source");
     }
     E2LF_RETURN_IF_ERROR(pack({}, Z_FINISH));
     const std::vector<uint8_t> header = npy_header(cycles_, shape_);

@@ -21,9 +21,8 @@ const char* measurement_name(MeasurementKind kind) {
 Result<MeasurementKind> measurement_from_name(const std::string& name) {
   const auto* const found = std::find(std::begin(kNames), std::end(kNames), name);
   if (found != std::end(kNames)) return static_cast<MeasurementKind>(found - std::begin(kNames));
-  return Error{ErrorCode::kInvalidValue,
-               cat("the measurement \"", name, "\" is not known; use ", join({std::begin(kNames), std::end(kNames)})),
-               ""};
+  return fail(ErrorCode::kInvalidValue, "", "the measurement \"", name, "\" is not known; use ",
+              join({std::begin(kNames), std::end(kNames)}));
 }
 
 bool has_events(MeasurementKind kind) {

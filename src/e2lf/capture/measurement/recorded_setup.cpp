@@ -31,7 +31,7 @@ NpyArray text_to_npy(const std::string& text) {
 
 Result<std::string> text_from_npy(const NpyArray& array, const char* what, const std::string& location) {
   if (array.shape.size() == 1 && array.item_size == 1) return std::string(array.bytes.begin(), array.bytes.end());
-  return Error{ErrorCode::kShape, cat(what, " is not text; write it as an array of bytes, or leave it out"), location};
+  return fail(ErrorCode::kShape, location, what, " is not text; write it as an array of bytes, or leave it out");
 }
 
 HeaderLines camera_to_header(const SensorProfile& camera) {

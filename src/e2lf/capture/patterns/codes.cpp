@@ -15,12 +15,10 @@ namespace e2lf::capture {
 
 Result<void> validate(const Codes& codes, const std::string& location) {
   if (codes.values.empty())
-    return Error{ErrorCode::kShape, "there are no aperture patterns; give at least one", location};
+    return fail(ErrorCode::kShape, location, "there are no aperture patterns; give at least one");
   if (codes.values.size() != codes.num_patterns * codes.pattern_size()) {
-    return Error{ErrorCode::kShape,
-                 cat(codes.values.size(), " transmittances do not make patterns of ",
-                     shape_text({codes.num_patterns, codes.views_y, codes.views_x}), "; give one for each cell"),
-                 location};
+    return fail(ErrorCode::kShape, location, codes.values.size(), " transmittances do not make patterns of ",
+                shape_text({codes.num_patterns, codes.views_y, codes.views_x}), "; give one for each cell");
   }
   // Written so that NaN is refused.
   const auto refused =
@@ -28,10 +26,9 @@ Result<void> validate(const Codes& codes, const std::string& location) {
   if (refused == codes.values.end()) return {};
   const auto index = static_cast<size_t>(refused - codes.values.begin());
   const size_t cell = index % codes.pattern_size();
-  return Error{ErrorCode::kInvalidValue,
-               cat("the transmittance ", *refused, " of pattern ", index / codes.pattern_size() + 1, ", row ",
-                   cell / codes.views_x, ", column ", cell % codes.views_x, " is not in [0, 1]; scale the patterns"),
-               location};
+  return fail(ErrorCode::kInvalidValue, location, "the transmittance ", *refused, " of pattern ",
+              index / codes.pattern_size() + 1, ", row ", cell / codes.views_x, ", column ", cell % codes.views_x,
+              " is not in [0, 1]; scale the patterns");
 }
 
 bool is_black_first(const Codes& codes) {
@@ -137,8 +134,8 @@ Result<Json> row_from(const std::string& text, const std::string& location) {
     float value = 0;
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error != std::errc() || end != part.data() + part.size()) {
-      return Error{ErrorCode::kFormat,
-                   cat("\"", part, "\" is not a transmittance; repair the header, or give the patterns"), location};
+      return fail(ErrorCode::kFormat, location, "\"", part,
+                  "\" is not a transmittance; repair the header, or give the patterns");
     }
     row.push_back(value);
   }
@@ -187,18 +184,18 @@ Result<std::vector<float>> read_row(const Json& row, const std::string& location
   if (row.is_string()) {
     for (const char digit : row.get_ref<const std::string&>()) {
       if (digit != '0' && digit != '1') {
-        return Error{ErrorCode::kInvalidValue, cat("\"", digit, "\" in a row of text; use only 0 and 1, or numbers"),
-                     location};
+        return fail(ErrorCode::kInvalidValue, location, "\"", digit,
+                    "\" in a row of text; use only 0 and 1, or numbers");
       }
       values.push_back(digit == '1' ? 1.0F : 0.0F);
     }
     return values;
   }
   if (!row.is_array())
-    return Error{ErrorCode::kFormat, "a row must be a list of numbers or a string of digits 0 and 1", location};
+    return fail(ErrorCode::kFormat, location, "a row must be a list of numbers or a string of digits 0 and 1");
   for (const Json& value : row) {
     if (!value.is_number()) {
-      return Error{ErrorCode::kFormat, cat("a ", value.type_name(), " in a row; give numbers in [0, 1]"), location};
+      return fail(ErrorCode::kFormat, location, "a ", value.type_name(), " in a row; give numbers in [0, 1]");
     }
     values.push_back(value.get<float>());
   }
@@ -207,19 +204,19 @@ Result<std::vector<float>> read_row(const Json& row, const std::string& location
 
 /// Appends one pattern; the first row of the first pattern sets the sizes.
 Result<void> read_pattern(const Json& pattern, const std::string& location, Codes& codes) {
-  if (!pattern.is_array()) return Error{ErrorCode::kFormat, "a pattern must be a list of rows", location};
+  if (!pattern.is_array()) return fail(ErrorCode::kFormat, location, "a pattern must be a list of rows");
   if (codes.num_patterns == 0) codes.views_y = pattern.size();
   if (pattern.size() != codes.views_y) {
-    return Error{ErrorCode::kShape,
-                 cat(pattern.size(), " rows, the first pattern has ", codes.views_y, "; make them equal"), location};
+    return fail(ErrorCode::kShape, location, pattern.size(), " rows, the first pattern has ", codes.views_y,
+                "; make them equal");
   }
   for (size_t row = 0; row < pattern.size(); ++row) {
     const std::string row_location = cat(location, "[", row, "]");
     E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, read_row(pattern[row], row_location));
     if (codes.values.empty()) codes.views_x = values.size();
     if (values.size() != codes.views_x) {
-      return Error{ErrorCode::kShape,
-                   cat(values.size(), " cells, the first row has ", codes.views_x, "; make them equal"), row_location};
+      return fail(ErrorCode::kShape, row_location, values.size(), " cells, the first row has ", codes.views_x,
+                  "; make them equal");
     }
     codes.values.insert(codes.values.end(), values.begin(), values.end());
   }
@@ -235,7 +232,7 @@ Result<Codes> codes_from_json(const Json& json, const std::string& location) {
   const std::string patterns_location = reader.child_location("patterns");
   E2LF_RETURN_IF_ERROR(reader.finish());
   if (!patterns.is_array()) {
-    return Error{ErrorCode::kFormat, "expected a list of patterns; write {\"patterns\": [...]}", patterns_location};
+    return fail(ErrorCode::kFormat, patterns_location, "expected a list of patterns; write {\"patterns\": [...]}");
   }
   Codes codes;
   for (size_t n = 0; n < patterns.size(); ++n) {

@@ -11,9 +11,8 @@ namespace {
 constexpr const char* kArrayName = "codes";
 
 Error unknown_extension(const std::filesystem::path& path) {
-  return {ErrorCode::kUnsupported,
-          cat("aperture patterns are .json, .npy or .npz files, not \"", path.extension().string(), "\""),
-          path.string()};
+  return fail(ErrorCode::kUnsupported, path, "aperture patterns are .json, .npy or .npz files, not \"",
+              path.extension().string(), "\"");
 }
 
 }  // namespace
@@ -24,17 +23,13 @@ NpyArray codes_to_npy(const Codes& codes) {
 
 Result<Codes> codes_from_npy(const NpyArray& array, const std::string& location) {
   if (array.shape.size() != 3) {
-    return Error{
-        ErrorCode::kShape,
-        cat("patterns have the shape [N, view_y, view_x], not ", shape_text(array.shape), "; reshape the array"),
-        location};
+    return fail(ErrorCode::kShape, location, "patterns have the shape [N, view_y, view_x], not ",
+                shape_text(array.shape), "; reshape the array");
   }
   constexpr size_t kLeastGrid = 5;  // as many patterns of a smaller grid are plausible
   if (array.shape[0] == array.shape[1] && array.shape[1] >= kLeastGrid && array.shape[2] != array.shape[1]) {
-    return Error{ErrorCode::kShape,
-                 cat("patterns have the shape [N, view_y, view_x], and ", shape_text(array.shape),
-                     " is probably [view_y, view_x, N]; move the last axis to the front"),
-                 location};
+    return fail(ErrorCode::kShape, location, "patterns have the shape [N, view_y, view_x], and ",
+                shape_text(array.shape), " is probably [view_y, view_x, N]; move the last axis to the front");
   }
   Codes codes;
   codes.num_patterns = array.shape[0];
@@ -59,8 +54,7 @@ Result<Codes> read_codes(const std::filesystem::path& path) {
     E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, read_npz(path));
     const auto found = arrays.find(kArrayName);
     if (found == arrays.end()) {
-      return Error{ErrorCode::kNotFound, "there is no array \"codes\"; add it, or give the patterns as .json",
-                   path.string()};
+      return fail(ErrorCode::kNotFound, path, "there is no array \"codes\"; add it, or give the patterns as .json");
     }
     return codes_from_npy(found->second, cat(path.string(), ": ", kArrayName));
   }

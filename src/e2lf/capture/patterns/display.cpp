@@ -47,10 +47,8 @@ Result<size_t> begin_of(size_t display, size_t length, int64_t offset, const cha
   const auto room = static_cast<int64_t>(display) - static_cast<int64_t>(length);
   const int64_t begin = room / 2 + offset;
   if (room >= 0 && begin >= 0 && begin <= room) return static_cast<size_t>(begin);
-  return Error{ErrorCode::kInvalidValue,
-               cat("an aperture of ", length, " px with an offset of ", offset, " does not fit on ", display, " px in ",
-                   axis, "; use smaller cells, another offset or a larger display"),
-               ""};
+  return fail(ErrorCode::kInvalidValue, "", "an aperture of ", length, " px with an offset of ", offset,
+              " does not fit on ", display, " px in ", axis, "; use smaller cells, another offset or a larger display");
 }
 
 Result<void> check(const DisplayLayout& layout) {
@@ -59,10 +57,8 @@ Result<void> check(const DisplayLayout& layout) {
                     std::abs(layout.offset_x_px) <= static_cast<int64_t>(layout.width_px) &&
                     std::abs(layout.offset_y_px) <= static_cast<int64_t>(layout.height_px);
   if (sane) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("a display of ", layout.width_px, "x", layout.height_px, " px with cells of ", layout.cell_px,
-                   " px is not possible; correct the sizes and offsets"),
-               ""};
+  return fail(ErrorCode::kInvalidValue, "", "a display of ", layout.width_px, "x", layout.height_px,
+              " px with cells of ", layout.cell_px, " px is not possible; correct the sizes and offsets");
 }
 
 }  // namespace

@@ -21,9 +21,8 @@ Result<Orientation> orientation_from_name(const std::string& name, const std::st
   for (const Orientation& known : {Orientation{}, kTurned, Orientation{true, false}, Orientation{false, true}}) {
     if (name == orientation_name(known)) return known;
   }
-  return Error{ErrorCode::kInvalidValue,
-               cat("\"", name, "\" is not an orientation of views; use upright, turned, flipped-x or flipped-y"),
-               location};
+  return fail(ErrorCode::kInvalidValue, location, "\"", name,
+              "\" is not an orientation of views; use upright, turned, flipped-x or flipped-y");
 }
 
 namespace {
@@ -53,20 +52,19 @@ struct ValueWithUncertainty {
 };
 
 Result<ValueWithUncertainty> read_constant(const Json& json, const std::string& location, const KeyRange& range) {
-  if (json.is_null()) return Error{ErrorCode::kInvalidValue, "the constant is missing; give its value", location};
+  if (json.is_null()) return fail(ErrorCode::kInvalidValue, location, "the constant is missing; give its value");
   ValueWithUncertainty result;
   std::string source;
   OptionReader reader(json, location);
   reader.read("value", result.value).read("uncertainty", result.uncertainty).read("source", source);
   E2LF_RETURN_IF_ERROR(reader.finish());
   if (!(result.value >= range.low && result.value <= range.high)) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat(result.value, " is out of range; give a value from ", range.low, " to ", range.high), location};
+    return fail(ErrorCode::kInvalidValue, location, result.value, " is out of range; give a value from ", range.low,
+                " to ", range.high);
   }
   if (!(result.uncertainty >= 0.0F && result.uncertainty < 1.0F)) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat(result.uncertainty, " is not a relative uncertainty; use a number of at least 0 and below 1"),
-                 location};
+    return fail(ErrorCode::kInvalidValue, location, result.uncertainty,
+                " is not a relative uncertainty; use a number of at least 0 and below 1");
   }
   return result;
 }
@@ -111,16 +109,15 @@ Result<void> read_transmission(const Json& json, const std::string& location, Se
   E2LF_RETURN_IF_ERROR(reader.finish());
   for (const float share : camera.transmission) {
     if (share > 0.0F && share <= 100.0F) continue;
-    return Error{ErrorCode::kInvalidValue, cat(share, " is not a transmission; use numbers near 1"), location};
+    return fail(ErrorCode::kInvalidValue, location, share, " is not a transmission; use numbers near 1");
   }
   for (const auto* slopes : {&camera.transmission_slope_x, &camera.transmission_slope_y}) {
     if (slopes->size() > camera.transmission.size()) {
-      return Error{ErrorCode::kInvalidValue, "there are more slopes than transmissions; give one for each", location};
+      return fail(ErrorCode::kInvalidValue, location, "there are more slopes than transmissions; give one for each");
     }
     for (const float slope : *slopes) {
       if (std::abs(slope) <= kMostSlope) continue;
-      return Error{ErrorCode::kInvalidValue, cat(slope, " is not a slope of a transmission; use numbers near 0"),
-                   location};
+      return fail(ErrorCode::kInvalidValue, location, slope, " is not a slope of a transmission; use numbers near 0");
     }
   }
   return {};
@@ -164,8 +161,8 @@ Result<SensorProfile> camera_from_json(const Json& json, const std::string& loca
   std::vector<std::string> known(std::begin(kEventModelNames), std::end(kEventModelNames));
   known.emplace_back("pixel");
   if (std::ranges::find(known, model) == known.end()) {
-    return Error{ErrorCode::kInvalidValue, cat("unknown event model \"", model, "\"; use ", join(known, " or ")),
-                 reader.child_location("event_model")};
+    return fail(ErrorCode::kInvalidValue, reader.child_location("event_model"), "unknown event model \"", model,
+                "\"; use ", join(known, " or "));
   }
   if (views) {
     E2LF_ASSIGN_OR_RETURN(camera.views, orientation_from_name(*views, reader.child_location("views")));

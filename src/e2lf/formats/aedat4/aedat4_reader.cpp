@@ -123,9 +123,8 @@ class Aedat4Blocks final : public EventBlocks {
     E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(*size));
     E2LF_ASSIGN_OR_RETURN(const Header header, parse_header(bytes, source_->name()));
     if (header.compression != header_.compression) {
-      return Error{ErrorCode::kUnsupported,
-                   "the recording that was appended here is compressed in another way; split the file here",
-                   cat(source_->name(), ": byte ", begin)};
+      return fail(ErrorCode::kUnsupported, cat(source_->name(), ": byte ", begin),
+                  "the recording that was appended here is compressed in another way; split the file here");
     }
     header_.table_position = header.table_position == 0 ? 0 : begin + header.table_position;
     source_->consume(header.bytes);
@@ -245,7 +244,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(auto bytes, source->fetch(kVersionLine.size() + 4));
   const auto size = header_size(bytes);
   if (!size || *size > kMaxHeaderBytes) {
-    return Error{ErrorCode::kFormat, "this is not an AEDAT4 recording, or its header is damaged", name};
+    return fail(ErrorCode::kFormat, name, "this is not an AEDAT4 recording, or its header is damaged");
   }
   E2LF_ASSIGN_OR_RETURN(bytes, source->fetch(*size));
   E2LF_ASSIGN_OR_RETURN(Header header, parse_header(bytes, name));

@@ -102,8 +102,8 @@ Result<Header> read_header(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
   std::optional<Header> header = parse_header(head.first(std::min(head.size(), kDetectBytes)));
   if (!header) {
-    return Error{ErrorCode::kFormat, "this is not a DAT recording, which has a header of % lines and 8-byte records",
-                 source.name()};
+    return fail(ErrorCode::kFormat, source.name(),
+                "this is not a DAT recording, which has a header of % lines and 8-byte records");
   }
   source.consume(header->bytes);
   return *std::move(header);
@@ -311,8 +311,8 @@ class DatWriter final : public RecordingWriter {
       const Trigger& trigger = triggers[i];
       E2LF_RETURN_IF_ERROR(check_time(trigger.t, unwrap_trigger_));
       if (trigger.id > kMaxTriggerId) {
-        return Error{ErrorCode::kInvalidValue,
-                     cat("trigger id ", trigger.id, " does not fit into DAT; write HDF5 instead"), sink_->name()};
+        return fail(ErrorCode::kInvalidValue, sink_->name(), "trigger id ", trigger.id,
+                    " does not fit into DAT; write HDF5 instead");
       }
       store_le(&buffer_[i * kRecordBytes], static_cast<uint32_t>(trigger.t));
       store_le(&buffer_[i * kRecordBytes + 4], static_cast<uint32_t>(trigger.id) << 26 | trigger.p);

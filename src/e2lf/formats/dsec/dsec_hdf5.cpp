@@ -204,8 +204,7 @@ class ColumnBlocks final : public EventBlocks {
     if (place.is_matrix()) {
       E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_matrix(file, place.name, name));
       if (shape.columns != table::kNumFields) {
-        return Error{ErrorCode::kShape, cat("the data set has ", shape.columns, " columns; store t, x, y, p"),
-                     location_};
+        return fail(ErrorCode::kShape, location_, "the data set has ", shape.columns, " columns; store t, x, y, p");
       }
       E2LF_RETURN_IF_ERROR(add_part(std::move(shape), location_));
     } else {
@@ -218,7 +217,7 @@ class ColumnBlocks final : public EventBlocks {
     for (const Part& part : parts_) {
       is_cut_ |= part.shape.is_cut;
       if (part.shape.length == length_) continue;
-      return Error{ErrorCode::kShape, "the columns of events differ in length; the file is damaged", name};
+      return fail(ErrorCode::kShape, name, "the columns of events differ in length; the file is damaged");
     }
     const uint64_t count = std::min<uint64_t>(length_, table::kSampledRows);
     E2LF_RETURN_IF_ERROR(read(0, count));
@@ -291,7 +290,7 @@ class ColumnBlocks final : public EventBlocks {
   Result<void> add_part(DatasetShape shape, const std::string& place) {
     const std::string type = number_type(shape.dataset.get());
     if (type.empty()) {
-      return Error{ErrorCode::kUnsupported, "these are not numbers; store x, y, p and t as numbers", place};
+      return fail(ErrorCode::kUnsupported, place, "these are not numbers; store x, y, p and t as numbers");
     }
     const size_t item = element_size(type), columns = shape.columns;
     for (size_t i = 0; i < columns; ++i) columns_.push_back({parts_.size(), {type, i * item, columns * item}});
@@ -330,11 +329,10 @@ Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource&
   size_t num_left = kMostObjects;
   add_event_places(file, "", 0, num_left, places);
   if (places.empty()) {
-    return Error{
-        ErrorCode::kNotFound,
+    return fail(
+        ErrorCode::kNotFound, name,
         "the file has no events: neither CD/events (Metavision), nor a group with the columns x, y, p, t or xs, ys, "
-        "ps, ts, nor a data set events [events, 4]; if it is a recording, write it as one of them",
-        name};
+        "ps, ts, nor a data set events [events, 4]; if it is a recording, write it as one of them");
   }
   std::vector<NamedStream> streams;
   for (const EventPlace& place : places) streams.push_back({cat(streams.size()), place.name, ""});

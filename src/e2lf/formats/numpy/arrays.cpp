@@ -30,11 +30,11 @@ constexpr const char* kReadRemedy =
 Result<const NpyArray*> find_column(const NpzArrays& arrays, const std::string& key, const std::string& name) {
   const auto found = arrays.find(key);
   if (found == arrays.end()) {
-    return Error{ErrorCode::kNotFound, cat("the archive has no array \"", key, "\"; store all columns"), name};
+    return fail(ErrorCode::kNotFound, name, "the archive has no array \"", key, "\"; store all columns");
   }
   const NpyArray& array = found->second;
   if (array.shape.size() == 1 && table::is_number_type(array.type)) return &array;
-  return Error{ErrorCode::kShape, cat("array \"", key, "\" is not a column of numbers; store x, y, p, t"), name};
+  return fail(ErrorCode::kShape, name, "array \"", key, "\" is not a column of numbers; store x, y, p, t");
 }
 
 /// Returns the triggers, sorted. Their times are in `unit` if they are floating-point numbers. Adds the number of
@@ -48,7 +48,7 @@ Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::s
     constexpr const char* kKeys[] = {"trigger_t", "trigger_p", "trigger_id"};
     E2LF_ASSIGN_OR_RETURN(columns[i], find_column(arrays, kKeys[i], name));
     if (columns[i]->shape == columns[0]->shape) continue;
-    return Error{ErrorCode::kShape, cat("array \"", kKeys[i], "\" has a different length; store all of it"), name};
+    return fail(ErrorCode::kShape, name, "array \"", kKeys[i], "\" has a different length; store all of it");
   }
   const auto [t, p, id] = columns;
   const size_t count = t->shape[0];
@@ -235,10 +235,9 @@ Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std:
   const table::KnownColumns known = table::find_fields(keys);
   for (size_t field = columns.size(); field < table::kNumFields; ++field) {
     if (!known[field]) {
-      return Error{ErrorCode::kNotFound,
-                   cat("the names of the arrays (", join(keys), ") do not state once each which are x, y, p and t; ",
-                       "store the columns x, y, p, t, or events as [events, 4]"),
-                   name};
+      return fail(ErrorCode::kNotFound, name, "the names of the arrays (", join(keys),
+                  ") do not state once each which are x, y, p and t; ",
+                  "store the columns x, y, p, t, or events as [events, 4]");
     }
     const std::string& key = keys[*known[field]];
     E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, key, name));
@@ -250,7 +249,7 @@ Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std:
 Result<void> check_lengths(const std::vector<NpzColumn>& columns, const std::string& name) {
   for (const NpzColumn& column : columns) {
     if (column.array->shape[0] == columns[0].array->shape[0]) continue;
-    return Error{ErrorCode::kShape, cat("array \"", column.name, "\" has a different length; store all of it"), name};
+    return fail(ErrorCode::kShape, name, "array \"", column.name, "\" has a different length; store all of it");
   }
   return {};
 }
@@ -350,10 +349,9 @@ Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
   NpzArrays arrays;
   E2LF_ASSIGN_OR_RETURN(arrays["events"], decode_npy(bytes, name));
   if (!are_rows_of_events(arrays["events"])) {
-    return Error{ErrorCode::kShape,
-                 "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4]; "
-                 "store one of them",
-                 name};
+    return fail(ErrorCode::kShape, name,
+                "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4]; "
+                "store one of them");
   }
   E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->path()));
   return open_arrays(std::move(arrays), {.format = "npy"}, name, options, std::move(triggers));

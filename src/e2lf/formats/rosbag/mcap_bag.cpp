@@ -64,7 +64,7 @@ class McapBag final : public Bag {
   Result<void> open() {
     E2LF_ASSIGN_OR_RETURN(const auto head, source_->fetch(kMagic.size()));
     if (!detect_mcap(head))
-      return Error{ErrorCode::kFormat, "this is not an MCAP file, or it is incomplete", source_->name()};
+      return fail(ErrorCode::kFormat, source_->name(), "this is not an MCAP file, or it is incomplete");
     source_->consume(kMagic.size());
     // The topic of the first message precedes it and is then the first one.
     BagMessage first;
@@ -136,9 +136,8 @@ class McapBag final : public Bag {
     const std::string name = fields.text();
     const auto compression = compression_of(name);
     if (!compression && !fields.is_cut()) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("the chunks are compressed with an unknown algorithm; convert the bag to lz4 or zstd"),
-                   source_->name()};
+      return fail(ErrorCode::kUnsupported, source_->name(),
+                  "the chunks are compressed with an unknown algorithm; convert the bag to lz4 or zstd");
     }
     const auto packed = fields.take(fields.number<uint64_t>());
     bool is_whole = !fields.is_cut() && compression.has_value();

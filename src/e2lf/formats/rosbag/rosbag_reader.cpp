@@ -83,7 +83,7 @@ bool is_bag_folder(const fs::path& path) {
 
 Result<BagPtr> open_bag_folder(const fs::path& folder) {
   std::vector<fs::path> files = files_of_folder(folder);
-  if (files.empty()) return Error{ErrorCode::kNotFound, "the folder contains no files of a bag", folder.string()};
+  if (files.empty()) return fail(ErrorCode::kNotFound, folder, "the folder contains no files of a bag");
   auto bag = std::make_unique<BagFiles>(std::move(files));
   E2LF_RETURN_IF_ERROR(bag->open(0));
   return BagPtr(std::move(bag));
@@ -290,10 +290,9 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
                            const OpenOptions& options) {
   const std::vector<Topic> topics = topics_to_read(*bag);
   if (topics.empty()) {
-    return Error{
-        ErrorCode::kFormat,
-        "the bag contains no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); give another bag",
-        name};
+    return fail(
+        ErrorCode::kFormat, name,
+        "the bag contains no topic of events (event_camera_msgs/EventPacket, dvs_msgs/EventArray); give another bag");
   }
   RecordingInfo info{.format = format};
   std::vector<NamedStream> streams;
@@ -312,9 +311,8 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
     return make_block_reader(std::make_unique<MessageBlocks>(std::move(messages)), std::move(info), name, options);
   }
   if (first->encoding != "evt3") {
-    return Error{ErrorCode::kUnsupported,
-                 "the events are in an encoding other than evt3, mono and trigger; record them in one of these",
-                 cat(name, ": ", one_line(topics[chosen].name))};
+    return fail(ErrorCode::kUnsupported, cat(name, ": ", one_line(topics[chosen].name)),
+                "the events are in an encoding other than evt3, mono and trigger; record them in one of these");
   }
   std::string header = "% evt 3.0\n";
   if (info.width != 0 && info.height != 0) header += cat("% geometry ", info.width, "x", info.height, "\n");

@@ -104,9 +104,8 @@ class SqliteBag final : public Bag {
 
   Error failure() const {
     const char* const why = database_ == nullptr ? "no memory" : sqlite3_errmsg(database_.get());
-    return {ErrorCode::kFormat,
-            cat("SQLite cannot read this as a bag of ROS 2 (", why, "); it is not one, or incomplete; copy it again"),
-            name_};
+    return fail(ErrorCode::kFormat, name_, "SQLite cannot read this as a bag of ROS 2 (", why,
+                "); it is not one, or incomplete; copy it again");
   }
 
   Result<void> prepare(const char* query, Statement& statement) const {
@@ -160,9 +159,8 @@ Result<BagPtr> open_sqlite_bag(SourcePtr source) {
 #else
 
 Result<BagPtr> open_sqlite_bag(SourcePtr source) {
-  return Error{ErrorCode::kMissingDependency,
-               "this is a bag of ROS 2 stored by SQLite; build with libsqlite3-dev installed, or convert it to MCAP",
-               source->name()};
+  return fail(ErrorCode::kMissingDependency, source->name(),
+              "this is a bag of ROS 2 stored by SQLite; build with libsqlite3-dev installed, or convert it to MCAP");
 }
 
 #endif

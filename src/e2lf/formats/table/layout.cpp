@@ -260,10 +260,9 @@ Result<void> check_coordinates(const TableSample& sample, const ColumnsOfFields&
   for (const Field field : {Field::kX, Field::kY}) {
     const TableSample::Column& column = sample.columns[columns[of(field)]];
     if (are_fractions(column)) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("the coordinates ", kFieldLetters[of(field)], " are fractions of pixels, e.g. ",
-                       values_text(column.values), "; round them to the pixels of the sensor"),
-                   location};
+      return fail(ErrorCode::kUnsupported, location, "the coordinates ", kFieldLetters[of(field)],
+                  " are fractions of pixels, e.g. ", values_text(column.values),
+                  "; round them to the pixels of the sensor");
     }
     const auto is_beyond = [](double value) { return value >= kWidestSensor; };
     if (info.width == 0 && share_of(column.values, is_beyond) > kMostDamaged) {
@@ -286,7 +285,7 @@ Result<void> check_resolution(const TableSample::Column& times, TimeUnit unit, c
   if (step_us <= kCoarseUs) return {};
   const std::string text = cat("the times are floating-point numbers that are ", step_us,
                                " us apart; store them as integers or with 64 bits");
-  if (step_us > kTooCoarseUs) return Error{ErrorCode::kInvalidValue, text, location};
+  if (step_us > kTooCoarseUs) return fail(ErrorCode::kInvalidValue, location, text);
   log_warning(cat(location, ": ", text));
   return {};
 }

@@ -174,7 +174,7 @@ std::string quoted(std::string_view line) {
 
 Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const std::string& location) {
   if (is_utf16(bytes)) {
-    return Error{ErrorCode::kUnsupported, "the text is encoded as UTF-16; save it as UTF-8 or ASCII", location};
+    return fail(ErrorCode::kUnsupported, location, "the text is encoded as UTF-16; save it as UTF-8 or ASCII");
   }
   const std::string_view text = as_text(bytes);
   const std::vector<Line> lines = lines_of(text, is_whole);

@@ -193,12 +193,9 @@ Result<TextHead> fetch_head(ByteSource& source, const std::string& name) {
 Result<void> check_head(const TextHead& head, const std::string& name) {
   const bool has_rows = !head.sample.columns.empty();
   if (head.first_bad.empty() || (has_rows && 2 * head.bad_lines <= head.lines)) return {};
-  return Error{
-      ErrorCode::kFormat,
-      cat(head.first_bad,
-          has_rows ? cat(" and ", head.bad_lines - 1, " of the first ", head.lines, " lines are no") : " is no",
-          " event, that is, a line with the numbers t, x, y and p; is this a recording?"),
-      cat(name, ": line ", head.first_bad_number)};
+  return fail(ErrorCode::kFormat, cat(name, ": line ", head.first_bad_number), head.first_bad,
+              has_rows ? cat(" and ", head.bad_lines - 1, " of the first ", head.lines, " lines are no") : " is no",
+              " event, that is, a line with the numbers t, x, y and p; is this a recording?");
 }
 
 /// Determines the layout, and leaves the source at the first event.

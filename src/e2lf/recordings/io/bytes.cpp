@@ -73,7 +73,7 @@ class DescriptorSource final : public ByteSource {
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t position) override {
     if (!regular_ || ::lseek(descriptor_, static_cast<off_t>(position), SEEK_SET) < 0) {
-      return Error{ErrorCode::kUnsupported, "a stream is not seekable; record it to a file first", name_};
+      return fail(ErrorCode::kUnsupported, name_, "a stream is not seekable; record it to a file first");
     }
     position_ = position;
     begin_ = end_ = 0;
@@ -166,8 +166,8 @@ Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit) {
     E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> part, source.fetch(1));
     if (part.empty()) return bytes;
     if (part.size() > limit - bytes.size()) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("larger than the ", limit, " bytes that can be read of this format; split it"), source.name()};
+      return fail(ErrorCode::kUnsupported, source.name(), "larger than the ", limit,
+                  " bytes that can be read of this format; split it");
     }
     bytes.insert(bytes.end(), part.begin(), part.end());
     source.consume(part.size());

@@ -90,17 +90,17 @@ Result<void> Decompressor::unpack(std::span<const uint8_t> packed, std::vector<u
     const size_t before = packed.size() + room.size();
     const State state = step(packed, room);
     if (state == State::kDamaged) {
-      return Error{ErrorCode::kFormat, "a packet cannot be decompressed; the file is damaged", ""};
+      return fail(ErrorCode::kFormat, "", "a packet cannot be decompressed; the file is damaged");
     }
     used = out.size() - room.size();
     if (state == State::kBetweenParts) break;
     if (room.empty()) {
       if (out.size() >= kMaxPacketBytes) {
-        return Error{ErrorCode::kUnsupported, cat("a packet unpacks to more than ", kMaxPacketBytes, " bytes"), ""};
+        return fail(ErrorCode::kUnsupported, "", "a packet unpacks to more than ", kMaxPacketBytes, " bytes");
       }
       out.resize(2 * out.size());
     } else if (packed.size() + room.size() == before) {
-      return Error{ErrorCode::kTruncated, "a packet ends early; the file is damaged", ""};
+      return fail(ErrorCode::kTruncated, "", "a packet ends early; the file is damaged");
     }
   }
   out.resize(used);
@@ -119,14 +119,13 @@ Result<DecompressorPtr> make_decompressor(Compression compression) {
 #ifdef E2LF_HAVE_ZSTD
       return DecompressorPtr(std::make_unique<Zstd>());
 #else
-      return Error{ErrorCode::kMissingDependency,
-                   "the data are compressed by Zstandard; build with libzstd-dev installed, or unpack or record them "
-                   "without it",
-                   ""};
+      return fail(ErrorCode::kMissingDependency, "",
+                  "the data are compressed by Zstandard; build with libzstd-dev installed, or unpack or record them "
+                  "without it");
 #endif
   }
-  return Error{ErrorCode::kUnsupported,
-               cat("compression ", static_cast<int32_t>(compression), " is unknown; the file may be damaged"), ""};
+  return fail(ErrorCode::kUnsupported, "", "compression ", static_cast<int32_t>(compression),
+              " is unknown; the file may be damaged");
 }
 
 }  // namespace e2lf::recordings

@@ -11,7 +11,7 @@ namespace e2lf::recordings::hdf5_events {
 namespace {
 
 Error write_error(const std::string& name) {
-  return {ErrorCode::kIo, "the HDF5 library could not write; check the disk's free space", name};
+  return fail(ErrorCode::kIo, name, "the HDF5 library could not write; check the disk's free space");
 }
 
 std::string text_of_attribute(hid_t attribute) {
@@ -56,9 +56,8 @@ Result<Handle> open_file(ByteSource& source) {
     file = e2lf::hdf5::open_bytes(std::move(bytes));
   }
   if (!file.valid()) {
-    return Error{ErrorCode::kFormat,
-                 "the HDF5 library cannot open this file, which is damaged or incomplete; copy it again",
-                 source.name()};
+    return fail(ErrorCode::kFormat, source.name(),
+                "the HDF5 library cannot open this file, which is damaged or incomplete; copy it again");
   }
   return file;
 }
@@ -120,12 +119,12 @@ Result<DatasetShape> open_any(hid_t file, const std::string& name, const std::st
   DatasetShape shape;
   shape.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!shape.dataset.valid()) {
-    return Error{ErrorCode::kNotFound, cat("the file has no data set ", name, "; it may not be an event recording"),
-                 location};
+    return fail(ErrorCode::kNotFound, location, "the file has no data set ", name,
+                "; it may not be an event recording");
   }
   if (!is_sound_type(shape.dataset.get())) {
-    return Error{ErrorCode::kFormat,
-                 cat("the fields of data set ", name, " overlap: the file is damaged; copy it again"), location};
+    return fail(ErrorCode::kFormat, location, "the fields of data set ", name,
+                " overlap: the file is damaged; copy it again");
   }
   E2LF_ASSIGN_OR_RETURN(shape.storage, e2lf::hdf5::inspect_storage(shape.dataset.get(), cat(location, ": ", name)));
   return shape;
@@ -143,10 +142,8 @@ DatasetShape with_columns(DatasetShape shape, uint64_t columns) {
 
 Error other_shape(const DatasetShape& shape, const std::string& name, const std::string& location,
                   const char* expected) {
-  return {ErrorCode::kShape,
-          cat("data set ", name, " has ", shape.storage.extents.size(), " dimensions, not ", expected,
-              "; is it an event recording?"),
-          location};
+  return fail(ErrorCode::kShape, location, "data set ", name, " has ", shape.storage.extents.size(),
+              " dimensions, not ", expected, "; is it an event recording?");
 }
 
 }  // namespace
@@ -172,7 +169,7 @@ Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_
   const hid_t dataset = shape.dataset.get();
   E2LF_RETURN_IF_ERROR(e2lf::hdf5::check_filters(shape.storage, location));
   if (!chunks_are_whole(shape, begin, count)) {
-    return Error{ErrorCode::kTruncated, cat("elements from ", begin, " on are missing; the file is damaged"), location};
+    return fail(ErrorCode::kTruncated, location, "elements from ", begin, " on are missing; the file is damaged");
   }
   const Handle file_space(H5Dget_space(dataset), H5Sclose);
   const hsize_t start[] = {begin, 0};
@@ -181,8 +178,8 @@ Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_
                             H5Sclose);
   if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, length, nullptr) < 0 ||
       H5Dread(dataset, memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, out) < 0) {
-    return Error{ErrorCode::kIo, cat("the HDF5 library cannot read elements from ", begin, " on; the file is damaged"),
-                 location};
+    return fail(ErrorCode::kIo, location, "the HDF5 library cannot read elements from ", begin,
+                " on; the file is damaged");
   }
   return {};
 }

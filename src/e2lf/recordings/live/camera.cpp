@@ -81,8 +81,8 @@ Result<CameraPlugin> find_camera_plugin(const std::string& name, const std::stri
   if (find_known(plugins, name) == nullptr) load_plugins(registry());
   if (const CameraPlugin* const found = find_known(plugins, name)) return *found;
   if (name == "metavision") {
-    return Error{ErrorCode::kMissingDependency,
-                 "this build does not contain the vendor's HAL; install it and build again", location};
+    return fail(ErrorCode::kMissingDependency, location,
+                "this build does not contain the vendor's HAL; install it and build again");
   }
   std::vector<std::string> names;
   for (const CameraPlugin& plugin : plugins) names.push_back(plugin.name);
@@ -114,10 +114,9 @@ std::filesystem::path path_of_camera(const std::string& name) {
 
 Result<void> Camera::set_up(const CameraSetup& setup) {
   if (!has_settings(setup)) return {};
-  return Error{ErrorCode::kUnsupported,
-               "this input has no settings of a camera (trigger inputs, biases, event rate, regions, encoding); leave "
-               "them out",
-               ""};
+  return fail(ErrorCode::kUnsupported, "",
+              "this input has no settings of a camera (trigger inputs, biases, event rate, regions, encoding); leave "
+              "them out");
 }
 
 Result<std::unique_ptr<LiveSource>> open_camera_bytes(const std::string& name, const CameraSetup& setup) {
@@ -274,7 +273,7 @@ class CameraSource final : public LiveSource {
   }
   uint64_t position() const override { return position_; }
   Result<void> seek(uint64_t) override {
-    return Error{ErrorCode::kUnsupported, "a live source is not seekable; record it to a file first", name_};
+    return fail(ErrorCode::kUnsupported, name_, "a live source is not seekable; record it to a file first");
   }
   bool seekable() const override { return false; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
@@ -390,7 +389,7 @@ bool has_settings(CameraSetup setup) {
 }
 
 Result<void> Camera::change(const std::string& name, const std::string& /*value*/) {
-  return Error{ErrorCode::kUnsupported, cat("the camera cannot change ", name, " while it runs"), ""};
+  return fail(ErrorCode::kUnsupported, "", "the camera cannot change ", name, " while it runs");
 }
 
 void RunningCamera::set(std::shared_ptr<Camera> camera) {
@@ -406,7 +405,7 @@ std::vector<CameraControl> RunningCamera::controls() const {
 
 Result<void> RunningCamera::change(const std::string& name, const std::string& value) {
   const std::lock_guard lock(mutex_);
-  if (!camera_) return Error{ErrorCode::kNotFound, "no camera runs", ""};
+  if (!camera_) return fail(ErrorCode::kNotFound, "", "no camera runs");
   const Result<void> changed = camera_->change(name, value);
   controls_ = camera_->controls();  // also after a refusal: the page shows what the camera has
   return changed;
@@ -421,7 +420,7 @@ Result<std::vector<SensorRegion>> parse_regions(const std::string& text) {
     const int found =
         std::sscanf(word.c_str(), "%5d,%5d,%5d,%5d%n", &region.x, &region.y, &region.width, &region.height, &length);
     if (found != 4 || static_cast<size_t>(length) != word.size()) {
-      return Error{ErrorCode::kInvalidValue, cat("\"", word, "\" is not a region; give X,Y,WIDTH,HEIGHT"), ""};
+      return fail(ErrorCode::kInvalidValue, "", "\"", word, "\" is not a region; give X,Y,WIDTH,HEIGHT");
     }
     regions.push_back(region);
   }

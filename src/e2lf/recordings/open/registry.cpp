@@ -141,7 +141,7 @@ std::vector<std::string> codec_names() {
 Result<const Codec*> detect_codec(ByteSource& source) {
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
   if (head.empty())
-    return Error{ErrorCode::kTruncated, "the input is empty; check whether it was written completely", source.name()};
+    return fail(ErrorCode::kTruncated, source.name(), "the input is empty; check whether it was written completely");
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
@@ -150,7 +150,7 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   // An archive of arrays without known names is still an archive of arrays.
   const bool is_npz = by_extension != nullptr && by_extension->name == "npz" && head.front() == 'P';
   if (const auto text = foreign_file_text(head); text && !is_npz) {
-    return Error{ErrorCode::kUnsupported, cat("this is ", *text), source.name()};
+    return fail(ErrorCode::kUnsupported, source.name(), "this is ", *text);
   }
   if (by_extension != nullptr) return by_extension;
   return Error{ErrorCode::kFormat,
@@ -167,7 +167,7 @@ std::string names_to_write() {
 }
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {
-  return {ErrorCode::kUnsupported, cat("cannot ", action, " the format ", codec.name, "; choose another"), name};
+  return fail(ErrorCode::kUnsupported, name, "cannot ", action, " the format ", codec.name, "; choose another");
 }
 
 }  // namespace
@@ -188,7 +188,7 @@ Result<const Codec*> find_codec(const std::string& name) {
   for (const Codec* codec : codecs()) {
     if (codec->name == name) return codec;
   }
-  return Error{ErrorCode::kInvalidValue, cat("unknown format \"", name, "\"; ", suggestion(name, codec_names())), ""};
+  return fail(ErrorCode::kInvalidValue, "", "unknown format \"", name, "\"; ", suggestion(name, codec_names()));
 }
 
 namespace {
@@ -252,10 +252,8 @@ Result<WriterPtr> create_recording(const std::filesystem::path& path, const std:
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
   const bool to_stream = path == "-" || is_stream(path);
   if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
-    return Error{
-        ErrorCode::kUnsupported,
-        cat("the format ", codec->name, " requires seeking, which a pipe or device does not support; give a file"),
-        path.string()};
+    return fail(ErrorCode::kUnsupported, path, "the format ", codec->name,
+                " requires seeking, which a pipe or device does not support; give a file");
   }
   if (!to_stream && codec->create_file != nullptr) return codec->create_file(path, info);
   if (codec->create == nullptr) return unsupported(*codec, "write", path.string());
@@ -306,7 +304,7 @@ Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOption
     return open_recording(std::move(source), options);
   }
   if (has_settings(options.camera)) {
-    return Error{ErrorCode::kInvalidValue, "camera settings do not apply to a file; leave them out", name};
+    return fail(ErrorCode::kInvalidValue, name, "camera settings do not apply to a file; leave them out");
   }
   return open_recording(std::filesystem::path(name), options);
 }

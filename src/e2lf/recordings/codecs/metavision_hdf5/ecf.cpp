@@ -14,11 +14,11 @@ namespace {
 constexpr uint64_t kTimeLimit = uint64_t{1} << 62;
 
 Error truncated(size_t byte) {
-  return {ErrorCode::kTruncated, "an ECF chunk ends early; the file is damaged", cat("chunk byte ", byte)};
+  return fail(ErrorCode::kTruncated, cat("chunk byte ", byte), "an ECF chunk ends early; the file is damaged");
 }
 
 Error overrun(const char* what) {
-  return {ErrorCode::kFormat, cat("an ECF chunk has ", what, "; the file is damaged"), ""};
+  return fail(ErrorCode::kFormat, "", "an ECF chunk has ", what, "; the file is damaged");
 }
 
 /// Reads little-endian values and stores whether the chunk was long enough.

@@ -346,8 +346,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
 
   if (H5Lexists(file.get(), "CD", H5P_DEFAULT) <= 0) {
     if (const OpenLayout open_other = other_layout()) return open_other(file.get(), std::move(info), *source, options);
-    return Error{ErrorCode::kNotFound, "the file has no events in CD/events (Metavision); check what it contains",
-                 name};
+    return fail(ErrorCode::kNotFound, name, "the file has no events in CD/events (Metavision); check what it contains");
   }
   E2LF_RETURN_IF_ERROR(refuse_table_options(options, "hdf5", name));
   E2LF_ASSIGN_OR_RETURN(BlocksPtr blocks, open_event_chunks(file.get(), name, options.threads));

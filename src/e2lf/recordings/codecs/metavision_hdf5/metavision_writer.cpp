@@ -53,10 +53,8 @@ class TimeIndex {
       }
       const int64_t since_first_us = time_of(i) - first_us_;
       if (since_first_us - next_us_ > kMaxPauseUs) {
-        return Error{ErrorCode::kInvalidValue,
-                     cat("a pause of ", since_first_us - next_us_, " us up to ", time_of(i),
-                         " us would make the time index too large; split the recording or write npz"),
-                     "indexes"};
+        return fail(ErrorCode::kInvalidValue, "indexes", "a pause of ", since_first_us - next_us_, " us up to ",
+                    time_of(i), " us would make the time index too large; split the recording or write npz");
       }
       entries_.push_back({number_ + i, since_first_us});
       next_us_ += kIndexPeriodUs;

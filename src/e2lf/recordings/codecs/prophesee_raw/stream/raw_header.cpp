@@ -62,9 +62,8 @@ Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
     if (encoding == known.format || encoding == cat("EVT", known.version)) key.codec = known.codec;
   }
   if (key.codec.empty()) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("the encoding ", encoding, " is not supported; record as EVT2, EVT2.1, EVT3 or EVT4"),
-                 bad_size.location};
+    return fail(ErrorCode::kUnsupported, bad_size.location, "the encoding ", encoding,
+                " is not supported; record as EVT2, EVT2.1, EVT3 or EVT4");
   }
   while (text.find(';') != std::string_view::npos) {
     text.remove_prefix(text.find(';') + 1);
@@ -98,8 +97,8 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
       if (*version == known.version) info.format = known.codec;
     }
     if (info.format.empty()) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("EVT ", *version, " is not supported; record as EVT2, EVT2.1, EVT3 or EVT4"), bad_size.location};
+      return fail(ErrorCode::kUnsupported, bad_size.location, "EVT ", *version,
+                  " is not supported; record as EVT2, EVT2.1, EVT3 or EVT4");
     }
   }
   if (const auto endianness = info.find("endianness")) header.endianness = *endianness;
@@ -107,9 +106,8 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
     E2LF_ASSIGN_OR_RETURN(const FormatKey key, parse_format(*format, bad_size));
     const Size stated{key.width.value_or(size.width), key.height.value_or(size.height)};
     if ((size != Size() && stated != size) || (!info.format.empty() && key.codec != info.format)) {
-      return Error{ErrorCode::kFormat,
-                   "the keys of the header contradict each other (format, evt, geometry); repair it",
-                   bad_size.location};
+      return fail(ErrorCode::kFormat, bad_size.location,
+                  "the keys of the header contradict each other (format, evt, geometry); repair it");
     }
     size = stated;
     info.format = key.codec;
@@ -139,7 +137,7 @@ std::string local_time() {
 
 Result<RawHeader> parse_raw_header(std::span<const uint8_t> bytes, bool ended, const std::string& name) {
   auto lines = parse_percent_header(as_text(bytes), ended);
-  if (!lines) return Error{ErrorCode::kTruncated, "the header is incomplete; read more of it", name};
+  if (!lines) return fail(ErrorCode::kTruncated, name, "the header is incomplete; read more of it");
   RawHeader header;
   header.num_bytes = lines->num_bytes;
   header.info.header = std::move(lines->keys);
@@ -163,10 +161,8 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
   RecordingInfo& info = header->info;
   if (!options.format.empty() && options.format != "raw") {
     if (!info.format.empty() && info.format != options.format) {
-      return Error{
-          ErrorCode::kInvalidValue,
-          cat("the file states that its format is ", info.format, ", not ", options.format, "; leave the option out"),
-          source.name()};
+      return fail(ErrorCode::kInvalidValue, source.name(), "the file states that its format is ", info.format, ", not ",
+                  options.format, "; leave the option out");
     }
     info.format = options.format;
   }
@@ -176,7 +172,7 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));
   if (std::max(info.width, info.height) > kMaxSide) {
-    return Error{ErrorCode::kInvalidValue, cat("a RAW recording is at most ", kMaxSide, " pixels wide and high"), ""};
+    return fail(ErrorCode::kInvalidValue, "", "a RAW recording is at most ", kMaxSide, " pixels wide and high");
   }
   return header;
 }

@@ -80,15 +80,13 @@ class RawWriter final : public RecordingWriter {
     }
     for (const Trigger& trigger : batch.triggers) {
       if (trigger.id <= Encoder::kMaxTriggerId) continue;
-      return Error{ErrorCode::kInvalidValue,
-                   cat("trigger id ", trigger.id, " does not fit into this encoding, which ends at ",
-                       Encoder::kMaxTriggerId, "; write HDF5 or npz instead"),
-                   name_};
+      return fail(ErrorCode::kInvalidValue, name_, "trigger id ", trigger.id,
+                  " does not fit into this encoding, which ends at ", Encoder::kMaxTriggerId,
+                  "; write HDF5 or npz instead");
     }
     if (first_us < latest_us_) {
-      return Error{ErrorCode::kInvalidValue,
-                   cat("time runs back from ", latest_us_, " to ", first_us, " us; sort events and triggers first"),
-                   name_};
+      return fail(ErrorCode::kInvalidValue, name_, "time runs back from ", latest_us_, " to ", first_us,
+                  " us; sort events and triggers first");
     }
     E2LF_RETURN_IF_ERROR(check_(batch));
     if (latest_us_ < 0) latest_us_ = std::min(first_us, last_us);
@@ -104,10 +102,9 @@ class RawWriter final : public RecordingWriter {
     int64_t last_us = latest_us_;
     for (const int64_t t_us : times_us) {
       if (t_us - last_us > Encoder::kMaxPauseUs) {
-        return Error{ErrorCode::kInvalidValue,
-                     cat("the pause from ", last_us, " to ", t_us, " us is longer than the ", Encoder::kMaxPauseUs,
-                         " us that this encoding can store; split the recording or write HDF5"),
-                     name_};
+        return fail(ErrorCode::kInvalidValue, name_, "the pause from ", last_us, " to ", t_us,
+                    " us is longer than the ", Encoder::kMaxPauseUs,
+                    " us that this encoding can store; split the recording or write HDF5");
       }
       last_us = t_us;
     }
