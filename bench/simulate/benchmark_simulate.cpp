@@ -9,6 +9,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/streams/event_stream.h"
+#include "testing/event_reference.h"
 
 namespace e2lf::bench {
 namespace {

@@ -7,6 +7,7 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/event_model.h"
+#include "testing/event_reference.h"
 
 namespace e2lf::sensor {
 namespace {

@@ -61,13 +61,4 @@ inline constexpr uint64_t kResidueStream = uint64_t{1} << 32;
 /// Checks the options as simulate_events() does.
 [[nodiscard]] Result<void> validate(const EventModelOptions& options);
 
-/// Plain scalar versions of coded_intensities() and simulate_events() on one thread, with the logarithm and
-/// trigonometry of the C library. Tests and benchmarks compare the fast versions with them. Coded intensities are
-/// bit-identical. Event counts are equal unless a quotient lies within rounding of a whole number (about one in a
-/// million).
-[[nodiscard]] Result<CodedIntensities> reference_coded_intensities(const capture::Codes& codes,
-                                                                   const LightFieldView& light_field);
-[[nodiscard]] Result<capture::EventImages> reference_simulate_events(const CodedIntensities& intensities,
-                                                                     const EventModelOptions& options);
-
 }  // namespace e2lf::sensor

@@ -10,6 +10,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
+#include "testing/event_reference.h"
 
 namespace e2lf::sensor {
 namespace {

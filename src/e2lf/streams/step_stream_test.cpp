@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "e2lf/sensor/event_model.h"
+#include "testing/event_reference.h"
 #include "testing/test_light.h"
 
 namespace e2lf::streams {
