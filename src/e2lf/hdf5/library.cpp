@@ -185,27 +185,16 @@ hid_t register_driver() {
   return H5FDregister(&driver);
 }
 
-hid_t open_to_read(std::shared_ptr<const Contents> contents, const char* name) {
+Handle open_to_read(std::shared_ptr<const Contents> contents, const char* name) {
+  const LibraryLock lock;
   static const hid_t driver = register_driver();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  if (H5Pset_driver(access.get(), driver, nullptr) < 0) return -1;
+  if (H5Pset_driver(access.get(), driver, nullptr) < 0) return {};
   contents_to_open() = std::move(contents);
-  const hid_t file = H5Fopen(name, H5F_ACC_RDONLY, access.get());
+  Handle file(H5Fopen(name, H5F_ACC_RDONLY, access.get()), H5Fclose);
   contents_to_open() = nullptr;
   return file;
 }
-
-}  // namespace
-
-hid_t open_path_to_read(const std::filesystem::path& path) {
-  return open_to_read(std::make_shared<const Contents>(path), path.c_str());
-}
-
-hid_t open_bytes_to_read(std::vector<uint8_t> bytes) {
-  return open_to_read(std::make_shared<const Contents>(std::move(bytes)), "in memory");
-}
-
-namespace {
 
 std::recursive_mutex& library_mutex() {
   static std::recursive_mutex mutex;
@@ -230,13 +219,11 @@ bool Handle::close() {
 }
 
 Handle open_file(const std::filesystem::path& path) {
-  const LibraryLock lock;
-  return {open_path_to_read(path), H5Fclose};
+  return open_to_read(std::make_shared<const Contents>(path), path.c_str());
 }
 
 Handle open_bytes(std::vector<uint8_t> bytes) {
-  const LibraryLock lock;
-  return {open_bytes_to_read(std::move(bytes)), H5Fclose};
+  return open_to_read(std::make_shared<const Contents>(std::move(bytes)), "in memory");
 }
 
 H5FD_class_t make_driver(const char* name, const H5FD_mem_t (&kinds)[H5FD_MEM_NTYPES]) {

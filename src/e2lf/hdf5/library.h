@@ -12,6 +12,8 @@
 
 #include "e2lf/base/result.h"
 
+/// Wraps the HDF5 library so that files from any source can be opened safely: one lock, handles that close themselves,
+/// and guards against the claims of damaged or hostile files (storage.h). It serves recordings and light fields alike.
 namespace e2lf::hdf5 {
 
 /// Returns false if a piece of an object header (its beginning or a continuation, of either version) holds a data
@@ -20,20 +22,6 @@ namespace e2lf::hdf5 {
 /// library shows the layout before, and limits of the process do not help, so this check must stay until 1.10 is gone.
 /// Source: HDF5 file format specification, IV.A and IV.A.2.i. All other damage is left to the library.
 [[nodiscard]] bool chunks_have_dimensions(std::span<const uint8_t> piece);
-
-/// Opens a file, or the bytes of one, through a file driver of our own. Returns a negative number if the library
-/// refuses. The library's own drivers answer a read beyond the end with zeros, and they keep buffers of metadata and
-/// elements that HDF5 1.10 reads wrongly if a damaged file gives addresses beyond its end, which crashes. Our driver is
-/// read-only and has no buffers. It rejects reads that do not lie entirely within the file and object headers by which
-/// the library would divide by zero. Links to other files are not followed. The caller must hold the library's lock.
-[[nodiscard]] hid_t open_path_to_read(const std::filesystem::path& path);
-[[nodiscard]] hid_t open_bytes_to_read(std::vector<uint8_t> bytes);
-
-}  // namespace e2lf::hdf5
-
-/// Wraps the HDF5 library so that files from any source can be opened safely: one lock, handles that close themselves,
-/// and guards against the claims of damaged or hostile files (storage.h). It serves recordings and light fields alike.
-namespace e2lf::hdf5 {
 
 /// Locks the HDF5 library, which is not thread-safe; every use of it must hold this lock. While it is held, the library
 /// does not print its errors. The previous setting is restored at the end.
@@ -79,8 +67,11 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// Opens a file, or the bytes of one, for reading, such that nothing beyond its end is read. The
-/// handle is invalid if the library refuses.
+/// Opens a file, or the bytes of one, through a file driver of our own. The handle is invalid if the library refuses.
+/// The library's own drivers answer a read beyond the end with zeros, and they keep buffers of metadata and elements
+/// that HDF5 1.10 reads wrongly if a damaged file gives addresses beyond its end, which crashes. Our driver is
+/// read-only and has no buffers. It rejects reads that do not lie entirely within the file and object headers by which
+/// the library would divide by zero. Links to other files are not followed.
 [[nodiscard]] Handle open_file(const std::filesystem::path& path);
 [[nodiscard]] Handle open_bytes(std::vector<uint8_t> bytes);
 

@@ -29,7 +29,7 @@ std::vector<uint8_t> chunked_file(bool latest) {
 
 bool opens(std::vector<uint8_t> bytes) {
   const LibraryLock lock;
-  const Handle file(open_bytes_to_read(std::move(bytes)), H5Fclose);
+  const Handle file = open_bytes(std::move(bytes));
   return file.valid() && Handle(H5Dopen2(file.get(), "x", H5P_DEFAULT), H5Dclose).valid();
 }
 
