@@ -66,59 +66,19 @@ std::set<fs::path> listed_files(const fs::path& folder) {
   return listed;
 }
 
-/// Returns true if a folder contains a listed file.
-bool leads_to_listed(const fs::path& folder, const std::set<fs::path>& listed) {
-  const auto next = listed.lower_bound(folder / "");
-  return next != listed.end() && next->string().starts_with((folder / "").string());
-}
-
-/// Returns the entries of a folder that are not listed, each folder before its content.
-Result<std::vector<fs::path>> foreign_entries(const fs::path& folder) {
+/// Fails if a folder contains a file or link that its record does not list. Empty folders do not matter.
+Result<void> check_content(const fs::path& folder, const fs::path& target) {
   const std::set<fs::path> listed = listed_files(folder);
-  std::vector<fs::path> foreign;
   std::error_code error;
   for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code ignored;
     const fs::path inner = entry->path().lexically_relative(folder);
     const fs::file_status status = entry->symlink_status(ignored);
-    const bool is_ours = fs::is_directory(status) ? leads_to_listed(inner, listed)
-                                                  : fs::is_regular_file(status) && listed.count(inner) > 0;
-    if (!is_ours) foreign.push_back(inner);
+    if (fs::is_directory(status) || (fs::is_regular_file(status) && listed.contains(inner))) continue;
+    return fail(ErrorCode::kExists, target, "the folder holds ", inner.string(),
+                ", which e2lf did not write and does not replace; move it away or choose another folder");
   }
-  if (error) return fail_to("look through the folder", folder, error.value());
-  return foreign;
-}
-
-/// Returns true if two names denote the same file, without following links.
-bool is_same(const fs::path& a, const fs::path& b) {
-  struct stat of_a {};
-  struct stat of_b {};
-  return ::lstat(a.c_str(), &of_a) == 0 && ::lstat(b.c_str(), &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
-         of_a.st_ino == of_b.st_ino;
-}
-
-/// Links the foreign files of `from` into `to`, so that they are never without a name.
-Result<void> carry_over(const fs::path& from, const fs::path& to, const fs::path& target) {
-  E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> foreign, foreign_entries(from));
-  for (const fs::path& inner : foreign) {
-    const fs::path old_name = from / inner, new_name = to / inner;
-    std::error_code error;
-    fs::create_directories(new_name.parent_path(), error);
-    if (fs::is_directory(fs::symlink_status(old_name, error))) {
-      if (::mkdir(new_name.c_str(), 0777) == 0) fs::permissions(new_name, fs::status(old_name).permissions(), error);
-      if (fs::is_directory(fs::symlink_status(new_name, error))) continue;
-    } else if (::linkat(AT_FDCWD, old_name.c_str(), AT_FDCWD, new_name.c_str(), 0) == 0) {
-      continue;
-    } else if (errno != EEXIST) {
-      return fail_to("keep this file, which e2lf did not write", target / inner, errno);
-    }
-    if (is_same(old_name, new_name)) continue;
-    return fail(ErrorCode::kExists, target,
-                cat("the folder holds ", inner.string(),
-                    ", which e2lf did not write and would have to replace; move it away or choose another "
-                    "folder"));
-  }
-  return {};
+  return error ? Result<void>(fail_to("look through the folder", folder, error.value())) : Result<void>();
 }
 
 Result<void> check_replaceable(const fs::path& target, bool overwrite) {
@@ -139,9 +99,7 @@ Result<void> check_replaceable(const fs::path& target, bool overwrite) {
                 "e2lf did not write this folder (it contains no run.json of e2lf), so it is never replaced; choose "
                 "another folder");
   }
-  E2LF_ASSIGN_OR_RETURN(const auto foreign, foreign_entries(target));
-  static_cast<void>(foreign);
-  return {};
+  return check_content(target, target);
 }
 
 int rename_with(const fs::path& from, const fs::path& to, unsigned int how) {
@@ -242,10 +200,12 @@ Result<void> ResultFolder::commit(Json record) {
   } else {
     // The existing folder may have changed since create().
     E2LF_RETURN_IF_ERROR(check_replaceable(target_, overwrite_));
-    E2LF_RETURN_IF_ERROR(carry_over(target_, place_, target_));
     E2LF_RETURN_IF_ERROR(exchange(place_, target_));
     // Files may have been added to the old folder in between.
-    E2LF_RETURN_IF_ERROR(carry_over(place_, target_, target_));
+    if (const Result<void> unchanged = check_content(place_, target_); !unchanged) {
+      E2LF_RETURN_IF_ERROR(exchange(place_, target_));
+      return unchanged;
+    }
   }
   is_committed_ = true;
   return {};

@@ -13,9 +13,8 @@ namespace e2lf {
 /// A folder of results that appears either whole or not at all. It is made in a workspace beside its final place.
 /// commit() writes its run.json, which lists the files, and moves it there. Without commit(), nothing appears.
 ///
-/// An existing folder is replaced only if it is empty or holds a run.json written by e2lf. Of its content, only the
-/// files listed in run.json are replaced; all others are carried over to the new folder. Links in it are never
-/// followed.
+/// An existing folder is replaced only if it is empty, or if it holds a run.json written by e2lf and nothing that this
+/// does not list. Links in it are never followed.
 ///
 /// A long result is made in parts, which are subfolders. Each of them appears whole as soon as it is done.
 class ResultFolder {
@@ -27,8 +26,7 @@ class ResultFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return place_; }
 
   /// Writes `record` with the list of files as run.json and moves the folder to its place. Fails with kIo, and with
-  /// kExists if a foreign file has the name of one of ours or if the folder was created meanwhile; nothing is replaced
-  /// in these cases.
+  /// kExists if a folder that may not be replaced was created meanwhile; nothing is replaced in these cases.
   [[nodiscard]] Result<void> commit(Json record = Json::object());
 
   /// Creates the folder of a part and returns its path.
