@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Reads and writes .npz archives; declared in npy.h.
+#include "e2lf/base/log.h"
 #include "e2lf/base/memory.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
@@ -46,7 +47,27 @@ Result<NpzArrays> arrays_of(std::span<const uint8_t> bytes, const std::string& n
   return arrays;
 }
 
+/// Decodes the complete items along the first axis of an array whose writer was interrupted.
+Result<NpyArray> decode_unfinished(const ZipEntry& entry, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> bytes, unpack_zip_entry(entry, location));
+  E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(bytes, location));
+  NpyArray array = std::move(header.array);
+  if (array.shape.empty()) return fail(ErrorCode::kTruncated, location, "the file is unfinished; write it again");
+  array.shape[0] = 1;
+  const size_t item = array.num_elements() * array.item_size, stored = bytes.size() - header.data_offset;
+  array.shape[0] = item == 0 ? 0 : stored / item;
+  if (array.shape[0] == 0) {
+    return fail(ErrorCode::kTruncated, location,
+                "the file is unfinished and contains no complete item; write it again");
+  }
+  const auto begin = bytes.begin() + static_cast<ptrdiff_t>(header.data_offset);
+  array.bytes.assign(begin, begin + static_cast<ptrdiff_t>(array.shape[0] * item));
+  log_warning(cat(location, ": the file is unfinished; the ", array.shape[0], " complete items in it are read"));
+  return array;
+}
+
 Result<NpyArray> decode_member(const ZipEntry& entry, const std::string& location) {
+  if (entry.is_unfinished) return decode_unfinished(entry, location);
   const auto peek = [&](std::span<const uint8_t> head) { return check_head(head, entry.size, location); };
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> member, unpack_zip_entry(entry, location, peek));
   return decode_npy(member, location);

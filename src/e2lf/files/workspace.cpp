@@ -85,7 +85,9 @@ Result<void> clear_dead(const fs::path& target) {
     }
     if (fs::exists(workspace / kLive, error)) {
       log_warning(
-          cat(workspace.string(), ": an interrupted run left its data of a live input here; move or remove it"));
+          cat(workspace.string(),
+              ": an interrupted run left its data of a live input here; move them, e.g. to recovered.npz, and read ",
+              "what is complete, or remove them"));
       continue;
     }
     fs::remove_all(workspace, error);

@@ -340,6 +340,33 @@ Result<ZipEntry> read_entry(const Archive& archive, uint64_t& position, uint64_t
   return entry;
 }
 
+/// Returns the entries of an archive whose writer was interrupted; empty if the last one states its size.
+std::vector<ZipEntry> read_unfinished(const Archive& archive) {
+  std::vector<ZipEntry> entries;
+  for (uint64_t position = 0; archive.is(position, zip::kLocalHeaderSize, zip::kLocalHeader);) {
+    const uint64_t name = position + zip::kLocalHeaderSize, extra = name + archive.get<uint16_t>(position + 26);
+    const uint64_t data = extra + archive.get<uint16_t>(position + 28);
+    EntrySizes sizes{archive.get<uint32_t>(position + 22), archive.get<uint32_t>(position + 18), 0};
+    if (!archive.has(name, data - name) || !read_extra64(archive, extra, data, sizes)) break;
+    ZipEntry entry{.method = archive.get<uint16_t>(position + 8), .crc = archive.get<uint32_t>(position + 14)};
+    const auto text = archive.bytes.subspan(name, extra - name);
+    entry.name.assign(text.begin(), text.end());
+    entry.is_unfinished = sizes.size == 0 && entry.method == zip::kDeflated;
+    if (entry.is_unfinished) {
+      entry.size = UINT64_MAX - 1;
+      entry.compressed = archive.bytes.subspan(data);
+      entries.push_back(std::move(entry));
+      return entries;
+    }
+    if (!archive.has(data, sizes.compressed)) break;
+    entry.size = sizes.size;
+    entry.compressed = archive.bytes.subspan(data, sizes.compressed);
+    entries.push_back(std::move(entry));
+    position = data + sizes.compressed;
+  }
+  return {};
+}
+
 Error bad_entry(const std::string& location, const char* what) {
   return fail(ErrorCode::kFormat, location, "the compressed data is damaged (", what, "); write the archive again");
 }
@@ -381,6 +408,7 @@ Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::str
     status = inflate(&stream, Z_NO_FLUSH);
     output.resize(filled + (room - stream.avail_out));
     if (status == Z_BUF_ERROR || (status == Z_OK && stream.avail_in == 0 && input.empty() && stream.avail_out != 0)) {
+      if (entry.is_unfinished) return output;
       return bad_entry(location, "the stream has no end");
     }
     if (status != Z_OK && status != Z_STREAM_END) return bad_entry(location, "not a deflate stream");
@@ -402,7 +430,12 @@ Error unknown_method(const ZipEntry& entry, const std::string& location) {
 
 Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> bytes, const std::string& name) {
   const Archive archive{bytes, name};
-  E2LF_ASSIGN_OR_RETURN(const Directory directory, find_directory(archive));
+  const Result<Directory> found = find_directory(archive);
+  if (!found) {
+    std::vector<ZipEntry> unfinished = read_unfinished(archive);
+    return unfinished.empty() ? Result<std::vector<ZipEntry>>(found.error()) : std::move(unfinished);
+  }
+  const Directory& directory = *found;
   std::vector<ZipEntry> entries;
   std::set<std::string> names;
   uint64_t position = directory.offset;
@@ -440,6 +473,7 @@ Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::
   } else {
     return unknown_method(entry, location);
   }
+  if (entry.is_unfinished) return bytes;
   if (bytes.size() != entry.size) return bad_entry(location, "another size than the directory states");
   if (crc32_z(0, bytes.data(), bytes.size()) != entry.crc) {
     return fail(ErrorCode::kInvalidValue, location, "the checksum does not match; copy the file again");

@@ -43,11 +43,13 @@ struct ZipEntry {
   uint32_t crc = 0;
   uint64_t size = 0;  ///< decompressed size, as claimed
   std::span<const uint8_t> compressed;
+  bool is_unfinished = false;  ///< whether the archive was not finished and ends within this file
 };
 
-/// Returns the entries of an archive, with or without zip64. `name` is the location in errors. Fails with kFormat (not
-/// a zip archive, a duplicate entry, or overlapping entries), kTruncated (a part beyond the end) and kUnsupported
-/// (several disks, or encryption).
+/// Returns the entries of an archive, with or without zip64. An archive without a directory is read from its start if
+/// its last entry does not state its size yet, because its writer was interrupted. `name` is the location in errors.
+/// Fails with kFormat (not a zip archive, a duplicate entry, or overlapping entries), kTruncated (a part beyond the
+/// end) and kUnsupported (several disks, or encryption).
 [[nodiscard]] Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> archive,
                                                                const std::string& name);
 

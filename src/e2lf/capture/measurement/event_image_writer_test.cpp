@@ -84,5 +84,27 @@ TEST(EventImageWriter, RefusesAFileWithoutCycles) {
   EXPECT_EQ(writer->finish().error().code, ErrorCode::kInvalidValue);
 }
 
+TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRead) {
+  const fs::path folder = test_path("event_image_writer_unfinished");
+  fs::remove_all(folder);
+  auto writer = EventImageWriter::create(folder / "a.npz");
+  ASSERT_TRUE(writer);
+  writer->keep(test_setup());
+  for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
+  const auto bytes = read_file(fs::directory_iterator(folder)->path()).value();
+  for (const size_t cut : {size_t{0}, size_t{100}, bytes.size() / 2}) {
+    const fs::path path = folder / "cut.npz";
+    ASSERT_TRUE(write_file(path, std::span(bytes).first(bytes.size() - cut)));
+    const auto file = read_event_images(path);
+    ASSERT_TRUE(file) << file.error().text();
+    EXPECT_EQ(file->setup.codes, test_setup().codes);
+    if (cut == 0) EXPECT_EQ(file->cycles.size(), 4U);
+    if (cut == 100) EXPECT_EQ(file->cycles.size(), 3U);
+    for (size_t i = 0; i < file->cycles.size(); ++i) EXPECT_EQ(file->cycles[i], random_images(i)) << cut;
+  }
+  ASSERT_TRUE(write_file(folder / "cut.npz", std::span(bytes).first(bytes.size() / 20)));
+  EXPECT_FALSE(read_event_images(folder / "cut.npz"));
+}
+
 }  // namespace
 }  // namespace e2lf::capture
