@@ -45,15 +45,6 @@ Result<std::optional<SensorProfile>> camera_from_header(const HeaderLines& heade
   return std::optional(std::move(camera));
 }
 
-NpyArray camera_to_npy(const SensorProfile& camera) {
-  return text_to_npy(json_line(to_json(camera)));
-}
-
-Result<SensorProfile> camera_from_npy(const NpyArray& array, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(const std::string text, text_from_npy(array, "the camera", location));
-  return camera_from_text(text, location);
-}
-
 HeaderLines views_to_header(const Orientation& views) {
   return {{kViewsKey, orientation_name(views)}};
 }
@@ -65,19 +56,10 @@ Result<std::optional<Orientation>> views_from_header(const HeaderLines& header, 
   return std::optional(views);
 }
 
-NpyArray views_to_npy(const Orientation& views) {
-  return text_to_npy(orientation_name(views));
-}
-
-Result<Orientation> views_from_npy(const NpyArray& array, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(const std::string name, text_from_npy(array, "the orientation of the views", location));
-  return orientation_from_name(name, location);
-}
-
 void setup_to_arrays(const RecordedSetup& setup, NpzArrays& arrays) {
   if (setup.codes) arrays["codes"] = codes_to_npy(*setup.codes);
-  if (setup.camera) arrays["camera"] = camera_to_npy(*setup.camera);
-  if (setup.has_own_views()) arrays["views"] = views_to_npy(*setup.views);
+  if (setup.camera) arrays["camera"] = text_to_npy(json_line(to_json(*setup.camera)));
+  if (setup.has_own_views()) arrays["views"] = text_to_npy(orientation_name(*setup.views));
   if (!setup.findings.empty()) arrays["findings"] = text_to_npy(setup.findings);
 }
 
@@ -87,11 +69,15 @@ Result<RecordedSetup> setup_from_arrays(const NpzArrays& arrays, const std::stri
     E2LF_ASSIGN_OR_RETURN(setup.codes, codes_from_npy(codes->second, cat(location, ": codes")));
   }
   if (const auto camera = arrays.find("camera"); camera != arrays.end()) {
-    E2LF_ASSIGN_OR_RETURN(setup.camera, camera_from_npy(camera->second, cat(location, ": camera")));
+    const std::string place = cat(location, ": camera");
+    E2LF_ASSIGN_OR_RETURN(const std::string text, text_from_npy(camera->second, "the camera", place));
+    E2LF_ASSIGN_OR_RETURN(setup.camera, camera_from_text(text, place));
     setup.views = setup.camera->views;
   }
   if (const auto views = arrays.find("views"); views != arrays.end()) {
-    E2LF_ASSIGN_OR_RETURN(setup.views, views_from_npy(views->second, cat(location, ": views")));
+    const std::string place = cat(location, ": views");
+    E2LF_ASSIGN_OR_RETURN(const std::string name, text_from_npy(views->second, "the orientation of the views", place));
+    E2LF_ASSIGN_OR_RETURN(setup.views, orientation_from_name(name, place));
   }
   if (const auto findings = arrays.find("findings"); findings != arrays.end()) {
     E2LF_ASSIGN_OR_RETURN(setup.findings,

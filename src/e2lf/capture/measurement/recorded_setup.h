@@ -20,24 +20,10 @@ namespace e2lf::capture {
 [[nodiscard]] Result<std::optional<SensorProfile>> camera_from_header(const HeaderLines& header,
                                                                       const std::string& location);
 
-/// Returns the same JSON as an array of bytes, uint8 [length], which files of event images contain.
-[[nodiscard]] NpyArray camera_to_npy(const SensorProfile& camera);
-
-/// Reads a sensor profile from such an array. Fails with kShape (not a list of bytes), kFormat and as
-/// camera_from_json() does.
-[[nodiscard]] Result<SensorProfile> camera_from_npy(const NpyArray& array, const std::string& location);
-
-/// The same functions for the orientation of the views: a header line "e2lf_views turned", and the name as an array of
-/// bytes.
+/// The same functions for the orientation of the views: a header line "e2lf_views turned".
 [[nodiscard]] HeaderLines views_to_header(const Orientation& views);
 [[nodiscard]] Result<std::optional<Orientation>> views_from_header(const HeaderLines& header,
                                                                    const std::string& location);
-[[nodiscard]] NpyArray views_to_npy(const Orientation& views);
-[[nodiscard]] Result<Orientation> views_from_npy(const NpyArray& array, const std::string& location);
-
-/// Returns a text as an array of bytes, and reads it back. Fails with kShape; `what` names the text in the message.
-[[nodiscard]] NpyArray text_to_npy(const std::string& text);
-[[nodiscard]] Result<std::string> text_from_npy(const NpyArray& array, const char* what, const std::string& location);
 
 /// The setup with which measurements were recorded, as far as it is known.
 struct RecordedSetup {
@@ -50,12 +36,16 @@ struct RecordedSetup {
   [[nodiscard]] bool has_own_views() const { return views && !(camera && camera->views == views); }
 };
 
-/// Adds the setup to the arrays of a file: `codes` [N, view_y, view_x], `camera` (see camera_to_npy()) and, if the
-/// camera does not state them, `views` (see views_to_npy()), and `findings` as bytes.
+/// Adds the setup to the arrays of a file: `codes` [N, view_y, view_x], and as bytes of text (see text_to_npy())
+/// `camera`, the camera file as one line of JSON, `views` if the camera does not state them, and `findings`.
 void setup_to_arrays(const RecordedSetup& setup, NpzArrays& arrays);
 
-/// Returns the setup that the arrays of a file hold. Fails as codes_from_npy(), camera_from_npy() and views_from_npy()
-/// do; `location` is the file.
+/// Returns the setup that the arrays of a file hold. Fails with kShape (not a list of bytes), and as codes_from_npy(),
+/// camera_from_json() and orientation_from_name() do; `location` is the file.
 [[nodiscard]] Result<RecordedSetup> setup_from_arrays(const NpzArrays& arrays, const std::string& location);
+
+/// Returns a text as an array of bytes, and reads it back. Fails with kShape; `what` names the text in the message.
+[[nodiscard]] NpyArray text_to_npy(const std::string& text);
+[[nodiscard]] Result<std::string> text_from_npy(const NpyArray& array, const char* what, const std::string& location);
 
 }  // namespace e2lf::capture
