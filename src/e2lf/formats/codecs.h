@@ -46,7 +46,7 @@ namespace e2lf::formats::aedat4 {
 /// packets of other event and trigger streams are counted as left out. Frames and inertial data are skipped. Trigger 0
 /// is the external input and 1 the generator; a pulse counts as a rising edge; resets and frame marks are not triggers.
 /// LZ4 and uncompressed packets are always supported, Zstd if the build has it. The table at the end of the file is not
-/// needed: seeking skips from packet to packet without decompressing them.
+/// needed, and a seek reads from the start.
 
 [[nodiscard]] bool detect(std::span<const uint8_t> head);
 

@@ -18,9 +18,6 @@ namespace {
 
 constexpr size_t kPacketHeader = 8;
 
-/// Number of packets whose positions are stored for seeking; later ones are found by reading on.
-constexpr size_t kMaxNoted = size_t{1} << 20;
-
 enum class Use : uint8_t { kEvents, kTriggers, kLeftOut, kNone };
 
 /// Returns how a stream is used when the events of another are read; `has_chosen` is true if that was selected by name.
@@ -73,23 +70,10 @@ class Aedat4Blocks final : public EventBlocks {
 
   bool begins_recording() const override { return begins_recording_; }
 
-  /// Visits all packet headers once without decompressing anything, then bisects the packets of events.
-  Result<void> seek_before(int64_t t_us) override {
+  Result<void> seek_before(int64_t) override {
     has_given_up_ = false;
     header_.table_position = first_table_position_;
-    if (!has_noted_) E2LF_RETURN_IF_ERROR(note_packets());
-    const auto time_at = [&](uint64_t i) -> Result<int64_t> {
-      E2LF_ASSIGN_OR_RETURN(const EventBatch packet, read_packet(event_packets_[i], Use::kEvents));
-      const auto& times = packet.events.t;
-      // Unreadable packets are treated as late, so that the search ends before them.
-      if (times.empty()) return INT64_MAX;
-      return median<int64_t>({times.begin(), times.begin() + std::min<ptrdiff_t>(std::ssize(times), kTimesPerProbe)});
-    };
-    E2LF_ASSIGN_OR_RETURN(const uint64_t place, find_place_before(event_packets_.size(), t_us, time_at));
-    // The first position represents the start, since packets of triggers may precede it.
-    uint64_t position = place > 0 ? event_packets_[place] : header_.bytes;
-    E2LF_ASSIGN_OR_RETURN(position, before_late_triggers(position, t_us));
-    return source_->seek(position);
+    return source_->seek(header_.bytes);
   }
 
  private:
@@ -145,54 +129,6 @@ class Aedat4Blocks final : public EventBlocks {
     return Packet{*use, kPacketHeader + static_cast<size_t>(size)};
   }
 
-  /// Stores the positions of the packets of events and triggers.
-  Result<void> note_packets() {
-    event_packets_.clear();
-    trigger_packets_.clear();
-    E2LF_RETURN_IF_ERROR(source_->seek(header_.bytes));
-    while (event_packets_.size() + trigger_packets_.size() < kMaxNoted) {
-      const uint64_t position = source_->position();
-      if (header_.table_position != 0 && position >= header_.table_position) break;
-      E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kPacketHeader));
-      const auto packet = bytes.size() < kPacketHeader ? std::nullopt : parse_packet(bytes);
-      if (!packet) break;
-      if (packet->use == Use::kEvents) event_packets_.push_back(position);
-      if (packet->use == Use::kTriggers) trigger_packets_.push_back(position);
-      if (packet->bytes <= bytes.size()) {
-        source_->consume(packet->bytes);
-      } else {
-        E2LF_RETURN_IF_ERROR(source_->seek(position + packet->bytes));
-      }
-    }
-    has_noted_ = true;
-    return {};
-  }
-
-  /// Returns the content of a packet, or an empty batch if it is damaged.
-  Result<EventBatch> read_packet(uint64_t position, Use use) {
-    E2LF_RETURN_IF_ERROR(source_->seek(position));
-    E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
-    EventBatch contents;
-    const auto packet = bytes.size() < kPacketHeader ? std::nullopt : parse_packet(bytes);
-    if (!packet) return contents;
-    E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
-    if (bytes.size() < packet->bytes) return contents;
-    const bool is_whole = append_packet(bytes.subspan(kPacketHeader, packet->bytes - kPacketHeader), use, contents);
-    return is_whole ? contents : EventBatch();
-  }
-
-  /// Moves back over packets of triggers before `position` that extend to t_us.
-  Result<uint64_t> before_late_triggers(uint64_t position, int64_t t_us) {
-    auto after = std::lower_bound(trigger_packets_.begin(), trigger_packets_.end(), position);
-    for (; after != trigger_packets_.begin(); --after) {
-      E2LF_ASSIGN_OR_RETURN(const EventBatch packet, read_packet(*std::prev(after), Use::kTriggers));
-      if (packet.triggers.empty()) continue;
-      if (packet.triggers.back().t < t_us) break;
-      position = *std::prev(after);
-    }
-    return position;
-  }
-
   const Use* use_of(int32_t id) const {
     for (const auto& [known, use] : uses_) {
       if (known == id) return &use;
@@ -218,8 +154,6 @@ class Aedat4Blocks final : public EventBlocks {
   DecompressorPtr decompressor_;
   std::vector<std::pair<int32_t, Use>> uses_;
   std::vector<uint8_t> unpacked_;
-  std::vector<uint64_t> event_packets_, trigger_packets_;  ///< their positions, once has_noted_
-  bool has_noted_ = false;
   bool has_given_up_ = false;
   bool begins_recording_ = false;
 };

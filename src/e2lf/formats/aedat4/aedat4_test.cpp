@@ -212,21 +212,6 @@ TEST(Aedat4, SeekingGivesTheRest) {
   }
 }
 
-TEST(Aedat4, SeekingUnpacksHardlyAnything) {
-  auto [bytes, all] = long_example(Compression::kNone);
-  const EventBatch good = read_from(bytes, all.events.t[5500]);
-  // What a scan stumbles over lies in packets that are not looked at.
-  const std::string_view mark = "EVTS";
-  auto place = bytes.begin();
-  for (int packet = 0; packet < 20; ++packet, ++place)
-    place = std::search(place, bytes.end(), mark.begin(), mark.end());
-  *--place = 'X';
-  OpenOptions options = {.policy = DecodePolicy::kSkip, .from_us = all.events.t[5500]};
-  auto reader = open_bytes(bytes, options).value();
-  EXPECT_EQ(read_all(*reader).value(), good);
-  EXPECT_EQ(reader->summary().num_violations(), 0u);
-}
-
 TEST(Aedat4, SeekingInADamagedFileGivesTheRestAsAScanDoes) {
   std::mt19937 random(7);
   // Not compressed: what is damaged in a compressed packet spoils all its times, which a scan gets over later than a

@@ -101,14 +101,9 @@ class MemoryBlocks final : public EventBlocks {
     return more;
   }
 
-  Result<void> seek_before(int64_t t_us) override {
-    const auto time_at = [&](uint64_t i) -> Result<int64_t> {
-      const auto begin = all_.events.t.begin() + static_cast<ptrdiff_t>(i);
-      const size_t count = std::min<size_t>(kTimesPerProbe, all_.events.size() - i);
-      return median<int64_t>({begin, begin + static_cast<ptrdiff_t>(count)});
-    };
-    E2LF_ASSIGN_OR_RETURN(next_, find_place_before(all_.events.size(), t_us, time_at));
+  Result<void> seek_before(int64_t) override {
     has_begun_ = false;
+    next_ = 0;
     return {};
   }
 

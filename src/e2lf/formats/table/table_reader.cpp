@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: MIT
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <limits>
-#include <optional>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "e2lf/base/result.h"
@@ -16,41 +10,6 @@
 
 namespace e2lf::formats::table {
 namespace {
-
-/// Converts a number to To; returns true if it does not fit.
-template <typename From, typename To>
-bool convert_one(From value, To& out) {
-  if constexpr (std::is_floating_point_v<From>) {
-    const auto number = static_cast<double>(value);
-    const bool fits = number == std::trunc(number) && number >= static_cast<double>(std::numeric_limits<To>::min()) &&
-                      number < std::ldexp(1.0, std::numeric_limits<To>::digits);
-    out = fits ? static_cast<To>(number) : To{};
-    return !fits;
-  } else {
-    out = static_cast<To>(value);
-    return (value < From{0} && std::is_unsigned_v<To>) ||
-           (static_cast<uint64_t>(value) > static_cast<uint64_t>(std::numeric_limits<To>::max()) && value > From{0});
-  }
-}
-
-/// Converts a time to microseconds; returns true if it is invalid.
-template <typename From>
-bool convert_time(From value, TimeUnit unit, int64_t& out) {
-  if constexpr (std::is_floating_point_v<From>) {
-    const double us = static_cast<double>(value) * us_per(unit);
-    const bool fits = std::fabs(us) <= static_cast<double>(kTimeLimitUs);
-    out = fits ? static_cast<int64_t>(std::llround(us)) : 0;
-    return !fits;
-  } else {
-    if (convert_one(value, out)) return true;
-    if (unit == TimeUnit::kNanoseconds) {
-      out = out / 1000 - (out % 1000 < 0 ? 1 : 0);
-      return false;
-    }
-    const auto factor = static_cast<int64_t>(us_per(unit));
-    return factor != 1 && __builtin_mul_overflow(out, factor, &out);
-  }
-}
 
 /// Calls visit(i, number) for a field of `count` records.
 template <typename Visit>
