@@ -61,7 +61,7 @@ class ByteSource {
   [[nodiscard]] virtual std::filesystem::path path() const { return {}; }
 };
 
-using SourcePtr = std::unique_ptr<ByteSource>;
+using SourcePtr = std::shared_ptr<ByteSource>;
 
 /// Opens a file; "-" is standard input. Fails with kNotFound and kIo (a folder, no permission).
 [[nodiscard]] Result<SourcePtr> open_file_source(const std::filesystem::path& path);

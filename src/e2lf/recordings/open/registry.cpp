@@ -53,26 +53,6 @@ Table& codec_table() {
   return instance;
 }
 
-/// Forwards the bytes of another source, which is shared.
-class SharedSource final : public ByteSource {
- public:
-  explicit SharedSource(std::shared_ptr<ByteSource> source) : source_(std::move(source)) {}
-  Result<std::span<const uint8_t>> fetch(size_t wanted) override { return source_->fetch(wanted); }
-  void consume(size_t count) override { source_->consume(count); }
-  uint64_t position() const override { return source_->position(); }
-  Result<void> seek(uint64_t position) override { return source_->seek(position); }
-  bool seekable() const override { return source_->seekable(); }
-  std::optional<uint64_t> size() const override { return source_->size(); }
-  std::optional<std::chrono::steady_clock::time_point> arrival() const override { return source_->arrival(); }
-  bool pass_break() override { return source_->pass_break(); }
-  DecodeSummary left_out() const override { return source_->left_out(); }
-  std::string name() const override { return source_->name(); }
-  std::filesystem::path path() const override { return source_->path(); }
-
- private:
-  std::shared_ptr<ByteSource> source_;
-};
-
 using namespace std::string_view_literals;
 
 /// The first bytes of a kind of file, and its description.
@@ -223,11 +203,7 @@ bool is_recording_folder(const std::filesystem::path& path) {
 Result<ReaderPtr> open_recording(SourcePtr source, const OpenOptions& options) {
   // A source is live if its first bytes arrived. No more are awaited, because there may be none for a while.
   E2LF_RETURN_IF_ERROR(source->fetch(1));
-  std::shared_ptr<ByteSource> live;  // its losses are counted while it is read
-  if (source->arrival()) {
-    live = std::move(source);
-    source = std::make_unique<SharedSource>(live);
-  }
+  const SourcePtr live = source->arrival() ? source : nullptr;  // its losses are counted while it is read
   E2LF_ASSIGN_OR_RETURN(const Codec* codec,
                         options.format.empty() ? detect_codec(*source) : find_codec(options.format));
   if (codec->open == nullptr) return unsupported(*codec, "read", source->name());

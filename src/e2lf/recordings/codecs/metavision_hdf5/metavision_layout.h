@@ -34,11 +34,4 @@ static_assert(sizeof(EventRecord) == 16 && sizeof(TriggerRecord) == 24 && sizeof
 [[nodiscard]] Handle trigger_type();
 [[nodiscard]] Handle index_type();
 
-/// Copies records to the events [begin, begin + count) of `events`, which must be large enough.
-void columns_from_records(const EventRecord* records, size_t count, EventColumns& events, size_t begin);
-
-/// Opens /CD/events. Fails as open_dataset() does, and with kMissingDependency for a filter that neither e2lf nor the
-/// library has.
-[[nodiscard]] Result<BlocksPtr> open_event_chunks(hid_t file, const std::string& location, int threads);
-
 }  // namespace e2lf::recordings::hdf5_events

@@ -21,6 +21,14 @@ namespace {
 constexpr uint64_t kBlockEvents = 8 * kChunkEvents;
 constexpr size_t kMaxChunkBytes = size_t{1} << 26;
 
+/// Copies records to the events [begin, begin + count) of `events`, which must be large enough.
+void columns_from_records(const EventRecord* records, size_t count, EventColumns& events, size_t begin) {
+  for (size_t i = 0; i < count; ++i) {
+    const EventRecord& record = records[i];
+    events.set(begin + i, {record.x, record.y, static_cast<uint8_t>(record.p > 0), record.t});
+  }
+}
+
 bool has_vendor_layout(hid_t dataset) {
   const Handle stored(H5Dget_type(dataset), H5Tclose);
   return H5Tequal(stored.get(), event_type().get()) > 0;
@@ -253,17 +261,6 @@ Handle index_type() {
   return type;
 }
 
-void columns_from_records(const EventRecord* records, size_t count, EventColumns& events, size_t begin) {
-  for (size_t i = 0; i < count; ++i) {
-    const EventRecord& record = records[i];
-    events.set(begin + i, {record.x, record.y, static_cast<uint8_t>(record.p > 0), record.t});
-  }
-}
-
-Result<BlocksPtr> open_event_chunks(hid_t file, const std::string& location, int threads) {
-  return EventChunks::open(file, location, threads);
-}
-
 namespace {
 
 constexpr uint64_t kTriggerBlock = 4096;
@@ -349,7 +346,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
     return fail(ErrorCode::kNotFound, name, "the file has no events in CD/events (Metavision); check what it contains");
   }
   E2LF_RETURN_IF_ERROR(refuse_table_options(options, "hdf5", name));
-  E2LF_ASSIGN_OR_RETURN(BlocksPtr blocks, open_event_chunks(file.get(), name, options.threads));
+  E2LF_ASSIGN_OR_RETURN(BlocksPtr blocks, EventChunks::open(file.get(), name, options.threads));
   TriggersPtr triggers;
   if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
     triggers = std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events");
