@@ -348,7 +348,9 @@ std::vector<ZipEntry> read_unfinished(const Archive& archive) {
     const uint64_t data = extra + archive.get<uint16_t>(position + 28);
     EntrySizes sizes{archive.get<uint32_t>(position + 22), archive.get<uint32_t>(position + 18), 0};
     if (!archive.has(name, data - name) || !read_extra64(archive, extra, data, sizes)) break;
-    ZipEntry entry{.method = archive.get<uint16_t>(position + 8), .crc = archive.get<uint32_t>(position + 14)};
+    ZipEntry entry;
+    entry.method = archive.get<uint16_t>(position + 8);
+    entry.crc = archive.get<uint32_t>(position + 14);
     const auto text = archive.bytes.subspan(name, extra - name);
     entry.name.assign(text.begin(), text.end());
     entry.is_unfinished = sizes.size == 0 && entry.method == zip::kDeflated;

@@ -98,8 +98,7 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRead) {
     const auto file = read_event_images(path);
     ASSERT_TRUE(file) << file.error().text();
     EXPECT_EQ(file->setup.codes, test_setup().codes);
-    if (cut == 0) EXPECT_EQ(file->cycles.size(), 4U);
-    if (cut == 100) EXPECT_EQ(file->cycles.size(), 3U);
+    EXPECT_TRUE(file->cycles.size() == (cut == 0 ? 4U : 3U) || cut > 100) << file->cycles.size();
     for (size_t i = 0; i < file->cycles.size(); ++i) EXPECT_EQ(file->cycles[i], random_images(i)) << cut;
   }
   ASSERT_TRUE(write_file(folder / "cut.npz", std::span(bytes).first(bytes.size() / 20)));

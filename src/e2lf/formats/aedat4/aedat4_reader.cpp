@@ -31,9 +31,9 @@ Use use_of_stream(const Stream& stream, const Stream& events, bool has_several_c
 class Aedat4Blocks final : public EventBlocks {
  public:
   /// `events` is the stream to read, one of `event_streams`.
-  Aedat4Blocks(SourcePtr source, Header header, DecompressorPtr decompressor, const std::vector<Stream>& event_streams,
-               const Stream& events, bool has_chosen)
-      : source_(std::move(source)), header_(std::move(header)), decompressor_(std::move(decompressor)) {
+  Aedat4Blocks(SourcePtr source, Header header, const std::vector<Stream>& event_streams, const Stream& events,
+               bool has_chosen)
+      : source_(std::move(source)), header_(std::move(header)) {
     const bool has_several_cameras =
         std::any_of(event_streams.begin(), event_streams.end(),
                     [&events](const Stream& stream) { return stream.source != events.source; });
@@ -137,7 +137,7 @@ class Aedat4Blocks final : public EventBlocks {
   }
 
   bool append_packet(std::span<const uint8_t> packed, Use use, EventBatch& block) {
-    if (!decompressor_->unpack(packed, unpacked_)) return false;
+    if (!decompress(header_.compression, packed, unpacked_)) return false;
     if (use == Use::kEvents) return append_events(unpacked_, block.events);
     return append_triggers(unpacked_, block.triggers);
   }
@@ -151,7 +151,6 @@ class Aedat4Blocks final : public EventBlocks {
   SourcePtr source_;
   Header header_;
   uint64_t first_table_position_ = header_.table_position;
-  DecompressorPtr decompressor_;
   std::vector<std::pair<int32_t, Use>> uses_;
   std::vector<uint8_t> unpacked_;
   bool has_given_up_ = false;
@@ -183,7 +182,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(bytes, source->fetch(*size));
   E2LF_ASSIGN_OR_RETURN(Header header, parse_header(bytes, name));
   source->consume(header.bytes);
-  E2LF_ASSIGN_OR_RETURN(auto decompressor, make_decompressor(header.compression));
+  E2LF_RETURN_IF_ERROR(check_compression(header.compression));
 
   RecordingInfo info{.format = "aedat4"};
   const std::vector<Stream> event_streams = streams_of_events(header);
@@ -197,8 +196,8 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   for (const Stream& stream : header.streams)
     info.header.emplace_back(cat("stream_", stream.id), one_line(stream.type));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
-  auto blocks = std::make_unique<Aedat4Blocks>(std::move(source), header, std::move(decompressor), event_streams,
-                                               events, !options.stream.empty());
+  auto blocks =
+      std::make_unique<Aedat4Blocks>(std::move(source), header, event_streams, events, !options.stream.empty());
   return make_block_reader(std::move(blocks), std::move(info), name, options);
 }
 

@@ -140,13 +140,9 @@ class McapBag final : public Bag {
                   "the chunks are compressed with an unknown algorithm; convert the bag to lz4 or zstd");
     }
     const auto packed = fields.take(fields.number<uint64_t>());
-    bool is_whole = !fields.is_cut() && compression.has_value();
-    if (is_whole && *compression != chunk_compression_) {
-      E2LF_ASSIGN_OR_RETURN(decompressor_, make_decompressor(*compression));
-      chunk_compression_ = *compression;
-    }
-    is_whole = is_whole && decompressor_->unpack(packed, unpacked_).ok();
-    if (is_whole) {
+    const bool is_whole = !fields.is_cut() && compression.has_value();
+    if (is_whole) E2LF_RETURN_IF_ERROR(check_compression(*compression));
+    if (is_whole && decompress(*compression, packed, unpacked_)) {
       records_ = unpacked_;
     } else {
       summary.add_dropped(Violation::kBadRecord, position_);
@@ -218,8 +214,6 @@ class McapBag final : public Bag {
   std::deque<Channel> channels_;     ///< event topics in the order in which the file names them
   std::optional<BagMessage> first_;  ///< for a stream: read to determine its topic, and not returned yet
   DecodeSummary losses_of_first_;
-  DecompressorPtr decompressor_;
-  std::optional<Compression> chunk_compression_;  ///< of decompressor_
   std::vector<uint8_t> unpacked_;
   std::span<const uint8_t> records_;  ///< records of the chunk that were not read yet
   size_t used_ = 0;                   ///< number of available bytes that the last record occupies

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/io/decompress.h"
 
-#include <algorithm>
 #include <lz4frame.h>
+#include <memory>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
@@ -16,73 +16,12 @@ namespace {
 
 constexpr size_t kFirstRoom = size_t{1} << 16;
 
-class Stored final : public Decompressor {
- public:
-  State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
-    const size_t count = std::min(packed.size(), room.size());
-    std::copy_n(packed.begin(), count, room.begin());
-    packed = packed.subspan(count);
-    room = room.subspan(count);
-    return packed.empty() ? State::kBetweenParts : State::kInside;
-  }
-};
+enum class State { kGoesOn, kEnded, kDamaged };
 
-class Lz4 final : public Decompressor {
- public:
-  Lz4() { LZ4F_createDecompressionContext(&context_, LZ4F_VERSION); }
-  Lz4(const Lz4&) = delete;
-  Lz4& operator=(const Lz4&) = delete;
-  ~Lz4() override { LZ4F_freeDecompressionContext(context_); }
-
-  void reset() override { LZ4F_resetDecompressionContext(context_); }
-  State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
-    size_t read = packed.size(), written = room.size();
-    const size_t hint = LZ4F_decompress(context_, room.data(), &written, packed.data(), &read, nullptr);
-    if (LZ4F_isError(hint)) return State::kDamaged;
-    packed = packed.subspan(read);
-    room = room.subspan(written);
-    return hint == 0 ? State::kBetweenParts : State::kInside;
-  }
-
- private:
-  LZ4F_dctx* context_ = nullptr;
-};
-
-#ifdef E2LF_HAVE_ZSTD
-class Zstd final : public Decompressor {
- public:
-  Zstd() { ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, 27); }
-
-  void reset() override {
-    ZSTD_DCtx_reset(context_.get(), ZSTD_reset_session_only);
-    wanted_ = kFirstBytes;
-  }
-  /// Provides the bytes of one block at a time: if one of several is damaged, the library returns none of them.
-  State step(std::span<const uint8_t>& packed, std::span<uint8_t>& room) override {
-    do {
-      ZSTD_inBuffer in = {packed.data(), std::min(packed.size(), wanted_), 0};
-      ZSTD_outBuffer out = {room.data(), room.size(), 0};
-      const size_t hint = ZSTD_decompressStream(context_.get(), &out, &in);
-      packed = packed.subspan(in.pos);
-      room = room.subspan(out.pos);
-      if (ZSTD_isError(hint)) return State::kDamaged;
-      wanted_ = hint == 0 ? kFirstBytes : hint;
-      if (hint == 0) return State::kBetweenParts;
-    } while (!packed.empty() && !room.empty());
-    return State::kInside;
-  }
-
- private:
-  static constexpr size_t kFirstBytes = 5;  ///< of a frame, which determine the size of its header
-  size_t wanted_ = kFirstBytes;
-  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context_{ZSTD_createDCtx(), &ZSTD_freeDCtx};
-};
-#endif
-
-}  // namespace
-
-Result<void> Decompressor::unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out) {
-  reset();
+/// Calls step(packed, room), which advances both spans by what it used, until the packet ends. `out` grows with the
+/// content.
+template <typename Step>
+Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out, const Step& step) {
   out.resize(kFirstRoom);
   size_t used = 0;
   for (;;) {
@@ -93,7 +32,7 @@ Result<void> Decompressor::unpack(std::span<const uint8_t> packed, std::vector<u
       return fail(ErrorCode::kFormat, "", "a packet cannot be decompressed; the file is damaged");
     }
     used = out.size() - room.size();
-    if (state == State::kBetweenParts) break;
+    if (state == State::kEnded) break;
     if (room.empty()) {
       if (out.size() >= kMaxPacketBytes) {
         return fail(ErrorCode::kUnsupported, "", "a packet unpacks to more than ", kMaxPacketBytes, " bytes");
@@ -107,17 +46,49 @@ Result<void> Decompressor::unpack(std::span<const uint8_t> packed, std::vector<u
   return {};
 }
 
-Result<DecompressorPtr> make_decompressor(Compression compression) {
+Result<void> unpack_lz4(std::span<const uint8_t> packed, std::vector<uint8_t>& out) {
+  LZ4F_dctx* context = nullptr;
+  LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> owner(context,
+                                                                                   &LZ4F_freeDecompressionContext);
+  return unpack(packed, out, [context](std::span<const uint8_t>& in, std::span<uint8_t>& room) {
+    size_t read = in.size(), written = room.size();
+    const size_t hint = LZ4F_decompress(context, room.data(), &written, in.data(), &read, nullptr);
+    if (LZ4F_isError(hint)) return State::kDamaged;
+    in = in.subspan(read);
+    room = room.subspan(written);
+    return hint == 0 ? State::kEnded : State::kGoesOn;
+  });
+}
+
+#ifdef E2LF_HAVE_ZSTD
+Result<void> unpack_zstd(std::span<const uint8_t> packed, std::vector<uint8_t>& out) {
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
+  ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, 27);
+  return unpack(packed, out, [&context](std::span<const uint8_t>& packed_left, std::span<uint8_t>& room) {
+    ZSTD_inBuffer in = {packed_left.data(), packed_left.size(), 0};
+    ZSTD_outBuffer to = {room.data(), room.size(), 0};
+    const size_t hint = ZSTD_decompressStream(context.get(), &to, &in);
+    if (ZSTD_isError(hint)) return State::kDamaged;
+    packed_left = packed_left.subspan(in.pos);
+    room = room.subspan(to.pos);
+    return hint == 0 ? State::kEnded : State::kGoesOn;
+  });
+}
+#endif
+
+}  // namespace
+
+Result<void> check_compression(Compression compression) {
   switch (compression) {
     case Compression::kNone:
-      return DecompressorPtr(std::make_unique<Stored>());
     case Compression::kLz4:
     case Compression::kLz4High:
-      return DecompressorPtr(std::make_unique<Lz4>());
+      return {};
     case Compression::kZstd:
     case Compression::kZstdHigh:
 #ifdef E2LF_HAVE_ZSTD
-      return DecompressorPtr(std::make_unique<Zstd>());
+      return {};
 #else
       return fail(ErrorCode::kMissingDependency, "",
                   "the data are compressed by Zstandard; build with libzstd-dev installed, or unpack or record them "
@@ -126,6 +97,18 @@ Result<DecompressorPtr> make_decompressor(Compression compression) {
   }
   return fail(ErrorCode::kUnsupported, "", "compression ", static_cast<int32_t>(compression),
               " is unknown; the file may be damaged");
+}
+
+Result<void> decompress(Compression compression, std::span<const uint8_t> packed, std::vector<uint8_t>& out) {
+  E2LF_RETURN_IF_ERROR(check_compression(compression));
+  if (compression == Compression::kNone) {
+    out.assign(packed.begin(), packed.end());
+    return {};
+  }
+#ifdef E2LF_HAVE_ZSTD
+  if (compression == Compression::kZstd || compression == Compression::kZstdHigh) return unpack_zstd(packed, out);
+#endif
+  return unpack_lz4(packed, out);
 }
 
 }  // namespace e2lf::recordings
