@@ -9,7 +9,7 @@
 
 namespace e2lf::model {
 
-struct OnnxCall;  // onnx/onnx_layers.h
+struct OnnxCall;  // onnx/onnx_export.h
 
 // These bounds keep all products of sizes far from overflow, because files from other sources are checked.
 inline constexpr size_t kMaxChannels = size_t{1} << 16;

@@ -41,7 +41,7 @@ struct Op : model::Op {
 /// networks do so themselves.
 void add_operations();
 
-// The operations, one for each file.
+// The operations.
 [[nodiscard]] engine::Operation attention();
 [[nodiscard]] engine::Operation bilinear_upsampling();
 [[nodiscard]] engine::Operation conv_gru();

@@ -192,7 +192,7 @@ Result<std::unique_ptr<Kernel>> make_cell_conv(const PlanBuilder& build, const L
   return engine::make_conv(spec);
 }
 
-/// Adds the stages of a cell; see cells.h.
+/// Adds the stages of a cell.
 Result<void> plan_cell(PlanBuilder& build, const Layer& layer) {
   const TensorSpec input = build.spec(layer.inputs[0]);
   const size_t x = build.tensor(layer.inputs[0]), in = input.channels, out = layer.out_channels;

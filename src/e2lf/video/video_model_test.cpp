@@ -12,6 +12,7 @@
 namespace e2lf::video {
 namespace {
 
+using namespace model;
 using testing::HasSubstr;
 
 VideoModel small_video_model() {

@@ -41,7 +41,7 @@ std::string cycle_name(size_t cycle) {
 }
 
 Result<void> LightFieldWriter::process(const pipeline::CycleImages& cycle, const fs::path& folder) {
-  check_events(cycle);
+  const diagnose::Findings findings = check_events(cycle);
   const bool is_confirmed =
       options_.is_confirmed && !(cycle.cycle && diagnose::is_doubtful(cycle.cycle->confidence, cycle.source));
   // For live input, the log has a line for each cycle instead.
@@ -60,6 +60,7 @@ Result<void> LightFieldWriter::process(const pipeline::CycleImages& cycle, const
                                             options_.views.value_or(capture::Orientation{}), {}));
   Json about = cycle.cycle ? cycle_json(*cycle.cycle) : Json::object();
   about["cycle"] = cycles_.size();
+  if (!findings.empty()) about["findings"] = diagnose::to_json(findings);
   about["gain"] = field.gain;
   about["black"] = field.black;
   about["reconstruct_s"] = field.reconstruct_s;
@@ -92,14 +93,15 @@ Result<Json> LightFieldWriter::check_field(const LightField& field, const captur
   return json;
 }
 
-void LightFieldWriter::check_events(const pipeline::CycleImages& cycle) {
+diagnose::Findings LightFieldWriter::check_events(const pipeline::CycleImages& cycle) {
   constexpr size_t kMostWarnings = 3;
-  if (warned_ == kMostWarnings || !capture::has_events(cycle.images.kind)) return;
-  const diagnose::Findings findings = diagnose::check_event_images(
+  if (!capture::has_events(cycle.images.kind)) return {};
+  diagnose::Findings findings = diagnose::check_event_images(
       cycle.images.events, options_.codes ? &*options_.codes : nullptr, options_.cycles_per_field);
+  if (findings.empty() || warned_ == kMostWarnings) return findings;
   diagnose::log_findings(cat(options_.input.string(), ", cycle ", cycles_.size()), findings, "--");
-  warned_ += findings.empty() ? 0 : 1;
-  if (warned_ == kMostWarnings && !findings.empty()) log_warning("further warnings of this kind are suppressed");
+  if (++warned_ == kMostWarnings) log_warning("further warnings of this kind are only in the record");
+  return findings;
 }
 
 std::string event_error_text(const Json& cycle) {

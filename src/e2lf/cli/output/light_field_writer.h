@@ -58,8 +58,8 @@ class LightFieldWriter {
   [[nodiscard]] const pipeline::Tone& tone() const { return sequence_.tone(); }
 
  private:
-  /// Logs what may be wrong with the events of the first cycles.
-  void check_events(const pipeline::CycleImages& cycle);
+  /// Returns what may be wrong with the events of a cycle, and logs it for the first such cycles.
+  diagnose::Findings check_events(const pipeline::CycleImages& cycle);
   /// Returns the comparison of a light field with its events for the record, judged if it is the first.
   [[nodiscard]] Result<Json> check_field(const lightfield::LightField& field, const capture::Measurement& used,
                                          bool is_of_lit, bool is_confirmed) const;

@@ -9,7 +9,7 @@
 #include "e2lf/model/model.h"
 #include "e2lf/model/onnx/onnx_graph.h"
 
-/// Internal parts of onnx_export.h; not for use by other modules.
+/// What operations need to export themselves.
 namespace e2lf::model {
 
 /// A spatial size inside a graph: the names of int64 tensors [2] = (y, x).
