@@ -80,7 +80,7 @@ void visit_config(Fields& config, Visitor& visit) {
 }
 
 Error invalid(const std::string& message, const std::string& location) {
-  return {ErrorCode::kInvalidValue, message, location};
+  return fail(ErrorCode::kInvalidValue, location, message);
 }
 
 /// Checks that every item has a name and that no name occurs twice.

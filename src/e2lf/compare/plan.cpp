@@ -85,11 +85,10 @@ class Planner {
     for (const GroupConfig& group : config_.scenes) E2LF_RETURN_IF_ERROR(add_group(group));
     for (const SensorConfig& sensor : config_.sensors) E2LF_RETURN_IF_ERROR(add_sensor(sensor));
     if (plan_.methods.empty() || plan_.scenes.empty()) {
-      return Error{
-          ErrorCode::kNotFound,
+      return fail(
+          ErrorCode::kNotFound, "",
           "nothing is left to compare, because no method or no scene exists; give existing files, or the folder "
-          "of the data that contains them",
-          ""};
+          "of the data that contains them");
     }
     add_jobs();
     return std::move(plan_);

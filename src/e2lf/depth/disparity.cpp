@@ -127,7 +127,7 @@ Image confidence_of(const Planes& planes, float noise) {
 /// Fails if a stop was requested. Each stage then skips its remaining work.
 Result<void> check_stop() {
   if (!stop_requested()) return {};
-  return Error{ErrorCode::kCancelled, "the disparities were not found to the end; run it again", ""};
+  return fail(ErrorCode::kCancelled, "", "the disparities were not found to the end; run it again");
 }
 
 /// Estimates the map of a grey light field by comparing its views in `detail`.
@@ -183,24 +183,21 @@ Result<DisparityRange> find_range(const LightField& light_field, const ViewIndex
 
 Result<void> check(const Shape& shape, const ViewIndex& view, const DisparityOptions& options) {
   if (shape.num_views() < 2 || shape.height == 0 || shape.width == 0) {
-    return Error{ErrorCode::kShape, "a single view contains no disparity; give a light field of several views", ""};
+    return fail(ErrorCode::kShape, "", "a single view contains no disparity; give a light field of several views");
   }
   if (view.y >= shape.views_y || view.x >= shape.views_x) {
-    return Error{ErrorCode::kNotFound,
-                 cat("there is no view (", view.y, ", ", view.x, ") in ", shape.views_y, "x", shape.views_x,
-                     " views; count from 0"),
-                 ""};
+    return fail(ErrorCode::kNotFound, "", "there is no view (", view.y, ", ", view.x, ") in ", shape.views_y, "x",
+                shape.views_x, " views; count from 0");
   }
   if (options.range && !(std::isfinite(options.range->least) && std::isfinite(options.range->most) &&
                          options.range->least < options.range->most)) {
-    return Error{ErrorCode::kInvalidValue, "the range of disparities is empty; give the smaller one first", ""};
+    return fail(ErrorCode::kInvalidValue, "", "the range of disparities is empty; give the smaller one first");
   }
   // This limit allows for three arrays of costs with the largest number of labels.
   const uint64_t bytes_per_pixel = 3 * kMostLabels * sizeof(int16_t);
   if (uint64_t{shape.height} > kMostBytes / bytes_per_pixel / shape.width) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("views of ", shape.width, "x", shape.height, " px may need more than 8 GiB; crop or reduce them"),
-                 ""};
+    return fail(ErrorCode::kUnsupported, "", "views of ", shape.width, "x", shape.height,
+                " px may need more than 8 GiB; crop or reduce them");
   }
   return {};
 }

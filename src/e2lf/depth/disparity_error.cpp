@@ -94,21 +94,17 @@ Result<DisparityError> compare(const Image& estimate, const Image& confidence, c
     return image.width == truth.width && image.height == truth.height && image.channels == 1;
   };
   if (!has_size_of_truth(estimate) || !(confidence.pixels.empty() || has_size_of_truth(confidence))) {
-    return Error{ErrorCode::kShape,
-                 cat("the disparity map has ", estimate.width, "x", estimate.height, " px, the true one ", truth.width,
-                     "x", truth.height, " px; compare maps of the same view"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "the disparity map has ", estimate.width, "x", estimate.height,
+                " px, the true one ", truth.width, "x", truth.height, " px; compare maps of the same view");
   }
   if (truth.width <= 2 * border || truth.height <= 2 * border) {
-    return Error{ErrorCode::kShape,
-                 cat("a border of ", border, " px leaves nothing of ", truth.width, "x", truth.height,
-                     " px; use a narrower border"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "a border of ", border, " px leaves nothing of ", truth.width, "x", truth.height,
+                " px; use a narrower border");
   }
   const std::vector<Pair> pairs = pairs_within(estimate, confidence, truth, border);
   if (std::none_of(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.is_finite(); })) {
-    return Error{ErrorCode::kInvalidValue, "no pixel has both a finite disparity and a finite true one; check the maps",
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "",
+                "no pixel has both a finite disparity and a finite true one; check the maps");
   }
   DisparityError result{bad_percent(pairs, 0.07),
                         bad_percent(pairs, 0.2),

@@ -77,19 +77,19 @@ Result<Image> decode_pfm(std::span<const uint8_t> bytes, const std::string& name
   size_t width = 0, height = 0;
   double scale = 0;
   header >> magic;
-  if (magic == "PF") return Error{ErrorCode::kUnsupported, "a PFM file in colour; give a grey one (Pf)", name};
+  if (magic == "PF") return fail(ErrorCode::kUnsupported, name, "a PFM file in colour; give a grey one (Pf)");
   if (magic != "Pf" || !(header >> width >> height >> scale) || width == 0 || height == 0 || scale == 0) {
-    return Error{ErrorCode::kFormat, "no PFM file: it begins with Pf, its size and a scale; write it again", name};
+    return fail(ErrorCode::kFormat, name, "no PFM file: it begins with Pf, its size and a scale; write it again");
   }
   // A single white-space character or CRLF ends the header.
   auto data = static_cast<size_t>(header.tellg()) + 1;
   if (data < bytes.size() && bytes[data - 1] == '\r' && bytes[data] == '\n') ++data;
   const size_t samples = data > bytes.size() ? 0 : (bytes.size() - data) / sizeof(float);
   if (samples / width < height) {
-    return Error{ErrorCode::kTruncated, cat("ends before its ", width, "x", height, " pixels do; copy it again"), name};
+    return fail(ErrorCode::kTruncated, name, "ends before its ", width, "x", height, " pixels do; copy it again");
   }
   if (bytes.size() - data != width * height * sizeof(float)) {
-    return Error{ErrorCode::kFormat, cat("is longer than its ", width, "x", height, " pixels; write it again"), name};
+    return fail(ErrorCode::kFormat, name, "is longer than its ", width, "x", height, " pixels; write it again");
   }
   Image image(width, height, 1);
   for (size_t y = 0; y < height; ++y) {
@@ -207,10 +207,9 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
   const size_t width = map.disparity.width, height = map.disparity.height;
   E2LF_REQUIRE(picture.width == width && picture.height == height, "a picture of the view");
   if (geometry.lens && (geometry.lens->width != width || geometry.lens->height != height)) {
-    return Error{ErrorCode::kShape,
-                 cat("the lens was calibrated with views of ", geometry.lens->width, "x", geometry.lens->height,
-                     " px, but these have ", width, "x", height, " px; calibrate with views of this size"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "the lens was calibrated with views of ", geometry.lens->width, "x",
+                geometry.lens->height, " px, but these have ", width, "x", height,
+                " px; calibrate with views of this size");
   }
   const Positions positions(map, views, geometry);
   std::vector<uint8_t> points;
@@ -222,10 +221,8 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
       const float d = map.disparity.pixels[i];
       if (d >= positions.infinity_px()) {
         if (geometry.lens) continue;  // noise of very far points
-        return Error{ErrorCode::kInvalidValue,
-                     cat("the disparity at (", y, ", ", x, ") is ", d, " px, not less than that of infinity, ",
-                         geometry.infinity_px, " px; give a larger one"),
-                     ""};
+        return fail(ErrorCode::kInvalidValue, "", "the disparity at (", y, ", ", x, ") is ", d,
+                    " px, not less than that of infinity, ", geometry.infinity_px, " px; give a larger one");
       }
       for (const double value : positions.at(y, x, d)) append(points, static_cast<float>(value));
       for (size_t channel = 0; channel < picture.channels; ++channel) {

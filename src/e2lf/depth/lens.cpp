@@ -47,8 +47,8 @@ Result<Lens> read_lens(const std::filesystem::path& path) {
                                                     {"focus_m", lens.focus_m}};
   for (const auto& [name, value] : lengths) {
     if (value > 0) continue;
-    return Error{ErrorCode::kInvalidValue, "the lens needs a positive length; calibrate it again",
-                 reader.child_location(name)};
+    return fail(ErrorCode::kInvalidValue, reader.child_location(name),
+                "the lens needs a positive length; calibrate it again");
   }
   return lens;
 }

@@ -15,12 +15,11 @@ Result<Image> read_disparity(const fs::path& path) {
     return read_file(path).and_then([&](const auto& bytes) { return decode_pfm(bytes, path.string()); });
   }
   if (path.extension() != ".npy") {
-    return Error{ErrorCode::kUnsupported, "this is not a disparity map; give .npy or .pfm", path.string()};
+    return fail(ErrorCode::kUnsupported, path, "this is not a disparity map; give .npy or .pfm");
   }
   E2LF_ASSIGN_OR_RETURN(const NpyArray array, read_npy(path));
   if (array.shape.size() != 2 || array.num_elements() == 0) {
-    return Error{ErrorCode::kShape, cat("has shape ", shape_text(array.shape), "; a disparity map is [y, x]"),
-                 path.string()};
+    return fail(ErrorCode::kShape, path, "has shape ", shape_text(array.shape), "; a disparity map is [y, x]");
   }
   Image image(array.shape[1], array.shape[0], 1);
   E2LF_ASSIGN_OR_RETURN(image.pixels, array.to_float(path.string()));
@@ -45,10 +44,8 @@ Result<TrueDisparity> true_disparity(const lightfield::LightField& true_views, c
   if (disparity.width == shape.width && disparity.height == shape.height) {
     return TrueDisparity{std::move(disparity), file->string()};
   }
-  return Error{ErrorCode::kShape,
-               cat("has ", disparity.width, "x", disparity.height, " px, the views have ", shape.width, "x",
-                   shape.height, "; give the map of this light field"),
-               file->string()};
+  return fail(ErrorCode::kShape, file->string(), "has ", disparity.width, "x", disparity.height, " px, the views have ",
+              shape.width, "x", shape.height, "; give the map of this light field");
 }
 
 Result<FoundDisparity> judge_disparity(const lightfield::LightField& light_field, const Image& truth,

@@ -39,8 +39,8 @@ std::optional<DeviceKind> find_kind(const std::string& name) {
 }
 
 Error no_such_device(const std::string& name) {
-  return {ErrorCode::kMissingDependency,
-          cat("there is no device ", name, " in this program; use cpu, or a build with torch for cuda"), ""};
+  return fail(ErrorCode::kMissingDependency, "", "there is no device ", name,
+              " in this program; use cpu, or a build with torch for cuda");
 }
 
 Result<std::shared_ptr<const DeviceNetwork>> open_on_device(const model::Network& network,
@@ -122,7 +122,7 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
     return Engine(std::move(other));
   }
   if (options.precision == Precision::kFloat16) {
-    return Error{ErrorCode::kUnsupported, "float16 is the precision of other devices; use precision auto", ""};
+    return fail(ErrorCode::kUnsupported, "", "float16 is the precision of other devices; use precision auto");
   }
   if (options.precision == Precision::kBfloat16 && !bfloat16_supported()) {
     return fail(ErrorCode::kUnsupported, "", "this CPU has no bfloat16 instructions; use precision float32");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The implementation for builds without the FFmpeg libraries.
+#include "e2lf/base/text.h"
 #include "e2lf/film/film_file.h"
 
 namespace e2lf::film {
@@ -7,10 +8,9 @@ namespace e2lf::film {
 struct FilmFile::Impl {};
 
 Result<void> check_film_support() {
-  return Error{ErrorCode::kMissingDependency,
-               "this build cannot write films; install libavcodec-dev, libavformat-dev, libavutil-dev "
-               "and libswscale-dev and build again",
-               ""};
+  return fail(ErrorCode::kMissingDependency, "",
+              "this build cannot write films; install libavcodec-dev, libavformat-dev, libavutil-dev "
+              "and libswscale-dev and build again");
 }
 
 Result<FilmFile> FilmFile::create(const std::filesystem::path& /*path*/, const FilmOptions& /*options*/,

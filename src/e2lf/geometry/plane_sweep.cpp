@@ -3,6 +3,7 @@
 #include <span>
 
 #include "e2lf/base/result.h"
+#include "e2lf/base/text.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/geometry/shift.h"
 #include "e2lf/model/onnx/onnx_export.h"
@@ -176,10 +177,8 @@ Result<LayerShape> sweep_shape(const Layer& layer, std::span<const LayerShape> i
   const std::vector<double> offsets = numbers(layer, "offsets"), disparities = numbers(layer, "disparities");
   E2LF_RETURN_IF_ERROR(check_shifts(offsets, disparities));
   if (offsets.size() % 2 != 0 || inputs[0].channels % (offsets.size() / 2) != 0) {
-    return Error{ErrorCode::kShape,
-                 cat(offsets.size(), " offsets for ", inputs[0].channels,
-                     " channels; give a row and a column for each picture, of which each has as many features"),
-                 ""};
+    return fail(ErrorCode::kShape, "", offsets.size(), " offsets for ", inputs[0].channels,
+                " channels; give a row and a column for each picture, of which each has as many features");
   }
   return LayerShape{disparities.size(), inputs[0].scale};
 }

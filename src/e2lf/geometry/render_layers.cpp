@@ -4,6 +4,7 @@
 #include <span>
 
 #include "e2lf/base/result.h"
+#include "e2lf/base/text.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/geometry/shift.h"
 #include "e2lf/model/onnx/onnx_export.h"
@@ -137,10 +138,8 @@ Result<LayerShape> render_shape(const Layer& layer, std::span<const LayerShape> 
   E2LF_RETURN_IF_ERROR(check_shifts(numbers(layer, "rows"), disparities));
   E2LF_RETURN_IF_ERROR(check_shifts(numbers(layer, "columns"), disparities));
   if (inputs[0].channels != 2 * disparities.size()) {
-    return Error{ErrorCode::kShape,
-                 cat(inputs[0].channels, " channels for ", disparities.size(),
-                     " planes; give an opacity and an intensity for each"),
-                 ""};
+    return fail(ErrorCode::kShape, "", inputs[0].channels, " channels for ", disparities.size(),
+                " planes; give an opacity and an intensity for each");
   }
   return LayerShape{numbers(layer, "rows").size() * numbers(layer, "columns").size(), inputs[0].scale};
 }

@@ -70,7 +70,7 @@ inline constexpr double kMostShiftPx = 64;
 
 /// Fails with kInvalidValue unless there are positions and disparities, and no shift exceeds kMostShiftPx.
 inline Result<void> check_shifts(const std::vector<double>& positions, const std::vector<double>& disparities) {
-  const auto refuse = [](const std::string& message) { return Error{ErrorCode::kInvalidValue, message, ""}; };
+  const auto refuse = [](const std::string& message) { return fail(ErrorCode::kInvalidValue, "", message); };
   if (positions.empty()) return refuse("no viewpoints; give at least one");
   if (disparities.empty() || disparities.size() > kMostDisparities) {
     return refuse(cat(disparities.size(), " disparities; give 1 to ", kMostDisparities));

@@ -24,11 +24,11 @@ namespace {
 Result<void> check_readable(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error) && !error) {
-    return Error{ErrorCode::kNotFound, "there is no such file or folder; check the path", path.string()};
+    return fail(ErrorCode::kNotFound, path, "there is no such file or folder; check the path");
   }
   if (!error && fs::is_directory(path, error)) fs::directory_iterator(path, error);
   if (!error) return {};
-  return Error{ErrorCode::kIo, cat("cannot be opened (", error.message(), "); check its permissions"), path.string()};
+  return fail(ErrorCode::kIo, path, "cannot be opened (", error.message(), "); check its permissions");
 }
 
 /// Returns the verb that wrote a run.json, or an empty string if e2lf did not write it.
@@ -73,13 +73,11 @@ Result<FileKind> folder_kind(const fs::path& path) {
   if (kind.error().code != ErrorCode::kUnsupported) return kind.error();
   if (is_training_run(path)) return FileKind::kTrainingRun;
   if (!verb.empty()) return FileKind::kResults;
-  return Error{
-      ErrorCode::kFormat,
-      cat("the folder contains neither event images (event_image_00000.npy ...) nor views of a light field (PNG "
-          "or JPEG images named by row and column, such as 00_00.png or view_0_0.png, or numbered, "
-          "input_Cam000.png ...); rename the views, or give a file or folder in it",
-          members_text(path)),
-      path.string()};
+  return fail(ErrorCode::kFormat, path,
+              "the folder contains neither event images (event_image_00000.npy ...) nor views of a light field (PNG "
+              "or JPEG images named by row and column, such as 00_00.png or view_0_0.png, or numbered, "
+              "input_Cam000.png ...); rename the views, or give a file or folder in it",
+              members_text(path));
 }
 
 /// Returns whether an array is a list of events: records, or rows or columns of t, x, y, p in some order.
@@ -147,10 +145,8 @@ const char* kind_text(FileKind kind) {
 }
 
 Error other_kind_error(const fs::path& path, FileKind kind, const char* wanted) {
-  return {ErrorCode::kUnsupported,
-          cat("expected ", wanted, ", not ", kind_text(kind), text_of(kind).use,
-              kind == FileKind::kCycles ? (path / "cycle_00000").string() : ""),
-          path.string()};
+  return fail(ErrorCode::kUnsupported, path, "expected ", wanted, ", not ", kind_text(kind), text_of(kind).use,
+              kind == FileKind::kCycles ? (path / "cycle_00000").string() : "");
 }
 
 Result<FileKind> file_kind(const fs::path& path) {

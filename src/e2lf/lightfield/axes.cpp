@@ -38,17 +38,15 @@ void BadSamples::add(float stored) {
 
 Error BadSamples::error(const std::string& location) const {
   if (not_finite > 0) {
-    return {ErrorCode::kInvalidValue,
-            cat("contains ", not_finite, " value", not_finite == 1 ? " that is" : "s that are",
-                " not finite (NaN or infinity); the first is ", first, "; replace them by values in [0, 1]"),
-            location};
+    return fail(ErrorCode::kInvalidValue, location, "contains ", not_finite, " value",
+                not_finite == 1 ? " that is" : "s that are", " not finite (NaN or infinity); the first is ", first,
+                "; replace them by values in [0, 1]");
   }
   const std::string what =
       cat("a light field has values in [0, 1], but these are in ", low, "..", high, ", the first outside is ", first);
   if (low < -kRangeTolerance) {
-    return {ErrorCode::kInvalidValue,
-            cat(what, "; scale them to 0..1", low >= -1.0F && high <= 1.0F ? ", from -1..1 as (x + 1) / 2" : ""),
-            location};
+    return fail(ErrorCode::kInvalidValue, location, what, "; scale them to 0..1",
+                low >= -1.0F && high <= 1.0F ? ", from -1..1 as (x + 1) / 2" : "");
   }
   return {ErrorCode::kInvalidValue, cat(what, "; give the value that is white, e.g. ", likely_white(high)), location,
           Setting::kWhite};
@@ -75,7 +73,7 @@ Result<void> check_axes(const Shape& stored, const std::string& location) {
   const std::string found = cat("with the axes [view_y, view_x, y, x], the array has ", stored.views_y, "x",
                                 stored.views_x, " views of ", stored.width, "x", stored.height, " px");
   if (std::max(stored.views_y, stored.views_x) > kFewViews) {
-    return Error{ErrorCode::kShape, cat(found, "; the axes are probably in another order; transpose them"), location};
+    return fail(ErrorCode::kShape, location, found, "; the axes are probably in another order; transpose them");
   }
   log_warning(cat(location, ": ", found, "; if the axes are in another order, transpose them"));
   return {};
@@ -96,11 +94,9 @@ Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const ch
   ChosenViews chosen{.first = wanted.first.value_or(0), .step = wanted.step, .count = wanted.count, .stored = stored};
   if (wanted.count == 0 && chosen.first < stored) chosen.count = (stored - 1 - chosen.first) / wanted.step + 1;
   if (chosen.count == 0 || chosen.first >= stored || chosen.count - 1 > (stored - 1 - chosen.first) / wanted.step) {
-    return Error{ErrorCode::kShape,
-                 cat("has ", stored, " view ", axis, "s, which is fewer than the requested ",
-                     std::max<size_t>(wanted.count, 1), wanted.first ? cat(" from number ", *wanted.first) : "",
-                     " with step ", wanted.step, "; give a light field with more views"),
-                 location};
+    return fail(ErrorCode::kShape, location, "has ", stored, " view ", axis, "s, which is fewer than the requested ",
+                std::max<size_t>(wanted.count, 1), wanted.first ? cat(" from number ", *wanted.first) : "",
+                " with step ", wanted.step, "; give a light field with more views");
   }
   if (wanted.count > 0 && !wanted.first) chosen.first = (stored - ((wanted.count - 1) * wanted.step + 1)) / 2;
   return chosen;
@@ -278,14 +274,12 @@ Result<void> check_memory(const Shape& shape, size_t bytes_each, const ReadOptio
                           const std::string& location) {
   double bytes = static_cast<double>(bytes_each);
   for (const size_t extent : {shape.views_y, shape.views_x, shape.height, shape.width, shape.channels}) {
-    if (extent == 0) return Error{ErrorCode::kShape, "the light field has no samples; check the file", location};
+    if (extent == 0) return fail(ErrorCode::kShape, location, "the light field has no samples; check the file");
     bytes *= static_cast<double>(extent);
   }
   if (bytes <= static_cast<double>(options.max_bytes)) return {};
-  return Error{ErrorCode::kUnsupported,
-               cat("requires ", bytes / 1e9, " GB, which exceeds the limit of ",
-                   static_cast<double>(options.max_bytes) / 1e9, " GB; raise the limit or read fewer views"),
-               location};
+  return fail(ErrorCode::kUnsupported, location, "requires ", bytes / 1e9, " GB, which exceeds the limit of ",
+              static_cast<double>(options.max_bytes) / 1e9, " GB; raise the limit or read fewer views");
 }
 
 Result<LightField> from_stored(const StoredArray& array, const ReadOptions& options, const std::string& location) {

@@ -52,28 +52,24 @@ Result<void> check_image_size(const RawImage& image, double least_bytes, size_t 
   constexpr double kMaxPixels = 268435456.0;
   const double pixels = static_cast<double>(image.width) * static_cast<double>(image.height);
   if (least_bytes > static_cast<double>(file_bytes)) {
-    return Error{ErrorCode::kTruncated,
-                 cat("the header states ", image.width, "x", image.height, " pixels, which is more than the ",
-                     file_bytes, " bytes of the file can contain; copy the file again"),
-                 name};
+    return fail(ErrorCode::kTruncated, name, "the header states ", image.width, "x", image.height,
+                " pixels, which is more than the ", file_bytes, " bytes of the file can contain; copy the file again");
   }
   if (pixels <= kMaxPixels) return {};
-  return Error{ErrorCode::kUnsupported,
-               cat("the image has ", image.width, "x", image.height,
-                   " pixels, but at most 2^28 are supported; split it into parts"),
-               name};
+  return fail(ErrorCode::kUnsupported, name, "the image has ", image.width, "x", image.height,
+              " pixels, but at most 2^28 are supported; split it into parts");
 }
 
 Result<RawImage> decode_raw_image(std::span<const uint8_t> bytes, const std::string& name) {
   if (is_png(bytes)) return decode_png(bytes, name);
   if (is_jpeg(bytes)) return decode_jpeg(bytes, name);
-  if (bytes.empty()) return Error{ErrorCode::kFormat, "the file is empty; copy it again", name};
+  if (bytes.empty()) return fail(ErrorCode::kFormat, name, "the file is empty; copy it again");
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with("version https://git-lfs")) {
-    return Error{ErrorCode::kFormat,
-                 "the file is a Git LFS pointer instead of an image; fetch the image with `git lfs pull`", name};
+    return fail(ErrorCode::kFormat, name,
+                "the file is a Git LFS pointer instead of an image; fetch the image with `git lfs pull`");
   }
-  return Error{ErrorCode::kFormat, "the file is neither a PNG nor a JPEG image; convert it to PNG", name};
+  return fail(ErrorCode::kFormat, name, "the file is neither a PNG nor a JPEG image; convert it to PNG");
 }
 
 float largest_sample(const RawImage& image) {

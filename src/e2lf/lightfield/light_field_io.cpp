@@ -52,27 +52,24 @@ std::optional<LightFieldKind> kind_of_bytes(std::string_view head) {
 Result<LightFieldKind> storage_kind(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) return Error{ErrorCode::kNotFound, "no such file or folder; check the path", path.string()};
+  if (!fs::exists(status)) return fail(ErrorCode::kNotFound, path, "no such file or folder; check the path");
   if (fs::is_directory(status)) {
     if (fs::exists(array_in(path), error)) return LightFieldKind::kArrayFolder;
     E2LF_ASSIGN_OR_RETURN(const ViewFiles views, list_views(path));
     if (!views.files.empty()) return views.kind;
     if (const auto cycles = cycle_folders(path); !cycles.empty()) {
-      return Error{ErrorCode::kUnsupported,
-                   cat("the folder contains a light field for each cycle; give one, e.g. ",
-                       (path / cycles.front().filename()).string()),
-                   path.string()};
+      return fail(ErrorCode::kUnsupported, path, "the folder contains a light field for each cycle; give one, e.g. ",
+                  (path / cycles.front().filename()).string());
     }
-    return Error{ErrorCode::kUnsupported, "the folder contains no views; give one with 00_00.png ...", path.string()};
+    return fail(ErrorCode::kUnsupported, path, "the folder contains no views; give one with 00_00.png ...");
   }
   std::array<char, kMatlabHeaderBytes + kHdf5Signature.size()> head{};
   std::ifstream file(path, std::ios::binary);
-  if (!file) return Error{ErrorCode::kIo, "cannot open; check its permissions", path.string()};
+  if (!file) return fail(ErrorCode::kIo, path, "cannot open; check its permissions");
   file.read(head.data(), head.size());
   if (const auto kind = kind_of_bytes({head.data(), static_cast<size_t>(file.gcount())})) return *kind;
-  return Error{ErrorCode::kUnsupported,
-               "not a light field of a known kind; give a folder of views, .mat, .h5, .npy, .npz or a lenslet mosaic",
-               path.string()};
+  return fail(ErrorCode::kUnsupported, path,
+              "not a light field of a known kind; give a folder of views, .mat, .h5, .npy, .npz or a lenslet mosaic");
 }
 
 Result<bool> holds_light_field(LightFieldKind kind, const fs::path& path) {
@@ -95,8 +92,7 @@ Result<LightField> read_npz_light_field(const fs::path& path, const ReadOptions&
   if (const NpyArray* array = find_light_field(arrays)) return from_npy(*array, options, path.string());
   std::vector<std::string> names;
   for (const auto& [name, array] : arrays) names.push_back(name);
-  return Error{ErrorCode::kNotFound, cat("no array light_field, but ", join(names), "; store it under that name"),
-               path.string()};
+  return fail(ErrorCode::kNotFound, path, "no array light_field, but ", join(names), "; store it under that name");
 }
 
 /// Reads the views in the order in which they are stored.
@@ -122,7 +118,7 @@ Result<LightField> read_stored(const fs::path& path, const ReadOptions& options,
       return from_npy(array, options, path.string());
     }
   }
-  return Error{ErrorCode::kInternal, "unknown kind of light field", path.string()};
+  return fail(ErrorCode::kInternal, path, "unknown kind of light field");
 }
 
 }  // namespace
@@ -167,8 +163,8 @@ Result<LightFieldKind> detect_kind(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const LightFieldKind kind, storage_kind(path));
   E2LF_ASSIGN_OR_RETURN(const bool holds, holds_light_field(kind, path));
   if (holds) return kind;
-  return Error{ErrorCode::kUnsupported,
-               cat("an ", kind_name(kind), " that does not contain a light field; check the file"), path.string()};
+  return fail(ErrorCode::kUnsupported, path, "an ", kind_name(kind),
+              " that does not contain a light field; check the file");
 }
 
 Result<LightField> read_light_field(const fs::path& path, const ReadOptions& options, const ProgressFn& progress) {
@@ -208,8 +204,7 @@ Result<LightFieldFormat> parse_format(const std::string& word) {
     if (word == known.word) return known.format;
     words.emplace_back(known.word);
   }
-  return Error{ErrorCode::kInvalidValue,
-               cat("no light-field format is called \"", word, "\"; use one of ", join(words)), ""};
+  return fail(ErrorCode::kInvalidValue, "", "no light-field format is called \"", word, "\"; use one of ", join(words));
 }
 
 bool is_folder_format(LightFieldFormat format) {

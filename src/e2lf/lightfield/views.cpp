@@ -22,10 +22,9 @@ bool fits(size_t first, size_t count, size_t extent) {
 Result<LightField> crop(const LightFieldView& light_field, const CropRegion& region) {
   const Shape shape = shape_of(light_field);
   if (!fits(region.y, region.height, shape.height) || !fits(region.x, region.width, shape.width)) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("cannot crop ", region.height, "x", region.width, " pixels at (y ", region.y, ", x ", region.x,
-                     ") from views of ", shape.height, "x", shape.width, "; choose a region inside the views"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "cannot crop ", region.height, "x", region.width, " pixels at (y ",
+                region.y, ", x ", region.x, ") from views of ", shape.height, "x", shape.width,
+                "; choose a region inside the views");
   }
   LightField cropped({shape.views_y, shape.views_x, region.height, region.width, shape.channels});
   const LightFieldOutput to = cropped;
@@ -77,8 +76,8 @@ Result<Orientation> stored_orientation(const fs::path& path) {
   if (!record.contains(place)) return Orientation{};
   const std::string location = cat(record_path.string(), ": $.notes.views.stored");
   if (!record.at(place).is_string()) {
-    return Error{ErrorCode::kInvalidValue,
-                 "the orientation of the views is not a text; reconstruct the light field again", location};
+    return fail(ErrorCode::kInvalidValue, location,
+                "the orientation of the views is not a text; reconstruct the light field again");
   }
   return capture::orientation_from_name(record.at(place).get<std::string>(), location);
 }

@@ -38,11 +38,9 @@ Result<capture::Codes> codes_from_tensor(const Model& model, const Safetensors& 
 Result<Json> header_of(const Safetensors& tensors, const std::string& file) {
   const auto metadata = tensors.metadata.find(kMetadataKey);
   if (metadata == tensors.metadata.end()) {
-    return Error{
-        ErrorCode::kFormat,
-        "not an e2lf model (its metadata has no \"e2lf\"); `e2lf model import` creates one from the weights of "
-        "the paper or of a published network",
-        file};
+    return fail(ErrorCode::kFormat, file,
+                "not an e2lf model (its metadata has no \"e2lf\"); `e2lf model import` creates one from the weights of "
+                "the paper or of a published network");
   }
   return parse_json(metadata->second, cat(file, ": ", kMetadataKey));
 }
@@ -204,10 +202,8 @@ Result<void> check_measurement(const Model& model, const std::string& stated, co
   const auto needed = measurement_of(model.input);
   if (!needed) return Error{needed.error().code, needed.error().message, reader.child_location("input")};
   if (stated == capture::measurement_name(*needed)) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("the header states ", stated, ", but the inputs require ", capture::measurement_name(*needed),
-                   "; make them agree"),
-               reader.child_location(kMeasurement)};
+  return fail(ErrorCode::kInvalidValue, reader.child_location(kMeasurement), "the header states ", stated,
+              ", but the inputs require ", capture::measurement_name(*needed), "; make them agree");
 }
 
 /// The version is checked first, because another version has other keys.
@@ -232,10 +228,9 @@ Result<void> check_kind(const Json& header, const std::string& expected, const s
                 "; use a newer build");
   }
   if (is_video == is_expected_video) return {};
-  return Error{ErrorCode::kUnsupported,
-               is_video ? "this model reconstructs frames from voxel grids, not light fields; use it with `e2lf video`"
-                        : "this model reconstructs light fields, not frames; use it with `e2lf reconstruct`",
-               location + "." + kMeasurement};
+  return fail(ErrorCode::kUnsupported, location + "." + kMeasurement,
+              is_video ? "this model reconstructs frames from voxel grids, not light fields; use it with `e2lf video`"
+                       : "this model reconstructs light fields, not frames; use it with `e2lf reconstruct`");
 }
 
 const char* input_kind_name(InputKind kind) {
@@ -279,11 +274,10 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
   if (!has_images && !has_lenses) return has_sum ? MeasurementKind::kHybrid : MeasurementKind::kEventImages;
   if (has_images && !has_events && !has_sum && !has_lenses) return MeasurementKind::kCodedImages;
   if (has_lenses && !has_events && !has_sum && !has_images) return MeasurementKind::kLensArray;
-  return Error{ErrorCode::kInvalidValue,
-               "no measurement provides all of these inputs; use only images, only lens-array, or only inputs from "
-               "events with or without "
-               "image-sum",
-               "input"};
+  return fail(ErrorCode::kInvalidValue, "input",
+              "no measurement provides all of these inputs; use only images, only lens-array, or only inputs from "
+              "events with or without "
+              "image-sum");
 }
 
 bool is_conditioned_on_camera(const Model& model) {

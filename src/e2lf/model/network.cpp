@@ -47,7 +47,7 @@ class LayerCheck {
   }
 
  private:
-  [[nodiscard]] static Error invalid(const std::string& message) { return {ErrorCode::kInvalidValue, message, ""}; }
+  [[nodiscard]] static Error invalid(const std::string& message) { return fail(ErrorCode::kInvalidValue, "", message); }
 
   [[nodiscard]] Result<LayerShape> find(const std::string& name) const {
     const auto found = known_.find(name);

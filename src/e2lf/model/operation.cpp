@@ -14,11 +14,11 @@ namespace {
 using Inputs = std::span<const LayerShape>;
 
 Error invalid(const std::string& message) {
-  return {ErrorCode::kInvalidValue, message, ""};
+  return fail(ErrorCode::kInvalidValue, "", message);
 }
 
 Error misfit(const std::string& message) {
-  return {ErrorCode::kShape, message, ""};
+  return fail(ErrorCode::kShape, "", message);
 }
 
 Operation conv() {

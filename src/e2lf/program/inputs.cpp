@@ -111,8 +111,7 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
   E2LF_ASSIGN_OR_RETURN(std::optional<KnownCodes> known, find_codes(source, model, std::nullopt, record));
   if (known) return std::move(*known);
   if (!source.model.empty()) {
-    return Error{ErrorCode::kNotFound, "the model contains no aperture patterns; give them with --codes",
-                 source.model.string()};
+    return fail(ErrorCode::kNotFound, source.model, "the model contains no aperture patterns; give them with --codes");
   }
   known.emplace();
   E2LF_ASSIGN_OR_RETURN(known->codes, pipeline::usual_patterns());
@@ -216,10 +215,8 @@ Result<lightfield::LightField> load_to_show(const fs::path& path, const LightFie
   const auto [width, height] = std::pair(light_field.shape().width, light_field.shape().height);
   for (const float disparity : disparities) {
     if (std::abs(disparity) < static_cast<float>(std::max(width, height))) continue;
-    return Error{ErrorCode::kInvalidValue,
-                 cat("a disparity of ", disparity, " px per view step exceeds the image of ", width, "x", height,
-                     " px; use a disparity closer to 0"),
-                 path.string()};
+    return fail(ErrorCode::kInvalidValue, path, "a disparity of ", disparity, " px per view step exceeds the image of ",
+                width, "x", height, " px; use a disparity closer to 0");
   }
   return light_field;
 }

@@ -38,7 +38,7 @@ Error continue_as(const std::string& name, std::vector<std::string> arguments, c
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   ::execv(program.c_str(), pointers.data());
-  return {ErrorCode::kMissingDependency, cat("cannot start it (", std::strerror(errno), "); ", remedy), program};
+  return fail(ErrorCode::kMissingDependency, program, "cannot start it (", std::strerror(errno), "); ", remedy);
 }
 
 Result<void> find_device(const std::string& device) {

@@ -161,14 +161,14 @@ constexpr std::array kNotRepeated = {"json", "quiet", "overwrite"};
 Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI::App& app,
                                                    const std::string& location) {
   if (!config.is_object())
-    return Error{ErrorCode::kFormat, "the configuration is not an object; write { ... }", location};
+    return fail(ErrorCode::kFormat, location, "the configuration is not an object; write { ... }");
   const std::vector<std::string> known = long_flags(app);
   std::vector<std::string> flags;
   for (const auto& [key, value] : config.items()) {
     std::string name = key;
     std::replace(name.begin(), name.end(), '_', '-');
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      return Error{ErrorCode::kInvalidValue, cat("unknown key \"", key, "\"; ", suggestion(name, known)), location};
+      return fail(ErrorCode::kInvalidValue, location, "unknown key \"", key, "\"; ", suggestion(name, known));
     }
     for (const Json& one : value.is_array() ? value : Json::array({value})) {
       if (one.is_boolean()) {
@@ -264,10 +264,8 @@ Result<Json> Verb::read_config() {
   E2LF_ASSIGN_OR_RETURN(Json config, read_json(config_));
   if (!config.is_object() || !config.contains("verb") || !config.contains("options")) return config;
   if (config["verb"] != name_) {
-    return Error{
-        ErrorCode::kInvalidValue,
-        cat("this is the record of a run of another verb (", json_line(config["verb"]), "); give one of ", name_),
-        config_};
+    return fail(ErrorCode::kInvalidValue, config_, "this is the record of a run of another verb (",
+                json_line(config["verb"]), "); give one of ", name_);
   }
   for (const char* name : kNotRepeated) config["options"].erase(name);
   resolve_recorded_paths(config, app_);
@@ -291,7 +289,7 @@ Result<void> Verb::refuse_options(const std::string& group, const std::string& w
     if (option->get_group() != group || option->count() == 0) continue;
     // A run that is repeated from its record also repeats the defaults.
     if (join(option->results()) == option->get_default_str()) continue;
-    return Error{ErrorCode::kInvalidValue, cat("has no effect on ", what, "; omit it"), option->get_name()};
+    return fail(ErrorCode::kInvalidValue, option->get_name(), "has no effect on ", what, "; omit it");
   }
   return {};
 }

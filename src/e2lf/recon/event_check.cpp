@@ -83,13 +83,11 @@ Result<EventError> pixel_error(const EventCheck& check, const LightFieldView& li
 Result<EventError> event_error(const EventCheck& check, const LightFieldView& light_field, float gain,
                                const PlanesView<const int16_t>& given) {
   if (check.codes.num_patterns != given.extents[0] + 1) {
-    return Error{ErrorCode::kShape,
-                 cat("the codes have ", check.codes.num_patterns, " patterns, the events ", given.extents[0],
-                     " transitions; give the codes with which the events were recorded"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "the codes have ", check.codes.num_patterns, " patterns, the events ",
+                given.extents[0], " transitions; give the codes with which the events were recorded");
   }
   if (light_field.extents[2] != given.extents[1] || light_field.extents[3] != given.extents[2]) {
-    return Error{ErrorCode::kShape, "the light field and the events differ in size", ""};
+    return fail(ErrorCode::kShape, "", "the light field and the events differ in size");
   }
   if (check.pixels) return pixel_error(check, light_field, gain, given);
   E2LF_ASSIGN_OR_RETURN(const auto intensities, sensor::coded_intensities(check.codes, light_field));

@@ -11,6 +11,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/strided_view.h"
+#include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/model/model.h"
@@ -26,7 +27,7 @@ class IntensityTable {
     if (std::isfinite(constants.eps) && constants.eps > 0 && std::isfinite(constants.tau) && constants.tau > 0) {
       return {};
     }
-    return Error{ErrorCode::kInvalidValue, "eps and tau of the sensor must be positive; give its constants", ""};
+    return fail(ErrorCode::kInvalidValue, "", "eps and tau of the sensor must be positive; give its constants");
   }
 
   /// at_mean() needs the number of cycles over which counts are summed.

@@ -25,10 +25,8 @@ int sign(int value) {
 Result<void> check(const capture::EventImages& images, const InversionOptions& options) {
   E2LF_RETURN_IF_ERROR(IntensityTable::check(options.constants));
   if (options.black <= images.count) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("the black pattern is number ", options.black, " but there are ", images.count + 1,
-                   " patterns; count from 0"),
-               ""};
+  return fail(ErrorCode::kInvalidValue, "", "the black pattern is number ", options.black, " but there are ",
+              images.count + 1, " patterns; count from 0");
 }
 
 }  // namespace
@@ -187,8 +185,7 @@ void render_row(const View& view, std::span<const PlacedImage> images, std::span
 
 Result<void> check_not_empty(const capture::CodedIntensities& images) {
   if (images.image_size() > 0) return {};
-  return Error{ErrorCode::kShape, cat("images of ", images.width, "x", images.height, " are empty; give some pixels"),
-               ""};
+  return fail(ErrorCode::kShape, "", "images of ", images.width, "x", images.height, " are empty; give some pixels");
 }
 
 }  // namespace
@@ -229,16 +226,14 @@ std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const
 Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& intensities,
                                                const capture::Codes& codes, const LinearEstimateOptions& options) {
   if (intensities.count != codes.num_patterns) {
-    return Error{ErrorCode::kShape,
-                 cat("there are ", intensities.count, " coded images but ", codes.num_patterns,
-                     " patterns; use the patterns that the events were recorded with"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "there are ", intensities.count, " coded images but ", codes.num_patterns,
+                " patterns; use the patterns that the events were recorded with");
   }
   E2LF_RETURN_IF_ERROR(check_not_empty(intensities));
   const PlacedImages placed = place_images(intensities, codes);
   const std::vector<PlacedImage>& images = placed.images;
   const std::vector<size_t>& lit = placed.patterns;
-  if (lit.empty()) return Error{ErrorCode::kInvalidValue, "every pattern is black; use patterns with open cells", ""};
+  if (lit.empty()) return fail(ErrorCode::kInvalidValue, "", "every pattern is black; use patterns with open cells");
 
   lightfield::LightField light_field({codes.views_y, codes.views_x, intensities.height, intensities.width});
   const lightfield::Shape& shape = light_field.shape();

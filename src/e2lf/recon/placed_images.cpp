@@ -112,18 +112,15 @@ Result<size_t> black_pattern(const capture::EventImages& images, const capture::
   size_t black = 0;
   while (black < codes.num_patterns && !is_black(black)) ++black;
   if (black == codes.num_patterns) {
-    return Error{ErrorCode::kInvalidValue,
-                 "no pattern is black, so events do not determine intensities; use a trained model", ""};
+    return fail(ErrorCode::kInvalidValue, "",
+                "no pattern is black, so events do not determine intensities; use a trained model");
   }
   if (images.count + 1 != codes.num_patterns) {
-    return Error{ErrorCode::kShape,
-                 cat(images.count, " event images do not fit ", codes.num_patterns,
-                     " patterns; use the patterns that the events were recorded with"),
-                 ""};
+    return fail(ErrorCode::kShape, "", images.count, " event images do not fit ", codes.num_patterns,
+                " patterns; use the patterns that the events were recorded with");
   }
   if (images.image_size() > 0) return black;
-  return Error{ErrorCode::kShape, cat("images of ", images.width, "x", images.height, " are empty; give some pixels"),
-               ""};
+  return fail(ErrorCode::kShape, "", "images of ", images.width, "x", images.height, " are empty; give some pixels");
 }
 
 }  // namespace e2lf::recon

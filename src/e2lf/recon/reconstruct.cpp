@@ -189,34 +189,26 @@ size_t Reconstructor::num_passes(size_t wanted) const {
 Result<void> Reconstructor::check(const capture::MeasurementView& measurement) const {
   const capture::MeasurementKind wanted = model_.measurement();
   if (measurement.kind != wanted) {
-    return Error{
-        ErrorCode::kInvalidValue,
-        cat("this is the measurement ", capture::measurement_name(measurement.kind), ", the model ", model_.name,
-            " takes ", capture::measurement_name(wanted), "; use a model that was trained for it"),
-        ""};
+    return fail(ErrorCode::kInvalidValue, "", "this is the measurement ", capture::measurement_name(measurement.kind),
+                ", the model ", model_.name, " takes ", capture::measurement_name(wanted),
+                "; use a model that was trained for it");
   }
   const auto [transitions, height, width] = measurement.events.extents;
   if (capture::has_events(wanted) && (transitions + 1 != model_.num_patterns || height * width == 0)) {
-    return Error{
-        ErrorCode::kShape,
-        cat("there are ", transitions, " event images of ", width, "x", height, " but the model was trained for ",
-            model_.num_patterns - 1, "; use the model that belongs to the patterns of the recording"),
-        ""};
+    return fail(ErrorCode::kShape, "", "there are ", transitions, " event images of ", width, "x", height,
+                " but the model was trained for ", model_.num_patterns - 1,
+                "; use the model that belongs to the patterns of the recording");
   }
   const auto [count, image_height, image_width] = measurement.images.extents;
   const size_t num_images = capture::num_images(wanted, model_.num_patterns);
   if (count != num_images || (num_images > 0 && image_height * image_width == 0)) {
-    return Error{ErrorCode::kShape,
-                 cat("there are ", count, " intensity images of ", image_width, "x", image_height,
-                     " but the model was trained for ", num_images, "; use the model that belongs to the patterns"),
-                 ""};
+    return fail(ErrorCode::kShape, "", "there are ", count, " intensity images of ", image_width, "x", image_height,
+                " but the model was trained for ", num_images, "; use the model that belongs to the patterns");
   }
   const bool has_lenses = image_height % capture::kLensPixels == 0 && image_width % capture::kLensPixels == 0;
   if (wanted != capture::MeasurementKind::kLensArray || has_lenses) return {};
-  return Error{ErrorCode::kShape,
-               cat("an image of ", image_width, "x", image_height,
-                   " does not consist of complete lenses; crop it to multiples of ", capture::kLensPixels, " pixels"),
-               ""};
+  return fail(ErrorCode::kShape, "", "an image of ", image_width, "x", image_height,
+              " does not consist of complete lenses; crop it to multiples of ", capture::kLensPixels, " pixels");
 }
 
 Result<void> Reconstructor::reconstruct_into(const capture::MeasurementView& measurement, size_t cycles,

@@ -29,10 +29,8 @@ Result<Bases> read_bases(CheckpointImporter& importer, const std::string& key, s
                     coefficients > 0 && coefficients <= kMostFilterValues &&
                     bases.taps() <= kMostFilterValues / bases.filters;
   if (!fits) {
-    return Error{ErrorCode::kShape,
-                 cat("the bases have shape ", shape_text(shape), ", but there are ", coefficients,
-                     " coefficients; give the published file"),
-                 importer.location(key)};
+    return fail(ErrorCode::kShape, importer.location(key), "the bases have shape ", shape_text(shape),
+                ", but there are ", coefficients, " coefficients; give the published file");
   }
   E2LF_ASSIGN_OR_RETURN(bases.values, importer.values(key, shape[0] * shape[1]));
   return bases;

@@ -235,9 +235,9 @@ Result<void> import_unet(CheckpointImporter& importer, const std::string& encode
   for (size_t i = 0; skips.size() > 1; ++i) {
     const std::string key = cat(decoder, i);
     if (importer.has(key + ".transposed_conv2d.weight")) {
-      return Error{
-          ErrorCode::kUnsupported,
-          "its decoders are transposed convolutions, which are not supported; give a network that resizes first", key};
+      return fail(
+          ErrorCode::kUnsupported, key,
+          "its decoders are transposed convolutions, which are not supported; give a network that resizes first");
     }
     x = sum(cat("join", i));
     x = importer.add(

@@ -61,7 +61,7 @@ class Screen {
 namespace {
 
 Error graphics_error(const std::string& what) {
-  return {ErrorCode::kIo, cat(what, " (", SDL_GetError(), "); check DISPLAY and the graphics driver"), "display"};
+  return fail(ErrorCode::kIo, "display", what, " (", SDL_GetError(), "); check DISPLAY and the graphics driver");
 }
 
 }  // namespace

@@ -234,11 +234,10 @@ Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
   if (!is_model && kind != FileKind::kImages) {
     return other_kind_error(arguments.input, kind, "a recording, event images or a light field");
   }
-  return Error{
-      ErrorCode::kUnsupported,
+  return fail(
+      ErrorCode::kUnsupported, arguments.input,
       is_model ? cat("this is ", kind_text(kind), "; other programs take it as ONNX, which `e2lf model export` writes")
-               : cat("there is no other format for ", kind_text(kind), "; other programs read .npz"),
-      arguments.input.string()};
+               : cat("there is no other format for ", kind_text(kind), "; other programs read .npz"));
 }
 
 }  // namespace

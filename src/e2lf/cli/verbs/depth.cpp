@@ -131,8 +131,7 @@ void print_maps(const DisparityOutput& output, const CommonOptions& common, cons
 }
 
 Error no_map_error(const DisparityOutput& output) {
-  return {ErrorCode::kNotFound, "the recording contains no complete cycle; use a longer recording",
-          output.input.string()};
+  return fail(ErrorCode::kNotFound, output.input, "the recording contains no complete cycle; use a longer recording");
 }
 
 Result<void> to_file(const DisparityOutput& output, const DisparitySource& source, RunRecord& record,
@@ -239,7 +238,7 @@ Result<DisparityResult> estimate(const DepthArguments& arguments, const fs::path
 /// Fails if one of the options is given, which do not apply to this kind of input.
 Result<void> refuse(const Verb& verb, std::span<const char* const> options, const char* reason) {
   for (const char* option : options) {
-    if (verb.is_given(option)) return Error{ErrorCode::kInvalidValue, reason, option};
+    if (verb.is_given(option)) return fail(ErrorCode::kInvalidValue, option, reason);
   }
   return {};
 }
@@ -276,8 +275,8 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(complete_choice(arguments.method, std::move(setup), record, choice));
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, by_flag(pipeline::open_method(std::move(choice)), path));
   if (arguments.cycles_per_map > 1 && !method.takes_sums()) {
-    return Error{ErrorCode::kInvalidValue, cat(method.network->model().name, " takes one cycle for each map"),
-                 "--cycles-per-map"};
+    return fail(ErrorCode::kInvalidValue, "--cycles-per-map", method.network->model().name,
+                " takes one cycle for each map");
   }
   note_method(method, path, arguments.method.codes.model, 1, record);
   record.end_step("open");

@@ -9,9 +9,8 @@ namespace e2lf::cli {
 namespace {
 
 Error no_viewer() {
-  return {ErrorCode::kMissingDependency,
-          "this build has no viewer; install npm and libcpp-httplib-dev, configure and build again",
-          {}};
+  return fail(ErrorCode::kMissingDependency, "",
+              "this build has no viewer; install npm and libcpp-httplib-dev, configure and build again");
 }
 
 }  // namespace

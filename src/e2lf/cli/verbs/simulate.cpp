@@ -66,11 +66,9 @@ Result<void> check_model_flags(const SimulateArguments& arguments, const capture
   const bool has_flags = arguments.eps || arguments.tau || arguments.sigma_w || arguments.sigma_z ||
                          arguments.residue != 0.0F || !arguments.event_model.empty();
   if (!camera.is_pixel() || !has_flags) return {};
-  return Error{
-      ErrorCode::kInvalidValue,
-      cat("--event-model, --eps, --tau, --sigma-w, --sigma-z and --residue belong to the paper's model; leave ",
-          "them out, or change the constants in a camera file of your own"),
-      "--camera " + arguments.camera};
+  return fail(ErrorCode::kInvalidValue, "--camera " + arguments.camera,
+              "--event-model, --eps, --tau, --sigma-w, --sigma-z and --residue belong to the paper's model; leave ",
+              "them out, or change the constants in a camera file of your own");
 }
 
 Result<OutputFile> open_events(const SimulateArguments& arguments, const Verb& verb) {

@@ -150,12 +150,12 @@ Result<VideoReport> write_frames(const VideoArguments& arguments, cycles::Window
 Error no_frame_error(const VideoArguments& arguments, const cycles::WindowReader& windows) {
   const std::string input = arguments.input.string();
   if (arguments.window_triggers) {
-    return {ErrorCode::kInvalidValue,
-            cat("there are ", windows.triggers(), " triggers of the edge and input, and a frame needs two; choose ",
-                "others with --edge and --channel, or give --window-us"),
-            input};
+    return fail(ErrorCode::kInvalidValue, input, "there are ", windows.triggers(),
+                " triggers of the edge and input, and a frame needs two; choose ",
+                "others with --edge and --channel, or give --window-us");
   }
-  return {ErrorCode::kInvalidValue, "there are no events, so there are no frames; check --from-us and --to-us", input};
+  return fail(ErrorCode::kInvalidValue, input,
+              "there are no events, so there are no frames; check --from-us and --to-us");
 }
 
 Result<std::unique_ptr<recordings::RecordingReader>> open_input(const VideoArguments& arguments) {

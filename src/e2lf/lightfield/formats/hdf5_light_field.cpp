@@ -33,14 +33,13 @@ std::string find_name(hid_t file) {
 Result<OpenedSet> open_set(hid_t file, const std::filesystem::path& path) {
   std::string name = find_name(file);
   if (name.empty()) {
-    return Error{ErrorCode::kNotFound, "the file has no data set LF, LF_y or Hr_SAI_y; store the light field as LF_y",
-                 path.string()};
+    return fail(ErrorCode::kNotFound, path,
+                "the file has no data set LF, LF_y or Hr_SAI_y; store the light field as LF_y");
   }
   OpenedSet opened{{H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose}, std::move(name), {}};
   const std::string location = cat(path.string(), ": ", opened.name);
   if (!opened.set.valid()) {
-    return Error{ErrorCode::kFormat, cat("not a readable data set (", hdf5::last_reason(), "); store it again"),
-                 location};
+    return fail(ErrorCode::kFormat, location, "not a readable data set (", hdf5::last_reason(), "); store it again");
   }
   E2LF_ASSIGN_OR_RETURN(opened.storage, hdf5::inspect_storage(opened.set.get(), location));
   return opened;
@@ -158,8 +157,8 @@ Result<void> write_set(const std::filesystem::path& path, const std::string& nam
   const hdf5::LibraryLock lock;
   const std::vector<uint8_t> bytes = encode_hdf5(name, extents, values);
   if (bytes.empty()) {
-    return Error{ErrorCode::kInternal,
-                 cat("HDF5 could not encode ", name, " (", hdf5::last_reason(), "); write npy instead"), path.string()};
+    return fail(ErrorCode::kInternal, path, "HDF5 could not encode ", name, " (", hdf5::last_reason(),
+                "); write npy instead");
   }
   return write_file(path, bytes);
 }
@@ -176,18 +175,15 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   const hdf5::LibraryLock lock;
   const Handle file = hdf5::open_file(path);
   if (!file.valid()) {
-    return Error{ErrorCode::kFormat, cat("not a readable HDF5 file (", hdf5::last_reason(), "); copy it again"),
-                 path.string()};
+    return fail(ErrorCode::kFormat, path, "not a readable HDF5 file (", hdf5::last_reason(), "); copy it again");
   }
   E2LF_ASSIGN_OR_RETURN(const OpenedSet opened, open_set(file.get(), path));
   const std::string location = cat(path.string(), ": ", opened.name);
   StoredArray array = arrange(opened, options);
   if (array.shape.size() == 0) {
-    return Error{
-        ErrorCode::kShape,
-        cat("extents ", extents_text(opened.storage.extents),
-            " do not fit; LF is (U,V,H,W,C) or [U,V,H,W,C], LF_y [views, H, W], Hr_SAI_y [views_x * W, views_y * H]"),
-        location};
+    return fail(
+        ErrorCode::kShape, location, "extents ", extents_text(opened.storage.extents),
+        " do not fit; LF is (U,V,H,W,C) or [U,V,H,W,C], LF_y [views, H, W], Hr_SAI_y [views_x * W, views_y * H]");
   }
   const auto type = sample_type(opened.set.get(), options);
   if (!type) {
@@ -201,13 +197,13 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
 
   E2LF_RETURN_IF_ERROR(hdf5::check_filters(opened.storage, location));
   if (!holds_samples(opened.set.get(), opened.storage)) {
-    return Error{ErrorCode::kTruncated,
-                 "samples are missing, or packed by another filter than deflate; copy or store it again", location};
+    return fail(ErrorCode::kTruncated, location,
+                "samples are missing, or packed by another filter than deflate; copy or store it again");
   }
   std::vector<uint8_t> bytes(array.shape.size() * sample_bytes(*type));
   if (H5Dread(opened.set.get(), memory_type(*type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
-    return Error{ErrorCode::kFormat, cat("the samples cannot be read (", hdf5::last_reason(), "); copy the file again"),
-                 location};
+    return fail(ErrorCode::kFormat, location, "the samples cannot be read (", hdf5::last_reason(),
+                "); copy the file again");
   }
   array.bytes = bytes;
   return from_stored(array, options, location);

@@ -106,10 +106,9 @@ Result<void> check_layout(const RawImage& mosaic, Grid grid, const std::string& 
   const Steps steps = steps_of(mosaic);
   const double contrast = contrast_of(steps, grid);
   if (contrast < kClear && is_montage(mosaic, grid)) {
-    return Error{ErrorCode::kUnsupported,
-                 "the image contains whole views side by side instead of a lenslet mosaic; cut it into a folder of "
-                 "VV_UU.png (row_column)",
-                 location};
+    return fail(ErrorCode::kUnsupported, location,
+                "the image contains whole views side by side instead of a lenslet mosaic; cut it into a folder of "
+                "VV_UU.png (row_column)");
   }
   const size_t common = std::gcd(mosaic.width, mosaic.height);
   for (size_t n = 2; n <= kMostViews; ++n) {
@@ -133,12 +132,9 @@ Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOpt
                         is_png(bytes) ? decode_png(bytes, location) : decode_jpeg(bytes, location));
   E2LF_ASSIGN_OR_RETURN(const Grid grid, grid_of(path, options));
   if (mosaic.width % grid.views_x != 0 || mosaic.height % grid.views_y != 0) {
-    return Error{
-        ErrorCode::kShape,
-        cat("a mosaic of ", mosaic.width, "x", mosaic.height, " samples does not divide into microlenses of ",
-            grid.views_y, "x", grid.views_x,
-            " views; a single image is read as such a mosaic, give the folder to read views in separate files"),
-        location};
+    return fail(ErrorCode::kShape, location, "a mosaic of ", mosaic.width, "x", mosaic.height,
+                " samples does not divide into microlenses of ", grid.views_y, "x", grid.views_x,
+                " views; a single image is read as such a mosaic, give the folder to read views in separate files");
   }
   E2LF_RETURN_IF_ERROR(check_layout(mosaic, grid, location));
   StoredArray array;

@@ -70,11 +70,9 @@ std::optional<Shape> npy_shape(const NpyArray& array) {
 Result<LightField> from_npy(const NpyArray& array, const ReadOptions& options, const std::string& location) {
   const std::optional<Shape> shape = npy_shape(array);
   if (!shape) {
-    return Error{
-        ErrorCode::kShape,
-        cat("an array ", shape_text(array.shape), " of type ", array.type.empty() ? "record" : array.type,
-            " is not a light field; store float32 or uint8 [view_y, view_x, y, x] or [view, y, x], colour last"),
-        location};
+    return fail(ErrorCode::kShape, location, "an array ", shape_text(array.shape), " of type ",
+                array.type.empty() ? "record" : array.type,
+                " is not a light field; store float32 or uint8 [view_y, view_x, y, x] or [view, y, x], colour last");
   }
   const bool may_have_channels = shape->views_x == 3 || shape->views_x == 1;
   if (may_have_channels && shape->views_y > 3 && views_per_axis(shape->views_y) > 0) {
@@ -133,18 +131,17 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   const Result<MatArray> found = find_mat_array(file, "LF", options.max_bytes, location);
   if (!found && found.error().code == ErrorCode::kNotFound) {
     E2LF_ASSIGN_OR_RETURN(const std::vector<std::string> names, mat_variables(path));
-    return Error{ErrorCode::kNotFound,
-                 cat("the file contains no light field LF, but ", names.empty() ? "no variable" : join(names),
-                     "; save a light field under that name, and events as .csv with the columns t, x, y, p"),
-                 path.string()};
+    return fail(ErrorCode::kNotFound, path, "the file contains no light field LF, but ",
+                names.empty() ? "no variable" : join(names),
+                "; save a light field under that name, and events as .csv with the columns t, x, y, p");
   }
   if (!found) return found.error();
   const MatArray& variable = *found;
   const bool is_number = variable.array_class >= static_cast<uint8_t>(MatClass::kDouble) &&
                          variable.array_class <= static_cast<uint8_t>(MatClass::kUint32);
   if (!is_number || variable.complex) {
-    return Error{ErrorCode::kUnsupported,
-                 "not of class double, single, logical or integers of 8 to 32 bits, or complex; convert it", location};
+    return fail(ErrorCode::kUnsupported, location,
+                "not of class double, single, logical or integers of 8 to 32 bits, or complex; convert it");
   }
   const float white = white_of_class(variable);
   if (white == 0.0F && options.white == 0.0F) {
@@ -154,8 +151,7 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   }
   const std::vector<size_t>& extents = variable.extents;
   if (extents.size() != 4 && extents.size() != 5) {
-    return Error{ErrorCode::kShape, cat("has extents ", shape_text(extents), "; store (U,V,H,W) or (U,V,H,W,C)"),
-                 location};
+    return fail(ErrorCode::kShape, location, "has extents ", shape_text(extents), "; store (U,V,H,W) or (U,V,H,W,C)");
   }
   StoredArray array;
   array.shape = {extents[0], extents[1], extents[2], extents[3], extents.size() == 5 ? extents[4] : 1};
@@ -174,8 +170,7 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
     array.bytes = {reinterpret_cast<const uint8_t*>(widened.data()), widened.size() * sizeof(float)};
   }
   if (array.bytes.size() != array.shape.size() * sample_bytes(array.type)) {
-    return Error{ErrorCode::kFormat, cat("the samples do not fill ", shape_text(extents), "; save the file again"),
-                 location};
+    return fail(ErrorCode::kFormat, location, "the samples do not fill ", shape_text(extents), "; save the file again");
   }
   return from_stored(array, options, location);
 }

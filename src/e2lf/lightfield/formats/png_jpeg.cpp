@@ -86,8 +86,8 @@ class JpegReader {
   }
 
   [[nodiscard]] Error error(const std::string& name) const {
-    if (errors_.ended) return {ErrorCode::kTruncated, "the JPEG ends before its image does; copy it again", name};
-    return {ErrorCode::kFormat, cat("damaged JPEG (", errors_.message, "); copy it again"), name};
+    if (errors_.ended) return fail(ErrorCode::kTruncated, name, "the JPEG ends before its image does; copy it again");
+    return fail(ErrorCode::kFormat, name, "damaged JPEG (", errors_.message, "); copy it again");
   }
 
  private:
@@ -105,7 +105,7 @@ Result<RawImage> decode_jpeg(std::span<const uint8_t> bytes, const std::string& 
   RawImage image;
   JpegReader reader;
   if (!reader.read_header(bytes, image)) return reader.error(name);
-  if (reader.is_cmyk()) return Error{ErrorCode::kUnsupported, "a CMYK JPEG; convert it to RGB or PNG", name};
+  if (reader.is_cmyk()) return fail(ErrorCode::kUnsupported, name, "a CMYK JPEG; convert it to RGB or PNG");
   const double pixels = static_cast<double>(image.width) * static_cast<double>(image.height);
   E2LF_RETURN_IF_ERROR(check_image_size(image, pixels / kMaxPixelsPerByte, bytes.size(), name));
   image.samples.resize(image.height * image.row_bytes());
@@ -185,8 +185,8 @@ class PngReader {
   [[nodiscard]] double stored_bytes() const { return stored_bytes_; }
 
   [[nodiscard]] Error error(const std::string& name) const {
-    if (failure_.ended) return {ErrorCode::kTruncated, "the PNG ends before its image does; copy it again", name};
-    return {ErrorCode::kFormat, cat("damaged PNG (", failure_.message, "); copy it again"), name};
+    if (failure_.ended) return fail(ErrorCode::kTruncated, name, "the PNG ends before its image does; copy it again");
+    return fail(ErrorCode::kFormat, name, "damaged PNG (", failure_.message, "); copy it again");
   }
 
  private:
@@ -237,7 +237,7 @@ class PngWriter {
   }
 
   [[nodiscard]] Error error() const {
-    return {ErrorCode::kInternal, cat("libpng could not encode an image (", failure_.message, "); check its size"), ""};
+    return fail(ErrorCode::kInternal, "", "libpng could not encode an image (", failure_.message, "); check its size");
   }
 
   std::vector<uint8_t> bytes;

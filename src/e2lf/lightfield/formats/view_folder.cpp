@@ -110,10 +110,8 @@ Result<FlatGrid> find_flat_grid(const std::vector<size_t>& numbers, size_t colum
   const size_t first = numbers.front(), last = numbers.back();
   if (columns == 0) columns = views_per_axis(last - first + 1);
   if (columns > 0) return FlatGrid{first, columns};
-  return Error{ErrorCode::kInvalidValue,
-               cat(numbers.size(), " views are numbered consecutively from ", first, " to ", last,
-                   ", which is not a square grid; give the number of view columns, or copy the missing views"),
-               folder.string()};
+  return fail(ErrorCode::kInvalidValue, folder, numbers.size(), " views are numbered consecutively from ", first,
+              " to ", last, ", which is not a square grid; give the number of view columns, or copy the missing views");
 }
 
 /// The numbers of rows or columns from the first to the last, which are `step` apart, since only every second view may
@@ -185,8 +183,8 @@ Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOpt
       const size_t column = grid.columns.first + grid.columns.step * chosen.x[view_x];
       const auto found = grid.files.find({row, column});
       if (found == grid.files.end()) {
-        return Error{ErrorCode::kNotFound, "the view is missing; copy the folder again",
-                     (folder / missing_name(views, grid, row, column)).string()};
+        return fail(ErrorCode::kNotFound, (folder / missing_name(views, grid, row, column)).string(),
+                    "the view is missing; copy the folder again");
       }
       files.push_back(found->second);
     }
@@ -208,11 +206,9 @@ Result<void> store_view(Image image, size_t view, const fs::path& file, const fs
   const Shape& shape = out.shape();
   if (shape.channels == 1) image = to_grey(std::move(image));
   if (image.width != shape.width || image.height != shape.height || image.channels != shape.channels) {
-    return Error{ErrorCode::kShape,
-                 cat("the view is ", image.width, "x", image.height, " with ", image.channels, " channels, but ",
-                     first_file.filename().string(), " is ", shape.width, "x", shape.height, " with ", shape.channels,
-                     "; all views must have one size"),
-                 file.string()};
+    return fail(ErrorCode::kShape, file, "the view is ", image.width, "x", image.height, " with ", image.channels,
+                " channels, but ", first_file.filename().string(), " is ", shape.width, "x", shape.height, " with ",
+                shape.channels, "; all views must have one size");
   }
   std::copy(image.pixels.begin(), image.pixels.end(), out.view(view / shape.views_x, view % shape.views_x).begin());
   return {};
@@ -309,13 +305,11 @@ Result<ViewFiles> list_views(const fs::path& folder) {
     views.kind = view->kind;
     const auto [other, added] = views.files.insert({{view->row, view->column}, file});
     if (!added) {
-      return Error{ErrorCode::kFormat,
-                   cat("the same view as ", other->second.filename().string(), "; remove one of the two"),
-                   file.string()};
+      return fail(ErrorCode::kFormat, file, "the same view as ", other->second.filename().string(),
+                  "; remove one of the two");
     }
   }
-  if (error)
-    return Error{ErrorCode::kIo, cat("cannot list the folder (", error.message(), "); check it"), folder.string()};
+  if (error) return fail(ErrorCode::kIo, folder, "cannot list the folder (", error.message(), "); check it");
   if (kinds.empty()) return list_pairs(others).value_or(ViewFiles{});
   ViewFiles most;
   size_t all = 0;
@@ -330,7 +324,7 @@ Result<ViewFiles> list_views(const fs::path& folder) {
 Result<LightField> read_view_folder(const fs::path& folder, const ReadOptions& options, const ProgressFn& progress) {
   E2LF_ASSIGN_OR_RETURN(const ViewFiles views, list_views(folder));
   if (views.files.empty()) {
-    return Error{ErrorCode::kNotFound, "the folder contains no views; give one with 00_00.png ...", folder.string()};
+    return fail(ErrorCode::kNotFound, folder, "the folder contains no views; give one with 00_00.png ...");
   }
   if (views.others > 0) {
     log_warning(cat(folder.string(), ": read the ", views.files.size(), " views that are named like ",

@@ -251,10 +251,8 @@ Result<void> check_size(const Model& model) {
   size_t bytes = 0;
   for (const auto& [name, values] : model.weights) bytes += values.size() * sizeof(float);
   if (bytes <= kMostWeights) return {};
-  return Error{
-      ErrorCode::kUnsupported,
-      cat("the weights take ", bytes >> 20, " MiB, but an ONNX file can hold at most 2 GiB; use a smaller network"),
-      model.name};
+  return fail(ErrorCode::kUnsupported, model.name, "the weights take ", bytes >> 20,
+              " MiB, but an ONNX file can hold at most 2 GiB; use a smaller network");
 }
 
 /// Extends the images at the bottom and right to multiples of what the network needs by repeating the last row and
