@@ -2,11 +2,11 @@
 #include "e2lf/pipeline/event_depth.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/depth/laplace_map.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/inversion.h"
@@ -32,6 +32,22 @@ Result<lightfield::Image> mean_picture(const model::Model& model, const capture:
   return picture;
 }
 
+/// Returns the map whose disparities have Laplace distributions with this location (px per view step) and logarithm of
+/// the scale, [y, x] each. The expected error is the scale, from which the confidence follows: 0.5 at 0.07 px. The
+/// range is that of the disparities.
+depth::DisparityMap map_of_laplace(lightfield::Image location, const lightfield::Image& log_scale,
+                                   const depth::ViewIndex& view) {
+  constexpr float kHalfErrorPx = 0.07F, kMostLog = 20.0F;  // beyond this, squares overflow
+  depth::DisparityMap map{.disparity = std::move(location), .confidence = log_scale, .view = view, .range = {}};
+  for (float& value : map.confidence.pixels) {
+    const float ratio = std::exp(std::min(value, kMostLog)) / kHalfErrorPx;
+    value = 1 / (1 + ratio * ratio);
+  }
+  const auto [least, most] = std::minmax_element(map.disparity.pixels.begin(), map.disparity.pixels.end());
+  map.range = {*least, *most};
+  return map;
+}
+
 }  // namespace
 
 Result<EventDepth> depth_of_outputs(const model::Model& model, const lightfield::LightField& outputs,
@@ -48,7 +64,7 @@ Result<EventDepth> depth_of_outputs(const model::Model& model, const lightfield:
   if (!views.is_upright()) {
     for (float& value : location.pixels) value = -value;
   }
-  depth::DisparityMap map = depth::map_of_laplace(std::move(location), lightfield::view_image(outputs, 0, 1),
+  depth::DisparityMap map = map_of_laplace(std::move(location), lightfield::view_image(outputs, 0, 1),
                                                   {model.views_y / 2, model.views_x / 2});
   E2LF_ASSIGN_OR_RETURN(lightfield::Image picture, mean_picture(model, events, cycles));
   return EventDepth{std::move(map), std::move(picture)};
