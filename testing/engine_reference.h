@@ -6,15 +6,95 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/engine/operation.h"
+#include "e2lf/model/operation.h"
 
 namespace e2lf::engine {
+
+/// The memory of recurrent layers by names that begin with those of the layers; [channel, y, x] each. If it is empty,
+/// the network is at rest.
+using ReferenceState = std::map<std::string, std::vector<float>>;
+
+/// A tensor [channel, y, x].
+struct ReferencePlanes {
+  size_t channels = 0, height = 0, width = 0;
+  std::vector<float> values;
+
+  ReferencePlanes(size_t c, size_t h, size_t w) : channels(c), height(h), width(w), values(c * h * w) {}
+  [[nodiscard]] float& at(size_t c, size_t y, size_t x) { return values[(c * height + y) * width + x]; }
+  [[nodiscard]] float at(size_t c, size_t y, size_t x) const { return values[(c * height + y) * width + x]; }
+
+  /// Returns the value, or zero outside of the image.
+  [[nodiscard]] float at_or_zero(size_t c, ptrdiff_t y, ptrdiff_t x) const;
+
+  /// Sets each value, in any order and by several threads.
+  void fill(const std::function<float(size_t c, size_t y, size_t x)>& value);
+};
+
+struct ReferenceKernel {
+  const std::vector<float>& weight;
+  const std::vector<float>& bias;
+};
+
+/// The evaluation of one layer.
+struct ReferenceCall {
+  const model::Layer& layer;
+  std::vector<const ReferencePlanes*> inputs;
+  ReferencePlanes output;  ///< of the shape of the result, to be filled
+  const model::Weights& weights;
+  ReferenceState& state;
+
+  /// Returns "<name>.weight" and "<name>.bias". Fails with kNotFound; numbers of values other than `size` and `out`
+  /// break the contract.
+  [[nodiscard]] Result<ReferenceKernel> kernel(const std::string& name, size_t size, size_t out) const;
+
+  /// Returns the state of that name, which is zero at rest. A state of another size breaks the contract.
+  [[nodiscard]] std::vector<float>& remembered(const std::string& name, size_t size);
+};
+
+inline float ReferencePlanes::at_or_zero(size_t c, ptrdiff_t y, ptrdiff_t x) const {
+  const bool is_inside = y >= 0 && y < static_cast<ptrdiff_t>(height) && x >= 0 && x < static_cast<ptrdiff_t>(width);
+  return is_inside ? at(c, static_cast<size_t>(y), static_cast<size_t>(x)) : 0.0F;
+}
+
+inline void ReferencePlanes::fill(const std::function<float(size_t c, size_t y, size_t x)>& value) {
+  parallel_for(channels * height, 1, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row) {
+      for (size_t x = 0; x < width; ++x) values[row * width + x] = value(row / height, row % height, x);
+    }
+  });
+}
+
+inline Result<ReferenceKernel> ReferenceCall::kernel(const std::string& name, size_t size, size_t out) const {
+  const auto weight = weights.find(name + ".weight");
+  const auto bias = weights.find(name + ".bias");
+  if (weight == weights.end() || bias == weights.end()) {
+    return fail(ErrorCode::kNotFound, "", "the weights lack those of ", name, "; use a complete model");
+  }
+  E2LF_REQUIRE(weight->second.size() == size, name + ".weight has another size");
+  E2LF_REQUIRE(bias->second.size() == out, name + ".bias has another size");
+  return ReferenceKernel{weight->second, bias->second};
+}
+
+inline std::vector<float>& ReferenceCall::remembered(const std::string& name, size_t size) {
+  std::vector<float>& values = state[name];
+  if (values.empty()) values.assign(size, 0.0F);
+  E2LF_REQUIRE(values.size() == size, "the state belongs to another network or image size");
+  return values;
+}
+
+/// The references of operations beside those of model::Op, by name.
+inline std::map<std::string, Result<ReferencePlanes> (*)(ReferenceCall& call)>& added_references() {
+  static std::map<std::string, Result<ReferencePlanes> (*)(ReferenceCall & call)> all;
+  return all;
+}
+
 namespace reference {
 
 using model::Layer;
@@ -86,6 +166,26 @@ inline Result<Planes> convolve(ReferenceCall& call) {
   return std::move(output);
 }
 
+/// Computes a "same" convolution with stride 1 and sums in double precision.
+inline Planes same_conv(const Planes& input, size_t out_channels, size_t kernel, const ReferenceKernel& weights) {
+  Planes output(out_channels, input.height, input.width);
+  const auto radius = static_cast<ptrdiff_t>(kernel / 2);
+  output.fill([&](size_t out, size_t y, size_t x) {
+    double sum = weights.bias[out];
+    const float* tap = &weights.weight[out * input.channels * kernel * kernel];
+    for (size_t in = 0; in < input.channels; ++in) {
+      for (ptrdiff_t dy = -radius; dy <= radius; ++dy) {
+        for (ptrdiff_t dx = -radius; dx <= radius; ++dx) {
+          sum += static_cast<double>(*tap++) *
+                 input.at_or_zero(in, static_cast<ptrdiff_t>(y) + dy, static_cast<ptrdiff_t>(x) + dx);
+        }
+      }
+    }
+    return static_cast<float>(sum);
+  });
+  return output;
+}
+
 /// Returns the function that computes one element of an operation without weights.
 inline std::function<float(size_t c, size_t y, size_t x)> element_of(const ReferenceCall& call) {
   const std::string& op = call.layer.op;
@@ -121,7 +221,8 @@ inline std::function<float(size_t c, size_t y, size_t x)> element_of(const Refer
 }
 
 inline Result<Planes> compute(ReferenceCall& call) {
-  if (const Operation* const operation = find_operation(call.layer.op)) return operation->reference(call);
+  const auto added = added_references().find(call.layer.op);
+  if (added != added_references().end()) return added->second(call);
   if (call.layer.op == Op::kConv || call.layer.op == Op::kConvTransposed) return convolve(call);
   call.output.fill(element_of(call));
   return std::move(call.output);

@@ -27,7 +27,7 @@ Registry& registry() {
 }  // namespace
 
 void add_operation(const Operation& operation) {
-  E2LF_REQUIRE(operation.plan != nullptr && operation.reference != nullptr, "the engine cannot compute it");
+  E2LF_REQUIRE(operation.plan != nullptr, "the engine cannot compute it");
   model::add_operation(operation.model);
   const std::scoped_lock lock(registry().mutex);
   registry().operations.emplace(operation.model.name, operation);

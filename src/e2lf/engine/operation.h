@@ -8,7 +8,6 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/engine/plan.h"
-#include "e2lf/engine/reference.h"
 #include "e2lf/model/operation.h"
 
 namespace e2lf::engine {
@@ -68,16 +67,13 @@ class PlanBuilder {
   std::map<std::string, size_t> tensor_;
 };
 
-/// An operation that this engine runs beside those of model::Op: what it means for a network, how it is computed, and a
-/// slow computation against which tests compare it. docs/library.md adds one.
+/// An operation that this engine runs beside those of model::Op: what it means for a network, and how it is computed.
+/// docs/library.md adds one.
 struct Operation {
   model::Operation model;
 
   /// Adds the stages of a layer: usually one kernel, by PlanBuilder::add(). Fails as PlanBuilder does.
   Result<void> (*plan)(PlanBuilder& build, const model::Layer& layer) = nullptr;
-
-  /// Computes the output in double precision. Fails with kNotFound if a weight is missing.
-  Result<ReferencePlanes> (*reference)(ReferenceCall& call) = nullptr;
 
   bool has_wide_sums = false;  ///< its output can be float32 if its inputs are bfloat16
 };

@@ -84,24 +84,26 @@ const Operation kCorrelation = {
       }
       build.add(layer, std::make_unique<CorrelationKernel>(layer, build.spec(layer.inputs[0]).channels));
       return {};
-    },
-    .reference = [](ReferenceCall& call) -> Result<ReferencePlanes> {
-      const ReferencePlanes &a = *call.inputs[0], &b = *call.inputs[1];
-      const auto shifts = shifts_of(call.layer);
-      call.output.fill([&](size_t m, size_t y, size_t x) {
-        double sum = 0.0;
-        for (size_t c = 0; c < a.channels; ++c) {
-          const auto from_y = static_cast<ptrdiff_t>(y) + shifts[m], from_x = static_cast<ptrdiff_t>(x) + shifts[m];
-          sum += static_cast<double>(a.at(c, y, x)) * b.at_or_zero(c, from_y, from_x);
-        }
-        return static_cast<float>(sum);
-      });
-      return std::move(call.output);
     }};
+
+Result<ReferencePlanes> correlation_reference(ReferenceCall& call) {
+  const ReferencePlanes &a = *call.inputs[0], &b = *call.inputs[1];
+  const auto shifts = shifts_of(call.layer);
+  call.output.fill([&](size_t m, size_t y, size_t x) {
+    double sum = 0.0;
+    for (size_t c = 0; c < a.channels; ++c) {
+      const auto from_y = static_cast<ptrdiff_t>(y) + shifts[m], from_x = static_cast<ptrdiff_t>(x) + shifts[m];
+      sum += static_cast<double>(a.at(c, y, x)) * b.at_or_zero(c, from_y, from_x);
+    }
+    return static_cast<float>(sum);
+  });
+  return std::move(call.output);
+}
 
 /// A network that uses it between convolutions, at half the resolution.
 model::Network correlation_network() {
-  static const bool is_added = (add_operation(kCorrelation), true);
+  static const bool is_added =
+      (add_operation(kCorrelation), added_references().emplace("correlation", correlation_reference).second);
   EXPECT_TRUE(is_added);
   Layer costs = reshape("costs", "correlation", {"a", "b"});
   costs.attributes["shifts"] = {-3, 0, 1, 5};

@@ -6,8 +6,8 @@
 
 #include "e2lf/base/threads.h"
 #include "e2lf/model/onnx/onnx_export.h"
-#include "testing/engine_reference.h"
 #include "testing/engine_runs.h"
+#include "testing/geometry_reference.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::geometry {

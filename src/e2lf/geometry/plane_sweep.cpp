@@ -163,7 +163,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace e2lf::geometry {
 
-using engine::PlanBuilder, engine::ReferenceCall, engine::ReferencePlanes;
+using engine::PlanBuilder;
 using model::Layer, model::LayerShape;
 
 HWY_EXPORT(MakeSweepPlanes);
@@ -198,64 +198,6 @@ Result<void> plan_sweep(PlanBuilder& build, const Layer& layer) {
       layer, build.add_part(layer.name, HWY_DYNAMIC_DISPATCH(MakeWindows)(sweep.disparities, layer.kernel, output.type),
                             {sums}, output));
   return {};
-}
-
-/// Reads a channel at a shifted place, linearly and with zeros outside.
-double read_at(const ReferencePlanes& input, size_t c, size_t y, size_t x, const LinearShift& down,
-               const LinearShift& across) {
-  double sum = 0.0;
-  for (size_t i = 0; i < 2; ++i) {
-    for (size_t j = 0; j < 2; ++j) {
-      const auto at = [](size_t place, ptrdiff_t first, size_t tap) {
-        return static_cast<ptrdiff_t>(place + tap) + first;
-      };
-      sum += static_cast<double>(down.weights[i]) * across.weights[j] *
-             input.at_or_zero(c, at(y, down.first, i), at(x, across.first, j));
-    }
-  }
-  return sum;
-}
-
-/// Sums of the products and of the squares of a pixel, before they are averaged over windows.
-std::pair<double, double> products_at(const ReferencePlanes& input, const Sweep& sweep, size_t k, size_t y, size_t x) {
-  double products = 0.0, squares = 0.0;
-  for (size_t feature = 0; feature < sweep.features; ++feature) {
-    double sum = 0.0, own = 0.0;
-    for (size_t p = 0; p < sweep.pictures; ++p) {
-      const size_t n = k * sweep.pictures + p;
-      const double value = read_at(input, p * sweep.features + feature, y, x, sweep.down[n], sweep.across[n]);
-      sum += value;
-      own += value * value;
-    }
-    products += 0.5 * (sum * sum - own);
-    squares += own;
-  }
-  const auto features = static_cast<double>(sweep.features);
-  return {products / features, squares / features};
-}
-
-Result<ReferencePlanes> sweep_reference(ReferenceCall& call) {
-  const ReferencePlanes& input = *call.inputs[0];
-  const Sweep sweep(call.layer, input.channels);
-  ReferencePlanes evidence(sweep.disparities, input.height, input.width), energy = evidence;
-  evidence.fill([&](size_t k, size_t y, size_t x) {
-    const auto [products, squares] = products_at(input, sweep, k, y, x);
-    energy.at(k, y, x) = static_cast<float>(squares);
-    return static_cast<float>(products);
-  });
-  const auto radius = static_cast<ptrdiff_t>(sweep.kernel / 2);
-  call.output.fill([&](size_t k, size_t y, size_t x) {
-    double products = 0.0, squares = 0.0;
-    for (ptrdiff_t dy = -radius; dy <= radius; ++dy) {
-      for (ptrdiff_t dx = -radius; dx <= radius; ++dx) {
-        products += evidence.at_or_zero(k, static_cast<ptrdiff_t>(y) + dy, static_cast<ptrdiff_t>(x) + dx);
-        squares += energy.at_or_zero(k, static_cast<ptrdiff_t>(y) + dy, static_cast<ptrdiff_t>(x) + dx);
-      }
-    }
-    const auto area = static_cast<double>(sweep.kernel * sweep.kernel);
-    return static_cast<float>(products / area / (1 + squares / area));
-  });
-  return std::move(call.output);
 }
 
 using Integers = std::vector<int64_t>;
@@ -334,8 +276,7 @@ engine::Operation plane_sweep() {
                         },
                     .reach = [](const Layer& layer) { return Sweep(layer, 0).reach + layer.kernel / 2; },
                     .onnx = export_sweep},
-          .plan = plan_sweep,
-          .reference = sweep_reference};
+          .plan = plan_sweep};
 }
 
 }  // namespace e2lf::geometry

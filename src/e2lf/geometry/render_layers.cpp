@@ -125,7 +125,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace e2lf::geometry {
 
-using engine::PlanBuilder, engine::ReferenceCall, engine::ReferencePlanes;
+using engine::PlanBuilder;
 using model::Layer, model::LayerShape;
 
 HWY_EXPORT(MakeOpacities);
@@ -153,47 +153,6 @@ Result<void> plan_render(PlanBuilder& build, const Layer& layer) {
   build.set_result(
       layer, build.add_part(layer.name, HWY_DYNAMIC_DISPATCH(MakeViews)(viewpoints, output.type), {planes}, output));
   return {};
-}
-
-/// Reads a plane at a shifted place; edges are repeated.
-double read_cubic(const ReferencePlanes& planes, size_t c, size_t y, size_t x, const CubicShift& down,
-                  const CubicShift& across) {
-  const auto place = [](size_t at, ptrdiff_t first, size_t tap, size_t size) {
-    return static_cast<size_t>(
-        std::clamp<ptrdiff_t>(static_cast<ptrdiff_t>(at + tap) + first, 0, static_cast<ptrdiff_t>(size) - 1));
-  };
-  double sum = 0.0;
-  for (size_t i = 0; i < 4; ++i) {
-    for (size_t j = 0; j < 4; ++j) {
-      sum += static_cast<double>(down.weights[i]) * across.weights[j] *
-             planes.at(c, place(y, down.first, i, planes.height), place(x, across.first, j, planes.width));
-    }
-  }
-  return sum;
-}
-
-Result<ReferencePlanes> render_reference(ReferenceCall& call) {
-  const Viewpoints viewpoints(call.layer);
-  const size_t planes = viewpoints.planes;
-  ReferencePlanes maps = *call.inputs[0];
-  maps.fill([&](size_t c, size_t y, size_t x) {
-    const double value = maps.at(c, y, x);
-    if (c + 1 == planes) return 1.0F;
-    return static_cast<float>(c < planes ? 1 / (1 + std::exp(-value)) : value);
-  });
-  call.output.fill([&](size_t view, size_t y, size_t x) {
-    const CubicShift* const down = &viewpoints.down[view / viewpoints.columns * planes];
-    const CubicShift* const across = &viewpoints.across[view % viewpoints.columns * planes];
-    double sum = 0.0, passed = 1.0;
-    for (size_t plane = 0; plane < planes; ++plane) {
-      const double opacity = read_cubic(maps, plane, y, x, down[plane], across[plane]);
-      const double share = passed * std::clamp(opacity, 0.0, 1.0);
-      sum += share * read_cubic(maps, planes + plane, y, x, down[plane], across[plane]);
-      passed -= share;
-    }
-    return static_cast<float>(sum);
-  });
-  return std::move(call.output);
 }
 
 using Integers = std::vector<int64_t>;
@@ -289,8 +248,7 @@ engine::Operation render_layers() {
                     },
                 .reach = [](const Layer& layer) { return Viewpoints(layer).reach; },
                 .onnx = export_render},
-      .plan = plan_render,
-      .reference = render_reference};
+      .plan = plan_render};
 }
 
 }  // namespace e2lf::geometry

@@ -8,7 +8,6 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/video/operations.h"
 
@@ -254,34 +253,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace e2lf::video {
 
-using engine::PlanBuilder, engine::ReferenceCall, engine::ReferencePlanes;
+using engine::PlanBuilder;
 using model::Layer, model::LayerShape;
 
 HWY_EXPORT(MakeAttention);
 
 namespace {
-
-/// Computes one head of one pixel. `first` is the first channel of the head.
-void attend(const ReferenceCall& call, size_t first, size_t size, size_t pixel, ReferencePlanes& output) {
-  const ReferencePlanes &queries = *call.inputs[0], &keys = *call.inputs[1], &values = *call.inputs[2];
-  const size_t pixels = keys.height * keys.width;
-  std::vector<double> shares(pixels, 0.0);
-  for (size_t c = first; c < first + size; ++c) {
-    const double query = queries.values[c * pixels + pixel];
-    for (size_t i = 0; i < pixels; ++i) shares[i] += query * keys.values[c * pixels + i];
-  }
-  const double top = *std::max_element(shares.begin(), shares.end());
-  double total = 0.0;
-  for (double& share : shares) {
-    share = std::exp((share - top) / std::sqrt(static_cast<double>(size)));
-    total += share;
-  }
-  for (size_t c = first; c < first + size; ++c) {
-    double sum = 0.0;
-    for (size_t i = 0; i < pixels; ++i) sum += shares[i] * values.values[c * pixels + i];
-    output.values[c * pixels + pixel] = static_cast<float>(sum / total);
-  }
-}
 
 size_t heads_of(const Layer& layer) {
   return layer.integer("heads", 1);
@@ -300,15 +277,6 @@ Result<void> plan_attention(PlanBuilder& build, const Layer& layer) {
   return {};
 }
 
-Result<ReferencePlanes> attention_reference(ReferenceCall& call) {
-  ReferencePlanes& output = call.output;
-  const size_t heads = heads_of(call.layer), pixels = output.height * output.width, size = output.channels / heads;
-  parallel_for(heads * pixels, 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) attend(call, i / pixels * size, size, i % pixels, output);
-  });
-  return std::move(output);
-}
-
 }  // namespace
 
 engine::Operation attention() {
@@ -318,8 +286,7 @@ engine::Operation attention() {
                     .attributes = {"heads"},
                     .shape = attention_shape,
                     .reach = [](const Layer&) { return model::kWholeImage; }},
-          .plan = plan_attention,
-          .reference = attention_reference};
+          .plan = plan_attention};
 }
 
 }  // namespace e2lf::video

@@ -9,9 +9,9 @@
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/engine/stream.h"
-#include "testing/engine_reference.h"
 #include "testing/engine_runs.h"
 #include "testing/video_networks.h"
+#include "testing/video_reference.h"
 
 namespace e2lf::video {
 namespace {

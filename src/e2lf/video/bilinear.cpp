@@ -94,39 +94,17 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace e2lf::video {
 
-using engine::PlanBuilder, engine::ReferenceCall, engine::ReferencePlanes;
+using engine::PlanBuilder;
 using model::Layer, model::LayerShape;
 
 HWY_EXPORT(MakeBilinear);
 
 namespace {
 
-/// Samples between pixels. Positions beyond the edge take the value at the edge.
-float sample(const ReferencePlanes& input, size_t stride, size_t c, size_t y, size_t x) {
-  const auto place = [stride](size_t i, size_t size) {
-    const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(stride) - 0.5;
-    return std::clamp(at, 0.0, static_cast<double>(size - 1));
-  };
-  const double at_y = place(y, input.height), at_x = place(x, input.width);
-  const auto top = static_cast<size_t>(at_y), left = static_cast<size_t>(at_x);
-  const size_t bottom = std::min(top + 1, input.height - 1), right = std::min(left + 1, input.width - 1);
-  const double share_y = at_y - static_cast<double>(top), share_x = at_x - static_cast<double>(left);
-  return static_cast<float>(
-      (1 - share_y) * (1 - share_x) * input.at(c, top, left) + (1 - share_y) * share_x * input.at(c, top, right) +
-      share_y * (1 - share_x) * input.at(c, bottom, left) + share_y * share_x * input.at(c, bottom, right));
-}
-
 Result<void> plan_bilinear(PlanBuilder& build, const Layer& layer) {
   const engine::TensorSpec& spec = build.spec(layer.name);
   build.add(layer, HWY_DYNAMIC_DISPATCH(MakeBilinear)(spec.channels, layer.stride, layer.relu, spec.type));
   return {};
-}
-
-Result<ReferencePlanes> bilinear_reference(ReferenceCall& call) {
-  const ReferencePlanes& input = *call.inputs[0];
-  const size_t stride = call.layer.stride;
-  call.output.fill([&](size_t c, size_t y, size_t x) { return sample(input, stride, c, y, x); });
-  return std::move(call.output);
 }
 
 }  // namespace
@@ -144,8 +122,7 @@ engine::Operation bilinear_upsampling() {
                           return call.resize({{"mode", std::string("linear")},
                                               {"coordinate_transformation_mode", std::string("half_pixel")}});
                         }},
-          .plan = plan_bilinear,
-          .reference = bilinear_reference};
+          .plan = plan_bilinear};
 }
 
 }  // namespace e2lf::video

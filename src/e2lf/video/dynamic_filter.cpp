@@ -105,7 +105,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace e2lf::video {
 
-using engine::PlanBuilder, engine::ReferenceCall, engine::ReferencePlanes;
+using engine::PlanBuilder;
 using model::Layer, model::LayerShape;
 
 HWY_EXPORT(MakeDynamicFilter);
@@ -131,24 +131,6 @@ Result<void> plan_filter(PlanBuilder& build, const Layer& layer) {
   return {};
 }
 
-Result<ReferencePlanes> filter_reference(ReferenceCall& call) {
-  const ReferencePlanes &input = *call.inputs[0], &filters = *call.inputs[1];
-  const size_t kernel = call.layer.kernel;
-  const auto radius = static_cast<ptrdiff_t>(kernel / 2);
-  call.output.fill([&](size_t c, size_t y, size_t x) {
-    const size_t filter = c / input.channels;
-    double sum = 0.0;
-    for (size_t tap = 0; tap < kernel * kernel; ++tap) {
-      const auto from_y = static_cast<ptrdiff_t>(y + tap / kernel) - radius;
-      const auto from_x = static_cast<ptrdiff_t>(x + tap % kernel) - radius;
-      const double weight = filters.at(filter * kernel * kernel + tap, y, x);
-      sum += weight * input.at_or_zero(c % input.channels, from_y, from_x);
-    }
-    return static_cast<float>(sum);
-  });
-  return std::move(call.output);
-}
-
 }  // namespace
 
 engine::Operation dynamic_filter() {
@@ -161,8 +143,7 @@ engine::Operation dynamic_filter() {
                           return static_cast<double>(inputs[0].channels * inputs[1].channels);
                         },
                     .reach = [](const Layer& layer) { return layer.kernel / 2; }},
-          .plan = plan_filter,
-          .reference = filter_reference};
+          .plan = plan_filter};
 }
 
 }  // namespace e2lf::video

@@ -88,7 +88,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace e2lf::video {
 
-using engine::PlanBuilder, engine::ReferenceCall, engine::ReferencePlanes;
+using engine::PlanBuilder;
 using model::Layer, model::LayerShape;
 
 HWY_EXPORT(MakeLayerNorm);
@@ -103,27 +103,6 @@ Result<void> plan_layer_norm(PlanBuilder& build, const Layer& layer) {
   return {};
 }
 
-Result<ReferencePlanes> layer_norm_reference(ReferenceCall& call) {
-  constexpr double kEps = 1e-5;
-  const ReferencePlanes& input = *call.inputs[0];
-  E2LF_ASSIGN_OR_RETURN(const engine::ReferenceKernel weights,
-                        call.kernel(call.layer.name, input.channels, input.channels));
-  const size_t pixels = input.height * input.width;
-  const auto channels = static_cast<double>(input.channels);
-  for (size_t i = 0; i < pixels; ++i) {
-    double mean = 0.0, variance = 0.0;
-    for (size_t c = 0; c < input.channels; ++c) mean += input.values[c * pixels + i] / channels;
-    for (size_t c = 0; c < input.channels; ++c) {
-      variance += std::pow(input.values[c * pixels + i] - mean, 2) / channels;
-    }
-    for (size_t c = 0; c < input.channels; ++c) {
-      const double value = (input.values[c * pixels + i] - mean) / std::sqrt(variance + kEps);
-      call.output.values[c * pixels + i] = static_cast<float>(value * weights.weight[c] + weights.bias[c]);
-    }
-  }
-  return std::move(call.output);
-}
-
 }  // namespace
 
 engine::Operation layer_norm() {
@@ -136,8 +115,7 @@ engine::Operation layer_norm() {
                  const std::vector<size_t> shape = {inputs[0].channels};
                  return std::vector<model::WeightShape>{{layer.name + ".weight", shape}, {layer.name + ".bias", shape}};
                }},
-      .plan = plan_layer_norm,
-      .reference = layer_norm_reference};
+      .plan = plan_layer_norm};
 }
 
 }  // namespace e2lf::video

@@ -74,24 +74,13 @@ Result<void> plan_position_code(PlanBuilder& build, const Layer& layer) {
   return {};
 }
 
-Result<ReferencePlanes> position_code_reference(ReferenceCall& call) {
-  const ReferencePlanes& input = *call.inputs[0];
-  call.output.fill([&](size_t c, size_t y, size_t x) {
-    const double exponent = static_cast<double>(c / 2 * 2) / static_cast<double>(input.channels);
-    const double angle = static_cast<double>(y * input.width + x) / std::pow(10000.0, exponent);
-    return input.at(c, y, x) + static_cast<float>(c % 2 == 0 ? std::sin(angle) : std::cos(angle));
-  });
-  return std::move(call.output);
-}
-
 }  // namespace
 
 engine::Operation position_code() {
   return {.model = {.name = Op::kPositionCode,
                     .shape = model::equal_shapes,
                     .reach = [](const Layer&) { return model::kWholeImage; }},
-          .plan = plan_position_code,
-          .reference = position_code_reference};
+          .plan = plan_position_code};
 }
 
 }  // namespace e2lf::video

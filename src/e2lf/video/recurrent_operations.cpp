@@ -142,8 +142,7 @@ HWY_EXPORT(MakeTanh);
 
 namespace {
 
-using engine::ElementType, engine::Kernel, engine::PlanBuilder, engine::ReferenceCall, engine::ReferenceKernel,
-    engine::ReferencePlanes, engine::TensorSpec;
+using engine::ElementType, engine::Kernel, engine::PlanBuilder, engine::TensorSpec;
 using model::Layer, model::LayerShape, model::WeightShape;
 using Inputs = std::span<const LayerShape>;
 
@@ -244,58 +243,6 @@ Result<void> plan_previous(PlanBuilder& build, const Layer& layer) {
   return {};
 }
 
-double sigmoid(double x) {
-  return 1.0 / (1.0 + std::exp(-x));
-}
-
-/// Concatenates x and h along the channels.
-ReferencePlanes joined(const ReferencePlanes& input, const std::vector<float>& hidden) {
-  ReferencePlanes both(input.channels + hidden.size() / (input.height * input.width), input.height, input.width);
-  std::copy(hidden.begin(), hidden.end(), std::copy(input.values.begin(), input.values.end(), both.values.begin()));
-  return both;
-}
-
-/// Returns a convolution of a cell of x and h.
-Result<ReferencePlanes> cell_conv(const ReferenceCall& call, const std::string& part, size_t out_channels,
-                                  const std::vector<float>& hidden) {
-  const ReferencePlanes both = joined(*call.inputs[0], hidden);
-  const size_t kernel = call.layer.kernel;
-  E2LF_ASSIGN_OR_RETURN(
-      const ReferenceKernel weights,
-      call.kernel(cat(call.layer.name, ".", part), both.channels * kernel * kernel * out_channels, out_channels));
-  return engine::reference_conv(both, out_channels, kernel, weights);
-}
-
-Result<ReferencePlanes> gru_reference(ReferenceCall& call) {
-  const size_t out = call.layer.out_channels, size = call.output.values.size();
-  std::vector<float>& hidden = call.remembered(call.layer.name, size);
-  E2LF_ASSIGN_OR_RETURN(const ReferencePlanes sums, cell_conv(call, "gates", 2 * out, hidden));
-  std::vector<float> reset = hidden;
-  for (size_t i = 0; i < size; ++i) reset[i] = static_cast<float>(sigmoid(sums.values[size + i]) * hidden[i]);
-  E2LF_ASSIGN_OR_RETURN(const ReferencePlanes wanted, cell_conv(call, "candidate", out, reset));
-  for (size_t i = 0; i < size; ++i) {
-    const double update = sigmoid(sums.values[i]);
-    hidden[i] = static_cast<float>((1.0 - update) * hidden[i] + update * std::tanh(wanted.values[i]));
-  }
-  call.output.values = hidden;
-  return std::move(call.output);
-}
-
-Result<ReferencePlanes> lstm_reference(ReferenceCall& call) {
-  const size_t out = call.layer.out_channels, size = call.output.values.size();
-  std::vector<float>& hidden = call.remembered(call.layer.name, size);
-  std::vector<float>& memory = call.remembered(call.layer.name + ".memory", size);
-  E2LF_ASSIGN_OR_RETURN(const ReferencePlanes sums, cell_conv(call, "gates", 4 * out, hidden));
-  const auto part = [&](size_t gate, size_t i) { return static_cast<double>(sums.values[gate * size + i]); };
-  for (size_t i = 0; i < size; ++i) {
-    const double kept = sigmoid(part(1, i)) * memory[i], added = sigmoid(part(0, i)) * std::tanh(part(3, i));
-    memory[i] = static_cast<float>(kept + added);
-    hidden[i] = static_cast<float>(sigmoid(part(2, i)) * std::tanh(kept + added));
-  }
-  call.output.values = hidden;
-  return std::move(call.output);
-}
-
 Result<void> plan_tanh(PlanBuilder& build, const Layer& layer) {
   const TensorSpec& spec = build.spec(layer.name);
   build.add(layer, HWY_DYNAMIC_DISPATCH(MakeTanh)(spec.channels, spec.type));
@@ -311,7 +258,6 @@ engine::Operation conv_gru() {
                     .weights = cell_weights,
                     .reach = [](const Layer& layer) { return 2 * (layer.kernel / 2); }},
           .plan = plan_cell,
-          .reference = gru_reference,
           .has_wide_sums = true};
 }
 
@@ -322,7 +268,6 @@ engine::Operation conv_lstm() {
                     .weights = cell_weights,
                     .reach = [](const Layer& layer) { return layer.kernel / 2; }},
           .plan = plan_cell,
-          .reference = lstm_reference,
           .has_wide_sums = true};
 }
 
@@ -335,25 +280,14 @@ engine::Operation previous_output() {
                     .shape = [](const Layer& layer, Inputs) -> Result<LayerShape> {
                       return LayerShape{layer.out_channels, 1};
                     }},
-          .plan = plan_previous,
-          .reference = [](ReferenceCall& call) -> Result<ReferencePlanes> {
-            call.output.values = call.remembered(call.layer.name, call.output.values.size());
-            return std::move(call.output);
-          }};
+          .plan = plan_previous};
 }
 
 engine::Operation hyperbolic_tangent() {
   return {.model = {.name = Op::kTanh,
                     .shape = model::equal_shapes,
                     .onnx = [](model::OnnxCall& call) { return call.node("Tanh"); }},
-          .plan = plan_tanh,
-          .reference = [](ReferenceCall& call) -> Result<ReferencePlanes> {
-            const ReferencePlanes& input = *call.inputs[0];
-            call.output.fill([&](size_t c, size_t y, size_t x) {
-              return static_cast<float>(std::tanh(static_cast<double>(input.at(c, y, x))));
-            });
-            return std::move(call.output);
-          }};
+          .plan = plan_tanh};
 }
 
 }  // namespace e2lf::video
