@@ -5,6 +5,7 @@
 
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"
+#include "e2lf/info/describe.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/model_parts.h"
 #include "e2lf/model/summary.h"
@@ -83,7 +84,7 @@ void bind_common(py::class_<AnyModel, std::shared_ptr<AnyModel>>& bound) {
       .def(
           "summary", [](const AnyModel& self) { return to_python(summary_json(self)); },
           "Returns the content of `e2lf model info --json`.")
-      .def("__str__", [](const AnyModel& self) { return summary_text(self); })
+      .def("__str__", [](const AnyModel& self) { return info::Description{summary_json(self)}.text(); })
       .def(py::pickle(
           [](const AnyModel& self) {
             return py::make_tuple(to_python(header_of(self)), weights_of(self), codes_of_model(self));

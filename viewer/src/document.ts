@@ -57,7 +57,7 @@ export interface RecordingItem {
 export interface ModelItem {
   kind: 'model';
   name: string;
-  text: string; // the output of `e2lf model info`
+  facts: [string, string][]; // the rows of `e2lf model info`
   codes?: Codes;
 }
 

@@ -290,18 +290,12 @@ TEST(ModelSummary, TellsWhatTheModelIs) {
   EXPECT_EQ(json["network"]["receptive_field_px"], 3);
   EXPECT_EQ(json["codes"]["light_efficiency"], Json({0.0, 0.1875, 0.1875, 0.1875}));
   EXPECT_EQ(json["provenance"]["seed"], 7);
-  const std::string text = summary_text(small_model());
-  for (const char* part : {"small", "4, black first", "8 x 8", "eps 0.02", "0.125 * counts, 4 * intensity", "2 layers",
-                           "659 parameters", "590 per pixel", "3 x 3 px", "e2lf train", "2: 19 %"}) {
-    EXPECT_THAT(text, HasSubstr(part));
-  }
 }
 
 TEST(ModelSummary, DoesWithoutCodes) {
   Model model = small_model();
   model.codes.reset();
   EXPECT_TRUE(summary_json(model)["codes"].is_null());
-  EXPECT_THAT(summary_text(model), HasSubstr("codes"));
 }
 
 TEST(ImportRelease, GivesAModelThatRoundTrips) {
@@ -318,7 +312,7 @@ TEST(ImportRelease, GivesAModelThatRoundTrips) {
   // Blobs of 9, 12 and 11 open cells after the black pattern.
   EXPECT_THAT(capture::light_efficiency(*model->codes), ElementsAre(0.0F, 9.0F / 64, 12.0F / 64, 11.0F / 64));
   EXPECT_THAT(model->provenance.dump(), HasSubstr("released weights"));
-  EXPECT_THAT(summary_text(*model), HasSubstr("948,352 parameters"));
+  EXPECT_EQ(num_parameters(model->network), 948352U);
   ASSERT_TRUE(write_model(folder / "m.safetensors", *model).ok());
   const auto read = read_model(folder / "m.safetensors");
   ASSERT_TRUE(read.ok()) << read.error().text();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string>
-
 #include "e2lf/model/model.h"
 
 namespace e2lf::model {
@@ -12,14 +10,7 @@ namespace e2lf::model {
 /// (null if it has none) and provenance. The model must pass validate().
 [[nodiscard]] Json summary_json(const Model& model);
 
-/// Summarises a model as text, with a picture of the patterns.
-[[nodiscard]] std::string summary_text(const Model& model);
-
-/// Parts of a summary, which that of another kind of model shares: figures of a network as JSON, and lines "label
-/// value" of text.
+/// Returns the figures of a network, which the summaries of all kinds of models contain.
 [[nodiscard]] Json network_summary(const Network& network);
-void append_field(std::string& text, std::string label, const std::string& value);
-void append_network(std::string& text, const Network& network);
-void append_origin(std::string& text, const Json& provenance);
 
 }  // namespace e2lf::model

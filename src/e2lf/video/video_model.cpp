@@ -145,18 +145,6 @@ Json summary_json(const VideoModel& model) {
   return json;
 }
 
-std::string summary_text(const VideoModel& model) {
-  std::string text;
-  model::append_field(text, "name", model.name);
-  model::append_field(text, "makes", "frames of a recording, each from a voxel grid and the previous frames");
-  model::append_field(text, "input", cat(model.bins, " time bins", model.normalises_voxels ? ", normalised" : ""));
-  model::append_field(text, "tone", tone_name(model.tone));
-  model::append_field(text, "padded to", cat("multiples of ", model.pad_multiple, " px"));
-  model::append_network(text, model.network);
-  model::append_origin(text, model.provenance);
-  return text;
-}
-
 namespace {
 
 /// The position of the rows of planes within larger planes.

@@ -56,10 +56,9 @@ struct VideoModel {
 /// Returns the JSON of the file, which contains everything except the weights.
 [[nodiscard]] Json video_header_to_json(const VideoModel& model);
 
-/// Summarises such a model for `e2lf model info`, as JSON and as text: name, measurement, bins, treatment of voxels and
-/// frames, figures of the network and provenance.
+/// Summarises such a model for `e2lf model info`: name, measurement, bins, treatment of voxels and frames, figures of
+/// the network and provenance.
 [[nodiscard]] Json summary_json(const VideoModel& model);
-[[nodiscard]] std::string summary_text(const VideoModel& model);
 
 /// Makes frames from consecutive voxel grids of a recording. The network remembers the previous frames.
 class EventVideo {

@@ -110,7 +110,6 @@ TEST(VideoModelSummary, HasTheFiguresOfFireNet) {
   EXPECT_EQ(num_parameters(model.network), 37777U);
   EXPECT_EQ(macs_per_pixel(model.network), 5 * 16 * 9 + 2 * 3 * 32 * 16 * 9 + 4 * 16 * 16 * 9 + 16);
   EXPECT_EQ(receptive_radius(model.network), 9U);
-  EXPECT_THAT(summary_text(model), HasSubstr("37,777 parameters"));
 }
 
 TEST(NetworkCost, StridedConvolutionsAndBilinearSamplesReachBeyondTheirBlock) {

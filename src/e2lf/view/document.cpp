@@ -9,6 +9,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/model/summary.h"
+#include "e2lf/report/table.h"
 
 namespace e2lf::view {
 namespace {
@@ -112,8 +113,21 @@ void Document::add_event_images(const std::string& name, const std::vector<captu
   add_item(std::move(item));
 }
 
+namespace {
+
+/// Returns the name and the value of each row of `e2lf model info`.
+Json facts_of(const model::Model& model) {
+  Json facts = Json::array();
+  for (const auto& row : report::facts_table(model::summary_json(model)).rows) {
+    facts.push_back({row[0].text, row[1].text});
+  }
+  return facts;
+}
+
+}  // namespace
+
 void Document::add_model(const model::Model& model) {
-  Json item = {{"kind", "model"}, {"name", model.name}, {"text", model::summary_text(model)}};
+  Json item = {{"kind", "model"}, {"name", model.name}, {"facts", facts_of(model)}};
   if (model.codes) item["codes"] = codes_json(*model.codes);
   add_item(std::move(item));
 }
