@@ -60,7 +60,7 @@ inline constexpr const char* kAlgorithms[] = {"network", "inversion", "event-vid
 /// file.
 [[nodiscard]] Result<Config> config_from_json(const Json& json, const std::string& location);
 
-/// Returns the table of all keys for docs/compare.md.
-[[nodiscard]] std::string documented_keys();
+/// Returns all keys with their values, which config_from_json() reads. docs/compare.md describes them.
+[[nodiscard]] Json to_json(const Config& config);
 
 }  // namespace e2lf::compare

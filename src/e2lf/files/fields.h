@@ -11,9 +11,9 @@
 #include "e2lf/files/options.h"
 
 /// A configuration declares its fields once, in a function that passes each of them to a visitor. FieldReader reads
-/// them from JSON, FieldWriter writes them, and FieldTable documents them. A visitor is called as visit(key, field,
-/// meaning), visit.choice(key, field, names, meaning) for an enum whose values are indices of `names`,
-/// visit.section(key, fields) for a nested object, and visit.list(key, items, fields) for a list of objects.
+/// them from JSON, and FieldWriter writes them. A visitor is called as visit(key, field), visit.choice(key, field,
+/// names) for an enum whose values are indices of `names`, visit.section(key, fields) for a nested object, and
+/// visit.list(key, items, fields) for a list of objects.
 namespace e2lf {
 
 /// Reads the fields that an object contains; absent ones keep their values. The first error is kept.
@@ -22,11 +22,11 @@ class FieldReader {
   FieldReader(const Json& object, const std::string& location) : reader_(object, location) {}
 
   template <typename Field>
-  void operator()(const char* key, Field& field, const char*) {
+  void operator()(const char* key, Field& field) {
     reader_.read(key, field);
   }
   template <typename Enum, size_t kCount>
-  void choice(const char* key, Enum& field, const char* const (&names)[kCount], const char*) {
+  void choice(const char* key, Enum& field, const char* const (&names)[kCount]) {
     std::string name = names[static_cast<size_t>(field)];
     reader_.read(key, name);
     const auto found = std::find(std::begin(names), std::end(names), name);
@@ -78,11 +78,15 @@ class FieldReader {
 class FieldWriter {
  public:
   template <typename Field>
-  void operator()(const char* key, const Field& field, const char*) {
+  void operator()(const char* key, const Field& field) {
     json_[key] = field;
   }
+  template <typename Field>
+  void operator()(const char* key, const std::optional<Field>& field) {
+    json_[key] = field ? Json(*field) : Json();
+  }
   template <typename Enum, size_t kCount>
-  void choice(const char* key, const Enum& field, const char* const (&names)[kCount], const char*) {
+  void choice(const char* key, const Enum& field, const char* const (&names)[kCount]) {
     json_[key] = names[static_cast<size_t>(field)];
   }
   template <typename Fields>
@@ -105,52 +109,6 @@ class FieldWriter {
 
  private:
   Json json_ = Json::object();
-};
-
-/// Writes a row of a Markdown table for every field: its path, default and meaning.
-class FieldTable {
- public:
-  explicit FieldTable(std::string path = "") : path_(std::move(path)) {}
-
-  template <typename Field>
-  void operator()(const char* key, const Field& field, const char* meaning) {
-    add_row(key, text_of(field), meaning);
-  }
-  template <typename Enum, size_t kCount>
-  void choice(const char* key, const Enum& field, const char* const (&names)[kCount], const char* meaning) {
-    add_row(key, json_line(Json(names[static_cast<size_t>(field)])), meaning);
-  }
-  template <typename Fields>
-  void section(const char* key, const Fields& fields) {
-    FieldTable inner(cat(path_, key, "."));
-    fields(inner);
-    rows_ += inner.rows_;
-  }
-  template <typename Item, typename Fields>
-  void list(const char* key, const std::vector<Item>&, const Fields& fields) {
-    FieldTable inner(cat(path_, key, "[]."));
-    const Item item{};
-    fields(item, inner);
-    rows_ += inner.rows_;
-  }
-
-  [[nodiscard]] const std::string& rows() const { return rows_; }
-
- private:
-  template <typename Field>
-  static std::string text_of(const Field& field) {
-    return json_line(Json(field));
-  }
-  static std::string text_of(float field) { return json_line(json_number(field)); }
-  template <typename Field>
-  static std::string text_of(const std::optional<Field>& field) {
-    return field ? text_of(*field) : std::string();
-  }
-  void add_row(const char* key, const std::string& value, const std::string& meaning) {
-    rows_ += cat("| `", path_, key, "` | ", value, " |", meaning.empty() ? "" : " ", meaning, " |\n");
-  }
-
-  std::string path_, rows_;
 };
 
 }  // namespace e2lf

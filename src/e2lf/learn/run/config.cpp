@@ -10,7 +10,7 @@
 namespace e2lf::learn {
 namespace {
 
-// The fields of a configuration, which reading, writing and the table in docs/training.md share; see files/fields.h.
+// The fields of a configuration, which docs/training.md describes; see files/fields.h.
 
 constexpr const char* kInputKindNames[] = {"counts", "cumulative", "intensity", "camera",
                                            "images", "image-sum",  "lens-array"};
@@ -18,33 +18,27 @@ constexpr const char* kInputKindNames[] = {"counts", "cumulative", "intensity", 
 template <typename Options>
 auto synthesiser_fields(Options& options) {
   return [&options](auto& visit) {
-    visit("size", options.size, "height and width of a synthesised light field, px");
-    visit("max_disparity", options.max_disparity, "largest absolute disparity, px per view step");
-    visit("max_layers", options.max_layers, "largest number of surfaces");
-    visit("slant_share", options.slant_share, "share of surfaces whose disparity varies over the image");
-    visit("highlight_share", options.highlight_share, "share of scenes with reflections at a depth of their own");
-    visit("procedural_share", options.procedural_share,
-          "share of surfaces with a procedural texture in place of a photograph");
-    visit("motion_px_per_cycle", options.motion_px_per_cycle,
-          "largest speed of a surface in px per cycle of the display; the network learns the light field at the time "
-          "of the last pattern");
-    visit("still_share", options.still_share, "share of synthesised scenes that stand still if others move");
+    visit("size", options.size);
+    visit("max_disparity", options.max_disparity);
+    visit("max_layers", options.max_layers);
+    visit("slant_share", options.slant_share);
+    visit("highlight_share", options.highlight_share);
+    visit("procedural_share", options.procedural_share);
+    visit("motion_px_per_cycle", options.motion_px_per_cycle);
+    visit("still_share", options.still_share);
   };
 }
 
 template <typename Data>
 auto data_fields(Data& data) {
   return [&data](auto& visit) {
-    visit("file", data.file, "packed data, made by `e2lf pack`; if empty, only procedural textures are used");
-    visit("validation", data.validation,
-          "scenes that are evaluated and never trained on; if empty, two synthesised light fields are evaluated");
-    visit("exclude", data.exclude, "scenes that are neither trained on nor evaluated");
-    visit("synthetic_share", data.synthetic_share, "share of synthesised samples");
-    visit("patch_stride", data.patch_stride,
-          "patches of light fields begin at multiples of this, or anywhere if it is 0; the protocol of BasicLFSR is 32 "
-          "with patches of 64");
-    visit("pool", data.pool, "number of synthesised light fields that are kept");
-    visit("pool_per_step", data.pool_per_step, "number of them that are replaced per step");
+    visit("file", data.file);
+    visit("validation", data.validation);
+    visit("exclude", data.exclude);
+    visit("synthetic_share", data.synthetic_share);
+    visit("patch_stride", data.patch_stride);
+    visit("pool", data.pool);
+    visit("pool_per_step", data.pool_per_step);
     visit.section("synthesiser", synthesiser_fields(data.synthesiser));
   };
 }
@@ -52,120 +46,94 @@ auto data_fields(Data& data) {
 template <typename Patterns>
 auto pattern_fields(Patterns& patterns) {
   return [&patterns](auto& visit) {
-    visit("num_patterns", patterns.num_patterns, "number of patterns N");
-    visit("black_first", patterns.black_first, "whether the first pattern is black");
-    visit("complementary", patterns.complementary,
-          "whether every second pattern is the inverse of the one before, so that all cells are open equally long; "
-          "excludes `black_first`");
-    visit("whole_cycle", patterns.whole_cycle,
-          "whether the patterns are the codes, their inverses and black again, as a display shows them; `num_patterns` "
-          "is then twice the number of codes plus one; requires `black_first`");
-    visit.choice("event_model", patterns.event_model, capture::kEventModelNames,
-                 "the event model: \"reference-aware\" (Eq. 9 and 10) or \"quantised\" (Eq. 8)");
-    visit("codes", patterns.codes,
-          "fixed patterns: those of a model, given by its file or [name](models.md#names), or a [JSON "
-          "file](recordings.md#the-patterns), which `e2lf codes show -o codes.json` makes from other files");
-    visit("start", patterns.start, "initial patterns, given likewise; may be fewer than `num_patterns`");
-    visit("noise_start", patterns.noise_start,
-          "if no patterns are given, initialises with white noise of this standard deviation instead of soft discs");
-    visit("in_model", patterns.in_model,
-          "whether the model contains the patterns; without them it can reconstruct, but not simulate");
-    visit("begin_step", patterns.begin_step, "the patterns are fixed until this step");
-    visit("learn_steps", patterns.learn_steps, "the patterns are learned until this step, then rounded to 0 or 1");
-    visit("learning_rate", patterns.learning_rate, "learning rate of the patterns");
-    visit("scale_begin", patterns.scale_begin, "initial s of sigmoid(s * parameter), which grows geometrically");
-    visit("scale_end", patterns.scale_end, "final s");
+    visit("num_patterns", patterns.num_patterns);
+    visit("black_first", patterns.black_first);
+    visit("complementary", patterns.complementary);
+    visit("whole_cycle", patterns.whole_cycle);
+    visit.choice("event_model", patterns.event_model, capture::kEventModelNames);
+    visit("codes", patterns.codes);
+    visit("start", patterns.start);
+    visit("noise_start", patterns.noise_start);
+    visit("in_model", patterns.in_model);
+    visit("begin_step", patterns.begin_step);
+    visit("learn_steps", patterns.learn_steps);
+    visit("learning_rate", patterns.learning_rate);
+    visit("scale_begin", patterns.scale_begin);
+    visit("scale_end", patterns.scale_end);
   };
 }
 
 template <typename Sensor>
 auto sensor_fields(Sensor& sensor) {
   return [&sensor](auto& visit) {
-    visit("eps", sensor.nominal.eps, "dark level");
-    visit("nominal_tau", sensor.nominal.tau, "nominal contrast threshold");
-    visit("nominal_sigma_w", sensor.nominal.sigma_w, "nominal noise of the log intensity");
-    visit("nominal_sigma_z", sensor.nominal.sigma_z, "nominal noise of the threshold");
-    visit("sigma_i", sensor.nominal.sigma_i, "noise of intensity images, if `input` has any");
-    visit("nominal_share", sensor.nominal_share, "share of samples with exactly the nominal constants");
-    visit("noise_free_share", sensor.noise_free_share, "share of the other samples without noise");
-    visit("residue_share", sensor.residue_share,
-          "share of the samples that are not nominal with a residual reference offset");
-    visit("tau", sensor.tau, "range");
-    visit("sigma_w", sensor.sigma_w, "range");
-    visit("sigma_z", sensor.sigma_z, "range");
-    visit("full_gain_share", sensor.full_gain_share, "share of samples with gain 1");
-    visit("gain", sensor.gain, "range of the gain of the others");
-    visit("camera", sensor.camera,
-          "a camera of the event model `pixel`, given by its file or [name](models.md#names); if empty, only the "
-          "paper's model is used; requires `black_first`");
-    visit("camera_share", sensor.camera_share, "share of samples with this camera");
-    visit("camera_nominal_share", sensor.camera_nominal_share, "share of these with exactly the stated constants");
-    visit("camera_spread", sensor.camera_spread, "the others vary within this multiple of the stated uncertainty");
-    visit("camera_wide_share", sensor.camera_wide_share,
-          "share of these with much faster pixels, or with less mismatch, noise and leakage, down to none");
-    visit("camera_field_spread", sensor.camera_field_spread,
-          "largest relative error of the transmission of a pattern, which the network does not receive");
-    visit("camera_gain", sensor.camera_gain, "range of the gain of samples with this camera");
-    visit("cycles_share", sensor.cycles_share,
-          "share of steps whose samples with this camera are means over 2, 4, 8 or 16 cycles");
+    visit("eps", sensor.nominal.eps);
+    visit("nominal_tau", sensor.nominal.tau);
+    visit("nominal_sigma_w", sensor.nominal.sigma_w);
+    visit("nominal_sigma_z", sensor.nominal.sigma_z);
+    visit("sigma_i", sensor.nominal.sigma_i);
+    visit("nominal_share", sensor.nominal_share);
+    visit("noise_free_share", sensor.noise_free_share);
+    visit("residue_share", sensor.residue_share);
+    visit("tau", sensor.tau);
+    visit("sigma_w", sensor.sigma_w);
+    visit("sigma_z", sensor.sigma_z);
+    visit("full_gain_share", sensor.full_gain_share);
+    visit("gain", sensor.gain);
+    visit("camera", sensor.camera);
+    visit("camera_share", sensor.camera_share);
+    visit("camera_nominal_share", sensor.camera_nominal_share);
+    visit("camera_spread", sensor.camera_spread);
+    visit("camera_wide_share", sensor.camera_wide_share);
+    visit("camera_field_spread", sensor.camera_field_spread);
+    visit("camera_gain", sensor.camera_gain);
+    visit("cycles_share", sensor.cycles_share);
   };
 }
 
 template <typename Network>
 auto network_fields(Network& network) {
   return [&network](auto& visit) {
-    visit("type", network.type, "\"unet\", or \"recnet\" for the network of the paper");
-    visit("widths", network.widths, "channels of each level");
-    visit("blocks", network.blocks, "residual blocks of each level");
-    visit("head_width", network.head_width,
-          "channels at full resolution, 0 = no layers there, for networks that must be fast");
-    visit("head_blocks", network.head_blocks, "residual blocks at full resolution");
+    visit("type", network.type);
+    visit("widths", network.widths);
+    visit("blocks", network.blocks);
+    visit("head_width", network.head_width);
+    visit("head_blocks", network.head_blocks);
   };
 }
 
 template <typename Train>
 auto train_fields(Train& train) {
   return [&train](auto& visit) {
-    visit("patch", train.patch, "height and width of a patch, px");
-    visit("batch", train.batch, "samples per step");
-    visit("steps", train.steps, "number of steps");
-    visit("optimiser", train.optimiser,
-          "\"muon\": Muon for all convolutions larger than 1x1 except the last, Adam for the rest; or \"adam\" for "
-          "all. Gradients are centred in both cases");
-    visit("learning_rate", train.learning_rate, "peak learning rate");
-    visit("warmup_steps", train.warmup_steps, "steps of linear warm-up");
-    visit("hold_steps", train.hold_steps,
-          "step until which the rate stays at its peak; it then decreases to zero at `steps` as a cosine");
-    visit("clip_norm", train.clip_norm, "norm at which the gradients are clipped");
-    visit("ema", train.ema, "decay of the exponential moving average of the weights");
-    visit("gain_weight_power", train.gain_weight_power,
-          "the squared error of a sample is divided by its gain to this power");
-    visit("error_power", train.error_power,
-          "the result is raised to this power; the loss is the mean over the samples");
-    visit("log_steps", train.log_steps, "steps between rows of `log.csv`");
-    visit("evaluate_steps", train.evaluate_steps, "steps between evaluations");
-    visit("checkpoint_steps", train.checkpoint_steps, "steps between checkpoints");
+    visit("patch", train.patch);
+    visit("batch", train.batch);
+    visit("steps", train.steps);
+    visit("optimiser", train.optimiser);
+    visit("learning_rate", train.learning_rate);
+    visit("warmup_steps", train.warmup_steps);
+    visit("hold_steps", train.hold_steps);
+    visit("clip_norm", train.clip_norm);
+    visit("ema", train.ema);
+    visit("gain_weight_power", train.gain_weight_power);
+    visit("error_power", train.error_power);
+    visit("log_steps", train.log_steps);
+    visit("evaluate_steps", train.evaluate_steps);
+    visit("checkpoint_steps", train.checkpoint_steps);
   };
 }
 
 template <typename AnyConfig, typename Visitor>
 void visit_fields(AnyConfig& config, Visitor& visit) {
-  visit("name", config.name, "name of the model and of its file");
-  visit("seed", config.seed, "seed of all random numbers");
-  visit("device", config.device, "`cpu`, or `cuda` or `cuda:1`, which have not been tried");
-  visit("precision", config.precision,
-        "`float32`, or `bfloat16` for convolutions in bfloat16 and master weights in float32, which is 1.5 times as "
-        "fast on a CPU with AMX and far slower on one without bfloat16");
-  visit("start", config.start,
-        "a model that provides the initial weights, given by its file or [name](models.md#names)");
+  visit("name", config.name);
+  visit("seed", config.seed);
+  visit("device", config.device);
+  visit("precision", config.precision);
+  visit("start", config.start);
   visit.section("data", data_fields(config.data));
   visit.section("patterns", pattern_fields(config.patterns));
   visit.section("sensor", sensor_fields(config.sensor));
   visit.list("input", config.input, [](auto& group, auto& inner) {
-    inner.choice("kind", group.kind, kInputKindNames,
-                 "kind of an [input](#inputs); the inputs also determine the measurement, and the default is 0.125 x "
-                 "counts, 0.125 x cumulative and, with `black_first`, 4 x intensity");
-    inner("scale", group.scale, "factor on this input");
+    inner.choice("kind", group.kind, kInputKindNames);
+    inner("scale", group.scale);
   });
   visit.section("network", network_fields(config.network));
   visit.section("train", train_fields(config.train));
@@ -266,13 +234,6 @@ Json to_json(const Config& config) {
   FieldWriter writer;
   visit_fields(config, writer);
   return std::move(writer).json();
-}
-
-std::string config_table() {
-  FieldTable table;
-  const Config defaults;
-  visit_fields(defaults, table);
-  return table.rows();
 }
 
 model::Network make_network(const Config& config) {

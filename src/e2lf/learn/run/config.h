@@ -108,9 +108,6 @@ struct Config {
 /// Returns all fields as JSON, so that the folder of a run documents it. config_from_json() reads them.
 [[nodiscard]] Json to_json(const Config& config);
 
-/// Returns all fields with their defaults and meanings as rows of a Markdown table, which docs/training.md contains.
-[[nodiscard]] std::string config_table();
-
 /// Returns the network that a configuration describes.
 [[nodiscard]] model::Network make_network(const Config& config);
 
