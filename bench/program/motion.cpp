@@ -11,7 +11,7 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/lightfield/scene.h"
-#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_fields.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/verb.h"

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/program/inputs.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
-#include "e2lf/info/file_kind.h"
 #include "e2lf/program/option_values.h"
-#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::program {
 namespace fs = std::filesystem;
@@ -123,8 +119,6 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
   return std::move(*known);
 }
 
-using info::file_kind, info::FileKind, info::other_kind_error;
-
 void add_orientation_options(CLI::App& app, OrientationFlags& flags) {
   const auto flag = [&](const char* name, bool& value, const char* help) {
     app.add_flag(name, value, help)->group(kOrientationOptions);
@@ -134,91 +128,6 @@ void add_orientation_options(CLI::App& app, OrientationFlags& flags) {
        "disparity");
   flag("--flip-x", flags.flip_x, "exchange left and right views, which changes the sign of horizontal disparities");
   flag("--flip-y", flags.flip_y, "exchange upper and lower views, which changes the sign of vertical disparities");
-}
-
-void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views) {
-  const char* const group = kLightFieldOptions;
-  if (has_views) {
-    app.add_option("--views", flags.views, "number of central views to read per axis; 0 = all")
-        ->check(whole_number(0, 65535))
-        ->group(group);
-  }
-  app.add_option("--step", flags.step, "read every N-th view, which multiplies the disparity by N")
-      ->check(whole_number(1, 65535))
-      ->group(group);
-  app.add_option("--white", flags.white, "stored value that is white, e.g. 255; default: the largest of the type")
-      ->check(positive_number())
-      ->group(group);
-  app.add_option("--view-columns", flags.view_columns,
-                 "number of views in a row of the grid, if views are numbered consecutively (input_Cam000.png ...); "
-                 "default: detected")
-      ->check(whole_number(1, 10000))
-      ->group(group);
-  app.add_option("--lenslet-views", flags.lenslet_views,
-                 "number of views per axis below a microlens, for mosaics that do not state it")
-      ->check(whole_number(1, 1000))
-      ->group(group);
-}
-
-lightfield::ReadOptions read_options(const LightFieldFlags& flags) {
-  lightfield::ReadOptions options;
-  for (lightfield::AxisViews* views : {&options.views_y, &options.views_x}) {
-    views->count = flags.views;
-    views->step = flags.step;
-  }
-  options.white = flags.white;
-  options.view_columns = flags.view_columns;
-  options.lenslet_views = flags.lenslet_views;
-  options.orientation = flags.orientation.value();
-  return options;
-}
-
-lightfield::ReadOptions unchanged_options(const LightFieldFlags& flags) {
-  lightfield::ReadOptions options = read_options(flags);
-  options.colour = true;
-  options.range = lightfield::RangePolicy::kKeep;
-  return options;
-}
-
-Result<lightfield::LightField> read_with_progress(const fs::path& path, const lightfield::ReadOptions& options,
-                                                  bool is_quiet) {
-  ProgressBar bar("read " + path.filename().string(), is_quiet);
-  bar.update(0, 1);
-  return lightfield::read_light_field(path, options, bar.callback());
-}
-
-Result<lightfield::LightField> load_scene(const fs::path& path, const SceneOptions& options, bool is_quiet) {
-  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
-  // A file of no other kind is taken for a recording; reading it gives a better error.
-  if (kind != FileKind::kLightField && kind != FileKind::kRecording) {
-    return other_kind_error(path, kind, "a light field");
-  }
-  lightfield::ReadOptions read = read_options(options.flags);
-  read.views_y.count = options.views_y;
-  read.views_x.count = options.views_x;
-  read.colour = options.colour;
-  return read_with_progress(path, read, is_quiet);
-}
-
-Error no_light_field_error(const fs::path& path) {
-  const auto kind = file_kind(path);
-  if (!kind) return kind.error();
-  return other_kind_error(path, *kind, "a light field");
-}
-
-Result<lightfield::LightField> load_to_show(const fs::path& path, const LightFieldFlags& flags, bool is_quiet,
-                                            const std::vector<float>& disparities) {
-  E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
-  if (kind != FileKind::kLightField) return no_light_field_error(path);
-  E2LF_ASSIGN_OR_RETURN(lightfield::LightField light_field,
-                        read_with_progress(path, unchanged_options(flags), is_quiet));
-  const auto [width, height] = std::pair(light_field.shape().width, light_field.shape().height);
-  for (const float disparity : disparities) {
-    if (std::abs(disparity) < static_cast<float>(std::max(width, height))) continue;
-    return fail(ErrorCode::kInvalidValue, path, "a disparity of ", disparity, " px per view step exceeds the image of ",
-                width, "x", height, " px; use a disparity closer to 0");
-  }
-  return light_field;
 }
 
 }  // namespace e2lf::program

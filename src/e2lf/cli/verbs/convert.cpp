@@ -14,7 +14,7 @@
 #include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/pipeline/recorded_setup.h"
-#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_fields.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"

@@ -9,7 +9,7 @@
 #include "e2lf/info/describe.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/info/page_parts.h"
-#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_fields.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/report_output.h"
 #include "e2lf/program/run_record.h"

@@ -18,7 +18,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/pipeline/simulated_cycles.h"
-#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_fields.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/open/registry.h"

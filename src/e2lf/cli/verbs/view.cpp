@@ -16,7 +16,7 @@
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_fields.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/open/registry.h"
