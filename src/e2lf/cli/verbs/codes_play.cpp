@@ -23,24 +23,39 @@
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 
-/// A full-screen window on a display of this computer. Only in builds with SDL.
+namespace {
+
+Error graphics_error(const std::string& what) {
+  return fail(ErrorCode::kIo, "display", what, " (", SDL_GetError(), "); check DISPLAY and the graphics driver");
+}
+
+/// A full-screen window on a display of this computer.
 class Screen {
  public:
   using Clock = std::chrono::steady_clock;
 
   /// Opens a window that covers a display, counted from 0. Fails with kNotFound (no such display) and kIo (no
   /// graphics).
-  [[nodiscard]] static Result<Screen> open(int display);
-  Screen(Screen&& other) noexcept;
-  Screen& operator=(Screen&& other) = delete;
-  ~Screen();
+  [[nodiscard]] static Result<std::unique_ptr<Screen>> open(int display);
+  Screen() = default;
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+  ~Screen() {
+    for (SDL_Texture* const texture : textures_) SDL_DestroyTexture(texture);
+    if (renderer_ != nullptr) SDL_DestroyRenderer(renderer_);
+    if (window_ != nullptr) SDL_DestroyWindow(window_);
+    SDL_Quit();
+  }
 
-  [[nodiscard]] size_t width_px() const;
-  [[nodiscard]] size_t height_px() const;
-  [[nodiscard]] double refresh_us() const;
+  [[nodiscard]] size_t width_px() const { return static_cast<size_t>(mode_.w); }
+  [[nodiscard]] size_t height_px() const { return static_cast<size_t>(mode_.h); }
+  [[nodiscard]] double refresh_us() const {
+    constexpr int kUsualHz = 60;
+    return 1e6 / (mode_.refresh_rate > 0 ? mode_.refresh_rate : kUsualHz);
+  }
 
   /// Returns true if show() waits for the refresh of the display; otherwise, it returns immediately.
-  [[nodiscard]] bool is_synchronised() const;
+  [[nodiscard]] bool is_synchronised() const { return is_synchronised_; }
 
   /// Loads grey pictures that have the size of the display. Fails with kIo.
   [[nodiscard]] Result<void> load(const std::vector<lightfield::ByteImage>& pictures);
@@ -50,100 +65,55 @@ class Screen {
   [[nodiscard]] Result<Clock::time_point> show(size_t picture, int corner_px, bool is_corner_white);
 
   /// Returns true if the user closed the window or pressed Escape.
-  [[nodiscard]] bool is_closed();
+  [[nodiscard]] static bool is_closed();
 
  private:
-  struct Parts;
-  explicit Screen(std::unique_ptr<Parts> parts);
-  std::unique_ptr<Parts> parts_;
+  SDL_DisplayMode mode_{};
+  SDL_Window* window_ = nullptr;
+  SDL_Renderer* renderer_ = nullptr;
+  bool is_synchronised_ = false;
+  std::vector<SDL_Texture*> textures_;
 };
 
-namespace {
-
-Error graphics_error(const std::string& what) {
-  return fail(ErrorCode::kIo, "display", what, " (", SDL_GetError(), "); check DISPLAY and the graphics driver");
-}
-
-}  // namespace
-
-struct Screen::Parts {
-  Parts() = default;
-  Parts(const Parts&) = delete;
-  Parts& operator=(const Parts&) = delete;
-  ~Parts() {
-    for (SDL_Texture* const texture : textures) SDL_DestroyTexture(texture);
-    if (renderer != nullptr) SDL_DestroyRenderer(renderer);
-    if (window != nullptr) SDL_DestroyWindow(window);
-    SDL_Quit();
-  }
-
-  SDL_DisplayMode mode{};
-  SDL_Window* window = nullptr;
-  SDL_Renderer* renderer = nullptr;
-  bool is_synchronised = false;
-  std::vector<SDL_Texture*> textures;
-};
-
-Screen::Screen(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-Screen::Screen(Screen&& other) noexcept = default;
-Screen::~Screen() = default;
-
-Result<Screen> Screen::open(int display) {
+Result<std::unique_ptr<Screen>> Screen::open(int display) {
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
   SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "nearest");
   if (SDL_Init(SDL_INIT_VIDEO) != 0) return graphics_error("no display is available");
-  auto parts = std::make_unique<Parts>();
+  auto screen = std::make_unique<Screen>();
   const int count = SDL_GetNumVideoDisplays();
   if (display >= count) {
     return fail(ErrorCode::kNotFound, "--display", "there is no display ", display, "; give a number from 0 to ",
                 count - 1);
   }
-  if (SDL_GetDesktopDisplayMode(display, &parts->mode) != 0) return graphics_error("the display mode is unknown");
+  if (SDL_GetDesktopDisplayMode(display, &screen->mode_) != 0) return graphics_error("the display mode is unknown");
   const auto place = static_cast<int>(SDL_WINDOWPOS_CENTERED_DISPLAY(static_cast<unsigned>(display)));
-  parts->window = SDL_CreateWindow("e2lf codes play", place, place, parts->mode.w, parts->mode.h,
-                                   SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS);
-  if (parts->window == nullptr) return graphics_error("no window can be opened on the display");
-  if (SDL_GetWindowDisplayIndex(parts->window) != display) {
+  screen->window_ = SDL_CreateWindow("e2lf codes play", place, place, screen->mode_.w, screen->mode_.h,
+                                     SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS);
+  if (screen->window_ == nullptr) return graphics_error("no window can be opened on the display");
+  if (SDL_GetWindowDisplayIndex(screen->window_) != display) {
     return fail(ErrorCode::kIo, "--display",
                 "the display server shows the window on another display, as servers with several screens do; join the "
                 "displays to one desktop (xrandr)");
   }
   SDL_ShowCursor(SDL_DISABLE);
-  parts->renderer = SDL_CreateRenderer(parts->window, -1, SDL_RENDERER_PRESENTVSYNC);
-  if (parts->renderer == nullptr) parts->renderer = SDL_CreateRenderer(parts->window, -1, 0);
-  if (parts->renderer == nullptr) return graphics_error("the display cannot be drawn to");
+  screen->renderer_ = SDL_CreateRenderer(screen->window_, -1, SDL_RENDERER_PRESENTVSYNC);
+  if (screen->renderer_ == nullptr) screen->renderer_ = SDL_CreateRenderer(screen->window_, -1, 0);
+  if (screen->renderer_ == nullptr) return graphics_error("the display cannot be drawn to");
   SDL_RendererInfo info{};
-  const bool is_known = SDL_GetRendererInfo(parts->renderer, &info) == 0;
+  const bool is_known = SDL_GetRendererInfo(screen->renderer_, &info) == 0;
   // The software renderer only simulates a refresh.
-  parts->is_synchronised =
+  screen->is_synchronised_ =
       is_known && (info.flags & SDL_RENDERER_PRESENTVSYNC) != 0 && (info.flags & SDL_RENDERER_SOFTWARE) == 0;
-  if (!parts->is_synchronised) SDL_RenderSetVSync(parts->renderer, 0);
-  return Screen(std::move(parts));
-}
-
-size_t Screen::width_px() const {
-  return static_cast<size_t>(parts_->mode.w);
-}
-
-size_t Screen::height_px() const {
-  return static_cast<size_t>(parts_->mode.h);
-}
-
-double Screen::refresh_us() const {
-  constexpr int kUsualHz = 60;
-  return 1e6 / (parts_->mode.refresh_rate > 0 ? parts_->mode.refresh_rate : kUsualHz);
-}
-
-bool Screen::is_synchronised() const {
-  return parts_->is_synchronised;
+  if (!screen->is_synchronised_) SDL_RenderSetVSync(screen->renderer_, 0);
+  return screen;
 }
 
 Result<void> Screen::load(const std::vector<lightfield::ByteImage>& pictures) {
   for (const lightfield::ByteImage& picture : pictures) {
-    SDL_Texture* const texture = SDL_CreateTexture(parts_->renderer, SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STATIC,
+    SDL_Texture* const texture = SDL_CreateTexture(renderer_, SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STATIC,
                                                    static_cast<int>(picture.width), static_cast<int>(picture.height));
     if (texture == nullptr) return graphics_error("a pattern cannot be loaded");
-    parts_->textures.push_back(texture);
+    textures_.push_back(texture);
     std::vector<uint32_t> colours;
     colours.reserve(picture.pixels.size());
     for (const uint8_t grey : picture.pixels) colours.push_back(0xFF000000U | grey * 0x010101U);
@@ -156,17 +126,16 @@ Result<void> Screen::load(const std::vector<lightfield::ByteImage>& pictures) {
 }
 
 Result<Screen::Clock::time_point> Screen::show(size_t picture, int corner_px, bool is_corner_white) {
-  SDL_Renderer* const renderer = parts_->renderer;
-  if (SDL_RenderCopy(renderer, parts_->textures[picture], nullptr, nullptr) != 0) {
+  if (SDL_RenderCopy(renderer_, textures_[picture], nullptr, nullptr) != 0) {
     return graphics_error("a pattern cannot be shown");
   }
   if (corner_px > 0) {
     const uint8_t grey = is_corner_white ? 255 : 0;
-    const SDL_Rect corner = {parts_->mode.w - corner_px, parts_->mode.h - corner_px, corner_px, corner_px};
-    SDL_SetRenderDrawColor(renderer, grey, grey, grey, 255);
-    SDL_RenderFillRect(renderer, &corner);
+    const SDL_Rect corner = {mode_.w - corner_px, mode_.h - corner_px, corner_px, corner_px};
+    SDL_SetRenderDrawColor(renderer_, grey, grey, grey, 255);
+    SDL_RenderFillRect(renderer_, &corner);
   }
-  SDL_RenderPresent(renderer);
+  SDL_RenderPresent(renderer_);
   return Clock::now();
 }
 
@@ -179,8 +148,6 @@ bool Screen::is_closed() {
   }
   return is_closed;
 }
-
-namespace {
 
 using Clock = Screen::Clock;
 
@@ -313,18 +280,18 @@ Result<void> play(PlayArguments arguments, const Verb& verb) {
   RunRecord record("codes play");
   const CodesSource& source = arguments.display.codes;
   E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {source.model, source.codes}));
-  E2LF_ASSIGN_OR_RETURN(Screen screen, Screen::open(arguments.screen));
+  E2LF_ASSIGN_OR_RETURN(const std::unique_ptr<Screen> screen, Screen::open(arguments.screen));
   capture::DisplayLayout& layout = arguments.display.layout;
-  if (layout.width_px == 0) layout.width_px = screen.width_px();
-  if (layout.height_px == 0) layout.height_px = screen.height_px();
+  if (layout.width_px == 0) layout.width_px = screen->width_px();
+  if (layout.height_px == 0) layout.height_px = screen->height_px();
   E2LF_ASSIGN_OR_RETURN(const DisplaySequence sequence, display_sequence(arguments.display, record));
-  E2LF_RETURN_IF_ERROR(screen.load(sequence.frames));
-  if (!screen.is_synchronised()) {
+  E2LF_RETURN_IF_ERROR(screen->load(sequence.frames));
+  if (!screen->is_synchronised()) {
     log_warning(
         "the graphics driver does not synchronise with the refresh of the display; the times of the patterns are those "
         "of the computer's clock, and pictures may be torn");
   }
-  Player player(arguments, screen, sequence.schedule);
+  Player player(arguments, *screen, sequence.schedule);
   if (const std::string text = player.period_text(); !text.empty()) log_warning(text);
   E2LF_RETURN_IF_ERROR(player.play());
   if (player.flips().empty()) return fail(ErrorCode::kCancelled, "", "stopped before the first pattern was shown");
@@ -334,8 +301,8 @@ Result<void> play(PlayArguments arguments, const Verb& verb) {
   const cycles::Schedule shown = shown_schedule(player, sequence.schedule);
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.json", cycles::schedule_text(shown)));
   const Json json = {{"cycles", cycles},
-                     {"refresh_us", screen.refresh_us()},
-                     {"is_synchronised", screen.is_synchronised()},
+                     {"refresh_us", screen->refresh_us()},
+                     {"is_synchronised", screen->is_synchronised()},
                      {"refreshes", player.refreshes()},
                      {"missed_refreshes", player.missed()}};
   record.note("shown", json);
