@@ -13,16 +13,16 @@ convert view.png -depth 8 gray:made.gray
 cmp view.gray made.gray || fail "an aperture of one view is that view"
 
 # An EPI is its row of all views.
-"$E2LF" epi "$lf" --row 20 --px-per-view 1 -o row.png --quiet
-"$E2LF" epi "$lf" --column 30 --px-per-view 1 --view 2 -o column.png --quiet
+"$E2LF" epi "$lf" --row 20 -o row.png --quiet
+"$E2LF" epi "$lf" --column 30 --view 2 -o column.png --quiet
 "$E2LF" epi "$lf" --row 20 --column 30 -o both.png --quiet
-[ "$(identify -format '%wx%h' row.png) $(identify -format '%wx%h' column.png)" = "64x8 8x48" ] || fail "sizes of EPIs"
+[ "$(identify -format '%wx%h' row.png) $(identify -format '%wx%h' column.png)" = "64x48 48x48" ] || fail "sizes of EPIs"
 [ "$(identify -format '%wx%h' both.png)" = 116x100 ] || fail "the view with both EPIs"
 convert "$lf/04_03.png" -crop 64x1+0+20 +repage -depth 8 gray:truth.gray
-convert row.png -crop 64x1+0+3 +repage -depth 8 gray:made.gray
+convert row.png -crop 64x1+0+18 +repage -depth 8 gray:made.gray
 cmp truth.gray made.gray || fail "the row of view (4, 3)"
 convert "$lf/05_02.png" -crop 1x48+30+0 +repage -depth 8 gray:truth.gray
-convert column.png -crop 1x48+5+0 +repage -depth 8 gray:made.gray
+convert column.png -crop 1x48+30+0 +repage -depth 8 gray:made.gray
 cmp truth.gray made.gray || fail "the column of view (5, 2)"
 
 fails 1 'there is no row 48; give 0 to 47' "$E2LF" epi "$lf" --row 48 -o x.png

@@ -50,7 +50,7 @@ def read_png(path):
 PY
 py plain.py
 
-# By count, and between triggers; a part of the recording; a limit.
+# By count, and between triggers; a part of the recording.
 "$E2LF" video rec.raw -o count --window-events 500 --quiet
 py -c "
 import csv
@@ -58,7 +58,7 @@ counts = [int(row['events']) for row in csv.DictReader(open('count/frames.csv'))
 assert all(count == 500 for count in counts[:-1]) and 0 < counts[-1] <= 500, counts"
 "$E2LF" video rec.raw -o triggers --window-triggers --json --quiet >triggers.json
 check "$(json triggers.json "j['frames'] == j['triggers'] - 1 and j['events'] + j['events_outside_of_windows'] == $(json plain.json "j['events']")")"
-"$E2LF" video rec.raw -o part --window-us 10000 --from-us 120000 --to-us 150000 --max-frames 2 --quiet
+"$E2LF" video rec.raw -o part --window-us 10000 --from-us 120000 --to-us 140000 --quiet
 [ "$(wc -l <part/frames.csv)" -eq 3 ] || fail "two frames and a heading: $(cat part/frames.csv)"
 [ "$(sed -n 2p part/frames.csv | cut -d, -f2,3)" = "120000,130000" ] || fail "the part begins elsewhere: $(cat part/frames.csv)"
 
@@ -86,8 +86,8 @@ make etnet attention.safetensors channels=4
 grep -Eq "receptive field px +-$" import.txt || fail "import: $(cat import.txt)"
 "$E2LF" info et-net.safetensors --json >net.json
 [ "$(json net.json "(j['name'], j['pad_multiple'], j['network']['receptive_field_px'])")" = "('et-net', 8, None)" ] || fail "info"
-"$E2LF" video rec.raw -m et-net.safetensors -o attention --max-frames 3 --quiet
-"$E2LF" video rec.raw -m et-net.safetensors -o attention-alone --max-frames 3 --threads 1 --quiet
+"$E2LF" video rec.raw -m et-net.safetensors -o attention --window-us 10000 --from-us 120000 --to-us 150000 --quiet
+"$E2LF" video rec.raw -m et-net.safetensors -o attention-alone --window-us 10000 --from-us 120000 --to-us 150000 --threads 1 --quiet
 for number in 0 1 2; do cmp "attention/frame_00000$number.png" "attention-alone/frame_00000$number.png"; done
 
 # What does not fit.

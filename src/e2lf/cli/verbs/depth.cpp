@@ -15,7 +15,6 @@
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/light_field_writer.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/depth/colour_scale.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/lens.h"
@@ -28,7 +27,7 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/pipeline/event_depth.h"
-#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_fields.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -105,7 +104,7 @@ Result<void> write_all(const fs::path& folder, const DisparityOutput& output, co
   }
   E2LF_RETURN_IF_ERROR(write_array(folder / "confidence.npy", result.map.confidence));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "confidence.png", result.map.confidence));
-  return lightfield::write_png(folder / "colour.png", depth::picture_with_scale(result.map.disparity, *shared.shown));
+  return lightfield::write_png(folder / "colour.png", depth::colour_picture(result.map.disparity, *shared.shown));
 }
 
 Json json_of(const DisparityResult& result, const Shared& shared) {

@@ -129,27 +129,23 @@ Result<model::PrecisionLoss> check_precision(const model::Model& model, const st
 }
 
 int run_model_store(const std::vector<std::string>& arguments) {
-  Verb verb("model store",
-            "Store a model with weights of 16 or 32 bits, with another default camera, or with what it loses in faster "
-            "arithmetic.",
-            "e2lf model store MODEL.safetensors -o SMALL.safetensors --weights bfloat16");
+  Verb verb(
+      "model store",
+      "Store a model with weights of 16 bits, which halves its size with relative errors of 2^-8 at most; and with "
+      "another default camera, or with what it loses in faster arithmetic.",
+      "e2lf model store MODEL.safetensors -o SMALL.safetensors");
   RewriteArguments rewriting;
-  std::string weights = "bfloat16";
   std::vector<fs::path> scenes;
   add_rewrite_options(verb, rewriting, "model file to write", "the camera to use if `reconstruct` names none");
-  add_choice(verb.app(), "--weights", weights, {"bfloat16", "float32"},
-             "bfloat16 (half the size, relative errors of 2^-8 at most) or float32");
   verb.app().add_option("--check", scenes,
                         "light fields on which to measure what bfloat16 and int16 lose, so that --precision auto may "
                         "use them");
   return verb.run(arguments, [&]() -> Result<void> {
-    using model::WeightStorage;
-    const WeightStorage storage = weights == "bfloat16" ? WeightStorage::kBfloat16 : WeightStorage::kFloat32;
     const auto write = [&](const fs::path& path, model::Model model) -> Result<void> {
       if (!scenes.empty()) {
         E2LF_ASSIGN_OR_RETURN(model.precision_loss, check_precision(model, scenes));
       }
-      return model::write_model(path, model, storage);
+      return model::write_model(path, model, model::WeightStorage::kBfloat16);
     };
     E2LF_RETURN_IF_ERROR(rewrite(rewriting, "store", ".safetensors", verb, write));
     return {};
@@ -200,7 +196,7 @@ int run_model(const std::vector<std::string>& arguments) {
   return run_subverb("model",
                      {{"info", "describe a model file", run_model_info},
                       {"import", "convert released weights to a model file", run_model_import},
-                      {"store", "store a model with weights of 16 or 32 bits, or another camera", run_model_store},
+                      {"store", "store a model with weights of 16 bits, or another camera", run_model_store},
                       {"export", "export a model as ONNX, for other programs", run_model_export}},
                      arguments);
 }

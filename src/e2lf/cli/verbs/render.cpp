@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
@@ -13,7 +12,7 @@
 #include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/refocus.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/program/inputs.h"
+#include "e2lf/program/light_fields.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -110,13 +109,11 @@ int run_refocus(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&] { return refocus(refocusing, verb); });
 }
 
-using lightfield::Image;
-using lightfield::LightField;
 namespace {
 
 struct EpiArguments {
   fs::path input, output;
-  size_t row = 0, column = 0, view = 0, px_per_view = 6;
+  size_t row = 0, column = 0, view = 0;
   LightFieldFlags light_field{.views = 0};
 };
 
@@ -141,15 +138,14 @@ Result<Image> cut(const EpiArguments& arguments, const LightField& light_field, 
   }
   if (has_row != has_column) {
     return has_row ? lightfield::enlarged(lightfield::horizontal_epi(light_field, options.view_y, arguments.row),
-                                          arguments.px_per_view, 1)
+                                          options.px_per_view, 1)
                    : lightfield::enlarged(lightfield::vertical_epi(light_field, options.view_x, arguments.column), 1,
-                                          arguments.px_per_view);
+                                          options.px_per_view);
   }
   if (has_row) {
     options.y = arguments.row;
     options.x = arguments.column;
   }
-  options.px_per_view = arguments.px_per_view;
   return lightfield::epi_picture(light_field, options);
 }
 
@@ -187,21 +183,17 @@ int run_epi(const std::vector<std::string>& arguments) {
   app.add_option("--column", cutting.column,
                  "column of pixels to cut along, counted from 0; views are stacked to the right");
   app.add_option("--view", cutting.view, "the row of views, or with --column the column; default: the middle one");
-  add_count(app, "--px-per-view", cutting.px_per_view, 1, 100, "thickness of each view's line, px");
   add_light_field_options(app, cutting.light_field, /*has_views=*/true);
   add_orientation_options(app, cutting.light_field.orientation);
   return verb.run(arguments, [&] { return epi(cutting, verb); });
 }
 
-using lightfield::Image;
-using lightfield::LightField;
 namespace {
 
 struct AnimateArguments {
   fs::path input, output;
   std::string path = "orbit";
   size_t frames = 48;
-  int frames_per_s = 20;
   float still = 0, from = 0, to = 0;
   bool has_focus_range = false;
   LightFieldFlags light_field{.views = 0};
@@ -218,6 +210,8 @@ Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, con
   record.resolve("to", range.most);
   return range;
 }
+
+constexpr int kFramesPerS = 20;
 
 using FrameFn = std::function<Image(size_t frame)>;
 
@@ -240,7 +234,7 @@ Result<void> write_film(const fs::path& file, film::FilmFormat format, const Ani
                         const FrameFn& frame_at, bool is_quiet) {
   ProgressBar bar("animate", is_quiet);
   const Image first = frame_at(0);
-  E2LF_ASSIGN_OR_RETURN(film::FilmFile film, film::FilmFile::create(file, {format, arguments.frames_per_s}, first));
+  E2LF_ASSIGN_OR_RETURN(film::FilmFile film, film::FilmFile::create(file, {format, kFramesPerS}, first));
   E2LF_RETURN_IF_ERROR(film.add(first));
   for (size_t frame = 1; frame < arguments.frames; ++frame) {
     E2LF_RETURN_IF_ERROR(film.add(frame_at(frame)));
@@ -249,7 +243,11 @@ Result<void> write_film(const fs::path& file, film::FilmFormat format, const Ani
   return film.finish();
 }
 
-Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
+Result<void> animate(AnimateArguments& arguments, const Verb& verb) {
+  if (verb.is_given("--from") != verb.is_given("--to")) {
+    return fail(ErrorCode::kInvalidValue, "", "a sweep has two ends; give --from and --to");
+  }
+  arguments.has_focus_range = verb.is_given("--from");
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
   E2LF_RETURN_IF_ERROR(located(film::check_film_support(), arguments.output));
@@ -262,21 +260,7 @@ Result<void> make_film(const AnimateArguments& arguments, const Verb& verb) {
   record.end_step("animate");
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   if (!common.quiet) std::printf("%zu frames in %s\n", arguments.frames, arguments.output.c_str());
-  std::error_code error;
-  constexpr uintmax_t kLargeBytes = uintmax_t{10} << 20;
-  const uintmax_t bytes = fs::file_size(arguments.output, error);
-  if (arguments.output.extension() == ".gif" && !error && bytes > kLargeBytes) {
-    log_info(cat("a GIF of ", bytes >> 20, " MB; the same film is a fraction of that as .mp4 or .webm"));
-  }
   return {};
-}
-
-Result<void> animate(AnimateArguments& arguments, const Verb& verb) {
-  if (verb.is_given("--from") != verb.is_given("--to")) {
-    return fail(ErrorCode::kInvalidValue, "", "a sweep has two ends; give --from and --to");
-  }
-  arguments.has_focus_range = verb.is_given("--from");
-  return make_film(arguments, verb);
 }
 
 }  // namespace
@@ -291,7 +275,6 @@ int run_animate(const std::vector<std::string>& arguments) {
   add_choice(app, "--path", animation.path, {"orbit", "sweep", "focus"},
              "path: orbit (a circle), sweep (from left to right) or focus (from near to far)");
   add_count(app, "--frames", animation.frames, 1, 10000, "duration of the film, which ends as it begins");
-  add_count(app, "--fps", animation.frames_per_s, 1, 100, "frames per second");
   app.add_option("--still", animation.still, "orbit, sweep: disparity of the points that do not move, px per view step")
       ->capture_default_str();
   app.add_option("--from", animation.from, "focus: first disparity, px per view step");

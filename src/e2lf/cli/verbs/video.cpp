@@ -33,7 +33,6 @@ struct VideoArguments {
   std::string edge = "rising", tone = "auto", precision = "float32";
   std::optional<uint16_t> channel;
   int full_scale = 4;
-  uint64_t max_frames = 0;
   RecordingFlags recording;
 };
 
@@ -130,11 +129,11 @@ struct VideoReport {
   std::string table = "frame,begin_us,end_us,events\n";
 };
 
-Result<VideoReport> write_frames(const VideoArguments& arguments, cycles::WindowReader& windows, FrameMaker& maker,
+Result<VideoReport> write_frames(cycles::WindowReader& windows, FrameMaker& maker,
                                  const fs::path& folder, ProgressBar& bar) {
   VideoReport report;
   cycles::EventWindow window;
-  while (!stop_requested() && (arguments.max_frames == 0 || report.frames < arguments.max_frames)) {
+  while (!stop_requested()) {
     E2LF_ASSIGN_OR_RETURN(const bool more, windows.next(window));
     if (!more) break;
     E2LF_ASSIGN_OR_RETURN(const lightfield::ByteImage frame, maker.make(window));
@@ -201,7 +200,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   cycles::WindowReader windows(std::move(reader), std::move(options));
   record.end_step("open");
   ProgressBar bar("video", common.quiet, "frames");
-  E2LF_ASSIGN_OR_RETURN(const VideoReport report, write_frames(arguments, windows, maker, output.path(), bar));
+  E2LF_ASSIGN_OR_RETURN(const VideoReport report, write_frames(windows, maker, output.path(), bar));
   hide_progress();
   warn_of_losses(arguments.input, windows.recording().summary());
   verb.note_failed_input(windows.recording().summary().live.failure);
@@ -252,7 +251,6 @@ int run_video(const std::vector<std::string>& arguments) {
   add_count(app, "--full-scale", video.full_scale, 1, 1000000, "plain frames: surplus of ON events that is white");
   add_choice(app, "--precision", video.precision, {"float32", "bfloat16"},
              "arithmetic of the network: float32 or bfloat16");
-  app.add_option("--max-frames", video.max_frames, "largest number of frames; 0 = all")->capture_default_str();
   add_recording_options(app, video.recording, kRecordingOptions);
   verb.stop_gently();
   return verb.run(arguments, [&] { return make_video(video, verb); });
