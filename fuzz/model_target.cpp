@@ -17,7 +17,7 @@ void read_as_video(const std::filesystem::path& path, const e2lf::fuzz::ScratchF
   const auto model = read_video_model(path);
   if (!model) return;
   require(validate(*model, "input").ok(), "a model that was read is valid");
-  (void)summary_text(*model);
+  (void)summary_json(*model);
   const auto again = folder.path() / "again.safetensors";
   require(write_video_model(again, *model).ok(), "it can be written");
   const auto back = read_video_model(again);
@@ -38,7 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     return 0;
   }
   require(validate(*model, "input").ok(), "a model that was read is valid");
-  (void)summary_text(*model);
+  (void)summary_json(*model);
   const auto path = folder.path() / "again.safetensors";
   require(write_model(path, *model).ok(), "it can be written");
   const auto back = read_model(path);

@@ -65,7 +65,7 @@ Result<EventDepth> depth_of_outputs(const model::Model& model, const lightfield:
     for (float& value : location.pixels) value = -value;
   }
   depth::DisparityMap map = map_of_laplace(std::move(location), lightfield::view_image(outputs, 0, 1),
-                                                  {model.views_y / 2, model.views_x / 2});
+                                           {model.views_y / 2, model.views_x / 2});
   E2LF_ASSIGN_OR_RETURN(lightfield::Image picture, mean_picture(model, events, cycles));
   return EventDepth{std::move(map), std::move(picture)};
 }

@@ -129,8 +129,8 @@ struct VideoReport {
   std::string table = "frame,begin_us,end_us,events\n";
 };
 
-Result<VideoReport> write_frames(cycles::WindowReader& windows, FrameMaker& maker,
-                                 const fs::path& folder, ProgressBar& bar) {
+Result<VideoReport> write_frames(cycles::WindowReader& windows, FrameMaker& maker, const fs::path& folder,
+                                 ProgressBar& bar) {
   VideoReport report;
   cycles::EventWindow window;
   while (!stop_requested()) {
