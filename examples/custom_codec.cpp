@@ -18,7 +18,7 @@ constexpr size_t kRecordBytes = 12, kBlockRecords = 4096;
 /// Reads blocks of records. make_block_reader() adds batches, the order of time and the check of the coordinates.
 class Records final : public EventBlocks {
  public:
-  explicit Records(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
+  explicit Records(SourcePtr source) : source_(std::move(source)) {}
 
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     block.clear();
@@ -43,10 +43,10 @@ class Records final : public EventBlocks {
   Result<void> seek_before(int64_t) override { return source_->seek(0); }
 
  private:
-  std::unique_ptr<ByteSource> source_;
+  SourcePtr source_;
 };
 
-Result<std::unique_ptr<RecordingReader>> open_records(std::unique_ptr<ByteSource> source, const OpenOptions& options) {
+Result<std::unique_ptr<RecordingReader>> open_records(SourcePtr source, const OpenOptions& options) {
   const RecordingInfo info = {.format = "records", .width = 640, .height = 480, .header = {}};
   const std::string name = source->name();
   return make_block_reader(std::make_unique<Records>(std::move(source)), info, name, options);

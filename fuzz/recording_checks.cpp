@@ -70,7 +70,7 @@ void check_batch(const EventBatch& batch, const EventBatch& before, const Record
   }
 }
 
-std::optional<Decoded> decode(std::unique_ptr<ByteSource> source, const OpenOptions& options, size_t max_events) {
+std::optional<Decoded> decode(SourcePtr source, const OpenOptions& options, size_t max_events) {
   auto reader = open_recording(std::move(source), options);
   if (!reader) {
     require(!reader.error().message.empty(), "an error says what is wrong");

@@ -15,11 +15,13 @@ fails 1 "48" "$E2LF" eval demo/scene larger/scene
 [ "$(json same.json "(j['psnr_db'], j['ssim_uniform7'])")" = "(None, 1.0)" ] || fail "equal pictures"
 
 part eval_names
-# Several reconstructions are compared by name, with the gain that fits.
+# Several reconstructions are compared by name, with the gain that was applied to them and the one that fits.
 model=$TESTSUITE/../models/e2lf-n4.safetensors
 "$E2LF" demo -m "$model" -o demo --width 64 --height 48 --quiet
 "$E2LF" reconstruct demo/events.npz -m "$model" --gain 2 --format npy -o bright --quiet
 "$E2LF" reconstruct demo/events.npz -m "$model" --gain 1 --format npy -o plain --quiet
+"$E2LF" eval demo/scene bright >eval.txt
+grep -q "toned when it was reconstructed: a gain of 2 and" eval.txt || fail "$(cat eval.txt)"
 "$E2LF" eval demo/scene --name twice=bright --name once=plain --fit-gain --json --report eval.html >eval.json
 check "$(json eval.json "[m['method'] for m in j['methods']]") == ['twice', 'once']"
 check "$(json eval.json "abs(j['methods'][1]['fitted_gain'] / j['methods'][0]['fitted_gain'] - 2)") < 0.001"

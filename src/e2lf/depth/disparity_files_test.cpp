@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <string>
 
+#include "e2lf/depth/colour_scale.h"
+
 namespace e2lf::depth {
 namespace {
 
@@ -60,6 +62,18 @@ TEST(ColourPicture, IsLighterForNearerPoints) {
   for (size_t i = 0; i < 101; ++i) disparity.pixels[i] = 1 - 0.02F * static_cast<float>(i);
   const Image grey = lightfield::to_grey(colour_picture(disparity, {-1, 1}));
   for (size_t i = 1; i < 101; ++i) EXPECT_GT(grey.pixels[i], grey.pixels[i - 1]) << i;
+}
+
+TEST(ColourScale, ShowsTheRangeBesideThePicture) {
+  const Image disparity(40, 100, 1);
+  const DisparityRange range{-1.25F, 2};
+  const Image plain = colour_picture(disparity, range), picture = picture_with_scale(disparity, range);
+  ASSERT_EQ(picture.height, 100U);
+  ASSERT_GT(picture.width, 40U + 14U);
+  EXPECT_TRUE(std::equal(plain.pixels.begin(), plain.pixels.begin() + 120, picture.pixels.begin()));
+  const Image grey = lightfield::to_grey(picture);
+  EXPECT_LT(grey.pixels[50], grey.pixels[99 * picture.width + 50]);         // far is on top
+  EXPECT_GT(std::count(grey.pixels.begin(), grey.pixels.end(), 0.0F), 60);  // ink of the numbers
 }
 
 TEST(PointCloud, LeavesOutUncertainPointsBesideJumps) {

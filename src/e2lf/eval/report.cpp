@@ -28,12 +28,14 @@ report::Cell quality_cell(double value, int decimals) {
   return std::isinf(value) ? report::Cell{"inf", nullptr} : report::number_cell(value, decimals);
 }
 
-/// The columns of the fitted tone.
+/// The columns of gains and black levels.
 struct ToneColumn {
   const char *name, *key;
   std::optional<double> EvalRow::*value;
 };
-constexpr ToneColumn kTones[] = {{"fitted gain", "fitted_gain", &EvalRow::fitted_gain},
+constexpr ToneColumn kTones[] = {{"gain", "gain", &EvalRow::gain},
+                                 {"black", "black", &EvalRow::black},
+                                 {"fitted gain", "fitted_gain", &EvalRow::fitted_gain},
                                  {"fitted black", "fitted_black", &EvalRow::fitted_black}};
 
 }  // namespace

@@ -16,7 +16,8 @@ namespace e2lf::eval {
 struct EvalRow {
   std::string method, scene;
   LightFieldMetrics quality;
-  std::optional<EventStatistics> events = {};                 ///< absent if only pictures were compared
+  std::optional<EventStatistics> events = {};   ///< absent if only pictures were compared
+  std::optional<double> gain = {}, black = {};  ///< tone that was applied when the reconstruction was made
   std::optional<double> fitted_gain = {}, fitted_black = {};  ///< tone that was applied for the comparison: best_tone()
   std::optional<depth::DisparityError> disparity = {};        ///< absent if there is no disparity to compare
 };
@@ -33,8 +34,8 @@ struct EvalRow {
 /// [{"pixels_percent", "bad_20_percent", "mean_absolute_px"}]}.
 [[nodiscard]] Json to_json(const depth::DisparityError& error);
 
-/// Returns {"method", "scene", the keys of the quality, and "events", "disparity", "fitted_gain" and "fitted_black" if
-/// present}.
+/// Returns {"method", "scene", the keys of the quality, and "events", "disparity" and those of gains and black levels
+/// if present}.
 [[nodiscard]] Json to_json(const EvalRow& row);
 
 /// Makes a table with one line per row. The columns for events, gains and disparities exist if any row has them. The

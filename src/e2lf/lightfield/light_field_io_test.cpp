@@ -114,6 +114,34 @@ TEST(Lenslet, TheNumberOfViewsIsStatedOrAskedFor) {
   EXPECT_EQ(read_light_field(folder / "other_eslf.png")->shape(), (Shape{8, 8, 8, 8, 1}));
 }
 
+TEST(Lenslet, AnotherLayoutThanTheStatedOneIsRefused) {
+  const TestFolder folder;
+  constexpr size_t kViews = 15, kHeight = 28, kWidth = 42;
+  const auto scene = [](double y, double x) {
+    return static_cast<float>(0.5 + 0.2 * std::sin(0.77 * x) + 0.2 * std::cos(0.7 * y));
+  };
+  Image lenslets(kViews * kWidth, kViews * kHeight, 1), montage = lenslets;
+  for (size_t v = 0; v < kViews; ++v) {
+    for (size_t u = 0; u < kViews; ++u) {
+      for (size_t y = 0; y < kHeight; ++y) {
+        for (size_t x = 0; x < kWidth; ++x) {
+          const float value = scene(static_cast<double>(y) + 0.1 * static_cast<double>(v),
+                                    static_cast<double>(x) + 0.1 * static_cast<double>(u));
+          lenslets.pixels[(y * kViews + v) * lenslets.width + x * kViews + u] = value;
+          montage.pixels[(v * kHeight + y) * montage.width + u * kWidth + x] = value;
+        }
+      }
+    }
+  }
+  ASSERT_TRUE(write_png(folder / "eslf.png", lenslets).ok());
+  EXPECT_EQ(read_light_field(folder / "eslf.png").error().setting, Setting::kLensletViews);  // 14 divides 630x420, too
+  ReadOptions options;
+  options.lenslet_views = kViews;
+  EXPECT_TRUE(read_light_field(folder / "eslf.png", options).ok());
+  ASSERT_TRUE(write_png(folder / "montage.png", montage).ok());
+  EXPECT_EQ(read_light_field(folder / "montage.png", options).error().code, ErrorCode::kUnsupported);
+}
+
 TEST(Npz, FindsTheLightField) {
   const TestFolder folder;
   const LightField stored = numbered_light_field({8, 8, 2, 2, 1});

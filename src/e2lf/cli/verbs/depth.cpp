@@ -15,6 +15,7 @@
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/light_field_writer.h"
 #include "e2lf/cli/verbs.h"
+#include "e2lf/depth/colour_scale.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/lens.h"
@@ -104,7 +105,7 @@ Result<void> write_all(const fs::path& folder, const DisparityOutput& output, co
   }
   E2LF_RETURN_IF_ERROR(write_array(folder / "confidence.npy", result.map.confidence));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "confidence.png", result.map.confidence));
-  return lightfield::write_png(folder / "colour.png", depth::colour_picture(result.map.disparity, *shared.shown));
+  return lightfield::write_png(folder / "colour.png", depth::picture_with_scale(result.map.disparity, *shared.shown));
 }
 
 Json json_of(const DisparityResult& result, const Shared& shared) {

@@ -9,11 +9,13 @@
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/compare/tables.h"
+#include "e2lf/depth/colour_scale.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/depth/true_disparity.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/result_folder.h"
 #include "e2lf/info/page_parts.h"
 #include "e2lf/program/light_fields.h"
 #include "e2lf/program/report_output.h"
@@ -55,6 +57,20 @@ Result<std::vector<Candidate>> candidates_of(const EvalArguments& arguments) {
               "there is nothing to compare; give a reconstruction, or several with --name");
 }
 
+/// Reads the tone in the record of `e2lf reconstruct` beside a reconstruction: that of the cycle, or of all.
+void read_recorded_tone(const fs::path& path, eval::EvalRow& row) {
+  std::error_code error;
+  const fs::path folder = fs::is_directory(path, error) ? path : path.parent_path();
+  const auto record = read_json(folder / "run.json");
+  if (!record || !is_our_record(folder / "run.json")) return;
+  for (const char* place : {"/options", "/cycle"}) {
+    const Json tone = record->value(Json::json_pointer(place), Json::object());
+    if (!tone.is_object()) continue;
+    if (tone.contains("gain") && tone["gain"].is_number()) row.gain = tone["gain"].get<double>();
+    if (tone.contains("black") && tone["black"].is_number()) row.black = tone["black"].get<double>();
+  }
+}
+
 /// The result of a comparison: the figures, and the reconstruction for images.
 struct Compared {
   eval::EvalRow row;
@@ -74,13 +90,22 @@ std::vector<eval::EvalRow> rows_of(const std::vector<Compared>& all) {
   return rows;
 }
 
-/// Returns a line for each reconstruction that is compared with a fitted tone.
+/// Returns a line for each reconstruction that does not have the brightness that the method produced.
 std::string tone_text(const std::vector<eval::EvalRow>& rows) {
   std::string text;
   for (const eval::EvalRow& row : rows) {
-    if (!row.fitted_gain) continue;
-    text += cat(row.method, ": compared with the least-squares gain of ", *row.fitted_gain, " and black level of ",
-                *row.fitted_black, "\n");
+    const double gain = row.gain.value_or(1), black = row.black.value_or(0);
+    if (gain != 1 || black != 0) {
+      text += cat(row.method, ": toned when it was reconstructed: a gain of ", gain, " and a black level of ", black,
+                  row.fitted_gain ? ""
+                                  : "; --fit-gain compares with the best gain and black level, and `e2lf reconstruct "
+                                    "--gain 1 --black 0` reconstructs without them",
+                  "\n");
+    }
+    if (row.fitted_gain) {
+      text += cat(row.method, ": compared with the least-squares gain of ", *row.fitted_gain, " and black level of ",
+                  *row.fitted_black, "\n");
+    }
   }
   return text;
 }
@@ -94,14 +119,13 @@ std::string disparity_text(const Truth& truth) {
 Result<void> add_disparities(const std::vector<Compared>& all, const Truth& truth, report::Page& page) {
   page.heading("Disparity").paragraph(disparity_text(truth));
   const depth::DisparityRange range = depth::shown_range(truth.disparity->disparity);
-  std::vector<NamedImage> pictures = {
-      {depth::colour_picture(truth.disparity->disparity, range),
-       formatted("truth, from %.2f px per view step (near, bright) to %.2f px (far)", range.least, range.most)}};
+  std::vector<NamedImage> pictures = {{depth::picture_with_scale(truth.disparity->disparity, range),
+                                       "truth; the numbers are px per view step, and near is bright"}};
   report::LineChart chart{"the most certain pixels, %", "off by more than 0.2 px, %", {}};
   for (const Compared& compared : all) {
     const depth::DisparityError& error = *compared.row.disparity;
     pictures.push_back(
-        {depth::colour_picture(compared.disparity, range),
+        {depth::picture_with_scale(compared.disparity, range),
          compared.row.method + formatted(": %.1f %% off by more than 0.07 px, %.1f %% by more than 0.2 px, mean error "
                                          "%.3f px, slope %.2f",
                                          error.bad_07_percent, error.bad_20_percent, error.mean_absolute_px,
@@ -210,6 +234,7 @@ Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField 
     return fail(ErrorCode::kShape, candidate.path, "has ", text(compared.field.shape()),
                 ", but the true light field has ", text(truth.shape()), "; compare light fields of one size");
   }
+  read_recorded_tone(candidate.path, compared.row);
   if (arguments.fit_gain) {
     const eval::Tone tone = eval::best_tone(truth, compared.field);
     for (float& value : compared.field.data()) value = (value - tone.black) * tone.gain;

@@ -30,8 +30,24 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
   return load_le<uint32_t>(bytes);
 }
 
+#if HWY_TARGET == HWY_AVX3_DL
+
 /// Returns whether the TIME_LOW words of a group (their lanes in `bits`, not 0) continue plausibly from `low` (not -1),
 /// which is set to the last one.
+HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
+  const __m512i payload = _mm512_and_si512(_mm512_loadu_si512(words), _mm512_set1_epi16(kPayloadMask));
+  const __m512i lows = _mm512_maskz_compress_epi16(bits, payload);
+  const __m512i step = _mm512_sub_epi16(lows, move_up(lows, low));
+  const uint32_t back = _mm512_cmplt_epi16_mask(step, _mm512_set1_epi16(-kJitterUs));
+  const uint32_t ahead = _mm512_cmpgt_epi16_mask(step, _mm512_set1_epi16(kLongStepUs));
+  const auto lanes = static_cast<uint32_t>((uint64_t{1} << std::popcount(bits)) - 1);
+  if (((back | ahead) & lanes) != 0) return false;
+  low = load_le<uint16_t>(words + 2 * static_cast<size_t>(31 - std::countl_zero(bits))) & 0xFFF;
+  return true;
+}
+
+#else
+
 HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
   const Group d;
   const SignedGroup di;
@@ -50,6 +66,8 @@ HWY_INLINE bool check_lows(const uint8_t* words, uint32_t bits, int& low) {
   low = hn::GetLane(last);
   return true;
 }
+
+#endif
 
 /// The smallest and the largest lane of some words. is_wide is true if they are far apart within a group of eight
 /// lanes, or if a group lies far below the previous one.
@@ -108,7 +126,11 @@ struct CoordinateLimits {
 };
 
 size_t check_words(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+#if HWY_TARGET == HWY_AVX3_DL
+  const hn::CappedTag<uint16_t, 32> d;
+#else
   const hn::CappedTag<uint16_t, 16> d;
+#endif
   const hn::Repartition<uint8_t, decltype(d)> d8;
   const hn::Rebind<int16_t, decltype(d)> di;
   const size_t lanes = hn::Lanes(d);

@@ -3,6 +3,7 @@
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 
+#define HWY_WANT_AVX3_DL 1
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -10,6 +11,7 @@
 
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/check-inl.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/groups-inl.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/plain_words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::recordings::evt3 {

@@ -64,6 +64,19 @@ HWY_INLINE uint32_t bits_of_two(hn::Vec<Group> first, hn::Vec<Group> second) {
 #endif
 }
 
+#if HWY_TARGET == HWY_AVX3_DL
+
+/// Returns the lanes shifted up by one, with `first` in lane 0.
+HWY_INLINE __m512i move_up(__m512i values, int first) {
+  const __m512i from =
+      _mm512_setr_epi32(0x0000001F, 0x20001, 0x40003, 0x60005, 0x80007, 0xA0009, 0xC000B, 0xE000D, 0x10000F, 0x120011,
+                        0x140013, 0x160015, 0x180017, 0x1A0019, 0x1C001B, 0x1E001D);
+  return _mm512_mask_mov_epi16(_mm512_permutexvar_epi16(from, values), 1,
+                               _mm512_set1_epi16(static_cast<int16_t>(first)));
+}
+
+#endif
+
 #endif
 
 }  // namespace HWY_NAMESPACE

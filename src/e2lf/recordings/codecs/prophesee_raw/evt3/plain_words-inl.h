@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+// Decodes EVT3 words in groups of 32, for CPUs that can compress 16-bit lanes. Included once for each target.
+#if defined(E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H
+#undef E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H
+#else
+#define E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H
+#endif
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include <hwy/highway.h>
+
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/lane_groups-inl.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/expand-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace e2lf::recordings::evt3 {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET == HWY_AVX3_DL
+
+using recordings::HWY_NAMESPACE::Columns;
+using recordings::HWY_NAMESPACE::expand_mask;
+
+/// The state that plain words change.
+struct Cursor {
+  int64_t high;        ///< time without its low bits
+  uint32_t time_high;  ///< the TIME_HIGH word that repeats this time
+  uint32_t low;
+  uint32_t y;
+};
+
+/// The plain types: events, the words that determine their place, and ignored words. Others need a closer look.
+constexpr uint32_t kPlainTypes =
+    (1u << kAddrY) | (1u << kAddrX) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kOthers) | (1u << kContinued12);
+
+/// Decodes plain words up to the first that is not plain or moves time back. No branch depends on the order of the
+/// types. Returns the number of words used.
+size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
+  struct Effect {
+    int64_t low_mask;
+    uint32_t y_mask;
+    uint32_t is_event;
+  };
+  static constexpr auto kEffects = [] {
+    std::array<Effect, 16> effects{};
+    effects[kTimeLow].low_mask = kPayloadMask;
+    effects[kAddrY].y_mask = kCoordinateMask;
+    effects[kAddrX].is_event = 1;
+    return effects;
+  }();
+  // Local copies, because stores through a byte pointer could change anything that is not local.
+  const Columns to = out;
+  const Cursor from = cursor;
+  size_t num_events = to.count;
+  int64_t low = cursor.low;
+  uint32_t y = cursor.y;
+  size_t i = 0;
+  for (; i < count; ++i) {
+    const uint32_t word = load_le<uint16_t>(words + 2 * i);
+    const uint32_t type = word >> 12;
+    const Effect effect = kEffects[type];
+    const int64_t next_low = (low & ~effect.low_mask) | (word & effect.low_mask);
+    // Signs instead of comparisons, which the compiler would turn into unpredictable branches.
+    const auto is_back = static_cast<uint64_t>(next_low - low) >> 63;
+    const uint32_t is_heartbeat = ((word ^ from.time_high) - 1) >> 31;
+    if ((((kPlainTypes >> type) & 1 & ~static_cast<uint32_t>(is_back)) | is_heartbeat) == 0) break;
+    to.x[num_events] = static_cast<uint16_t>(word & kCoordinateMask);
+    to.y[num_events] = static_cast<uint16_t>(y);
+    to.p[num_events] = static_cast<uint8_t>((word >> 11) & 1);
+    to.t[num_events] = from.high | low;
+    num_events += effect.is_event;
+    y = (y & ~effect.y_mask) | (word & effect.y_mask);
+    low = next_low;
+  }
+  out.count = num_events;
+  cursor.low = static_cast<uint32_t>(low);
+  cursor.y = y;
+  return i;
+}
+
+/// Returns for each lane the number of lanes up to and including it that are set in `bits`.
+HWY_INLINE __m512i count_up_to_lane(uint32_t bits) {
+  const __m512i all = _mm512_set1_epi32(static_cast<int>(bits));
+  const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const __m512i up_to = _mm512_sub_epi32(_mm512_sllv_epi32(_mm512_set1_epi32(2), lane), _mm512_set1_epi32(1));
+  const __m512i up_to_high = _mm512_or_si512(_mm512_slli_epi32(up_to, 16), _mm512_set1_epi32(0xFFFF));
+  const __m512i first = _mm512_popcnt_epi32(_mm512_and_si512(all, up_to));
+  const __m512i second = _mm512_popcnt_epi32(_mm512_and_si512(all, up_to_high));
+  return _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvtepi32_epi16(first)), _mm512_cvtepi32_epi16(second), 1);
+}
+
+/// Returns for each lane the value of the last lane up to and including it that is set in `bits`, or `before` if there
+/// is none.
+HWY_INLINE __m512i fill_forward(__m512i values, uint32_t bits, uint32_t before) {
+  const __m512i index = _mm512_sub_epi16(count_up_to_lane(bits), _mm512_set1_epi16(1));
+  const __m512i filled = _mm512_permutexvar_epi16(index, _mm512_maskz_compress_epi16(bits, values));
+  const uint32_t in_front = bits != 0 ? (bits & (0 - bits)) - 1 : 0xFFFFFFFF;
+  return _mm512_mask_mov_epi16(filled, in_front, _mm512_set1_epi16(static_cast<int16_t>(before)));
+}
+
+/// Does the same as take_plain_words() for 32 words at a time, while 32 remain. The events of a group are compressed to
+/// the front.
+size_t take_plain_groups(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
+  const __m512i coordinate_mask = _mm512_set1_epi16(kCoordinateMask);
+  size_t i = 0;
+  while (i + 32 <= count) {
+    const __m512i word = _mm512_loadu_si512(words + 2 * i);
+    const __m512i type = _mm512_srli_epi16(word, 12);
+    const __m512i type_bit = _mm512_sllv_epi16(_mm512_set1_epi16(1), type);
+    uint32_t plain = _mm512_test_epi16_mask(type_bit, _mm512_set1_epi16(static_cast<int16_t>(kPlainTypes)));
+    plain |= _mm512_cmpeq_epi16_mask(word, _mm512_set1_epi16(static_cast<int16_t>(cursor.time_high)));
+    const auto used = static_cast<uint32_t>(std::countr_one(plain));
+    if (used == 0) break;
+    const uint32_t taken = used == 32 ? 0xFFFFFFFF : (1u << used) - 1;
+    const uint32_t events = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kAddrX));
+    const uint32_t rows = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kAddrY));
+    const uint32_t lows = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kTimeLow));
+    const __m512i place = _mm512_and_si512(word, coordinate_mask);
+
+    __m512i low = _mm512_set1_epi16(static_cast<int16_t>(cursor.low));
+    uint32_t last_low = cursor.low;
+    if (lows != 0) {
+      low = fill_forward(_mm512_and_si512(word, _mm512_set1_epi16(kPayloadMask)), lows, cursor.low);
+      const __m512i before = move_up(low, static_cast<int>(cursor.low));
+      last_low = load_le<uint16_t>(words + 2 * (i + 31 - static_cast<size_t>(std::countl_zero(lows)))) & kPayloadMask;
+      const bool back = _mm512_mask_cmplt_epu16_mask(taken, low, before) != 0;
+      if (back) break;
+    }
+    if (events != 0) {
+      const __m512i y = fill_forward(place, rows, cursor.y);
+      const auto num_events = static_cast<size_t>(std::popcount(events));
+      const size_t at = out.count;
+      _mm512_storeu_si512(out.x + at, _mm512_maskz_compress_epi16(events, place));
+      _mm512_storeu_si512(out.y + at, _mm512_maskz_compress_epi16(events, y));
+      const __m512i polarity = _mm512_and_si512(_mm512_srli_epi16(word, 11), _mm512_set1_epi16(1));
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(out.p + at),
+                          _mm512_cvtepi16_epi8(_mm512_maskz_compress_epi16(events, polarity)));
+      alignas(64) uint16_t low_of[32];
+      _mm512_store_si512(low_of, _mm512_maskz_compress_epi16(events, low));
+      const __m512i high = _mm512_set1_epi64(cursor.high);
+      for (size_t k = 0; k < num_events; k += 8) {
+        const __m512i t = _mm512_cvtepu16_epi64(_mm_load_si128(reinterpret_cast<const __m128i*>(low_of + k)));
+        _mm512_storeu_si512(out.t + at + k, _mm512_or_si512(high, t));
+      }
+      out.count = at + num_events;
+    }
+    if (rows != 0) {
+      const auto last = static_cast<size_t>(31 - std::countl_zero(rows));
+      cursor.y = load_le<uint16_t>(words + 2 * (i + last)) & kCoordinateMask;
+    }
+    cursor.low = last_low;
+    i += used;
+    if (used < 32) break;
+  }
+  return i;
+}
+
+HWY_INLINE size_t take_plain(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
+  constexpr size_t kGroup = 32, kOneByOne = 1;
+  const size_t used = take_plain_groups(words, count, cursor, out);
+  if (count - used >= kGroup) return used > 0 ? used : take_plain_words(words, kOneByOne, cursor, out);
+  return used + take_plain_words(words + 2 * used, count - used, cursor, out);
+}
+
+/// Computes the 32-bit mask of a vector of 12, 12 and 8 pixels that begins here; returns false if another word is among
+/// the three.
+HWY_INLINE bool load_triple(const uint8_t* words, uint32_t& mask) {
+  const auto a = load_le<uint16_t>(words);
+  const auto b = load_le<uint16_t>(words + 2);
+  const auto c = load_le<uint16_t>(words + 4);
+  mask = (a & 0xFFFu) | ((b & 0xFFFu) << 12) | (static_cast<uint32_t>(c) << 24);
+  return (a >> 12) == kVect12 && (b >> 12) == kVect12 && (c >> 12) == kVect8;
+}
+
+/// Appends events to the columns of a sink.
+struct ToColumns {
+  ColumnSink& sink;
+  Columns out;
+
+  explicit ToColumns(ColumnSink& target) : sink(target), out{target.x, target.y, target.p, target.t, target.count} {}
+  void flush() { sink.count = out.count; }
+  void reload() { out.count = sink.count; }
+  void add_vector(uint32_t mask, uint32_t x, uint32_t y, uint32_t p, int64_t t) {
+    expand_mask(mask, x, y, p, t, out);
+  }
+};
+
+/// Decodes runs of plain words and of vectors with the kernels above, and the rest with the scalar reference, word by
+/// word.
+HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                               ColumnSink& sink, ToColumns& target) {
+  sink.set_time(Codec::time(state));
+  size_t i = 0;
+  while (i < count) {
+    // The kernels use times as they are, so they cannot run while the time is raised to that of an earlier event.
+    const int64_t time = Codec::time(state);
+    if (sink.time() == time) {
+      Cursor cursor{state.high_us, state.time_high, state.low, state.y};
+      for (;;) {
+        const uint32_t word = load_le<uint16_t>(words + 2 * i);
+        uint32_t mask = 0;
+        const uint32_t base = state.base_x;
+        if (word >> 12 == kVectBaseX) {
+          state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
+          state.base_p = static_cast<uint8_t>((word >> 11) & 1);
+          ++i;
+        } else if (word >> 12 == kVect12 && i + 3 <= count && base + 32 <= limits.width &&
+                   load_triple(words + 2 * i, mask)) {
+          target.add_vector(mask, base, cursor.y, state.base_p, cursor.high | cursor.low);
+          state.base_x = static_cast<uint16_t>(base + 32);
+          i += 3;
+        } else {
+          const size_t used = take_plain(words + 2 * i, count - i, cursor, target.out);
+          i += used;
+          if (used == 0) break;
+        }
+        if (i == count) break;
+      }
+      state.low = static_cast<uint16_t>(cursor.low);
+      state.y = static_cast<uint16_t>(cursor.y);
+      target.flush();
+      if (i == count) break;
+    }
+    decode_scalar(words + 2 * i, 1, state, limits, sink);
+    sink.set_time(Codec::time(state));
+    target.reload();
+    ++i;
+  }
+  return count;
+}
+
+#endif
+
+}  // namespace HWY_NAMESPACE
+}  // namespace e2lf::recordings::evt3
+HWY_AFTER_NAMESPACE();
+
+#endif
