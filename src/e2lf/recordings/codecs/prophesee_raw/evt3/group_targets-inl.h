@@ -76,7 +76,7 @@ class ToColumns {
   }
 
   void put_vector(uint32_t mask, uint32_t x, uint32_t y, uint32_t p, uint32_t low) {
-    expand_mask(mask, x, y, p, high_us_ | low, out_);
+    expand_mask<32>(mask, x, y, p, high_us_ | low, out_);
   }
 
  private:

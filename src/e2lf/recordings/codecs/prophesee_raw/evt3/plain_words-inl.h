@@ -186,7 +186,9 @@ struct ToColumns {
   explicit ToColumns(ColumnSink& target) : sink(target), out{target.x, target.y, target.p, target.t, target.count} {}
   void flush() { sink.count = out.count; }
   void reload() { out.count = sink.count; }
-  void add_vector(uint32_t mask, uint32_t x, uint32_t y, uint32_t p, int64_t t) { expand_mask(mask, x, y, p, t, out); }
+  void add_vector(uint32_t mask, uint32_t x, uint32_t y, uint32_t p, int64_t t) {
+    expand_mask<32>(mask, x, y, p, t, out);
+  }
 };
 
 /// Decodes runs of plain words and of vectors with the kernels above, and the rest with the scalar reference, word by
