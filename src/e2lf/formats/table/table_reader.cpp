@@ -14,6 +14,7 @@ namespace {
 /// Calls visit(i, number) for a field of `count` records.
 template <typename Visit>
 void for_each_number(const uint8_t* records, const NumberField& field, size_t count, const Visit& visit) {
+  if (count == 0) return;  // there may be no records to point to
   const bool known = with_element_type(field.type, [&](auto type) {
     const uint8_t* next = records + field.offset;
     for (size_t i = 0; i < count; ++i, next += field.stride) visit(i, load_element<decltype(type)>(next));
