@@ -180,17 +180,17 @@ void check_round_trip(Decoded decoded, const std::string& format) {
     if (decoded.info.height == 0) decoded.info.height = 2048;
     decoded.info.format = format;
   }
-  // Text does not name its columns: those that exceed any sensor are not taken for coordinates.
+  // Tables refuse coordinates that exceed any sensor whose size is unknown.
   const auto most_of = [](const auto& column) {
     return column.empty() ? 0 : *std::max_element(column.begin(), column.end());
   };
-  const bool is_text = format == "csv" || format == "txt";
-  if (is_text && (decoded.info.width == 0 || decoded.info.height == 0) &&
+  const bool is_table = format == "csv" || format == "npz";
+  if (is_table && (decoded.info.width == 0 || decoded.info.height == 0) &&
       std::max(most_of(all.events.x), most_of(all.events.y)) >= 8192)
     return;
   // Nor are such times taken for microseconds by tables.
   constexpr int64_t kLatestUs = 100'000'000'000'000'000;
-  if ((is_text || format == "npz") && !all.events.empty() && all.events.t.back() >= kLatestUs) return;
+  if (is_table && !all.events.empty() && all.events.t.back() >= kLatestUs) return;
   const Codec& codec = **find_codec(format);
   if (codec.create == nullptr && codec.create_file == nullptr) return;
   std::vector<uint8_t> written;
