@@ -53,6 +53,15 @@ std::pair<double, double> usual_range(const std::vector<std::vector<int16_t>>& m
   return {known[few] / 1000.0, known[last - few] / 1000.0};
 }
 
+/// Returns the name and the value of each row of `e2lf model info`.
+Json facts_of(const model::Model& model) {
+  Json facts = Json::array();
+  for (const auto& row : report::facts_table(model::summary_json(model)).rows) {
+    facts.push_back({row[0].text, row[1].text});
+  }
+  return facts;
+}
+
 }  // namespace
 
 size_t Document::add_part(Part part) {
@@ -112,19 +121,6 @@ void Document::add_event_images(const std::string& name, const std::vector<captu
   if (codes != nullptr && codes->num_patterns == first.count + 1) item["codes"] = codes_json(*codes);
   add_item(std::move(item));
 }
-
-namespace {
-
-/// Returns the name and the value of each row of `e2lf model info`.
-Json facts_of(const model::Model& model) {
-  Json facts = Json::array();
-  for (const auto& row : report::facts_table(model::summary_json(model)).rows) {
-    facts.push_back({row[0].text, row[1].text});
-  }
-  return facts;
-}
-
-}  // namespace
 
 void Document::add_model(const model::Model& model) {
   Json item = {{"kind", "model"}, {"name", model.name}, {"facts", facts_of(model)}};
