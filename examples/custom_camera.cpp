@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <e2lf/cycles/cycle_reader.h>
 #include <e2lf/recordings/live/camera.h>
+#include <e2lf/recordings/open/registry.h>
 #include <fstream>
 
 namespace {
@@ -39,7 +40,7 @@ Result<std::unique_ptr<recordings::Camera>> open_file_camera(const std::string& 
 }
 
 Result<size_t> count_cycles(const std::string& camera) {
-  E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_camera(camera));
+  E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(camera));
   E2LF_ASSIGN_OR_RETURN(auto cycles, cycles::CycleReader::open(std::move(reader), {}));
   size_t count = 0;
   for (;; ++count) {

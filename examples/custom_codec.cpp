@@ -59,7 +59,6 @@ int main(int count, char** arguments) {
   Codec codec;
   codec.name = "records";
   codec.extensions = {".bin"};
-  codec.description = "records of 12 bytes";
   codec.open = open_records;
   add_codec(codec);
   const auto reader = open_recording(arguments[1]);

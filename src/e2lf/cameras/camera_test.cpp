@@ -15,6 +15,7 @@
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/open/registry.h"
 #include "testing/test_log.h"
 #include "testing/test_streams.h"
 
@@ -67,7 +68,7 @@ TEST(Camera, ItsBytesAreReadAsTheyComeAndItIsStoppedAtTheEnd) {
   EventBatch all, batch;
   const auto begin = Clock::now();
   {
-    auto reader = open_camera("camera://scripted/any/address").value();
+    auto reader = open_named_recording("camera://scripted/any/address").value();
     EXPECT_EQ(reader->info().width, 64u);
     // The last words wait for their successors, as damage shows only then.
     while (all.events.size() < 2900) {
@@ -282,7 +283,7 @@ TEST(Camera, TheEndThatIsAskedForComesThoughNothingArrives) {
   add_camera_plugin({"scripted", "for tests", ScriptedCamera::open});
   ScriptedCamera::script = {'x'};
   ScriptedCamera::piece = 1;
-  auto source = open_camera_bytes("camera://scripted").value();
+  auto source = open_live_bytes("camera://scripted").value();
   const auto begin = Clock::now();
   source->end_at(begin + std::chrono::milliseconds(20));
   EXPECT_EQ(source->fetch(2).value().size(), 1u);
@@ -293,19 +294,19 @@ TEST(Camera, TheEndThatIsAskedForComesThoughNothingArrives) {
 
 TEST(Camera, SettingsOfACameraAreRefusedWhereThereAreNone) {
   add_camera_plugin({"scripted", "for tests", ScriptedCamera::open});
-  const auto reader = open_camera("camera://scripted", {.camera = {.trigger_channels = {"main"}}});
+  const auto reader = open_named_recording("camera://scripted", {.camera = {.trigger_channels = {"main"}}});
   ASSERT_FALSE(reader.ok());
   EXPECT_EQ(reader.error().code, ErrorCode::kUnsupported);
 }
 
 TEST(Camera, NamesThatAreNoneSayWhatThereIs) {
-  const auto unknown = open_camera("camera://nosuch");
+  const auto unknown = open_named_recording("camera://nosuch");
   ASSERT_FALSE(unknown.ok());
   EXPECT_EQ(unknown.error().code, ErrorCode::kNotFound);
   EXPECT_NE(unknown.error().message.find("replay"), std::string::npos);
-  EXPECT_EQ(open_camera("recording.raw").error().code, ErrorCode::kInvalidValue);
-  EXPECT_EQ(open_camera("replay:/nowhere.raw").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(open_camera("camera://pipe/7").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(open_live_bytes("recording.raw").error().code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(open_named_recording("replay:/nowhere.raw").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(open_named_recording("camera://pipe/7").error().code, ErrorCode::kNotFound);
   EXPECT_TRUE(is_camera_name("tcp://127.0.0.1:9") && is_camera_name("replay:x") && !is_camera_name("x.raw"));
 }
 
@@ -370,7 +371,7 @@ TEST(ReplayCamera, GivesTheSameEventsAtRecordedSpeed) {
   synthesis.schedule = cycles::plain_schedule(4, 10000);
   const EventBatch all = write_cycles(folder / "a.hdf5", 3, synthesis);
   const auto begin = Clock::now();
-  auto reader = open_camera("replay:" + (folder / "a.hdf5").string()).value();
+  auto reader = open_named_recording("replay:" + (folder / "a.hdf5").string()).value();
   EventBatch played = read_all(*reader).value();
   const auto duration_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin).count();
   EXPECT_EQ(played.events, all.events);
@@ -393,7 +394,7 @@ TEST(ReplayCamera, DeliversARawRecordingByteForByteAtRecordedSpeed) {
   EXPECT_EQ(delivered, read_file(folder / "a.raw").value());
   EXPECT_GE(duration_us, all.events.t.back() - all.events.t.front() - 5000);
   EXPECT_GT(reads, 20U);
-  auto reader = open_camera("replay:" + (folder / "a.raw").string()).value();
+  auto reader = open_named_recording("replay:" + (folder / "a.raw").string()).value();
   EXPECT_EQ(read_all(*reader).value().events, all.events);
 }
 
@@ -405,7 +406,7 @@ TEST(ReplayCamera, GoesOnInTimeWhenItIsRepeatedAndAtAnotherSpeed) {
   const auto begin = Clock::now();
   // More often than the 4096 steps of TIME_HIGH go.
   constexpr size_t kRepeats = 600;
-  auto reader = open_camera("replay:" + (folder / "a.raw").string() + "?repeat=600&speed=500").value();
+  auto reader = open_named_recording("replay:" + (folder / "a.raw").string() + "?repeat=600&speed=500").value();
   const EventBatch played = read_all(*reader).value();
   const auto duration_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin).count();
   EXPECT_TRUE(reader->summary().restarts.empty());
@@ -423,7 +424,8 @@ TEST(ReplayCamera, GoesOnInTimeWhenItIsRepeatedAndAtAnotherSpeed) {
   }
   EXPECT_GE(duration_us, length_us * static_cast<int64_t>(kRepeats) / 500);
   for (const char* wrong : {"?speed=0", "?repeat=0", "?repeat=x", "?faster=2", "?speed=nan"}) {
-    EXPECT_EQ(open_camera("replay:" + (folder / "a.raw").string() + wrong).error().code, ErrorCode::kInvalidValue);
+    EXPECT_EQ(open_named_recording("replay:" + (folder / "a.raw").string() + wrong).error().code,
+              ErrorCode::kInvalidValue);
   }
 }
 
@@ -438,7 +440,8 @@ TEST(ReplayCamera, CyclesCarryTheirArrival) {
   options.tracker.first_pattern = 0;
   const auto begin = Clock::now();
   auto cycles =
-      cycles::CycleReader::open(open_camera("replay:" + (folder / "a.hdf5").string()).value(), options).value();
+      cycles::CycleReader::open(open_named_recording("replay:" + (folder / "a.hdf5").string()).value(), options)
+          .value();
   for (int i = 0; i < 3; ++i) {
     const auto cycle = cycles.next().value();
     ASSERT_TRUE(cycle.has_value());

@@ -8,6 +8,7 @@
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/recordings/live/camera.h"
 #include "testing/test_files.h"
 #include "testing/test_light_field.h"
 
@@ -70,6 +71,7 @@ TEST(FileKind, TellsFoldersByTheirContent) {
 }
 
 TEST(FileKind, TakesLiveSourcesForRecordings) {
+  recordings::add_camera_plugin({"any", "a camera that is not opened"});
   EXPECT_EQ(file_kind("-").value(), FileKind::kRecording);
   EXPECT_EQ(file_kind("camera://any").value(), FileKind::kRecording);
   EXPECT_EQ(file_kind("replay:no_such_file.raw").value(), FileKind::kRecording);

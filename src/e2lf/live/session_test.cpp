@@ -8,7 +8,7 @@
 #include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_requests.h"
 #include "e2lf/pipeline/field_sequence.h"
-#include "e2lf/recordings/live/camera.h"
+#include "e2lf/recordings/open/registry.h"
 #include "testing/test_streams.h"
 
 namespace e2lf::live {
@@ -60,7 +60,7 @@ std::unique_ptr<LiveReader> open_replay(const std::filesystem::path& path, const
     cycles.tracker.first_pattern = 0;
     cycles.on_batch = on_batch;
     cycles.invert_polarity = options.is_inverted;
-    E2LF_ASSIGN_OR_RETURN(auto camera, recordings::open_camera("replay:" + path.string()));
+    E2LF_ASSIGN_OR_RETURN(auto camera, recordings::open_named_recording("replay:" + path.string()));
     return cycles::CycleReader::open(std::move(camera), cycles);
   };
   return LiveReader::open(open, options).value();

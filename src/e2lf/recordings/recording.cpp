@@ -2,6 +2,8 @@
 #include "e2lf/recordings/recording.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <sstream>
 #include <utility>
 
 #include "e2lf/base/log.h"
@@ -21,6 +23,27 @@ std::optional<int64_t> first_time(const EventBatch& batch) {
 }
 
 }  // namespace
+
+bool has_settings(CameraSetup setup) {
+  setup.running = nullptr;
+  return setup != CameraSetup();
+}
+
+Result<std::vector<SensorRegion>> parse_regions(const std::string& text) {
+  std::vector<SensorRegion> regions;
+  std::istringstream words(text == "all" ? "" : text);
+  for (std::string word; words >> word;) {
+    SensorRegion region;
+    int length = 0;
+    const int found =
+        std::sscanf(word.c_str(), "%5d,%5d,%5d,%5d%n", &region.x, &region.y, &region.width, &region.height, &length);
+    if (found != 4 || static_cast<size_t>(length) != word.size()) {
+      return fail(ErrorCode::kInvalidValue, "", "\"", word, "\" is not a region; give X,Y,WIDTH,HEIGHT");
+    }
+    regions.push_back(region);
+  }
+  return regions;
+}
 
 std::optional<std::string> RecordingInfo::find(const std::string& key) const {
   for (const auto& [name, value] : header) {

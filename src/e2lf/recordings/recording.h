@@ -44,6 +44,13 @@ struct CameraSetup {
   bool operator==(const CameraSetup&) const = default;
 };
 
+/// Returns whether anything is to be set.
+[[nodiscard]] bool has_settings(CameraSetup setup);
+
+/// Parses regions, "X,Y,WIDTH,HEIGHT" with spaces between them; "all" and an empty text are none. Fails with
+/// kInvalidValue.
+[[nodiscard]] Result<std::vector<SensorRegion>> parse_regions(const std::string& text);
+
 /// Something that a file does not state and that was assumed, as text, and the setting that overrides it.
 struct Assumption {
   std::string text;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The verbs of live cameras: camera list, camera check, and record, which writes a live input byte for byte.
+#include "e2lf/recordings/live/camera.h"
+
 #include <cstdio>
 
 #include "e2lf/base/log.h"
@@ -16,7 +18,6 @@
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/io/bytes.h"
-#include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {

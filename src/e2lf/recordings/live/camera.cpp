@@ -14,22 +14,12 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::recordings {
 namespace {
 
 constexpr std::string_view kCameraScheme = "camera://", kReplay = "replay:", kTcp = "tcp://";
-
-struct Registry {
-  std::mutex mutex;
-  std::vector<CameraPlugin> plugins;
-  std::vector<std::function<std::vector<CameraPlugin>()>> loaders;  ///< not called yet
-};
-
-Registry& registry() {
-  static Registry instance;
-  return instance;
-}
 
 struct CameraName {
   std::string plugin, address;
@@ -41,6 +31,45 @@ CameraName parse_name(const std::string& name) {
   const std::string rest = name.substr(kCameraScheme.size());
   const size_t slash = std::min(rest.find('/'), rest.size());
   return {rest.substr(0, slash), slash < rest.size() ? rest.substr(slash + 1) : ""};
+}
+
+}  // namespace
+
+bool is_camera_name(const std::string& name) {
+  return name.starts_with(kCameraScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
+}
+
+size_t replay_path_size(const std::string& address) {
+  std::error_code error;
+  return std::filesystem::exists(address, error) ? address.size() : std::min(address.rfind('?'), address.size());
+}
+
+namespace {
+
+/// Returns the path that the name of a camera contains: that of a replayed recording or of a named pipe. Returns an
+/// empty path for all other cameras.
+std::filesystem::path path_of_camera(const std::string& name) {
+  const CameraName parsed = parse_name(name);
+  if (parsed.plugin == "replay") return parsed.address.substr(0, replay_path_size(parsed.address));
+  return parsed.plugin == "pipe" ? parsed.address : "";
+}
+
+struct Registry {
+  Registry() {
+    const auto open = [](const std::string& name, const CameraSetup& setup) -> Result<SourcePtr> {
+      E2LF_ASSIGN_OR_RETURN(auto source, open_live_bytes(name, setup));
+      return SourcePtr(std::move(source));
+    };
+    set_live_inputs({is_camera_name, path_of_camera, open});
+  }
+  std::mutex mutex;
+  std::vector<CameraPlugin> plugins;
+  std::vector<std::function<std::vector<CameraPlugin>()>> loaders;  ///< not called yet
+};
+
+Registry& registry() {
+  static Registry instance;
+  return instance;
 }
 
 const CameraPlugin* find_known(const std::vector<CameraPlugin>& plugins, const std::string& name) {
@@ -97,41 +126,11 @@ void add_camera_plugins(std::function<std::vector<CameraPlugin>()> load) {
   registry().loaders.push_back(std::move(load));
 }
 
-bool is_camera_name(const std::string& name) {
-  return name.starts_with(kCameraScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
-}
-
-size_t replay_path_size(const std::string& address) {
-  std::error_code error;
-  return std::filesystem::exists(address, error) ? address.size() : std::min(address.rfind('?'), address.size());
-}
-
-std::filesystem::path path_of_camera(const std::string& name) {
-  const CameraName parsed = parse_name(name);
-  if (parsed.plugin == "replay") return parsed.address.substr(0, replay_path_size(parsed.address));
-  return parsed.plugin == "pipe" ? parsed.address : "";
-}
-
 Result<void> Camera::set_up(const CameraSetup& setup) {
   if (!has_settings(setup)) return {};
   return fail(ErrorCode::kUnsupported, "",
               "this input has no settings of a camera (trigger inputs, biases, event rate, regions, encoding); leave "
               "them out");
-}
-
-Result<std::unique_ptr<LiveSource>> open_camera_bytes(const std::string& name, const CameraSetup& setup) {
-  if (!is_camera_name(name)) {
-    return Error{ErrorCode::kInvalidValue, "not a camera; write camera://NAME or camera://NAME/ADDRESS", name};
-  }
-  const CameraName parsed = parse_name(name);
-  E2LF_ASSIGN_OR_RETURN(const CameraPlugin plugin, find_camera_plugin(parsed.plugin, name));
-  E2LF_ASSIGN_OR_RETURN(CameraPtr camera, plugin.open(parsed.address));
-  return start_camera_source(std::move(camera), name, setup);
-}
-
-Result<ReaderPtr> open_camera(const std::string& name, const OpenOptions& options) {
-  E2LF_ASSIGN_OR_RETURN(SourcePtr source, open_camera_bytes(name, options.camera));
-  return open_recording(std::move(source), options);
 }
 
 namespace {
@@ -375,17 +374,27 @@ class CameraSource final : public LiveSource {
 
 }  // namespace
 
+Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, const CameraSetup& setup) {
+  if (!is_live_recording(name)) {
+    return Error{
+        ErrorCode::kInvalidValue,
+        "this is not a live input; give a camera (camera://NAME), tcp://ADDRESS:PORT, replay:FILE, a named pipe "
+        "or -",
+        name};
+  }
+  if (name == "-") return open_live_bytes("camera://pipe", setup);
+  const CameraName parsed = is_camera_name(name) ? parse_name(name) : CameraName{"pipe", name};
+  E2LF_ASSIGN_OR_RETURN(const CameraPlugin plugin, find_camera_plugin(parsed.plugin, name));
+  E2LF_ASSIGN_OR_RETURN(CameraPtr camera, plugin.open(parsed.address));
+  return start_camera_source(std::move(camera), name, setup);
+}
+
 Result<std::unique_ptr<LiveSource>> start_camera_source(CameraPtr camera, std::string name, const CameraSetup& setup) {
   E2LF_RETURN_IF_ERROR(camera->set_up(setup));
   E2LF_RETURN_IF_ERROR(camera->start());
   auto source = std::make_unique<CameraSource>(std::move(camera), std::move(name));
   if (setup.running) setup.running->set(source->camera());
   return std::unique_ptr<LiveSource>(std::move(source));
-}
-
-bool has_settings(CameraSetup setup) {
-  setup.running = nullptr;
-  return setup != CameraSetup();
 }
 
 Result<void> Camera::change(const std::string& name, const std::string& /*value*/) {
@@ -409,22 +418,6 @@ Result<void> RunningCamera::change(const std::string& name, const std::string& v
   const Result<void> changed = camera_->change(name, value);
   controls_ = camera_->controls();  // also after a refusal: the page shows what the camera has
   return changed;
-}
-
-Result<std::vector<SensorRegion>> parse_regions(const std::string& text) {
-  std::vector<SensorRegion> regions;
-  std::istringstream words(text == "all" ? "" : text);
-  for (std::string word; words >> word;) {
-    SensorRegion region;
-    int length = 0;
-    const int found =
-        std::sscanf(word.c_str(), "%5d,%5d,%5d,%5d%n", &region.x, &region.y, &region.width, &region.height, &length);
-    if (found != 4 || static_cast<size_t>(length) != word.size()) {
-      return fail(ErrorCode::kInvalidValue, "", "\"", word, "\" is not a region; give X,Y,WIDTH,HEIGHT");
-    }
-    regions.push_back(region);
-  }
-  return regions;
 }
 
 }  // namespace e2lf::recordings

@@ -83,9 +83,6 @@ using CameraPtr = std::unique_ptr<Camera>;
 /// more.
 inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 
-/// Returns whether anything is to be set.
-[[nodiscard]] bool has_settings(CameraSetup setup);
-
 /// Access to the settings of a camera while another thread reads it. All functions may be called by any thread.
 class RunningCamera {
  public:
@@ -101,10 +98,6 @@ class RunningCamera {
   std::shared_ptr<Camera> camera_;
   std::vector<CameraControl> controls_;
 };
-
-/// Parses regions, "X,Y,WIDTH,HEIGHT" with spaces between them; "all" and an empty text are none. Fails with
-/// kInvalidValue.
-[[nodiscard]] Result<std::vector<SensorRegion>> parse_regions(const std::string& text);
 
 /// The bytes of a live input.
 class LiveSource : public ByteSource {
@@ -145,25 +138,19 @@ void add_camera_plugins(std::function<std::vector<CameraPlugin>()> load);
 /// Returns the length of the path at the beginning of such an address.
 [[nodiscard]] size_t replay_path_size(const std::string& address);
 
-/// Returns the path that the name of a camera contains: that of a replayed recording or of a named pipe. Returns an
-/// empty path for all other cameras.
-[[nodiscard]] std::filesystem::path path_of_camera(const std::string& name);
-
 /// Applies the settings to a camera, and starts it and a thread that reads its bytes. The source ends with the camera,
 /// and stops it when it is destroyed. If the camera fails after its first bytes, the source ends there with a warning,
 /// and LiveBacklog::failure contains the reason. Fails as Camera::set_up() and Camera::start() do.
 [[nodiscard]] Result<std::unique_ptr<LiveSource>> start_camera_source(CameraPtr camera, std::string name,
                                                                       const CameraSetup& setup = {});
 
-/// Opens a camera, applies the settings and starts it. A separate thread reads its bytes and buffers up to 64 MiB, so
-/// that a slow reader loses nothing for a while. If the reader falls behind, this is logged once and counted in
-/// DecodeSummary::live. Fails with kNotFound (no such plugin; lists those that exist), kInvalidValue (a name of another
-/// form), and as the plugin, Camera::set_up() and Camera::start() do.
-[[nodiscard]] Result<std::unique_ptr<LiveSource>> open_camera_bytes(const std::string& name,
-                                                                    const CameraSetup& setup = {});
-
-/// Opens a camera as a recording, with the settings in options.camera. RecordingReader::arrival() returns when the
-/// bytes arrived. Fails as open_camera_bytes() and open_recording() do.
-[[nodiscard]] Result<ReaderPtr> open_camera(const std::string& name, const OpenOptions& options = {});
+/// Opens the bytes of a live input: a camera (see is_camera_name()), a named pipe, a device, or standard input ("-").
+/// The camera is set up and started. A separate thread reads its bytes and buffers up to 64 MiB, so that a slow reader
+/// loses nothing for a while. If the reader falls behind, this is logged once and counted in DecodeSummary::live.
+/// open_named_recording() opens the same inputs as recordings, whose RecordingReader::arrival() returns when the bytes
+/// arrived. Fails with kNotFound (no such plugin; lists those that exist), kInvalidValue (a file), and as the plugin,
+/// Camera::set_up() and Camera::start() do.
+[[nodiscard]] Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name,
+                                                                  const CameraSetup& setup = {});
 
 }  // namespace e2lf::recordings

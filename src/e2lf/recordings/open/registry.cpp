@@ -15,26 +15,19 @@
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/io/header_text.h"
-#include "e2lf/recordings/live/camera.h"
 
 namespace e2lf::recordings {
 namespace {
 
 std::deque<Codec> built_in_codecs() {
   return {
-      {.name = "raw",
-       .extensions = {".raw"},
-       .description = "Prophesee RAW in the encoding that its header names",
-       .detect = is_raw_header,
-       .open = open_raw,
-       .create = create_raw},
-      {.name = "evt2", .description = "Prophesee RAW, EVT2", .open = open_raw, .create = create_evt2},
-      {.name = "evt2.1", .description = "Prophesee RAW, EVT2.1", .open = open_raw, .create = create_evt21},
-      {.name = "evt3", .description = "Prophesee RAW, EVT3", .open = open_raw, .create = create_evt3},
-      {.name = "evt4", .description = "Prophesee RAW, EVT4", .open = open_raw},
+      {.name = "raw", .extensions = {".raw"}, .detect = is_raw_header, .open = open_raw, .create = create_raw},
+      {.name = "evt2", .open = open_raw, .create = create_evt2},
+      {.name = "evt2.1", .open = open_raw, .create = create_evt21},
+      {.name = "evt3", .open = open_raw, .create = create_evt3},
+      {.name = "evt4", .open = open_raw},
       {.name = "hdf5",
        .extensions = {".hdf5"},
-       .description = "Metavision HDF5, compressed with ECF",
        .is_table = true,
        .detect = hdf5_events::detect,
        .open = hdf5_events::open,
@@ -46,6 +39,7 @@ std::deque<Codec> built_in_codecs() {
 struct Table {
   std::mutex mutex;
   std::deque<Codec> codecs = built_in_codecs();
+  LiveInputs live;
 };
 
 Table& codec_table() {
@@ -243,40 +237,45 @@ Result<WriterPtr> create_recording(SinkPtr sink, const std::string& format, cons
   return codec->create(std::move(sink), info);
 }
 
+void set_live_inputs(const LiveInputs& inputs) {
+  const std::lock_guard<std::mutex> lock(codec_table().mutex);
+  codec_table().live = inputs;
+}
+
+namespace {
+
+LiveInputs live_inputs() {
+  const std::lock_guard<std::mutex> lock(codec_table().mutex);
+  return codec_table().live;
+}
+
+bool is_camera(const std::string& name) {
+  const LiveInputs live = live_inputs();
+  return live.is_name != nullptr && live.is_name(name);
+}
+
+}  // namespace
+
 bool is_live_recording(const std::string& name) {
-  return name == "-" || is_camera_name(name) || is_stream(name);
+  return name == "-" || is_camera(name) || is_stream(name);
 }
 
 std::filesystem::path file_of_recording(const std::string& name) {
   namespace fs = std::filesystem;
   std::error_code error;
-  const fs::path path = name == "-"            ? fs::canonical("/proc/self/fd/0", error)
-                        : is_camera_name(name) ? path_of_camera(name)
-                                               : fs::path(name);
+  const fs::path path = name == "-"       ? fs::canonical("/proc/self/fd/0", error)
+                        : is_camera(name) ? live_inputs().file(name)
+                                          : fs::path(name);
   return fs::is_regular_file(path, error) || fs::is_directory(path, error) ? path : fs::path();
-}
-
-Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, const CameraSetup& setup) {
-  if (is_camera_name(name)) return open_camera_bytes(name, setup);
-  if (name == "-") return open_camera_bytes("camera://pipe", setup);
-  if (!is_stream(name)) {
-    return Error{
-        ErrorCode::kInvalidValue,
-        "this is not a live input; give a camera (camera://NAME), tcp://ADDRESS:PORT, replay:FILE, a named pipe "
-        "or -",
-        name};
-  }
-  E2LF_ASSIGN_OR_RETURN(const CameraPlugin pipes, find_camera_plugin("pipe", name));
-  E2LF_ASSIGN_OR_RETURN(CameraPtr camera, pipes.open(name));
-  return start_camera_source(std::move(camera), name, setup);
 }
 
 Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOptions& options) {
   struct stat input {};
   const bool is_pipe =
       name == "-" && ::fstat(STDIN_FILENO, &input) == 0 && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode));
-  if (is_pipe || (name != "-" && is_live_recording(name))) {
-    E2LF_ASSIGN_OR_RETURN(SourcePtr source, open_live_bytes(name, options.camera));
+  const LiveInputs live = live_inputs();
+  if (live.open != nullptr && (is_pipe || (name != "-" && is_live_recording(name)))) {
+    E2LF_ASSIGN_OR_RETURN(SourcePtr source, live.open(name, options.camera));
     return open_recording(std::move(source), options);
   }
   if (has_settings(options.camera)) {

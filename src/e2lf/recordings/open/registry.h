@@ -9,7 +9,6 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/files/output.h"
-#include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
@@ -19,8 +18,7 @@ namespace e2lf::recordings {
 struct Codec {
   std::string name = {};  ///< OpenOptions::format and RecordingInfo::format
   std::vector<std::string> extensions =
-      {};                        ///< lower case, with the dot; the first codec in the table takes precedence
-  std::string description = {};  ///< text for the help
+      {};  ///< lower case, with the dot; the first codec in the table takes precedence
 
   /// Whether the columns and the unit of time vary; other formats refuse OpenOptions::columns and time_unit.
   bool is_table = false;
@@ -66,6 +64,18 @@ void add_codec(Codec codec);
 /// Returns the codec with this name. Fails with kInvalidValue, suggesting the nearest name.
 [[nodiscard]] Result<const Codec*> find_codec(const std::string& name);
 
+/// How inputs that are not files are opened; the first camera that a program adds (live/camera.h) sets this.
+struct LiveInputs {
+  bool (*is_name)(const std::string& name) = nullptr;  ///< whether a name is that of a camera
+  /// Returns the path of the file that a camera with such a name reads, or an empty path.
+  std::filesystem::path (*file)(const std::string& name) = nullptr;
+  /// Opens a camera, a named pipe, a device, or standard input ("-").
+  Result<SourcePtr> (*open)(const std::string& name, const CameraSetup& setup) = nullptr;
+};
+
+/// Sets how such inputs are opened. Before, pipes and standard input are read as files.
+void set_live_inputs(const LiveInputs& inputs);
+
 /// Returns whether a name denotes a live source: "-", a camera, a named pipe or a device.
 [[nodiscard]] bool is_live_recording(const std::string& name);
 
@@ -73,15 +83,10 @@ void add_codec(Codec codec);
 /// the file behind standard input. Returns an empty path if there is none (a camera, a pipe or a socket).
 [[nodiscard]] std::filesystem::path file_of_recording(const std::string& name);
 
-/// Opens a recording by name: a file or standard input ("-") with open_recording(), and the name of a camera
-/// (camera://NAME, replay:FILE, tcp://ADDRESS:PORT), a named pipe, or standard input that is a pipe or socket with
-/// open_camera().
+/// Opens a recording by name: a file or standard input ("-") with open_recording(), and as a LiveInputs the name of a
+/// camera (camera://NAME, replay:FILE, tcp://ADDRESS:PORT), a named pipe, or standard input that is a pipe or socket.
+/// Fails as open_recording() and open_live_bytes() do.
 [[nodiscard]] Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOptions& options = {});
-
-/// Opens the bytes of a live source (see is_live_recording()). Fails as open_camera_bytes() does, and with
-/// kInvalidValue for a file.
-[[nodiscard]] Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name,
-                                                                  const CameraSetup& setup = {});
 
 /// Returns the rules for an output that is made from these inputs, which are named as open_named_recording() takes
 /// them: files, replayed recordings, pipes and cameras. The output is live if the first input is not a file.
