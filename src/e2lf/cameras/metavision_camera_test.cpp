@@ -13,6 +13,7 @@
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/live/camera.h"
+#include "e2lf/recordings/open/registry.h"
 #include "testing/test_log.h"
 #include "testing/test_streams.h"
 
@@ -58,7 +59,7 @@ TEST_F(MetavisionCamera, ItsTriggersAreOnUnlessOthersAreNamed) {
   simulate("period_us=0;end_at=80000");
   const auto triggers = [](const std::vector<std::string>& channels) {
     const TestLog log;
-    auto reader = open_camera(kName, {.camera = {.trigger_channels = channels}}).value();
+    auto reader = open_named_recording(kName, {.camera = {.trigger_channels = channels}}).value();
     EventBatch all = read_all(*reader).value();
     return std::pair(all.triggers.size(), *reader->info().find("trigger_channels"));
   };
@@ -67,7 +68,7 @@ TEST_F(MetavisionCamera, ItsTriggersAreOnUnlessOthersAreNamed) {
   EXPECT_EQ(triggers({"main"}).second, "main=0");
   EXPECT_EQ(triggers({"0"}).first, triggers({"main"}).first);
   EXPECT_EQ(triggers({"none"}), (std::pair<size_t, std::string>(0, "none")));
-  const auto unknown = open_camera(kName, {.camera = {.trigger_channels = {"3"}}});
+  const auto unknown = open_named_recording(kName, {.camera = {.trigger_channels = {"3"}}});
   ASSERT_FALSE(unknown.ok());
   EXPECT_NE(unknown.error().message.find("main=0, aux=6"), std::string::npos) << unknown.error().text();
 }
@@ -76,7 +77,7 @@ TEST_F(MetavisionCamera, ItsSettingsChangeWhileItRunsWithinTheRangesThatItStates
   simulate("period_us=0;end_at=80000");
   const auto running = std::make_shared<RunningCamera>();
   EXPECT_EQ(running->change("roi", "all").error().code, ErrorCode::kNotFound) << "none has started";
-  const auto source = open_camera_bytes(kName, {.running = running});
+  const auto source = open_live_bytes(kName, {.running = running});
   ASSERT_TRUE(source.ok()) << source.error().text();
   const auto control = [&](const std::string& name) {
     for (const CameraControl& found : running->controls()) {
@@ -113,7 +114,7 @@ TEST_F(MetavisionCamera, ItsIdentityAndItsSettingsAsReadBackAreInTheHeader) {
                           .max_events_per_s = 5'000'000,
                           .regions = {{100, 50, 640, 480}},
                           .encoding = "evt3"};
-  auto source = open_camera_bytes(kName, setup).value();
+  auto source = open_live_bytes(kName, setup).value();
   EXPECT_NE(source->bias_file_text().find("30 % bias_diff_on"), std::string::npos);
   const auto reader = open_recording(SourcePtr(std::move(source))).value();
   const RecordingInfo& info = reader->info();
@@ -132,7 +133,7 @@ TEST_F(MetavisionCamera, SettingsThatItDoesNotTakeAreRefused) {
   const TestLog log;
   ASSERT_TRUE(write_file(folder_ / "other.bias", std::string("1 % bias_nobody\n")).ok());
   const auto refusal = [](const CameraSetup& setup) {
-    const auto source = open_camera_bytes(kName, setup);
+    const auto source = open_live_bytes(kName, setup);
     return source.ok() ? "taken" : source.error().text();
   };
   const auto expect_said = [&](const CameraSetup& setup, const std::string& said) {
@@ -148,10 +149,10 @@ TEST_F(MetavisionCamera, SettingsThatItDoesNotTakeAreRefused) {
 TEST_F(MetavisionCamera, AnInputThatNobodyAskedForMayBeRefused) {
   simulate("period_us=0;end_at=4096;refuse_aux");
   const TestLog log;
-  const auto reader = open_camera(kName).value();
+  const auto reader = open_named_recording(kName).value();
   EXPECT_EQ(reader->info().find("trigger_channels"), "main=0");
   EXPECT_NE(log.text().find("trigger input"), std::string::npos) << log.text();
-  const auto refused = open_camera(kName, {.camera = {.trigger_channels = {"aux"}}});
+  const auto refused = open_named_recording(kName, {.camera = {.trigger_channels = {"aux"}}});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidValue);
 }
@@ -160,7 +161,7 @@ TEST_F(MetavisionCamera, ItsFiltersAreSwitchedOffOnRequest) {
   simulate("period_us=0;end_at=4096;filters");
   const TestLog log;
   for (const bool switches_off : {false, true}) {
-    const auto reader = open_camera(kName, {.camera = {.switches_filters_off = switches_off}}).value();
+    const auto reader = open_named_recording(kName, {.camera = {.switches_filters_off = switches_off}}).value();
     EXPECT_EQ(reader->info().find("anti_flicker"), switches_off ? "off" : "on");
     EXPECT_EQ(reader->info().find("event_trail_filter"), switches_off ? "off" : "on");
   }
@@ -169,7 +170,7 @@ TEST_F(MetavisionCamera, ItsFiltersAreSwitchedOffOnRequest) {
 TEST_F(MetavisionCamera, AnEncodingThatIsNotReadIsRefused) {
   simulate("format=EVT4");
   const TestLog log;
-  const auto source = open_camera_bytes(kName);
+  const auto source = open_live_bytes(kName);
   ASSERT_FALSE(source.ok());
   EXPECT_EQ(source.error().code, ErrorCode::kUnsupported);
   EXPECT_NE(source.error().message.find("sends EVT4, which e2lf cannot read"), std::string::npos)
@@ -179,14 +180,14 @@ TEST_F(MetavisionCamera, AnEncodingThatIsNotReadIsRefused) {
 TEST_F(MetavisionCamera, NoneBusyAndASecondOpenerAreToldApart) {
   const TestLog log;
   ::setenv("E2LF_STAND_IN", "", 1);
-  EXPECT_EQ(open_camera_bytes(kName).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(open_live_bytes(kName).error().code, ErrorCode::kNotFound);
   simulate("busy");
-  EXPECT_NE(open_camera_bytes(kName).error().message.find("busy"), std::string::npos);
+  EXPECT_NE(open_live_bytes(kName).error().message.find("busy"), std::string::npos);
   simulate(cat("lock=", (folder_ / "lock").string()));
-  EXPECT_NE(open_camera_bytes(cat(kName, "/C3")).error().message.find("those connected are"), std::string::npos);
-  const auto first = open_camera_bytes(cat(kName, "/B2"));
+  EXPECT_NE(open_live_bytes(cat(kName, "/C3")).error().message.find("those connected are"), std::string::npos);
+  const auto first = open_live_bytes(cat(kName, "/B2"));
   ASSERT_TRUE(first.ok());
-  const auto second = open_camera_bytes(cat(kName, "/B2"));
+  const auto second = open_live_bytes(cat(kName, "/B2"));
   ASSERT_FALSE(second.ok());
   EXPECT_EQ(second.error().code, ErrorCode::kIo);
   EXPECT_NE(second.error().message.find("busy"), std::string::npos) << second.error().text();
@@ -199,7 +200,7 @@ TEST_F(MetavisionCamera, TwoHundredUnplugsLoseNothingThatTheDriverDelivered) {
     const size_t unplug_at = std::uniform_int_distribution<size_t>(2, words_.size() - 1)(random);
     const size_t buffer = std::uniform_int_distribution<size_t>(1, 4000)(random);
     simulate(cat("unplug_at=", unplug_at, ";buffer=", buffer, ";period_us=", trial % 2 == 0 ? 0 : 20));
-    auto source = open_camera_bytes(kName, {.trigger_channels = {"main", "aux", "loopback"}}).value();
+    auto source = open_live_bytes(kName, {.trigger_channels = {"main", "aux", "loopback"}}).value();
     const std::vector<uint8_t> kept = words_of(take_all(*source));
     ASSERT_EQ(kept.size(), unplug_at) << "trial " << trial;
     ASSERT_TRUE(std::equal(kept.begin(), kept.end(), words_.begin())) << "trial " << trial;
@@ -212,7 +213,7 @@ TEST_F(MetavisionCamera, TwoHundredUnplugsLoseNothingThatTheDriverDelivered) {
 TEST_F(MetavisionCamera, AStreamThatEndsByItselfIsAFailure) {
   simulate("period_us=0;end_at=20000");
   const TestLog log;
-  auto source = open_camera_bytes(kName).value();
+  auto source = open_live_bytes(kName).value();
   take_all(*source);
   EXPECT_NE(source->left_out().live.failure.find("ended by itself"), std::string::npos);
 }
@@ -222,7 +223,7 @@ TEST_F(MetavisionCamera, AStopDrainsWhatHadCome) {
   for (int trial = 0; trial < 20; ++trial) {
     simulate("buffer=512;period_us=0;loop");
     request_stop(0);
-    auto source = open_camera_bytes(kName).value();
+    auto source = open_live_bytes(kName).value();
     while (stand_in::bytes_sent() < 512U * static_cast<unsigned>(trial)) std::this_thread::yield();
     const uint64_t sent = stand_in::bytes_sent();
     request_stop(SIGINT);
@@ -236,7 +237,7 @@ TEST_F(MetavisionCamera, AStopDrainsWhatHadCome) {
 TEST_F(MetavisionCamera, ASlowReaderHasBoundedMemoryAndWhatIsDroppedIsCounted) {
   simulate("buffer=100000;period_us=1000;loop");
   const TestLog log;
-  auto source = open_camera_bytes(kName).value();
+  auto source = open_live_bytes(kName).value();
   uint64_t kept = 0;
   for (int i = 0; i < 3; ++i) {
     const uint64_t dropped = source->left_out().live.dropped_bytes;
