@@ -68,13 +68,14 @@ Result<NpyArray> decode_unfinished(const ZipEntry& entry, const std::string& loc
 
 Result<NpyArray> decode_member(const ZipEntry& entry, const std::string& location) {
   if (entry.is_unfinished) return decode_unfinished(entry, location);
-  const auto peek = [&](std::span<const uint8_t> head) { return check_head(head, entry.size, location); };
-  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> member, unpack_zip_entry(entry, location, peek));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> head, unpack_zip_entry(entry, location, kNpyHeadBytes));
+  E2LF_RETURN_IF_ERROR(check_head(head, entry.size, location));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> member, unpack_zip_entry(entry, location));
   return decode_npy(member, location);
 }
 
 Result<NpyArray> peek_member(const ZipEntry& entry, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> head, unpack_zip_head(entry, location, kNpyHeadBytes));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> head, unpack_zip_entry(entry, location, kNpyHeadBytes));
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(head, location));
   return std::move(header.array);
 }

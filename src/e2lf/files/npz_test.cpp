@@ -57,6 +57,33 @@ Bytes one_member(bool compress, const std::string& name = "a.npy") {
   return writer.finish();
 }
 
+/// Where the directory entry of "a.npy", the first member, keeps its 64-bit sizes and offset.
+constexpr size_t kSize = 46 + 5 + 4, kPacked = kSize + 8, kOffset = kSize + 16;
+
+/// Turns an archive of "a.npy" into one without zip64 records, as other programs write it.
+Bytes narrow(const Bytes& wide) {
+  const size_t entry = find_signature(wide, kDirectoryEntry), data = 30 + 5 + 20;
+  Bytes local(wide.begin(), wide.begin() + 35),
+      central(wide.begin() + static_cast<ptrdiff_t>(entry), wide.begin() + static_cast<ptrdiff_t>(entry + 51));
+  for (size_t i = 0; i < 4; ++i) {
+    local[18 + i] = central[20 + i] = wide[entry + kPacked + i];
+    local[22 + i] = central[24 + i] = wide[entry + kSize + i];
+    central[42 + i] = 0;
+  }
+  local[28] = central[30] = 0;  // no extra field
+  Bytes end(wide.end() - 22, wide.end());
+  end[8] = end[10] = 1;
+  end[9] = end[11] = 0;
+  const uint32_t size = 51, offset = static_cast<uint32_t>(entry - 20);
+  std::memcpy(end.data() + 12, &size, 4);
+  std::memcpy(end.data() + 16, &offset, 4);
+  Bytes archive = local;
+  archive.insert(archive.end(), wide.begin() + data, wide.begin() + static_cast<ptrdiff_t>(entry));
+  archive.insert(archive.end(), central.begin(), central.end());
+  archive.insert(archive.end(), end.begin(), end.end());
+  return archive;
+}
+
 TEST(Npz, PeekingTellsShapesWithoutTheData) {
   for (const bool compress : {false, true}) {
     const TestFolder folder;
@@ -89,16 +116,11 @@ TEST(Npz, RoundTripsStoredAndDeflated) {
   EXPECT_LT(encode_npz(arrays, true).size(), encode_npz(arrays, false).size() / 4);
 }
 
-TEST(Npz, ReadsZip64) {
-  // From 100 bytes on everything goes into zip64 fields: sizes, offsets and the directory.
-  ZipWriter writer(/*zip64_from=*/100);
-  const NpzArrays arrays = some_arrays();
-  for (const auto& [name, array] : arrays) writer.add(name + ".npy", encode_npy(array), /*compress=*/true);
-  const Bytes archive = writer.finish();
-  find_signature(archive, 0x06064b50);
+TEST(Npz, ReadsArchivesWithoutZip64) {
+  const Bytes archive = narrow(one_member(true));
   const auto read = decode_npz(archive, "x");
   ASSERT_TRUE(read.ok()) << read.error().text();
-  expect_equal(arrays, *read);
+  EXPECT_EQ(read->at("a").bytes, Bytes(1000, 3));
 }
 
 TEST(Npz, ReadsAnArchiveWithAComment) {
@@ -197,15 +219,15 @@ TEST(Npz, DoesNotTrustTheDirectorysSizes) {
   // A directory that claims 4 GB for a member of 1 kB.
   Bytes larger = one_member(true);
   const size_t entry = find_signature(larger, kDirectoryEntry);
-  larger[entry + 27] = 0xF0;
+  larger[entry + kSize + 3] = 0xF0;
   EXPECT_EQ(npz_error(larger).code, ErrorCode::kFormat);
   // One that claims fewer bytes than there are.
   Bytes smaller = one_member(true);
-  smaller[entry + 24] -= 1;
+  smaller[entry + kSize] -= 1;
   EXPECT_EQ(npz_error(smaller).code, ErrorCode::kFormat);
   // A compressed size beyond the end.
   Bytes beyond = one_member(true);
-  beyond[entry + 23] = 0x70;
+  beyond[entry + kPacked + 3] = 0x70;
   EXPECT_EQ(npz_error(beyond).code, ErrorCode::kTruncated);
 }
 
@@ -228,11 +250,11 @@ TEST(Npz, RefusesEntriesThatShareTheirBytes) {
   Bytes archive = writer.finish();
   // Point the second entry at the first one's data.
   const size_t first = find_signature(archive, kDirectoryEntry);
-  const size_t second = first + 46 + 5;
-  std::copy_n(archive.begin() + static_cast<ptrdiff_t>(first + 16), 12,
+  const size_t second = first + kOffset + 8;
+  std::copy_n(archive.begin() + static_cast<ptrdiff_t>(first + 16), 4,
               archive.begin() + static_cast<ptrdiff_t>(second + 16));
-  std::copy_n(archive.begin() + static_cast<ptrdiff_t>(first + 42), 4,
-              archive.begin() + static_cast<ptrdiff_t>(second + 42));
+  std::copy_n(archive.begin() + static_cast<ptrdiff_t>(first + kSize), 24,
+              archive.begin() + static_cast<ptrdiff_t>(second + kSize));
   const Error error = npz_error(archive);
   EXPECT_EQ(error.code, ErrorCode::kFormat);
   EXPECT_THAT(error.message, HasSubstr("overlap"));

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Reads zip archives; declared in zip.h.
 #include "e2lf/files/zip.h"
 
 #include <algorithm>
-#include <cstring>
-#include <limits>
 #include <set>
-#include <zlib.h>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
@@ -26,165 +23,132 @@ constexpr uint64_t kDirectoryEndSize = 22;
 constexpr uint64_t kDirectoryEnd64Size = 56;
 constexpr uint64_t kLocator64Size = 20;
 
-constexpr uint16_t kExtra64 = 1;           ///< id of the extra field with 64-bit sizes
-constexpr uint32_t kIn64 = 0xFFFFFFFF;     ///< means "the value is in the zip64 record"
-constexpr uint16_t kCountIn64 = 0xFFFF;    ///< the same for counts
-constexpr uint16_t kVersion64 = 45;        ///< the version needed to extract
-constexpr uint16_t kUtf8Names = 1U << 11;  ///< flag
-
-}  // namespace
-namespace {
+constexpr uint16_t kExtra64 = 1;                 ///< id of the extra field with 64-bit sizes
+constexpr uint16_t kLocalExtraSize = 20;         ///< size of this field in our local headers
+constexpr uint32_t kIn64 = 0xFFFFFFFF;           ///< means "the value is in the zip64 record"
+constexpr uint16_t kCountIn64 = 0xFFFF;          ///< the same for counts
+constexpr uint16_t kVersion64 = 45;              ///< the version needed to extract
+constexpr size_t kMostAtOnce = size_t{1} << 30;  ///< zlib counts in 32 bits
 
 template <typename T>
 void put(std::vector<uint8_t>& bytes, T value) {
-  for (size_t i = 0; i < sizeof(T); ++i) bytes.push_back(static_cast<uint8_t>(value >> (8 * i)));
+  bytes.resize(bytes.size() + sizeof(T));
+  store_le(bytes.data() + bytes.size() - sizeof(T), value);
 }
 
-void append(std::vector<uint8_t>& bytes, const auto& more) {
-  bytes.insert(bytes.end(), more.begin(), more.end());
+/// Appends the fields that the local header and the directory share, from the version needed to the length of the extra
+/// field.
+void put_common(std::vector<uint8_t>& bytes, const Member& member, uint16_t extra_size) {
+  put<uint16_t>(bytes, kVersion64);
+  put<uint16_t>(bytes, 1U << 11);  // UTF-8 names
+  put<uint16_t>(bytes, member.method);
+  put<uint32_t>(bytes, 0x00210000);  // 1980-01-01 00:00, so that equal members give equal files
+  put<uint32_t>(bytes, member.crc);
+  put<uint32_t>(bytes, kIn64);
+  put<uint32_t>(bytes, kIn64);
+  put<uint16_t>(bytes, static_cast<uint16_t>(member.name.size()));
+  put<uint16_t>(bytes, extra_size);
 }
 
-uint32_t narrow(uint64_t value, bool is_wide) {
-  return is_wide ? kIn64 : static_cast<uint32_t>(value);
+/// Appends the name and the beginning of the extra field, up to the sizes.
+void put_name_and_sizes(std::vector<uint8_t>& bytes, const Member& member, uint16_t extra_size) {
+  bytes.insert(bytes.end(), member.name.begin(), member.name.end());
+  put<uint16_t>(bytes, kExtra64);
+  put<uint16_t>(bytes, extra_size - 4);
+  put<uint64_t>(bytes, member.size);
+  put<uint64_t>(bytes, member.packed);
 }
 
-/// Formats the records of one member.
-class MemberRecords {
- public:
-  MemberRecords(const Member& member, uint64_t zip64_from)
-      : member_(member),
-        has_wide_sizes_(member.size >= zip64_from || member.packed >= zip64_from),
-        has_wide_offset_(member.offset >= zip64_from) {}
+}  // namespace
 
-  void put_local_header(std::vector<uint8_t>& bytes) const {
-    put<uint32_t>(bytes, kLocalHeader);
-    put_common(bytes);
-    const std::vector<uint8_t> extra = extra_field(/*with_offset=*/false);
-    put<uint16_t>(bytes, static_cast<uint16_t>(extra.size()));
-    append(bytes, member_.name);
-    append(bytes, extra);
-  }
+std::vector<uint8_t> local_header(const Member& member) {
+  std::vector<uint8_t> bytes;
+  put<uint32_t>(bytes, kLocalHeader);
+  put_common(bytes, member, kLocalExtraSize);
+  put_name_and_sizes(bytes, member, kLocalExtraSize);
+  return bytes;
+}
 
-  void put_directory_entry(std::vector<uint8_t>& bytes) const {
+std::vector<uint8_t> directory(std::span<const Member> members, uint64_t offset) {
+  constexpr uint16_t kExtraSize = kLocalExtraSize + 8;  // with the offset
+  std::vector<uint8_t> bytes;
+  for (const Member& member : members) {
     put<uint32_t>(bytes, kDirectoryEntry);
     put<uint16_t>(bytes, kVersion64);  // made by
-    put_common(bytes);
-    const std::vector<uint8_t> extra = extra_field(has_wide_offset_);
-    put<uint16_t>(bytes, static_cast<uint16_t>(extra.size()));
-    put<uint16_t>(bytes, 0);  // comment length
-    put<uint16_t>(bytes, 0);  // disk
-    put<uint16_t>(bytes, 0);  // internal attributes
-    put<uint32_t>(bytes, 0);  // external attributes
-    put<uint32_t>(bytes, narrow(member_.offset, has_wide_offset_));
-    append(bytes, member_.name);
-    append(bytes, extra);
+    put_common(bytes, member, kExtraSize);
+    put<uint64_t>(bytes, 0);  // comment length, disk and attributes
+    put<uint16_t>(bytes, 0);
+    put<uint32_t>(bytes, kIn64);
+    put_name_and_sizes(bytes, member, kExtraSize);
+    put<uint64_t>(bytes, member.offset);
   }
-
- private:
-  /// Appends the fields that both records share, from the version needed to the length of the name.
-  void put_common(std::vector<uint8_t>& bytes) const {
-    put<uint16_t>(bytes, has_wide_sizes_ || has_wide_offset_ ? kVersion64 : 20);
-    put<uint16_t>(bytes, kUtf8Names);
-    put<uint16_t>(bytes, member_.method);
-    put<uint32_t>(bytes, 0x00210000);  // 1980-01-01 00:00, so that equal members give equal files
-    put<uint32_t>(bytes, member_.crc);
-    put<uint32_t>(bytes, narrow(member_.packed, has_wide_sizes_));
-    put<uint32_t>(bytes, narrow(member_.size, has_wide_sizes_));
-    put<uint16_t>(bytes, static_cast<uint16_t>(member_.name.size()));
-  }
-
-  [[nodiscard]] std::vector<uint8_t> extra_field(bool with_offset) const {
-    std::vector<uint8_t> bytes;
-    if (!has_wide_sizes_ && !with_offset) return bytes;
-    put<uint16_t>(bytes, kExtra64);
-    put<uint16_t>(bytes, static_cast<uint16_t>((has_wide_sizes_ ? 16 : 0) + (with_offset ? 8 : 0)));
-    if (has_wide_sizes_) put<uint64_t>(bytes, member_.size);
-    if (has_wide_sizes_) put<uint64_t>(bytes, member_.packed);
-    if (with_offset) put<uint64_t>(bytes, member_.offset);
-    return bytes;
-  }
-
-  const Member& member_;
-  bool has_wide_sizes_, has_wide_offset_;
-};
-
-/// Appends the end record of zip64 and its locator.
-void put_end64(std::vector<uint8_t>& bytes, uint64_t count, uint64_t size, uint64_t offset) {
+  const uint64_t size = bytes.size();
   put<uint32_t>(bytes, kDirectoryEnd64);
   put<uint64_t>(bytes, kDirectoryEnd64Size - 12);
   put<uint16_t>(bytes, kVersion64);
   put<uint16_t>(bytes, kVersion64);
-  put<uint64_t>(bytes, 0);      // this disk, the directory's disk
-  put<uint64_t>(bytes, count);  // entries on this disk
-  put<uint64_t>(bytes, count);
+  put<uint64_t>(bytes, 0);  // this disk, the directory's disk
+  put<uint64_t>(bytes, members.size());
+  put<uint64_t>(bytes, members.size());
   put<uint64_t>(bytes, size);
   put<uint64_t>(bytes, offset);
   put<uint32_t>(bytes, kLocator64);
   put<uint32_t>(bytes, 0);
   put<uint64_t>(bytes, offset + size);
   put<uint32_t>(bytes, 1);  // disks
+  put<uint32_t>(bytes, kDirectoryEnd);
+  put<uint32_t>(bytes, 0);  // this disk, the directory's disk
+  put<uint16_t>(bytes, kCountIn64);
+  put<uint16_t>(bytes, kCountIn64);
+  put<uint32_t>(bytes, kIn64);
+  put<uint32_t>(bytes, kIn64);
+  put<uint16_t>(bytes, 0);  // comment length
+  return bytes;
+}
+
+namespace {
+
+/// Gives zlib the next part of `input` when it has used the last one.
+void refill(z_stream& stream, std::span<const uint8_t>& input) {
+  if (stream.avail_in != 0 || input.empty()) return;
+  const size_t taken = std::min(input.size(), kMostAtOnce);
+  stream.next_in = const_cast<Bytef*>(input.data());
+  stream.avail_in = static_cast<uInt>(taken);
+  input = input.subspan(taken);
 }
 
 }  // namespace
 
-std::vector<uint8_t> local_header(const Member& member, uint64_t zip64_from) {
-  std::vector<uint8_t> bytes;
-  MemberRecords(member, zip64_from).put_local_header(bytes);
-  return bytes;
+Deflater::Deflater(int level) {
+  // Negative bits: no zlib header, as in zip archives.
+  const int started = deflateInit2(&stream_, level, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
+  E2LF_REQUIRE(started == Z_OK, "zlib did not start");
 }
 
-std::vector<uint8_t> directory(std::span<const Member> members, uint64_t offset, uint64_t zip64_from) {
-  std::vector<uint8_t> bytes;
-  for (const Member& member : members) MemberRecords(member, zip64_from).put_directory_entry(bytes);
-  const uint64_t size = bytes.size();
-  const bool is_wide = offset >= zip64_from || size >= zip64_from || members.size() >= kCountIn64;
-  if (is_wide) put_end64(bytes, members.size(), size, offset);
-  put<uint32_t>(bytes, kDirectoryEnd);
-  put<uint32_t>(bytes, 0);  // this disk, the directory's disk
-  put<uint16_t>(bytes, is_wide ? kCountIn64 : static_cast<uint16_t>(members.size()));
-  put<uint16_t>(bytes, is_wide ? kCountIn64 : static_cast<uint16_t>(members.size()));
-  put<uint32_t>(bytes, narrow(size, is_wide));
-  put<uint32_t>(bytes, narrow(offset, is_wide));
-  put<uint16_t>(bytes, 0);  // comment length
-  return bytes;
+Result<void> Deflater::add(std::span<const uint8_t> bytes, int flush, const Sink& sink) {
+  std::vector<uint8_t> packed(size_t{1} << 18);
+  do {
+    refill(stream_, bytes);
+    stream_.next_out = packed.data();
+    stream_.avail_out = static_cast<uInt>(packed.size());
+    deflate(&stream_, bytes.empty() ? flush : Z_NO_FLUSH);
+    E2LF_RETURN_IF_ERROR(sink(std::span<const uint8_t>(packed).first(packed.size() - stream_.avail_out)));
+  } while (stream_.avail_out == 0 || stream_.avail_in > 0 || !bytes.empty());
+  return {};
 }
 
 }  // namespace e2lf::zip
 
 namespace e2lf {
-namespace {
-
-/// Compresses to a raw deflate stream, as zip archives store it.
-std::vector<uint8_t> deflate_bytes(std::span<const uint8_t> input) {
-  z_stream stream{};
-  const int started = deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
-  E2LF_REQUIRE(started == Z_OK, "zlib did not start");
-  std::vector<uint8_t> output;
-  for (int status = Z_OK; status != Z_STREAM_END;) {
-    if (stream.avail_in == 0) {
-      const size_t taken = std::min<size_t>(input.size(), size_t{1} << 30);
-      stream.next_in = const_cast<Bytef*>(input.data());
-      stream.avail_in = static_cast<uInt>(taken);
-      input = input.subspan(taken);
-    }
-    const size_t filled = output.size();
-    const size_t room = std::clamp<size_t>(filled, size_t{64} << 10, size_t{1} << 30);
-    output.resize(filled + room);
-    stream.next_out = output.data() + filled;
-    stream.avail_out = static_cast<uInt>(room);
-    status = deflate(&stream, input.empty() ? Z_FINISH : Z_NO_FLUSH);
-    output.resize(filled + (room - stream.avail_out));
-  }
-  deflateEnd(&stream);
-  return output;
-}
-
-}  // namespace
 
 void ZipWriter::add(const std::string& name, std::span<const uint8_t> bytes, bool compress) {
   E2LF_REQUIRE(name.size() <= 0xFFFF, "the name is too long for a zip archive");
   std::vector<uint8_t> packed;
-  if (compress) packed = deflate_bytes(bytes);
+  const auto keep = [&](std::span<const uint8_t> more) {
+    packed.insert(packed.end(), more.begin(), more.end());
+    return Result<void>();
+  };
+  if (compress) static_cast<void>(zip::Deflater(Z_DEFAULT_COMPRESSION).add(bytes, Z_FINISH, keep));
   const std::span<const uint8_t> data = compress ? std::span<const uint8_t>(packed) : bytes;
   members_.push_back({.name = name,
                       .method = compress ? zip::kDeflated : zip::kStored,
@@ -192,20 +156,18 @@ void ZipWriter::add(const std::string& name, std::span<const uint8_t> bytes, boo
                       .packed = data.size(),
                       .size = bytes.size(),
                       .offset = archive_.size()});
-  const std::vector<uint8_t> header = zip::local_header(members_.back(), zip64_from_);
+  const std::vector<uint8_t> header = zip::local_header(members_.back());
   archive_.insert(archive_.end(), header.begin(), header.end());
   archive_.insert(archive_.end(), data.begin(), data.end());
 }
 
 std::vector<uint8_t> ZipWriter::finish() {
-  const std::vector<uint8_t> directory = zip::directory(members_, archive_.size(), zip64_from_);
+  const std::vector<uint8_t> directory = zip::directory(members_, archive_.size());
   archive_.insert(archive_.end(), directory.begin(), directory.end());
   return std::move(archive_);
 }
 
 namespace {
-
-constexpr size_t kPeekSize = size_t{64} << 10;
 
 /// An archive with its name. Positions must be checked with has() before get() reads them.
 struct Archive {
@@ -217,9 +179,7 @@ struct Archive {
   }
   template <typename T>
   [[nodiscard]] T get(uint64_t position) const {
-    T value;
-    std::memcpy(&value, bytes.data() + position, sizeof(T));
-    return value;
+    return load_le<T>(bytes.data() + position);
   }
   [[nodiscard]] bool is(uint64_t position, uint64_t size, uint32_t signature) const {
     return has(position, size) && get<uint32_t>(position) == signature;
@@ -376,7 +336,7 @@ Error bad_entry(const std::string& location, const char* what) {
 /// Owns the zlib state.
 struct Inflater {
   z_stream stream{};
-  bool ready = inflateInit2(&stream, -MAX_WBITS) == Z_OK;  // negative: no zlib header, as in zip archives
+  bool ready = inflateInit2(&stream, -MAX_WBITS) == Z_OK;
   Inflater() = default;
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
@@ -384,26 +344,20 @@ struct Inflater {
 };
 
 /// Stops early, without checks, once `most` bytes are unpacked.
-Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::string& location, const ZipPeek& peek,
-                                           size_t most = std::numeric_limits<size_t>::max()) {
+Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::string& location, size_t most) {
+  constexpr size_t kLeastRoom = size_t{64} << 10;
   Inflater inflater;
   if (!inflater.ready) return fail(ErrorCode::kInternal, location, "zlib did not start; free some memory");
   z_stream& stream = inflater.stream;
   std::span<const uint8_t> input = entry.compressed;
   std::vector<uint8_t> output;
-  bool peeked = !peek;
   for (int status = Z_OK; status != Z_STREAM_END && output.size() < most;) {
-    if (stream.avail_in == 0) {
-      const size_t taken = std::min<size_t>(input.size(), size_t{1} << 30);
-      stream.next_in = const_cast<Bytef*>(input.data());
-      stream.avail_in = static_cast<uInt>(taken);
-      input = input.subspan(taken);
-    }
+    zip::refill(stream, input);
     // The buffer grows by what has been unpacked so far, to at most one byte past the claimed size, which is enough to
     // notice a longer stream.
     const size_t filled = output.size();
     const size_t room =
-        std::min<uint64_t>(std::clamp<size_t>(filled, kPeekSize, size_t{1} << 30), entry.size - filled + 1);
+        std::min<uint64_t>(std::clamp<size_t>(filled, kLeastRoom, zip::kMostAtOnce), entry.size - filled + 1);
     output.resize(filled + room);
     stream.next_out = output.data() + filled;
     stream.avail_out = static_cast<uInt>(room);
@@ -415,17 +369,9 @@ Result<std::vector<uint8_t>> inflate_entry(const ZipEntry& entry, const std::str
     }
     if (status != Z_OK && status != Z_STREAM_END) return bad_entry(location, "not a deflate stream");
     if (output.size() > entry.size) return bad_entry(location, "more bytes than the directory states");
-    if (!peeked && (output.size() >= kPeekSize || status == Z_STREAM_END)) {
-      peeked = true;
-      E2LF_RETURN_IF_ERROR(peek(output));
-    }
   }
+  output.resize(std::min(most, output.size()));
   return output;
-}
-
-Error unknown_method(const ZipEntry& entry, const std::string& location) {
-  return fail(ErrorCode::kUnsupported, location, "zip compression method ", entry.method,
-              " is not supported; store or deflate it");
 }
 
 }  // namespace
@@ -455,27 +401,18 @@ Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> bytes,
   return entries;
 }
 
-Result<std::vector<uint8_t>> unpack_zip_head(const ZipEntry& entry, const std::string& location, size_t most) {
-  if (entry.method == zip::kStored) {
-    const auto head = entry.compressed.first(std::min(most, entry.compressed.size()));
-    return std::vector<uint8_t>(head.begin(), head.end());
-  }
-  if (entry.method != zip::kDeflated) return unknown_method(entry, location);
-  E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> head, inflate_entry(entry, location, {}, most));
-  head.resize(std::min(most, head.size()));
-  return head;
-}
-
-Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::string& location, const ZipPeek& peek) {
+Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::string& location, size_t most) {
   std::vector<uint8_t> bytes;
   if (entry.method == zip::kStored) {
-    bytes.assign(entry.compressed.begin(), entry.compressed.end());
+    const auto head = entry.compressed.first(std::min(most, entry.compressed.size()));
+    bytes.assign(head.begin(), head.end());
   } else if (entry.method == zip::kDeflated) {
-    E2LF_ASSIGN_OR_RETURN(bytes, inflate_entry(entry, location, peek));
+    E2LF_ASSIGN_OR_RETURN(bytes, inflate_entry(entry, location, most));
   } else {
-    return unknown_method(entry, location);
+    return fail(ErrorCode::kUnsupported, location, "zip compression method ", entry.method,
+                " is not supported; store or deflate it");
   }
-  if (entry.is_unfinished) return bytes;
+  if (entry.is_unfinished || bytes.size() == most) return bytes;
   if (bytes.size() != entry.size) return bad_entry(location, "another size than the directory states");
   if (crc32_z(0, bytes.data(), bytes.size()) != entry.crc) {
     return fail(ErrorCode::kInvalidValue, location, "the checksum does not match; copy the file again");

@@ -4,13 +4,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
+#include <zlib.h>
 
 #include "e2lf/base/result.h"
 
-/// Records of the zip format (PKWARE APPNOTE 6.3), shared by its writers.
+/// Zip archives (PKWARE APPNOTE 6.3), as numpy stores arrays in them.
 namespace e2lf::zip {
 
 inline constexpr uint16_t kStored = 0;
@@ -25,12 +27,28 @@ struct Member {
   uint64_t offset = 0;  ///< position of its local header in the archive
 };
 
-/// Returns the local header of a member. Sizes and offsets of `zip64_from` and more are written in zip64 form; with 0,
-/// the length of the header depends on the name alone.
-[[nodiscard]] std::vector<uint8_t> local_header(const Member& member, uint64_t zip64_from);
+/// Returns the local header of a member in zip64 form, whose length depends on the name alone.
+[[nodiscard]] std::vector<uint8_t> local_header(const Member& member);
 
 /// Returns the directory of an archive, which begins at `offset`, and its end records.
-[[nodiscard]] std::vector<uint8_t> directory(std::span<const Member> members, uint64_t offset, uint64_t zip64_from);
+[[nodiscard]] std::vector<uint8_t> directory(std::span<const Member> members, uint64_t offset);
+
+/// Compresses to a raw deflate stream piece by piece.
+class Deflater {
+ public:
+  using Sink = std::function<Result<void>(std::span<const uint8_t> packed)>;
+
+  explicit Deflater(int level);
+  Deflater(const Deflater&) = delete;
+  Deflater& operator=(const Deflater&) = delete;
+  ~Deflater() { deflateEnd(&stream_); }
+
+  /// Compresses the next bytes and passes what zlib returns with this `flush` to `sink`. Fails as the sink does.
+  Result<void> add(std::span<const uint8_t> bytes, int flush, const Sink& sink);
+
+ private:
+  z_stream stream_{};
+};
 
 }  // namespace e2lf::zip
 
@@ -53,31 +71,20 @@ struct ZipEntry {
 [[nodiscard]] Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> archive,
                                                                const std::string& name);
 
-/// Inspects the first bytes of an entry while it is unpacked (at least 64 KiB, or all of it). An error stops unpacking.
-using ZipPeek = std::function<Result<void>(std::span<const uint8_t> head)>;
-
-/// Unpacks one entry. Memory grows with the data that are actually unpacked and does not depend on the size in the
-/// directory. Fails with kUnsupported (another compression method), kFormat (a damaged stream, or another size than
-/// claimed) and kInvalidValue (a wrong checksum).
+/// Unpacks one entry, or its first `most` bytes. In the latter case the rest is neither unpacked nor checked. Memory
+/// grows with the data that are actually unpacked and does not depend on the size in the directory. Fails with
+/// kUnsupported (another compression method), kFormat (a damaged stream, or another size than claimed) and
+/// kInvalidValue (a wrong checksum).
 [[nodiscard]] Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::string& location,
-                                                            const ZipPeek& peek = {});
-
-/// Returns the first `most` bytes of an entry, or all of them if there are fewer. The rest is neither unpacked nor
-/// checked. Fails as unpack_zip_entry does, except for the checksum and the size.
-[[nodiscard]] Result<std::vector<uint8_t>> unpack_zip_head(const ZipEntry& entry, const std::string& location,
-                                                           size_t most);
+                                                            size_t most = std::numeric_limits<size_t>::max());
 
 /// Builds an archive in memory.
 class ZipWriter {
  public:
-  /// Sizes, offsets and counts of `zip64_from` and more are written in zip64 form. Tests use a smaller limit.
-  explicit ZipWriter(uint64_t zip64_from = 0xFFFFFFFF) : zip64_from_(zip64_from) {}
-
   void add(const std::string& name, std::span<const uint8_t> bytes, bool compress);
   [[nodiscard]] std::vector<uint8_t> finish();
 
  private:
-  uint64_t zip64_from_;
   std::vector<zip::Member> members_;
   std::vector<uint8_t> archive_;
 };

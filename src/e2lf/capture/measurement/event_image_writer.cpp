@@ -19,13 +19,6 @@ namespace {
 
 constexpr size_t kHeaderSize = 128;  ///< of the .npy member: its size is known first, its shape last
 
-/// The local header of the events is rewritten when their size is known, so its length must not depend on the size.
-constexpr uint64_t kAlwaysZip64 = 0;
-
-std::vector<uint8_t> local_header(const zip::Member& member) {
-  return zip::local_header(member, kAlwaysZip64);
-}
-
 zip::Member events_member() {
   return {.name = "events.npy", .method = zip::kDeflated};
 }
@@ -70,7 +63,6 @@ class EventImageWriter::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
-    deflateEnd(&deflate_);
     if (stream_ != nullptr) std::fclose(stream_);
   }
 
@@ -104,10 +96,10 @@ class EventImageWriter::Impl {
     events.size = header.size() + data_size_;
     events.packed = stored_block(header).size() + packed_size_;
     events.offset = end_of_members();
-    const std::vector<uint8_t> local = local_header(events);
+    const std::vector<uint8_t> local = zip::local_header(events);
     members_.push_back(events);
     if (!findings.empty()) E2LF_RETURN_IF_ERROR(write_known("findings.npy", text_to_npy(findings)));
-    E2LF_RETURN_IF_ERROR(write(zip::directory(members_, end_of_members(), kAlwaysZip64)));
+    E2LF_RETURN_IF_ERROR(write(zip::directory(members_, end_of_members())));
     if (std::fseek(stream_, static_cast<long>(events.offset), SEEK_SET) != 0) return io_error();  // NOLINT: C's type
     E2LF_RETURN_IF_ERROR(write(local));
     E2LF_RETURN_IF_ERROR(write(stored_block(header)));
@@ -120,11 +112,8 @@ class EventImageWriter::Impl {
 
  private:
   Result<void> begin() {
-    // The fastest level: event images consist mostly of small numbers, and recordings are long.
-    const int status = deflateInit2(&deflate_, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
-    E2LF_REQUIRE(status == Z_OK, "zlib did not start");
     for (const auto& [name, array] : known_) E2LF_RETURN_IF_ERROR(write_known(name + ".npy", array));
-    E2LF_RETURN_IF_ERROR(write(local_header(events_member())));
+    E2LF_RETURN_IF_ERROR(write(zip::local_header(events_member())));
     return write(stored_block(npy_header(0, shape_)));
   }
 
@@ -138,13 +127,13 @@ class EventImageWriter::Impl {
                              .size = bytes.size(),
                              .offset = end_of_members()};
     members_.push_back(member);
-    E2LF_RETURN_IF_ERROR(write(local_header(member)));
+    E2LF_RETURN_IF_ERROR(write(zip::local_header(member)));
     return write(bytes);
   }
 
   [[nodiscard]] uint64_t end_of_members() const {
     uint64_t end = 0;
-    for (const zip::Member& member : members_) end += local_header(member).size() + member.packed;
+    for (const zip::Member& member : members_) end += zip::local_header(member).size() + member.packed;
     return end;
   }
 
@@ -152,22 +141,10 @@ class EventImageWriter::Impl {
     // zlib would treat a null pointer as a request for the initial value.
     if (!bytes.empty()) data_crc_ = crc32_z(data_crc_, bytes.data(), bytes.size());
     data_size_ += bytes.size();
-    std::vector<uint8_t> packed(size_t{1} << 18);
-    do {
-      if (deflate_.avail_in == 0 && !bytes.empty()) {
-        const size_t taken = std::min<size_t>(bytes.size(), size_t{1} << 30);
-        deflate_.next_in = const_cast<Bytef*>(bytes.data());
-        deflate_.avail_in = static_cast<uInt>(taken);
-        bytes = bytes.subspan(taken);
-      }
-      deflate_.next_out = packed.data();
-      deflate_.avail_out = static_cast<uInt>(packed.size());
-      deflate(&deflate_, flush);
-      const size_t count = packed.size() - deflate_.avail_out;
-      packed_size_ += count;
-      E2LF_RETURN_IF_ERROR(write(std::span<const uint8_t>(packed).first(count)));
-    } while (deflate_.avail_out == 0 || deflate_.avail_in > 0 || !bytes.empty());
-    return {};
+    return deflater_.add(bytes, flush, [this](std::span<const uint8_t> packed) {
+      packed_size_ += packed.size();
+      return write(packed);
+    });
   }
 
   Result<void> write(std::span<const uint8_t> bytes) {
@@ -179,8 +156,8 @@ class EventImageWriter::Impl {
 
   AtomicFile file_;
   std::FILE* stream_;
-  z_stream deflate_{};
-  EventImages shape_;  ///< without counts
+  zip::Deflater deflater_{1};  ///< the fastest level: event images are mostly small numbers, and recordings are long
+  EventImages shape_;          ///< without counts
   uint64_t cycles_ = 0, data_size_ = 0, packed_size_ = 0;
   uLong data_crc_ = 0;
   NpzArrays known_;                   ///< the setup
