@@ -164,6 +164,11 @@ const char* numpy_code(uint32_t storage) {
   return storage < std::size(kCodes) ? kCodes[storage] : "";
 }
 
+const char* numpy_code_of_class(uint8_t array_class) {
+  constexpr const char* kCodes[] = {"", "", "", "", "", "", "f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4"};
+  return array_class < std::size(kCodes) ? kCodes[array_class] : "";
+}
+
 Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name, uint64_t max_bytes,
                                 const std::string& location) {
   if (bytes.size() < kHeaderBytes) return truncated(location);

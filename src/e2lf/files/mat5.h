@@ -16,21 +16,13 @@ namespace e2lf {
 /// empty one for other types.
 [[nodiscard]] const char* numpy_code(uint32_t storage);
 
-/// The MATLAB class of an array ("Array Types"). Its numbers may be stored as a smaller type if all values fit.
-enum class MatClass : uint8_t {
-  kDouble = 6,
-  kSingle = 7,
-  kInt8 = 8,
-  kUint8 = 9,
-  kInt16 = 10,
-  kUint16 = 11,
-  kInt32 = 12,
-  kUint32 = 13,
-};
+/// Returns the code of the numbers of a MATLAB class ("Array Types"): floating-point numbers and integers of 8 to 32
+/// bits. It is empty for other classes. The numbers may be stored as a smaller type if all values fit.
+[[nodiscard]] const char* numpy_code_of_class(uint8_t array_class);
 
 /// A numeric array of a MATLAB file older than version 7.3, in column-major order.
 struct MatArray {
-  uint8_t array_class = 0;  ///< a MatClass, or another value, which is not handled here
+  uint8_t array_class = 0;  ///< see numpy_code_of_class()
   bool complex = false;
   bool logical = false;  ///< true if the uint8 array is a logical one, whose values are true (1) and false (0)
   std::vector<size_t> extents;

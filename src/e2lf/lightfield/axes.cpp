@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "e2lf/base/log.h"
@@ -83,10 +82,7 @@ namespace {
 
 /// Returns the stored number that means 1: the one in the options if it is set, otherwise that of the array.
 float white_of(const StoredArray& array, const ReadOptions& options) {
-  if (options.white > 0.0F) return options.white;
-  if (array.white > 0.0F) return array.white;
-  if (array.type == SampleType::kUint8) return 255.0F;
-  return array.type == SampleType::kUint16 ? 65535.0F : 1.0F;
+  return options.white > 0.0F ? options.white : array.white;
 }
 
 Result<ChosenViews> choose_axis(size_t stored, const AxisViews& wanted, const char* axis, const std::string& location) {
@@ -117,18 +113,19 @@ void log_choice(const ChosenGrid& grid, const std::string& location) {
 template <typename T>
 class Gather {
  public:
-  Gather(const StoredArray& array, const ChosenGrid& grid, const ReadOptions& options, LightField& out)
+  Gather(const StoredArray& array, const ChosenGrid& grid, const ReadOptions& options, const LightFieldOutput& out)
       : array_(array),
         grid_(grid),
         range_(options.range),
         white_(white_of(array, options)),
-        may_be_outside_(!std::is_integral_v<T> || white_ < static_cast<float>(std::numeric_limits<T>::max())),
-        out_(out) {}
+        may_be_outside_(!std::is_unsigned_v<T> || white_ < static_cast<float>(std::numeric_limits<T>::max())),
+        out_(out),
+        shape_(shape_of(out)) {}
 
   /// Returns true if all samples were valid.
   bool run() {
     std::atomic<bool> good{true};
-    parallel_for(out_.shape().height, 8, [&](size_t begin, size_t end) {
+    parallel_for(shape_.height, 8, [&](size_t begin, size_t end) {
       bool chunk_good = true;
       for (size_t y = begin; y < end; ++y) chunk_good = copy_row(y) && chunk_good;
       if (!chunk_good) good = false;
@@ -139,18 +136,19 @@ class Gather {
   /// Describes the invalid samples and the place of the first one. It is called only if run() returned false.
   [[nodiscard]] BadSamples bad_samples() const {
     BadSamples bad;
-    const Shape& shape = out_.shape();
     const size_t channels = source_channels();
-    for (size_t i = 0; i < shape.num_views() * shape.height * shape.width * channels; ++i) {
-      const size_t channel = i % channels, x = i / channels % shape.width;
-      const size_t y = i / channels / shape.width % shape.height;
-      const size_t view = i / channels / shape.width / shape.height;
-      const size_t view_y = grid_.y[view / shape.views_x], view_x = grid_.x[view % shape.views_x];
+    for (size_t i = 0; i < shape_.num_views() * shape_.height * shape_.width * channels; ++i) {
+      const size_t channel = i % channels, x = i / channels % shape_.width;
+      const size_t y = i / channels / shape_.width % shape_.height;
+      const size_t view = i / channels / shape_.width / shape_.height;
+      const size_t view_y = grid_.y[view / shape_.views_x], view_x = grid_.x[view % shape_.views_x];
       float value = sample(view_offset(view_y, view_x) + y * array_.strides.y + x * array_.strides.x, channel);
       const float stored = value * white_;
       bad.add(stored);
       if (!settle(value, range_) && bad.first.empty()) {
-        bad.first = cat(stored, " at view row ", view_y, ", view column ", view_x, ", y ", y, ", x ", x);
+        const bool is_view = array_.shape.num_views() == 1;
+        bad.first = cat(stored, " at ", is_view ? "" : cat("view row ", view_y, ", view column ", view_x, ", "), "y ",
+                        y, ", x ", x);
       }
     }
     return bad;
@@ -164,19 +162,17 @@ class Gather {
     return view_y * array_.strides.view_y + view_x * array_.strides.view_x;
   }
   [[nodiscard]] float sample(size_t offset, size_t channel) const {
-    T value;
-    std::memcpy(&value, array_.bytes.data() + (offset + channel * array_.strides.channel) * sizeof(T), sizeof(T));
-    return static_cast<float>(value) / white_;
+    const size_t at = offset + channel * array_.strides.channel;
+    return static_cast<float>(load_element<T>(array_.bytes.data() + at * sizeof(T))) / white_;
   }
 
   bool copy_row(size_t y) {
-    const Shape& shape = out_.shape();
     bool good = true;
-    for (size_t begin = 0; begin < shape.width; begin += kBlock) {
-      const size_t end = std::min(shape.width, begin + kBlock);
-      for (size_t view_y = 0; view_y < shape.views_y; ++view_y) {
-        for (size_t view_x = 0; view_x < shape.views_x; ++view_x) {
-          float* row = out_.view(view_y, view_x).data() + y * shape.width * shape.channels;
+    for (size_t begin = 0; begin < shape_.width; begin += kBlock) {
+      const size_t end = std::min(shape_.width, begin + kBlock);
+      for (size_t view_y = 0; view_y < shape_.views_y; ++view_y) {
+        for (size_t view_x = 0; view_x < shape_.views_x; ++view_x) {
+          float* row = out_[view_y][view_x][y].data;
           const size_t offset = view_offset(grid_.y[view_y], grid_.x[view_x]) + y * array_.strides.y;
           good = copy_block(offset, begin, end, row) && good;
         }
@@ -187,7 +183,7 @@ class Gather {
 
   bool copy_block(size_t offset, size_t begin, size_t end, float* row) {
     bool good = true;
-    const bool colour_out = out_.shape().channels == 3;
+    const bool colour_out = shape_.channels == 3;
     const size_t channels = source_channels();
     for (size_t x = begin; x < end; ++x) {
       float values[3] = {};
@@ -209,15 +205,9 @@ class Gather {
   RangePolicy range_;
   float white_;
   bool may_be_outside_;  ///< outside of [0, 1], once divided by white
-  LightField& out_;
+  const LightFieldOutput& out_;
+  Shape shape_;
 };
-
-template <typename T>
-Result<void> gather(const StoredArray& array, const ChosenGrid& grid, const ReadOptions& options, LightField& out,
-                    const std::string& location) {
-  Gather<T> job(array, grid, options, out);
-  return job.run() ? Result<void>() : Result<void>(job.bad_samples().error(location));
-}
 
 }  // namespace
 
@@ -246,18 +236,10 @@ size_t views_per_axis(size_t num_views) {
   return root * root == num_views ? root : 0;
 }
 
-size_t sample_bytes(SampleType type) {
-  switch (type) {
-    case SampleType::kUint8:
-      return 1;
-    case SampleType::kUint16:
-      return 2;
-    case SampleType::kFloat32:
-      return 4;
-    case SampleType::kFloat64:
-      return 8;
-  }
-  return 8;
+float white_of_type(std::string_view code) {
+  if (code == "u1") return 255.0F;
+  if (code == "u2") return 65535.0F;
+  return code == "b1" || code.starts_with('f') ? 1.0F : 0.0F;
 }
 
 Result<ChosenGrid> choose_views(size_t stored_y, size_t stored_x, const ReadOptions& options,
@@ -282,8 +264,23 @@ Result<void> check_memory(const Shape& shape, size_t bytes_each, const ReadOptio
               static_cast<double>(options.max_bytes) / 1e9, " GB; raise the limit or read fewer views");
 }
 
+Result<void> convert_views(const StoredArray& array, const ChosenGrid& grid, const ReadOptions& options,
+                           const LightFieldOutput& out, const std::string& location) {
+  Result<void> status;
+  with_element_type(array.type, [&](auto type) {
+    Gather<decltype(type)> job(array, grid, options, out);
+    if (!job.run()) status = job.bad_samples().error(location);
+  });
+  return status;
+}
+
 Result<LightField> from_stored(const StoredArray& array, const ReadOptions& options, const std::string& location) {
-  E2LF_REQUIRE(array.bytes.size() == array.shape.size() * sample_bytes(array.type), "the samples must fill the shape");
+  E2LF_REQUIRE(array.bytes.size() == array.num_bytes(), "the samples must fill the shape");
+  if (white_of(array, options) == 0.0F) {
+    return Error{ErrorCode::kUnsupported,
+                 "the type of the numbers does not determine which value is white; give it, e.g. 255", location,
+                 Setting::kWhite};
+  }
   E2LF_RETURN_IF_ERROR(check_axes(array.shape, location));
   E2LF_ASSIGN_OR_RETURN(const ChosenGrid grid,
                         choose_views(array.shape.views_y, array.shape.views_x, options, location));
@@ -291,24 +288,8 @@ Result<LightField> from_stored(const StoredArray& array, const ReadOptions& opti
                     options.colour && array.shape.channels >= 3 ? size_t{3} : size_t{1}};
   E2LF_RETURN_IF_ERROR(check_memory(shape, sizeof(float), options, location));
   LightField out(shape);
-  Result<void> status;
-  switch (array.type) {
-    case SampleType::kUint8:
-      status = gather<uint8_t>(array, grid, options, out, location);
-      break;
-    case SampleType::kUint16:
-      status = gather<uint16_t>(array, grid, options, out, location);
-      break;
-    case SampleType::kFloat32:
-      status = gather<float>(array, grid, options, out, location);
-      break;
-    case SampleType::kFloat64:
-      status = gather<double>(array, grid, options, out, location);
-      break;
-  }
-  if (!status) return status.error();
-  const float assumed_white = options.white > 0.0F ? 0.0F : white_of(array, options);
-  E2LF_RETURN_IF_ERROR(check_values(out, assumed_white, location));
+  E2LF_RETURN_IF_ERROR(convert_views(array, grid, options, out, location));
+  E2LF_RETURN_IF_ERROR(check_values(out, options.white > 0.0F ? 0.0F : array.white, location));
   return out;
 }
 

@@ -8,8 +8,10 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "e2lf/base/result.h"
+#include "e2lf/files/elements.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -71,8 +73,9 @@ struct AxisStrides {
 /// Returns n such that num_views = n * n, or 0 if num_views is not a square.
 [[nodiscard]] size_t views_per_axis(size_t num_views);
 
-enum class SampleType { kUint8, kUint16, kFloat32, kFloat64 };
-[[nodiscard]] size_t sample_bytes(SampleType type);
+/// Returns the number that is white in samples of this numpy type: 255 in u1, 65535 in u2, 1 in floating-point numbers
+/// and truth values, and 0 in other types, which do not determine it.
+[[nodiscard]] float white_of_type(std::string_view code);
 
 /// A light field as it is stored: samples in the byte order of this machine and in any axis order. `shape` describes
 /// what is stored. `channels` may be any number: with three or more, the first three are red, green and blue; one or
@@ -80,10 +83,12 @@ enum class SampleType { kUint8, kUint16, kFloat32, kFloat64 };
 struct StoredArray {
   Shape shape;
   AxisStrides strides;
-  SampleType type = SampleType::kFloat32;
+  std::string type = "f4";  ///< the numpy code of the samples, see element_size()
   std::span<const uint8_t> bytes;
-  float white = 0.0F;  ///< the stored number that means 1 unless ReadOptions names one; 0 = the largest of an integer
-                       ///< type, 1 for other types
+  float white = 1.0F;  ///< the stored number that means 1 unless ReadOptions names one; 0 = it is not known
+
+  /// Returns the number of bytes that the shape needs.
+  [[nodiscard]] size_t num_bytes() const { return shape.size() * element_size(type); }
 };
 
 /// The views selected along one axis.
@@ -112,8 +117,13 @@ struct ChosenGrid {
 [[nodiscard]] Result<void> check_memory(const Shape& shape, size_t bytes_each, const ReadOptions& options,
                                         const std::string& location);
 
-/// Converts the selected views of a stored array to a light field, in grey or colour according to the options. Fails as
-/// read_light_field does.
+/// Converts the selected views of a stored array to `out`, which has their number and size, in colour if it has three
+/// channels and otherwise in grey. Fails with kInvalidValue as options.range demands.
+[[nodiscard]] Result<void> convert_views(const StoredArray& array, const ChosenGrid& grid, const ReadOptions& options,
+                                         const LightFieldOutput& out, const std::string& location);
+
+/// Converts the selected views of a stored array to a light field, in grey or colour according to the options. Fails
+/// with kUnsupported if it is not known which number is white, and as read_light_field does.
 [[nodiscard]] Result<LightField> from_stored(const StoredArray& array, const ReadOptions& options,
                                              const std::string& location);
 

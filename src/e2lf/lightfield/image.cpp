@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/lightfield/image.h"
 
-#include <cstring>
+#include <limits>
 #include <string_view>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/lightfield/formats/readers.h"
 
@@ -31,18 +33,12 @@ RawImage raw_of(const BasicImage<T>& image, size_t sample_bytes) {
   return raw;
 }
 
-void quantise8(std::span<const float> values, uint8_t* out) {
+/// Stores the values as samples round(largest * clamp(value)).
+template <typename T>
+void quantise(std::span<const float> values, uint8_t* out) {
+  constexpr auto kLargest = static_cast<float>(std::numeric_limits<T>::max());
   for (size_t i = 0; i < values.size(); ++i) {
-    out[i] = static_cast<uint8_t>(static_cast<int>(255.0F * clamp_unit(values[i]) + 0.5F));
-  }
-}
-
-/// Writes the high byte first, as PNG stores it.
-void quantise16(std::span<const float> values, uint8_t* out) {
-  for (size_t i = 0; i < values.size(); ++i) {
-    const int sample = static_cast<int>(65535.0F * clamp_unit(values[i]) + 0.5F);
-    out[2 * i] = static_cast<uint8_t>(sample >> 8);
-    out[2 * i + 1] = static_cast<uint8_t>(sample & 0xFF);
+    store_le(out + i * sizeof(T), static_cast<T>(static_cast<int>(kLargest * clamp_unit(values[i]) + 0.5F)));
   }
 }
 
@@ -72,22 +68,14 @@ Result<RawImage> decode_raw_image(std::span<const uint8_t> bytes, const std::str
   return fail(ErrorCode::kFormat, name, "the file is neither a PNG nor a JPEG image; convert it to PNG");
 }
 
-float largest_sample(const RawImage& image) {
-  return image.sample_bytes == 1 ? 255.0F : 65535.0F;
-}
-
-Image to_float(const RawImage& raw, float white) {
-  Image image(raw.width, raw.height, raw.channels);
-  if (raw.sample_bytes == 1) {
-    for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<float>(raw.samples[i]) / white;
-    return image;
-  }
-  for (size_t i = 0; i < image.pixels.size(); ++i) {
-    uint16_t sample = 0;
-    std::memcpy(&sample, raw.samples.data() + 2 * i, 2);
-    image.pixels[i] = static_cast<float>(sample) / white;
-  }
-  return image;
+StoredArray stored_view(const RawImage& image) {
+  StoredArray view;
+  view.shape = {1, 1, image.height, image.width, image.channels};
+  view.strides = uvhwc_strides(view.shape);
+  view.type = image.sample_bytes == 1 ? "u1" : "u2";
+  view.bytes = image.samples;
+  view.white = white_of_type(view.type);
+  return view;
 }
 
 Image to_grey(Image image) {
@@ -102,13 +90,17 @@ Image to_grey(Image image) {
 
 ByteImage to_bytes(const Image& image) {
   ByteImage bytes(image.width, image.height, image.channels);
-  quantise8(image.pixels, bytes.pixels.data());
+  quantise<uint8_t>(image.pixels, bytes.pixels.data());
   return bytes;
 }
 
 Result<Image> decode_image(std::span<const uint8_t> bytes, const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_raw_image(bytes, name));
-  return to_float(raw, largest_sample(raw));
+  const StoredArray view = stored_view(raw);
+  Image image(raw.width, raw.height, raw.channels);
+  E2LF_ASSIGN_OR_RETURN(image.pixels, elements_to_float(view.type, view.bytes, name));
+  for (float& value : image.pixels) value /= view.white;
+  return image;
 }
 
 Result<Image> read_image(const std::filesystem::path& path) {
@@ -119,11 +111,7 @@ Result<Image> read_image(const std::filesystem::path& path) {
 Result<std::vector<uint8_t>> encode_png(const Image& image, PngDepth depth) {
   RawImage raw = raw_of(image, depth == PngDepth::k16 ? 2 : 1);
   raw.samples.resize(image.pixels.size() * raw.sample_bytes);
-  if (depth == PngDepth::k16) {
-    quantise16(image.pixels, raw.samples.data());
-  } else {
-    quantise8(image.pixels, raw.samples.data());
-  }
+  (depth == PngDepth::k16 ? quantise<uint16_t> : quantise<uint8_t>)(image.pixels, raw.samples.data());
   return encode_png_rows(raw);
 }
 
@@ -145,19 +133,9 @@ Result<void> write_png(const std::filesystem::path& path, const ByteImage& image
 
 Result<std::vector<uint8_t>> encode_bilevel_png(const ByteImage& image) {
   E2LF_REQUIRE(image.channels == 1, "the picture is grey");
-  RawImage raw;
-  raw.width = image.width;
-  raw.height = image.height;
-  raw.is_bilevel = true;
-  const size_t row_bytes = (image.width + 7) / 8;
-  raw.samples.resize(row_bytes * image.height);
-  for (size_t y = 0; y < image.height; ++y) {
-    for (size_t x = 0; x < image.width; ++x) {
-      uint8_t& eight = raw.samples[y * row_bytes + x / 8];
-      if (image.pixels[y * image.width + x] >= 128) eight = static_cast<uint8_t>(eight | (0x80U >> (x % 8)));
-    }
-  }
-  return encode_png_rows(raw);
+  RawImage raw = raw_of(image, 1);
+  for (const uint8_t value : image.pixels) raw.samples.push_back(value >= 128 ? 1 : 0);
+  return encode_png_rows(raw, /*is_bilevel=*/true);
 }
 
 }  // namespace e2lf::lightfield

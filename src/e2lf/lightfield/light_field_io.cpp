@@ -124,27 +124,10 @@ Result<LightField> read_stored(const fs::path& path, const ReadOptions& options,
 }  // namespace
 
 const char* kind_name(LightFieldKind kind) {
-  switch (kind) {
-    case LightFieldKind::kViewFolder:
-      return "folder of VV_UU.png";
-    case LightFieldKind::kHciFolder:
-      return "HCI folder";
-    case LightFieldKind::kStanfordFolder:
-      return "Stanford folder";
-    case LightFieldKind::kArrayFolder:
-      return "folder of lightfield.npy";
-    case LightFieldKind::kMat:
-      return "MATLAB file";
-    case LightFieldKind::kHdf5:
-      return "HDF5 file";
-    case LightFieldKind::kLenslet:
-      return "lenslet mosaic";
-    case LightFieldKind::kNpy:
-      return "npy array";
-    case LightFieldKind::kNpz:
-      return "npz archive";
-  }
-  return "light field";
+  constexpr const char* kNames[] = {"folder of VV_UU.png",      "HCI folder",  "Stanford folder",
+                                    "folder of lightfield.npy", "MATLAB file", "HDF5 file",
+                                    "lenslet mosaic",           "npy array",   "npz archive"};
+  return kNames[static_cast<size_t>(kind)];
 }
 
 std::vector<fs::path> cycle_folders(const fs::path& folder) {

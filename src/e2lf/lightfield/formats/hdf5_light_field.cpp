@@ -5,6 +5,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/hdf5/checked_file.h"
 #include "e2lf/hdf5/library.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/readers.h"
@@ -94,23 +95,21 @@ bool is_logical(hid_t set) {
   return name.size() < 64 && H5Aread(attribute.get(), text.get(), name.data()) >= 0 && name.starts_with("logical");
 }
 
-/// Returns the type to read the samples as: 8- and 16-bit unsigned integers unchanged, and floats of any width as
-/// float32. Other integers are read as float32 if their white is named.
-std::optional<SampleType> sample_type(hid_t set, const ReadOptions& options) {
+/// Sets the type to read the samples as and the number that is white: 8- and 16-bit unsigned integers unchanged, other
+/// numbers as float32. Returns false if they are not numbers.
+bool set_type(hid_t set, StoredArray& array) {
   const Handle type(H5Dget_type(set), H5Tclose);
-  if (!type.valid()) return std::nullopt;
-  if (H5Tget_class(type.get()) == H5T_FLOAT || is_logical(set)) return SampleType::kFloat32;
-  if (H5Tget_class(type.get()) != H5T_INTEGER) return std::nullopt;
-  const bool is_unsigned = H5Tget_sign(type.get()) == H5T_SGN_NONE;
-  if (is_unsigned && H5Tget_size(type.get()) == 1) return SampleType::kUint8;
-  if (is_unsigned && H5Tget_size(type.get()) == 2) return SampleType::kUint16;
-  return options.white > 0.0F ? std::optional(SampleType::kFloat32) : std::nullopt;
+  if (!type.valid()) return false;
+  if (H5Tget_class(type.get()) == H5T_FLOAT || is_logical(set)) return true;
+  const size_t bytes = H5Tget_size(type.get());
+  const bool is_pixel_type = H5Tget_sign(type.get()) == H5T_SGN_NONE && bytes <= 2;
+  array.type = is_pixel_type ? cat("u", bytes) : "f4";
+  array.white = is_pixel_type ? white_of_type(array.type) : 0.0F;
+  return H5Tget_class(type.get()) == H5T_INTEGER;
 }
 
-hid_t memory_type(SampleType type) {
-  if (type == SampleType::kUint8) return H5T_NATIVE_UINT8;
-  if (type == SampleType::kUint16) return H5T_NATIVE_UINT16;
-  return H5T_NATIVE_FLOAT;
+hid_t memory_type(const std::string& code) {
+  return code == "u1" ? H5T_NATIVE_UINT8 : code == "u2" ? H5T_NATIVE_UINT16 : H5T_NATIVE_FLOAT;
 }
 
 /// Returns false if the file stores fewer samples than the extents claim, or if it compresses them by a filter whose
@@ -127,40 +126,25 @@ std::string extents_text(const std::vector<hsize_t>& extents) {
   return shape_text({extents.begin(), extents.end()});
 }
 
-/// Returns the bytes of an HDF5 file that is made in memory, or none if HDF5 fails.
-std::vector<uint8_t> encode_hdf5(const std::string& name, const std::vector<size_t>& extents,
-                                 std::span<const float> values) {
-  constexpr size_t kGrowBytes = size_t{1} << 24;
-  const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  if (!access.valid() || H5Pset_fapl_core(access.get(), kGrowBytes, 0) < 0) return {};
-  const hdf5::Handle file(H5Fcreate("memory.h5", H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
-  const std::vector<hsize_t> sizes(extents.begin(), extents.end());
-  const hdf5::Handle space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr), H5Sclose);
-  if (!file.valid() || !space.valid()) return {};
-  const hdf5::Handle set(
-      H5Dcreate2(file.get(), name.c_str(), H5T_IEEE_F32LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-      H5Dclose);
-  if (!set.valid() || H5Dwrite(set.get(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0 ||
-      H5Fflush(file.get(), H5F_SCOPE_GLOBAL) < 0) {
-    return {};
-  }
-  const ssize_t size = H5Fget_file_image(file.get(), nullptr, 0);
-  std::vector<uint8_t> bytes(size > 0 ? static_cast<size_t>(size) : 0);
-  if (bytes.empty() || H5Fget_file_image(file.get(), bytes.data(), bytes.size()) != size) return {};
-  return bytes;
-}
-
 /// Writes one float32 data set with these extents as an HDF5 file that appears either whole or not at all. Fails with
 /// kIo, and with kInternal if HDF5 fails.
-Result<void> write_set(const std::filesystem::path& path, const std::string& name, const std::vector<size_t>& extents,
+Result<void> write_set(const std::filesystem::path& path, const std::string& name, const std::vector<hsize_t>& extents,
                        std::span<const float> values) {
   const hdf5::LibraryLock lock;
-  const std::vector<uint8_t> bytes = encode_hdf5(name, extents, values);
-  if (bytes.empty()) {
-    return fail(ErrorCode::kInternal, path, "HDF5 could not encode ", name, " (", hdf5::last_reason(),
-                "); write npy instead");
+  E2LF_ASSIGN_OR_RETURN(AtomicFile target, AtomicFile::create(path));
+  E2LF_ASSIGN_OR_RETURN(hdf5::CheckedFile file, hdf5::CheckedFile::create(target.path(), path.string()));
+  {
+    const Handle space(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), H5Sclose);
+    const Handle set(
+        H5Dcreate2(file.get(), name.c_str(), H5T_IEEE_F32LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose);
+    if (!set.valid() || H5Dwrite(set.get(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+      return fail(ErrorCode::kInternal, path, "HDF5 could not encode ", name, " (", hdf5::last_reason(),
+                  "); write npy instead");
+    }
   }
-  return write_file(path, bytes);
+  E2LF_RETURN_IF_ERROR(file.close());
+  return target.commit();
 }
 
 }  // namespace
@@ -185,23 +169,18 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
         ErrorCode::kShape, location, "extents ", extents_text(opened.storage.extents),
         " do not fit; LF is (U,V,H,W,C) or [U,V,H,W,C], LF_y [views, H, W], Hr_SAI_y [views_x * W, views_y * H]");
   }
-  const auto type = sample_type(opened.set.get(), options);
-  if (!type) {
-    return Error{ErrorCode::kUnsupported,
-                 "samples that are not float, uint8 or uint16 do not determine which value is white; give it, e.g. 255",
-                 location, Setting::kWhite};
+  if (!set_type(opened.set.get(), array)) {
+    return fail(ErrorCode::kUnsupported, location, "the samples are not numbers; store float, uint8 or uint16");
   }
-  array.type = *type;
-  if (is_logical(opened.set.get())) array.white = 1.0F;
-  E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(*type), options, location));
+  E2LF_RETURN_IF_ERROR(check_memory(array.shape, element_size(array.type), options, location));
 
   E2LF_RETURN_IF_ERROR(hdf5::check_filters(opened.storage, location));
   if (!holds_samples(opened.set.get(), opened.storage)) {
     return fail(ErrorCode::kTruncated, location,
                 "samples are missing, or packed by another filter than deflate; copy or store it again");
   }
-  std::vector<uint8_t> bytes(array.shape.size() * sample_bytes(*type));
-  if (H5Dread(opened.set.get(), memory_type(*type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
+  std::vector<uint8_t> bytes(array.num_bytes());
+  if (H5Dread(opened.set.get(), memory_type(array.type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
     return fail(ErrorCode::kFormat, location, "the samples cannot be read (", hdf5::last_reason(),
                 "); copy the file again");
   }
@@ -213,7 +192,7 @@ Result<void> write_hdf5(const std::filesystem::path& path, const LightFieldView&
   const Shape shape = shape_of(light_field);
   std::vector<float> scratch;
   const auto values = light_field.values(scratch);
-  const std::vector<size_t> extents = {shape.num_views(), shape.height, shape.width};
+  const std::vector<hsize_t> extents = {shape.num_views(), shape.height, shape.width};
   if (shape.channels == 1) return write_set(path, "LF_y", extents, values);
   std::vector<float> grey(shape.num_views() * shape.height * shape.width);
   for (size_t i = 0; i < grey.size(); ++i) {

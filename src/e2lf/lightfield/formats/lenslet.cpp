@@ -137,12 +137,10 @@ Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOpt
                 " views; a single image is read as such a mosaic, give the folder to read views in separate files");
   }
   E2LF_RETURN_IF_ERROR(check_layout(mosaic, grid, location));
-  StoredArray array;
+  StoredArray array = stored_view(mosaic);
   array.shape = {grid.views_y, grid.views_x, mosaic.height / grid.views_y, mosaic.width / grid.views_x,
                  mosaic.channels};
   array.strides = huwvc_strides(array.shape);
-  array.type = mosaic.sample_bytes == 2 ? SampleType::kUint16 : SampleType::kUint8;
-  array.bytes = mosaic.samples;
   return from_stored(array, options, location);
 }
 

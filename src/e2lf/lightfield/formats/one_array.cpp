@@ -17,20 +17,9 @@
 namespace e2lf::lightfield {
 namespace {
 
-/// Returns the type to read an array as. Types other than these four are converted to float32 first.
-std::optional<SampleType> sample_type(const std::string& code) {
-  if (code == "u1") return SampleType::kUint8;
-  if (code == "u2") return SampleType::kUint16;
-  if (code == "f8") return SampleType::kFloat64;
-  for (const char* other : {"f4", "f2", "b1", "u4", "u8", "i4", "i8"}) {
-    if (code == other) return SampleType::kFloat32;
-  }
-  return std::nullopt;  // i1 and i2 are event counts
-}
-
-/// Returns true if the type determines which number is white.
-bool has_white(const std::string& code) {
-  return code == "u1" || code == "u2" || code == "b1" || code[0] == 'f';
+/// Returns whether samples of this numpy type may be those of a light field; i1 and i2 are event counts.
+bool is_sample_type(const std::string& code) {
+  return element_size(code) > 0 && code != "i1" && code != "i2";
 }
 
 }  // namespace
@@ -52,7 +41,7 @@ const NpyArray* find_light_field(const NpzArrays& arrays) {
 
 std::optional<Shape> npy_shape(const NpyArray& array) {
   const std::vector<size_t>& extents = array.shape;
-  if (!sample_type(array.type)) return std::nullopt;
+  if (!is_sample_type(array.type)) return std::nullopt;
   if (extents.size() == 5 && (extents[4] == 1 || extents[4] == 3)) {
     return Shape{extents[0], extents[1], extents[2], extents[3], extents[4]};
   }
@@ -79,51 +68,13 @@ Result<LightField> from_npy(const NpyArray& array, const ReadOptions& options, c
     log_warning(cat(location, ": read as ", shape->views_y, "x", shape->views_x,
                     " views; if the axes are [view, channel, y, x], put the channel last"));
   }
-  if (!has_white(array.type) && options.white == 0.0F) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("whole numbers of type ", array.type, " do not determine which value is white; give it, e.g. 255"),
-                 location, Setting::kWhite};
-  }
-  StoredArray stored;
-  stored.shape = *shape;
-  stored.strides = uvhwc_strides(*shape);
-  stored.type = *sample_type(array.type);
-  stored.bytes = array.bytes;
-  std::vector<float> widened;
-  if (stored.type == SampleType::kFloat32 && array.type != "f4") {
-    E2LF_ASSIGN_OR_RETURN(widened, array.to_float(location));
-    stored.bytes = {reinterpret_cast<const uint8_t*>(widened.data()), widened.size() * sizeof(float)};
-  }
-  return from_stored(stored, options, location);
+  return from_stored({.shape = *shape,
+                      .strides = uvhwc_strides(*shape),
+                      .type = array.type,
+                      .bytes = array.bytes,
+                      .white = white_of_type(array.type)},
+                     options, location);
 }
-
-namespace {
-
-/// Returns the number that is white in an array of this class, or 0 if the class does not determine it.
-float white_of_class(const MatArray& variable) {
-  if (variable.logical) return 1.0F;
-  switch (static_cast<MatClass>(variable.array_class)) {
-    case MatClass::kUint8:
-      return 255.0F;
-    case MatClass::kUint16:
-      return 65535.0F;
-    case MatClass::kSingle:
-    case MatClass::kDouble:
-      return 1.0F;
-    default:
-      return 0.0F;
-  }
-}
-
-/// Returns the stored type of the samples if from_stored() can read it.
-std::optional<SampleType> type_of_code(std::string_view code) {
-  if (code == "u1") return SampleType::kUint8;
-  if (code == "u2") return SampleType::kUint16;
-  if (code == "f4") return SampleType::kFloat32;
-  return code == "f8" ? std::optional(SampleType::kFloat64) : std::nullopt;
-}
-
-}  // namespace
 
 Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions& options) {
   const std::string location = path.string() + ": LF";
@@ -137,17 +88,10 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   }
   if (!found) return found.error();
   const MatArray& variable = *found;
-  const bool is_number = variable.array_class >= static_cast<uint8_t>(MatClass::kDouble) &&
-                         variable.array_class <= static_cast<uint8_t>(MatClass::kUint32);
-  if (!is_number || variable.complex) {
+  const std::string_view class_type = numpy_code_of_class(variable.array_class);
+  if (class_type.empty() || variable.complex) {
     return fail(ErrorCode::kUnsupported, location,
                 "not of class double, single, logical or integers of 8 to 32 bits, or complex; convert it");
-  }
-  const float white = white_of_class(variable);
-  if (white == 0.0F && options.white == 0.0F) {
-    return Error{ErrorCode::kUnsupported,
-                 "integers of this class do not determine which value is white; give it, e.g. 255", location,
-                 Setting::kWhite};
   }
   const std::vector<size_t>& extents = variable.extents;
   if (extents.size() != 4 && extents.size() != 5) {
@@ -156,20 +100,12 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   StoredArray array;
   array.shape = {extents[0], extents[1], extents[2], extents[3], extents.size() == 5 ? extents[4] : 1};
   array.strides = matlab_uvhwc_strides(array.shape);
-  array.white = white;
+  array.white = variable.logical ? 1.0F : white_of_type(class_type);
   // MATLAB stores numbers as a smaller type than that of their class if all of them fit.
-  const std::string code = numpy_code(variable.storage);
-  const auto type = type_of_code(code);
-  array.type = type.value_or(SampleType::kFloat32);
-  E2LF_RETURN_IF_ERROR(check_memory(array.shape, sample_bytes(array.type), options, location));
-
-  std::vector<float> widened;
+  array.type = numpy_code(variable.storage);
+  E2LF_RETURN_IF_ERROR(check_memory(array.shape, element_size(array.type), options, location));
   array.bytes = variable.data;
-  if (!type) {
-    E2LF_ASSIGN_OR_RETURN(widened, elements_to_float(code, variable.data, location));
-    array.bytes = {reinterpret_cast<const uint8_t*>(widened.data()), widened.size() * sizeof(float)};
-  }
-  if (array.bytes.size() != array.shape.size() * sample_bytes(array.type)) {
+  if (array.type.empty() || array.bytes.size() != array.num_bytes()) {
     return fail(ErrorCode::kFormat, location, "the samples do not fill ", shape_text(extents), "; save the file again");
   }
   return from_stored(array, options, location);

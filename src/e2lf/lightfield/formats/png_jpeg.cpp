@@ -217,20 +217,22 @@ class PngWriter {
   PngWriter& operator=(const PngWriter&) = delete;
   ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
 
-  bool write(const RawImage& image, png_bytepp rows) {
+  bool write(const RawImage& image, bool is_bilevel, png_bytepp rows) {
     if (png_ == nullptr || info_ == nullptr) return false;
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_write_fn(png_, &bytes, write_bytes, flush);
     png_set_IHDR(png_, info_, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
-                 image.is_bilevel ? 1 : static_cast<int>(8 * image.sample_bytes),
+                 is_bilevel ? 1 : static_cast<int>(8 * image.sample_bytes),
                  image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_filter(png_, PNG_FILTER_TYPE_BASE, image.is_bilevel ? PNG_FILTER_NONE : PNG_FILTER_SUB);
+    png_set_filter(png_, PNG_FILTER_TYPE_BASE, is_bilevel ? PNG_FILTER_NONE : PNG_FILTER_SUB);
     png_set_compression_level(png_, 1);
     // After a difference filter, matches are rare in natural images, and searching for them dominates the time.
     png_set_compression_strategy(png_, Z_HUFFMAN_ONLY);
     png_set_compression_buffer_size(png_, size_t{1} << 18);
     png_write_info(png_, info_);
+    if (is_bilevel) png_set_packing(png_);
+    if (std::endian::native == std::endian::little) png_set_swap(png_);
     png_write_image(png_, rows);
     png_write_end(png_, nullptr);
     return true;
@@ -280,11 +282,11 @@ Result<RawImage> decode_png(std::span<const uint8_t> bytes, const std::string& n
   return image;
 }
 
-Result<std::vector<uint8_t>> encode_png_rows(const RawImage& image) {
+Result<std::vector<uint8_t>> encode_png_rows(const RawImage& image, bool is_bilevel) {
   PngWriter writer;
   writer.bytes.reserve(image.samples.size() / 2 + 1024);
   std::vector<png_bytep> rows = row_pointers(image);
-  if (!writer.write(image, rows.data())) return writer.error();
+  if (!writer.write(image, is_bilevel, rows.data())) return writer.error();
   return std::move(writer.bytes);
 }
 

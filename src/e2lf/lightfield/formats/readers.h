@@ -13,6 +13,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/files/npy.h"
+#include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -57,11 +58,13 @@ struct RawImage {
   size_t width = 0, height = 0;
   size_t channels = 1;      ///< 1 or 3
   size_t sample_bytes = 1;  ///< 1 or 2
-  bool is_bilevel = false;  ///< used for writing only: one bit per pixel, eight to a byte, the first in the high bit
   std::vector<uint8_t> samples;
 
-  [[nodiscard]] size_t row_bytes() const { return is_bilevel ? (width + 7) / 8 : width * channels * sample_bytes; }
+  [[nodiscard]] size_t row_bytes() const { return width * channels * sample_bytes; }
 };
+
+/// Returns the samples as a light field of one view, which points to them.
+[[nodiscard]] StoredArray stored_view(const RawImage& image);
 
 [[nodiscard]] bool is_png(std::span<const uint8_t> bytes);
 [[nodiscard]] bool is_jpeg(std::span<const uint8_t> bytes);
@@ -78,14 +81,8 @@ struct RawImage {
 /// Decodes either format, detected from the first bytes. Fails with kFormat if it is neither.
 [[nodiscard]] Result<RawImage> decode_raw_image(std::span<const uint8_t> bytes, const std::string& name);
 
-/// Returns the largest value of a sample: 255 or 65535.
-[[nodiscard]] float largest_sample(const RawImage& image);
-
-/// Converts the samples to float and divides them by `white`.
-[[nodiscard]] Image to_float(const RawImage& image, float white);
-
-/// Compresses the rows of `image`, which must be in PNG's byte order (16 bits: high byte first).
-[[nodiscard]] Result<std::vector<uint8_t>> encode_png_rows(const RawImage& image);
+/// Compresses the rows of `image`. A bilevel PNG has 1 bit per pixel, and its samples are 0 and 1.
+[[nodiscard]] Result<std::vector<uint8_t>> encode_png_rows(const RawImage& image, bool is_bilevel = false);
 
 }  // namespace e2lf::lightfield
 

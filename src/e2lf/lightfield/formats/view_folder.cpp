@@ -192,57 +192,38 @@ Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOpt
   return files;
 }
 
-/// Reads the samples of a view and divides them by `white`. If it is 0, they are divided by the largest value of their
-/// type, which is stored in `largest`.
-Result<Image> read_view(const fs::path& file, float white, float& largest) {
+Result<RawImage> read_view(const fs::path& file) {
   E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, read_file(file));
-  E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_raw_image(bytes, file.string()));
-  largest = largest_sample(raw);
-  return to_float(raw, white > 0.0F ? white : largest);
+  return decode_raw_image(bytes, file.string());
 }
 
-/// Stores one decoded view at its place.
-Result<void> store_view(Image image, size_t view, const fs::path& file, const fs::path& first_file, LightField& out) {
+/// Converts one decoded view to float32 at its place.
+Result<void> store_view(const RawImage& image, size_t view, const fs::path& file, const fs::path& first_file,
+                        const ReadOptions& options, LightField& out) {
   const Shape& shape = out.shape();
-  if (shape.channels == 1) image = to_grey(std::move(image));
-  if (image.width != shape.width || image.height != shape.height || image.channels != shape.channels) {
-    return fail(ErrorCode::kShape, file, "the view is ", image.width, "x", image.height, " with ", image.channels,
+  const size_t channels = options.colour ? image.channels : 1;
+  if (image.width != shape.width || image.height != shape.height || channels != shape.channels) {
+    return fail(ErrorCode::kShape, file, "the view is ", image.width, "x", image.height, " with ", channels,
                 " channels, but ", first_file.filename().string(), " is ", shape.width, "x", shape.height, " with ",
                 shape.channels, "; all views must have one size");
   }
-  std::copy(image.pixels.begin(), image.pixels.end(), out.view(view / shape.views_x, view % shape.views_x).begin());
-  return {};
-}
-
-/// Applies the range policy to samples that were divided by a white other than the largest value of their type.
-Result<void> settle_views(const std::vector<fs::path>& files, const ReadOptions& options, LightField& out) {
-  const Shape& shape = out.shape();
-  for (size_t view = 0; view < files.size(); ++view) {
-    BadSamples bad;
-    const std::span<float> values = out.view(view / shape.views_x, view % shape.views_x);
-    for (size_t i = 0; i < values.size(); ++i) {
-      const float stored = values[i] * options.white;
-      bad.add(stored);
-      if (settle(values[i], options.range) || !bad.first.empty()) continue;
-      const size_t pixel = i / shape.channels;
-      bad.first = cat(stored, " at y ", pixel / shape.width, ", x ", pixel % shape.width);
-    }
-    if (!bad.first.empty()) return bad.error(files[view].string());
-  }
-  return {};
+  constexpr ChosenViews kOne{.count = 1, .stored = 1};
+  const LightFieldOutput place(out.view(view / shape.views_x, view % shape.views_x).data(),
+                               {1, 1, shape.height, shape.width, shape.channels});
+  return convert_views(stored_view(image), {kOne, kOne}, options, place, file.string());
 }
 
 /// Decodes files[1..] in parallel. If several fail, the error of the first view is returned.
-Result<void> read_rest(const std::vector<fs::path>& files, float white, const ProgressFn& progress, LightField& out) {
+Result<void> read_rest(const std::vector<fs::path>& files, const ReadOptions& options, const ProgressFn& progress,
+                       LightField& out) {
   std::vector<std::optional<Error>> errors(files.size());
   std::mutex mutex;
   size_t done = 1;
   parallel_for(files.size() - 1, 1, [&](size_t begin, size_t end) {
     for (size_t view = begin + 1; view < end + 1; ++view) {
-      float largest = 0;
-      Result<Image> image = read_view(files[view], white, largest);
+      const Result<RawImage> image = read_view(files[view]);
       const Result<void> stored =
-          image.ok() ? store_view(std::move(image).value(), view, files[view], files[0], out) : image.error();
+          image.ok() ? store_view(*image, view, files[view], files[0], options, out) : image.error();
       if (!stored.ok()) errors[view] = stored.error();
       const std::lock_guard lock(mutex);
       ++done;
@@ -336,15 +317,13 @@ Result<LightField> read_view_folder(const fs::path& folder, const ReadOptions& o
   E2LF_ASSIGN_OR_RETURN(const std::vector<fs::path> files, choose_files(views, options, folder, grid));
 
   // The first view determines the size of the light field.
-  float largest = 0;
-  E2LF_ASSIGN_OR_RETURN(Image first, read_view(files[0], options.white, largest));
+  E2LF_ASSIGN_OR_RETURN(const RawImage first, read_view(files[0]));
   const Shape shape{grid.y.count, grid.x.count, first.height, first.width, options.colour ? first.channels : 1};
   E2LF_RETURN_IF_ERROR(check_memory(shape, sizeof(float), options, folder.string()));
   LightField out(shape);
-  E2LF_RETURN_IF_ERROR(store_view(std::move(first), 0, files[0], files[0], out));
-  if (files.size() > 1) E2LF_RETURN_IF_ERROR(read_rest(files, options.white, progress, out));
-  if (options.white > 0.0F) E2LF_RETURN_IF_ERROR(settle_views(files, options, out));
-  E2LF_RETURN_IF_ERROR(check_values(out, options.white > 0.0F ? 0.0F : largest, folder.string()));
+  E2LF_RETURN_IF_ERROR(store_view(first, 0, files[0], files[0], options, out));
+  if (files.size() > 1) E2LF_RETURN_IF_ERROR(read_rest(files, options, progress, out));
+  E2LF_RETURN_IF_ERROR(check_values(out, options.white > 0.0F ? 0.0F : stored_view(first).white, folder.string()));
   return out;
 }
 
