@@ -14,6 +14,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/workspace.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;
@@ -21,39 +22,18 @@ namespace {
 
 constexpr std::chrono::milliseconds kReaderPoll(20);  // the longest delay of a stop while a pipe has no reader
 
-/// Returns a name in the same folder that no other writer uses at the same time.
-fs::path staging_name(const fs::path& target) {
-  static int counter = 0;
-  fs::path name = target;
-  if (name.filename().empty()) name = name.parent_path();
-  name += cat(".", ::getpid(), ".", __atomic_add_fetch(&counter, 1, __ATOMIC_RELAXED), ".part");
-  return name;
-}
-
-Result<void> make_parent(const fs::path& path) {
-  if (!path.has_parent_path()) return {};
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  if (error) return fail_to("make the folder", path.parent_path(), error.value());
-  return {};
-}
-
-Result<void> write_all(int descriptor, const fs::path& path, std::span<const uint8_t> bytes) {
-  while (!bytes.empty()) {
+/// Writes all bytes to a descriptor and closes it.
+Result<void> write_and_close(int descriptor, const fs::path& path, std::span<const uint8_t> bytes) {
+  Result<void> status;
+  while (!bytes.empty() && status) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      return fail_to("write", path, errno);
+    if (written >= 0) {
+      bytes = bytes.subspan(static_cast<size_t>(written));
+    } else if (errno != EINTR) {
+      status = fail_to("write", path, errno);
     }
-    bytes = bytes.subspan(static_cast<size_t>(written));
   }
-  return {};
-}
-
-Result<void> write_stream(const fs::path& path, std::span<const uint8_t> bytes) {
-  E2LF_ASSIGN_OR_RETURN(const int descriptor, open_stream(path));
-  const Result<void> status = write_all(descriptor, path, bytes);
-  if (::close(descriptor) != 0 && status.ok()) return fail_to("write", path, errno);
+  if (::close(descriptor) != 0 && status) status = fail_to("write", path, errno);
   return status;
 }
 
@@ -114,18 +94,17 @@ Result<int> open_stream(const fs::path& path) {
 }
 
 Result<void> write_file(const fs::path& path, std::span<const uint8_t> bytes) {
-  if (is_stream(path)) return write_stream(path, bytes);
-  E2LF_RETURN_IF_ERROR(make_parent(path));
-  const fs::path staging = staging_name(path);
-  const int descriptor = ::open(staging.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (is_stream(path)) {
+    E2LF_ASSIGN_OR_RETURN(const int descriptor, open_stream(path));
+    return write_and_close(descriptor, path, bytes);
+  }
+  E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
+  const int descriptor = ::open(file.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) return fail_to("write", path, errno);
   // The lock shows that the writer is alive; see remove_dead_parts().
   static_cast<void>(::flock(descriptor, LOCK_EX | LOCK_NB));
-  Result<void> status = write_all(descriptor, path, bytes);
-  if (::close(descriptor) != 0 && status.ok()) status = fail_to("write", path, errno);
-  if (status.ok() && ::rename(staging.c_str(), path.c_str()) != 0) status = fail_to("write", path, errno);
-  if (!status.ok()) ::unlink(staging.c_str());
-  return status;
+  E2LF_RETURN_IF_ERROR(write_and_close(descriptor, path, bytes));
+  return file.commit();
 }
 
 Result<void> write_file(const fs::path& path, const std::string& text) {
@@ -137,7 +116,7 @@ Result<void> check_output(const fs::path& path, bool overwrite) {
   if (fs::is_directory(path, error)) {
     return fail(ErrorCode::kExists, path, "the output is a file, and a folder has this name; choose another");
   }
-  if (!overwrite && !is_stream(path) && fs::exists(fs::symlink_status(path, error))) {
+  if (!overwrite && !is_stream(path) && is_there(path)) {
     return Error{ErrorCode::kExists, "the output exists already; replace it or choose another", path.string(),
                  Setting::kOverwrite};
   }
@@ -149,8 +128,13 @@ Result<AtomicFile> AtomicFile::create(const fs::path& target) {
     return fail(ErrorCode::kUnsupported, target,
                 "this is a device or a pipe, but the format requires seeking; give a file");
   }
-  E2LF_RETURN_IF_ERROR(make_parent(target));
-  return AtomicFile(target, staging_name(target));
+  std::error_code error;
+  if (target.has_parent_path()) fs::create_directories(target.parent_path(), error);
+  if (error) return fail_to("make the folder", target.parent_path(), error.value());
+  static int counter = 0;
+  fs::path staging = target.has_filename() ? target : target.parent_path();
+  staging += cat(".", ::getpid(), ".", __atomic_add_fetch(&counter, 1, __ATOMIC_RELAXED), ".part");
+  return AtomicFile(target, std::move(staging));
 }
 
 AtomicFile::AtomicFile(AtomicFile&& other) noexcept

@@ -110,8 +110,7 @@ int rename_with(const fs::path& from, const fs::path& to, unsigned int how) {
 Result<void> rename_to_free(const fs::path& from, const fs::path& to) {
   if (rename_with(from, to, RENAME_NOREPLACE) == 0) return {};
   int error_number = errno;
-  std::error_code error;
-  if ((error_number == EINVAL || error_number == ENOSYS) && !fs::exists(fs::symlink_status(to, error))) {
+  if ((error_number == EINVAL || error_number == ENOSYS) && !is_there(to)) {
     if (::rename(from.c_str(), to.c_str()) == 0) return {};
     error_number = errno;
   }
@@ -194,8 +193,7 @@ Result<ResultFolder> ResultFolder::create(const fs::path& named, bool overwrite)
 
 Result<void> ResultFolder::commit(Json record) {
   E2LF_RETURN_IF_ERROR(write_record(place_, complete_record(std::move(record), place_, run_)));
-  std::error_code error;
-  if (!fs::exists(fs::symlink_status(target_, error))) {
+  if (!is_there(target_)) {
     E2LF_RETURN_IF_ERROR(rename_to_free(place_, target_));
   } else {
     // The existing folder may have changed since create().

@@ -98,6 +98,11 @@ Result<void> clear_dead(const fs::path& target) {
 
 }  // namespace
 
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(path, error));
+}
+
 void remove_dead_parts(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;

@@ -34,6 +34,9 @@ class Workspace {
 /// "a/x.csv.7.1.part/x.csv" and "a/x.csv.7.1.part" become "a/x.csv".
 [[nodiscard]] std::string without_workspaces(std::string text);
 
+/// Returns true if something has this name, be it a link to nothing.
+[[nodiscard]] bool is_there(const std::filesystem::path& path);
+
 /// Removes the temporary files in a folder that were left by calls of write_file() in processes that have ended.
 void remove_dead_parts(const std::filesystem::path& folder);
 

@@ -9,6 +9,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/files/elements.h"
 #include "e2lf/lightfield/image.h"
 
 namespace e2lf::lightfield {
@@ -240,6 +241,10 @@ float white_of_type(std::string_view code) {
   if (code == "u1") return 255.0F;
   if (code == "u2") return 65535.0F;
   return code == "b1" || code.starts_with('f') ? 1.0F : 0.0F;
+}
+
+size_t StoredArray::num_bytes() const {
+  return shape.size() * element_size(type);
 }
 
 Result<ChosenGrid> choose_views(size_t stored_y, size_t stored_x, const ReadOptions& options,

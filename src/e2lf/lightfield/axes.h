@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "e2lf/base/result.h"
-#include "e2lf/files/elements.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -83,12 +82,12 @@ struct AxisStrides {
 struct StoredArray {
   Shape shape;
   AxisStrides strides;
-  std::string type = "f4";  ///< the numpy code of the samples, see element_size()
+  std::string type = "f4";  ///< the numpy code of the samples, such as "u1" or "f8"
   std::span<const uint8_t> bytes;
   float white = 1.0F;  ///< the stored number that means 1 unless ReadOptions names one; 0 = it is not known
 
   /// Returns the number of bytes that the shape needs.
-  [[nodiscard]] size_t num_bytes() const { return shape.size() * element_size(type); }
+  [[nodiscard]] size_t num_bytes() const;
 };
 
 /// The views selected along one axis.

@@ -24,28 +24,28 @@ std::string place_of(size_t element, const std::vector<size_t>& shape) {
   return shape_text(place);
 }
 
-/// Fails if floating-point numbers are not integers, naming the first one.
-Result<void> check_whole(const NpyArray& array, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(location));
+/// Fails if numbers are not integers, naming the first one and its place in `shape`.
+Result<void> check_whole(const std::vector<float>& values, const std::vector<size_t>& shape,
+                         const std::string& location) {
   const auto is_finite = [](float value) { return std::isfinite(value); };
   const auto infinite = std::find_if_not(values.begin(), values.end(), is_finite);
-  const auto index_of = [&](auto found) { return static_cast<size_t>(found - values.begin()); };
+  const auto place = [&](auto found) { return place_of(static_cast<size_t>(found - values.begin()), shape); };
   if (infinite != values.end()) {
     const auto count = values.size() - static_cast<size_t>(std::count_if(values.begin(), values.end(), is_finite));
     return fail(ErrorCode::kInvalidValue, location, count, count == 1 ? " count is" : " counts are",
-                " not finite (NaN or infinity), the first is ", *infinite, " at ",
-                place_of(index_of(infinite), array.shape), "; event images contain integers, so replace these values");
+                " not finite (NaN or infinity), the first is ", *infinite, " at ", place(infinite),
+                "; event images contain integers, so replace these values");
   }
   const auto part = std::find_if(values.begin(), values.end(), [](float value) { return value != std::trunc(value); });
   if (part == values.end()) return {};
-  return fail(ErrorCode::kInvalidValue, location, "the count ", *part, " at ", place_of(index_of(part), array.shape),
+  return fail(ErrorCode::kInvalidValue, location, "the count ", *part, " at ", place(part),
               " is not a whole number; event images contain sums of signed events, so undo their scaling");
 }
 
 /// Converts `array` to int16; any value that is not an integer within int16 is an error.
 Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string& location) {
-  if (array.type.starts_with('f')) E2LF_RETURN_IF_ERROR(check_whole(array, location));
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> rough, array.to_float(location));
+  if (array.type.starts_with('f')) E2LF_RETURN_IF_ERROR(check_whole(rough, array.shape, location));
   // In unsigned numbers of 8 to 64 bits, -1 is the largest value, so values beyond half of it were negative.
   const bool is_unsigned = array.type.starts_with('u');
   const auto half = static_cast<float>(std::ldexp(0.5, static_cast<int>(8 * array.item_size)));
@@ -64,6 +64,18 @@ Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string&
   return counts;
 }
 
+/// Splits values [cycles, plane, y, x], or those of one cycle, into cycles.
+template <typename T>
+std::vector<Planes<T>> split_cycles(const std::vector<T>& values, const std::vector<size_t>& shape) {
+  const size_t axis = shape.size() - 3;
+  std::vector<Planes<T>> cycles(axis == 0 ? 1 : shape[0], Planes<T>(shape[axis], shape[axis + 1], shape[axis + 2]));
+  for (size_t i = 0; i < cycles.size(); ++i) {
+    const size_t size = cycles[i].values.size();
+    std::copy_n(values.begin() + static_cast<ptrdiff_t>(i * size), size, cycles[i].values.begin());
+  }
+  return cycles;
+}
+
 /// Returns the cycles of an array [cycles, N-1, y, x] or [N-1, y, x].
 Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const std::string& location) {
   const std::vector<size_t>& shape = array.shape;
@@ -80,19 +92,7 @@ Result<std::vector<EventImages>> cycles_from_array(const NpyArray& array, const 
                 "or [cycles, N-1, y, x], as numpy.moveaxis(events, -1, -3) does");
   }
   E2LF_ASSIGN_OR_RETURN(const std::vector<int16_t> counts, to_counts(array, location));
-  const size_t num_cycles = shape.size() == 4 ? shape[0] : 1;
-  const size_t axis = shape.size() - 3;
-  std::vector<EventImages> cycles(num_cycles);
-  const size_t cycle_size = counts.size() / num_cycles;
-  for (size_t i = 0; i < num_cycles; ++i) {
-    EventImages& cycle = cycles[i];
-    cycle.count = shape[axis];
-    cycle.height = shape[axis + 1];
-    cycle.width = shape[axis + 2];
-    const auto begin = counts.begin() + static_cast<ptrdiff_t>(i * cycle_size);
-    cycle.values.assign(begin, begin + static_cast<ptrdiff_t>(cycle_size));
-  }
-  return cycles;
+  return split_cycles(counts, shape);
 }
 
 Result<void> check_codes(const Codes& codes, size_t transitions, const std::string& location) {
@@ -215,12 +215,7 @@ Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, c
   if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) {
     return fail(ErrorCode::kInvalidValue, location, "an intensity is not finite; correct the images");
   }
-  std::vector<CodedIntensities> cycles(shape[0], CodedIntensities(shape[1], shape[2], shape[3]));
-  for (size_t i = 0; i < cycles.size(); ++i) {
-    const size_t size = cycles[i].values.size();
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i * size), size, cycles[i].values.begin());
-  }
-  return cycles;
+  return split_cycles(values, shape);
 }
 
 Result<void> check_hybrid(const EventImages& events, const CodedIntensities& images, const std::string& location) {
@@ -245,7 +240,7 @@ Result<MeasurementFile> measurement_of_arrays(NpzArrays arrays, const fs::path& 
     file.cycles[i].images = std::move(images[i]);
   }
   if (arrays.contains("events")) {
-    E2LF_ASSIGN_OR_RETURN(EventImageFile events, read_event_images(path));
+    E2LF_ASSIGN_OR_RETURN(EventImageFile events, from_arrays(arrays, path));
     if (events.cycles.size() != file.cycles.size()) {
       return fail(ErrorCode::kShape, location, file.cycles.size(), " cycles of images with ", events.cycles.size(),
                   " of events; give both for each cycle");
@@ -267,16 +262,17 @@ bool holds_images(const NpzArrays& arrays) {
 }
 
 Result<MeasurementFile> read_measurements(const fs::path& path) {
+  Result<EventImageFile> events = EventImageFile();
   if (path.extension() == ".npz") {
-    E2LF_ASSIGN_OR_RETURN(const NpzArrays names, peek_npz(path));
-    if (holds_images(names)) {
-      E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, read_npz(path));
-      return measurement_of_arrays(std::move(arrays), path);
-    }
+    E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, read_npz(path));
+    if (holds_images(arrays)) return measurement_of_arrays(std::move(arrays), path);
+    events = from_arrays(arrays, path);
+  } else {
+    events = read_event_images(path);
   }
-  E2LF_ASSIGN_OR_RETURN(EventImageFile events, read_event_images(path));
-  MeasurementFile file{{}, std::move(events.setup)};
-  for (EventImages& cycle : events.cycles) file.cycles.emplace_back(std::move(cycle));
+  if (!events) return events.error();
+  MeasurementFile file{{}, std::move(events->setup)};
+  for (EventImages& cycle : events->cycles) file.cycles.emplace_back(std::move(cycle));
   return file;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/hdf5/checked_file.h"
 #include "e2lf/hdf5/library.h"
