@@ -2,7 +2,6 @@
 #include "e2lf/files/mat5.h"
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <iterator>
 #include <zlib.h>
@@ -77,11 +76,13 @@ std::optional<size_t> inflate_some(std::span<const uint8_t> in, std::span<uint8_
   return std::nullopt;
 }
 
-/// Returns the first bytes of a compressed element, or none if it is damaged.
-std::vector<uint8_t> inflate_preview(std::span<const uint8_t> in) {
-  std::array<uint8_t, kPreviewBytes> buffer{};
-  const size_t size = inflate_some(in, buffer, false).value_or(0);
-  return {buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(size)};
+/// Returns the content of an element, of which a compressed one only has the first bytes, inflated into `preview`. It
+/// is empty if that is damaged.
+std::span<const uint8_t> content_of(const Element& element, std::vector<uint8_t>& preview) {
+  if (element.type != kCompressed) return element.data;
+  preview.resize(kPreviewBytes);
+  preview.resize(inflate_some(element.data, preview, false).value_or(0));
+  return std::span(preview).subspan(std::min(preview.size(), kTagBytes));
 }
 
 /// The parts of a matrix element that precede its samples.
@@ -177,15 +178,9 @@ Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::strin
   while (!rest.empty()) {
     const auto element = take_element(rest);
     if (!is_whole(element)) return truncated(location);
-    std::span<const uint8_t> inside = element->data;
+    if (element->type != kMatrix && element->type != kCompressed) continue;
     std::vector<uint8_t> preview;
-    if (element->type == kCompressed) {
-      preview = inflate_preview(element->data);
-      if (preview.size() < kTagBytes) return damaged(location);
-      inside = std::span(preview).subspan(kTagBytes);
-    } else if (element->type != kMatrix) {
-      continue;
-    }
+    std::span<const uint8_t> inside = content_of(*element, preview);
     auto head = take_head(inside);
     if (!head) return damaged(location);
     if (head->name != name) continue;
@@ -217,12 +212,8 @@ Result<std::vector<std::string>> mat_variables(const std::filesystem::path& path
     const auto element = take_element(rest);
     if (!element) break;
     at += element->stored_bytes;
-    std::span<const uint8_t> inside = element->data;
     std::vector<uint8_t> preview;
-    if (element->type == kCompressed) {
-      preview = inflate_preview(element->data);
-      inside = std::span(preview).subspan(std::min(preview.size(), kTagBytes));
-    }
+    std::span<const uint8_t> inside = content_of(*element, preview);
     if (const auto matrix = take_head(inside)) names.push_back(matrix->name);
   }
   return names;

@@ -412,7 +412,7 @@ Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::
     return fail(ErrorCode::kUnsupported, location, "zip compression method ", entry.method,
                 " is not supported; store or deflate it");
   }
-  if (entry.is_unfinished || bytes.size() == most) return bytes;
+  if (entry.is_unfinished || most < std::numeric_limits<size_t>::max()) return bytes;
   if (bytes.size() != entry.size) return bad_entry(location, "another size than the directory states");
   if (crc32_z(0, bytes.data(), bytes.size()) != entry.crc) {
     return fail(ErrorCode::kInvalidValue, location, "the checksum does not match; copy the file again");

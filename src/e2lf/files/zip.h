@@ -71,10 +71,9 @@ struct ZipEntry {
 [[nodiscard]] Result<std::vector<ZipEntry>> read_zip_directory(std::span<const uint8_t> archive,
                                                                const std::string& name);
 
-/// Unpacks one entry, or its first `most` bytes. In the latter case the rest is neither unpacked nor checked. Memory
-/// grows with the data that are actually unpacked and does not depend on the size in the directory. Fails with
-/// kUnsupported (another compression method), kFormat (a damaged stream, or another size than claimed) and
-/// kInvalidValue (a wrong checksum).
+/// Unpacks one entry, or up to `most` bytes of it, whose size and checksum are then not checked. Memory grows with the
+/// data that are actually unpacked and does not depend on the size in the directory. Fails with kUnsupported (another
+/// compression method), kFormat (a damaged stream, or another size than claimed) and kInvalidValue (a wrong checksum).
 [[nodiscard]] Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::string& location,
                                                             size_t most = std::numeric_limits<size_t>::max());
 
