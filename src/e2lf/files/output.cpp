@@ -167,14 +167,6 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   return output;
 }
 
-Result<std::optional<OutputFile>> OutputFile::create_optional(const fs::path& named, const OutputRules& rules) {
-  std::optional<OutputFile> output;
-  if (!named.empty()) {
-    E2LF_ASSIGN_OR_RETURN(output, create(named, rules));
-  }
-  return output;
-}
-
 Result<void> OutputFile::check_place() const {
   E2LF_RETURN_IF_ERROR(check_output(target_, overwrite_));
   const fs::path record = record_path_beside(target_);

@@ -40,9 +40,6 @@ class OutputFile {
   /// replaced), kInvalidValue (the output is, contains or lies in an input, or its extension is that of another
   /// format), kUnsupported (a stream, but the format requires a file) and kIo.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& named, const OutputRules& rules);
-  /// Opens a file that is only written if `named` is not empty.
-  [[nodiscard]] static Result<std::optional<OutputFile>> create_optional(const std::filesystem::path& named,
-                                                                         const OutputRules& rules);
 
   /// Returns where to write: a name in a workspace, or the stream itself ("-" for standard output).
   [[nodiscard]] const std::filesystem::path& path() const { return place_; }

@@ -99,10 +99,6 @@ TEST(OutputFile, StreamsOnlyFormatsThatAreWrittenFrontToBack) {
   EXPECT_EQ(output.error().code, ErrorCode::kUnsupported);
 }
 
-TEST(OutputFile, IsNotOpenedWithoutAName) {
-  EXPECT_FALSE(OutputFile::create_optional("", {}).value().has_value());
-}
-
 TEST(OpenResultFolder, RefusesTheNameOfAFileAndFoldersOfOthers) {
   const TestFolder folder;
   const OutputRules rules{.overwrite = true};

@@ -58,19 +58,6 @@ Codes complement(const Codes& codes) {
   return result;
 }
 
-Codes permuted(const Codes& codes, std::span<const size_t> order) {
-  E2LF_REQUIRE(order.size() == codes.num_patterns, "the order needs one number for each pattern");
-  Codes result(codes.num_patterns, codes.views_y, codes.views_x);
-  std::vector<bool> used(order.size());
-  for (size_t n = 0; n < order.size(); ++n) {
-    E2LF_REQUIRE(order[n] < used.size() && !used[order[n]], "the order holds each pattern once");
-    used[order[n]] = true;
-    const auto source = codes.pattern(order[n]);
-    std::copy(source.begin(), source.end(), result.pattern(n).begin());
-  }
-  return result;
-}
-
 Codes default_codes() {
   constexpr size_t kViews = 8;
   constexpr float kNear = 1.5F, kFar = 5.5F;  // centres of the first and second half of an axis

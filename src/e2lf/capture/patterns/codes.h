@@ -56,10 +56,6 @@ struct Codes {
 /// Computes the inverse patterns, 1 - transmittance: a pattern and its inverse add up to the open aperture.
 [[nodiscard]] Codes complement(const Codes& codes);
 
-/// Reorders the patterns: pattern n of the result is pattern order[n] of `codes`. `order` must contain each of 0 .. N -
-/// 1 once, or the contract is broken.
-[[nodiscard]] Codes permuted(const Codes& codes, std::span<const size_t> order);
-
 /// Returns four binary patterns of 8x8 cells for demos and tests. The first is black; the others are discs of 12 cells
 /// in the lower left, lower right and upper right quarter. Discs of equal size make parallax the only change between
 /// them, along x in one transition and along y in the next, over a baseline of four views. Compact discs keep each

@@ -59,22 +59,6 @@ TEST(Codes, PatternAndComplementAddUpToTheOpenAperture) {
   for (size_t i = 0; i < codes.values.size(); ++i) EXPECT_EQ(codes.values[i] + rest.values[i], 1.0F);
 }
 
-TEST(Codes, PermutedTakesThePatternsInTheOrderGiven) {
-  const Codes codes = default_codes();
-  const size_t order[] = {2, 0, 3, 1};
-  const Codes result = permuted(codes, order);
-  for (size_t n = 0; n < 4; ++n) {
-    EXPECT_TRUE(std::ranges::equal(result.pattern(n), codes.pattern(order[n]))) << n;
-  }
-}
-
-TEST(Codes, PermutedNeedsEachPatternOnce) {
-  const Codes codes = two_patterns();
-  EXPECT_THROW((void)permuted(codes, std::vector<size_t>{0}), ContractError);
-  EXPECT_THROW((void)permuted(codes, std::vector<size_t>{1, 1}), ContractError);
-  EXPECT_THROW((void)permuted(codes, std::vector<size_t>{0, 2}), ContractError);
-}
-
 TEST(DefaultCodes, AreBlackThenThreeEqualBlobsOverTwoBaseLines) {
   const Codes codes = default_codes();
   ASSERT_TRUE(validate(codes, "x").ok());

@@ -258,7 +258,10 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   rules.streams = true;
   rules.ending = ".json";
-  E2LF_ASSIGN_OR_RETURN(std::optional<OutputFile> output, OutputFile::create_optional(arguments.output, rules));
+  std::optional<OutputFile> output;
+  if (!arguments.output.empty()) {
+    E2LF_ASSIGN_OR_RETURN(output, OutputFile::create(arguments.output, rules));
+  }
   Truth truth;
   std::vector<Compared> all;
   for (const Candidate& candidate : candidates) {

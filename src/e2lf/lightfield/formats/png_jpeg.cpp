@@ -4,7 +4,6 @@
 #include <bit>
 #include <csetjmp>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <png.h>
 #include <zlib.h>
@@ -123,7 +122,6 @@ namespace {
 constexpr size_t kSignatureBytes = 8;
 // Deflate cannot compress by more than a factor of 1032.
 constexpr double kMaxDeflateRatio = 1032.0;
-constexpr png_alloc_size_t kMostBytes = png_alloc_size_t{64} << 20;  ///< limit for a row, a text or a colour profile
 
 struct PngFailure {
   std::string message;
@@ -137,18 +135,10 @@ void on_error(png_structp png, png_const_charp message) {
 
 void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}
 
-/// Limits the memory that libpng allocates as a chunk claims. Without that memory, it skips the chunk.
-png_voidp allocate(png_structp /*png*/, png_alloc_size_t bytes) {
-  return bytes <= kMostBytes ? std::malloc(bytes) : nullptr;
-}
-void release(png_structp /*png*/, png_voidp bytes) {
-  std::free(bytes);
-}
-
 class PngReader {
  public:
   explicit PngReader(std::span<const uint8_t> bytes) : rest_(bytes) {
-    png_ = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &failure_, on_error, on_warning, nullptr, allocate, release);
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure_, on_error, on_warning);
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
   }
   PngReader(const PngReader&) = delete;
@@ -159,6 +149,8 @@ class PngReader {
   bool read_header(RawImage& image) {
     if (png_ == nullptr || info_ == nullptr) return false;
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    // Texts, profiles and the like are not read, so that no memory is allocated as they claim.
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_set_read_fn(png_, this, read_bytes);
     png_read_info(png_, info_);
     image.width = png_get_image_width(png_, info_);
