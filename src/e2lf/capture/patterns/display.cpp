@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "e2lf/base/result.h"
+#include "e2lf/base/strided_view.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::capture {
@@ -12,34 +13,17 @@ namespace {
 
 constexpr size_t kMostDisplayPixels = size_t{1} << 28;
 
-/// A pattern as it is oriented on the display, flipped and rotated.
-struct Turned {
-  size_t rows = 0, columns = 0;
-  std::vector<float> values;
-
-  [[nodiscard]] float at(size_t row, size_t column) const { return values[row * columns + column]; }
-};
-
-Turned flipped(const Codes& codes, size_t n, const DisplayLayout& layout) {
-  Turned result{codes.views_y, codes.views_x, {}};
-  for (size_t row = 0; row < result.rows; ++row) {
-    for (size_t column = 0; column < result.columns; ++column) {
-      const size_t from_row = layout.flip_y ? result.rows - 1 - row : row;
-      const size_t from_column = layout.flip_x ? result.columns - 1 - column : column;
-      result.values.push_back(codes.pattern(n)[from_row * result.columns + from_column]);
-    }
+/// Returns a pattern [row, column] as it is oriented on the display, flipped and then turned clockwise.
+StridedView<const float, 2> oriented(const Codes& codes, size_t n, const DisplayLayout& layout) {
+  StridedView<const float, 2> cells(codes.pattern(n).data(), {codes.views_y, codes.views_x});
+  if (layout.flip_y) cells = cells.reversed(0);
+  if (layout.flip_x) cells = cells.reversed(1);
+  for (unsigned turn = 0; turn < layout.quarter_turns % 4; ++turn) {
+    cells = cells.reversed(0);
+    std::swap(cells.extents[0], cells.extents[1]);
+    std::swap(cells.strides[0], cells.strides[1]);
   }
-  return result;
-}
-
-Turned turned_clockwise(const Turned& source) {
-  Turned result{source.columns, source.rows, {}};
-  for (size_t row = 0; row < result.rows; ++row) {
-    for (size_t column = 0; column < result.columns; ++column) {
-      result.values.push_back(source.at(source.rows - 1 - column, row));
-    }
-  }
-  return result;
+  return cells;
 }
 
 /// Returns the first pixel of an aperture of `length` px. Fails if it does not fit on the display.
@@ -66,19 +50,17 @@ Result<void> check(const DisplayLayout& layout) {
 Result<DisplayFrame> render_pattern(const Codes& codes, size_t n, const DisplayLayout& layout) {
   E2LF_REQUIRE(n < codes.num_patterns, "there is no such pattern");
   E2LF_RETURN_IF_ERROR(check(layout));
-  Turned pattern = flipped(codes, n, layout);
-  for (unsigned turn = 0; turn < layout.quarter_turns % 4; ++turn) pattern = turned_clockwise(pattern);
+  const StridedView<const float, 2> pattern = oriented(codes, n, layout);
+  const auto [rows, columns] = pattern.extents;
   const size_t cell = layout.cell_px;
-  E2LF_ASSIGN_OR_RETURN(const size_t first_x,
-                        begin_of(layout.width_px, pattern.columns * cell, layout.offset_x_px, "width"));
-  E2LF_ASSIGN_OR_RETURN(const size_t first_y,
-                        begin_of(layout.height_px, pattern.rows * cell, layout.offset_y_px, "height"));
+  E2LF_ASSIGN_OR_RETURN(const size_t first_x, begin_of(layout.width_px, columns * cell, layout.offset_x_px, "width"));
+  E2LF_ASSIGN_OR_RETURN(const size_t first_y, begin_of(layout.height_px, rows * cell, layout.offset_y_px, "height"));
   DisplayFrame frame{layout.width_px, layout.height_px, {}};
   frame.pixels.resize(layout.width_px * layout.height_px);
-  for (size_t y = 0; y < pattern.rows * cell; ++y) {
+  for (size_t y = 0; y < rows * cell; ++y) {
     uint8_t* row = frame.pixels.data() + (first_y + y) * layout.width_px + first_x;
-    for (size_t column = 0; column < pattern.columns; ++column) {
-      const auto value = static_cast<uint8_t>(std::lround(255.0F * pattern.at(y / cell, column)));
+    for (size_t column = 0; column < columns; ++column) {
+      const auto value = static_cast<uint8_t>(std::lround(255.0F * pattern[y / cell][column]));
       std::fill_n(row + column * cell, cell, value);
     }
   }
