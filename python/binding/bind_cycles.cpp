@@ -28,7 +28,7 @@ namespace {
 using cycles::Schedule;
 using cycles::ScheduledPattern;
 
-constexpr Word<cycles::BurstSign> kSigns[] = {
+constexpr Choice<cycles::BurstSign> kSigns[] = {
     {"any", cycles::BurstSign::kAny}, {"on", cycles::BurstSign::kOn}, {"off", cycles::BurstSign::kOff}};
 
 cycles::BurstSign sign_of(const std::string& name) {
@@ -152,7 +152,7 @@ class CycleIterator {
                          cycle->events, cycle->saturated, cycle->confidence);
   }
 
-  [[nodiscard]] std::string source() const { return info::source_name(reader_.source()); }
+  [[nodiscard]] std::string source() const { return word_of(reader_.source(), info::kCycleSources); }
   [[nodiscard]] py::object report() {
     const OneAtATime::Use use(use_, "reader of cycles");
     Json report = info::report_json(*rig_, reader_);
@@ -178,13 +178,9 @@ class CycleIterator {
   OneAtATime use_;
 };
 
-constexpr Word<cycles::CycleSource> kSources[] = {{"auto", cycles::CycleSource::kAuto},
-                                                  {"triggers", cycles::CycleSource::kTriggers},
-                                                  {"bursts", cycles::CycleSource::kBursts},
-                                                  {"schedule", cycles::CycleSource::kSchedule}};
-constexpr Word<cycles::TriggerEdge> kEdges[] = {{"rising", cycles::TriggerEdge::kRising},
-                                                {"falling", cycles::TriggerEdge::kFalling},
-                                                {"both", cycles::TriggerEdge::kBoth}};
+constexpr Choice<cycles::TriggerEdge> kEdges[] = {{"rising", cycles::TriggerEdge::kRising},
+                                                  {"falling", cycles::TriggerEdge::kFalling},
+                                                  {"both", cycles::TriggerEdge::kBoth}};
 
 std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, cycles::CycleOptions options,
                                            const pipeline::ScheduleChoice& schedule,
@@ -223,7 +219,7 @@ void bind_cycle_reader(py::module_& module) {
         if (num_codes && *num_codes < 2) throw py::value_error("num_codes is at least 2");
         check_word(transitions, {"auto", "lit", "all"}, "transitions");
         cycles::CycleOptions options;
-        options.source = value_of(source, kSources, "source");
+        options.source = value_of(source, info::kCycleSources, "source");
         options.edge = value_of(edge, kEdges, "edge");
         options.channel = channel;
         options.one_trigger_per_cycle = one_trigger_per_cycle;
@@ -235,7 +231,7 @@ void bind_cycle_reader(py::module_& module) {
             .schedule = schedule_of(schedule), .num_patterns = num_codes, .transitions = transitions};
         return open_cycles(path, std::move(options), choice, origin_us, E2LF_OPEN_VALUES);
       },
-      py::arg("path"), py::kw_only(), py::arg("source") = word_of(usual.source, kSources),
+      py::arg("path"), py::kw_only(), py::arg("source") = word_of(usual.source, info::kCycleSources),
       py::arg("schedule") = py::none(), py::arg("num_codes") = py::none(),
       py::arg("edge") = word_of(usual.edge, kEdges), py::arg("channel") = usual.channel,
       py::arg("first_pattern") = usual.tracker.first_pattern,

@@ -45,9 +45,9 @@ py::array read(const fs::path& path, Whole<size_t> views, Whole<size_t> step, bo
   options.view_columns = view_columns;
   options.lenslet_views = lenslet_views;
   options.orientation = E2LF_ORIENTATION_VALUE;
-  constexpr Word<lightfield::RangePolicy> kRanges[] = {{"refuse", lightfield::RangePolicy::kRefuse},
-                                                       {"clamp", lightfield::RangePolicy::kClamp},
-                                                       {"keep", lightfield::RangePolicy::kKeep}};
+  constexpr Choice<lightfield::RangePolicy> kRanges[] = {{"refuse", lightfield::RangePolicy::kRefuse},
+                                                         {"clamp", lightfield::RangePolicy::kClamp},
+                                                         {"keep", lightfield::RangePolicy::kKeep}};
   options.range = value_of(range, kRanges, "range");
   const ProgressFn told = progress_of(progress);
   return to_array(without_gil([&] { return lightfield::read_light_field(path, options, told); }));

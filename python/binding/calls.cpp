@@ -16,21 +16,21 @@ namespace e2lf::python {
 namespace {
 
 /// The Python arguments that correspond to settings of the library.
-constexpr Word<Setting> kSettings[] = {{"overwrite", Setting::kOverwrite},
-                                       {"format", Setting::kInputFormat},
-                                       {"format", Setting::kOutputFormat},
-                                       {"width, height", Setting::kSensorSize},
-                                       {"time_unit", Setting::kTimeUnit},
-                                       {"columns", Setting::kColumns},
-                                       {"stream", Setting::kStream},
-                                       {"shift_time", Setting::kShiftTime},
-                                       {"filter_pixels", Setting::kFilterPixels},
-                                       {"codes", Setting::kCodes},
-                                       {"white", Setting::kWhite},
-                                       {"lenslet_views", Setting::kLensletViews},
-                                       {"views", Setting::kViews},
-                                       {"", Setting::kNone},
-                                       {"", Setting::kPort}};
+constexpr Choice<Setting> kSettings[] = {{"overwrite", Setting::kOverwrite},
+                                         {"format", Setting::kInputFormat},
+                                         {"format", Setting::kOutputFormat},
+                                         {"width, height", Setting::kSensorSize},
+                                         {"time_unit", Setting::kTimeUnit},
+                                         {"columns", Setting::kColumns},
+                                         {"stream", Setting::kStream},
+                                         {"shift_time", Setting::kShiftTime},
+                                         {"filter_pixels", Setting::kFilterPixels},
+                                         {"codes", Setting::kCodes},
+                                         {"white", Setting::kWhite},
+                                         {"lenslet_views", Setting::kLensletViews},
+                                         {"views", Setting::kViews},
+                                         {"", Setting::kNone},
+                                         {"", Setting::kPort}};
 
 constexpr const char* kErrorDoc =
     "Raised for bad data, and for files that cannot be read or written. The text has the form \"location: what went "

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <functional>
@@ -14,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/files/output.h"
@@ -48,25 +48,10 @@ inline void take(const Result<void>& result) {
 /// location.
 size_t check_word(const std::string& word, const std::vector<std::string>& words, const char* argument);
 
-/// A word of Python and the value that it means.
-template <typename T>
-struct Word {
-  const char* word;
-  T value;
-};
-
 /// Returns the value of `word` among `words`. Fails as check_word() does.
 template <typename T, size_t kCount>
-T value_of(const std::string& word, const Word<T> (&words)[kCount], const char* argument) {
-  std::vector<std::string> names;
-  for (const Word<T>& each : words) names.emplace_back(each.word);
-  return words[check_word(word, names, argument)].value;
-}
-
-/// Returns the word for a value.
-template <typename T, size_t kCount>
-const char* word_of(T value, const Word<T> (&words)[kCount]) {
-  return std::find_if(words, words + kCount, [&](const Word<T>& each) { return each.value == value; })->word;
+T value_of(const std::string& word, const Choice<T> (&words)[kCount], const char* argument) {
+  return words[check_word(word, words_of(words), argument)].value;
 }
 
 /// Adds e2lf.Error to the module; ResultError is translated to it, and ContractError to ValueError.

@@ -12,14 +12,14 @@
 
 namespace e2lf::python {
 
-inline constexpr Word<recordings::TimeUnit> kTimeUnits[] = {{"auto", recordings::TimeUnit::kAuto},
-                                                            {"s", recordings::TimeUnit::kSeconds},
-                                                            {"ms", recordings::TimeUnit::kMilliseconds},
-                                                            {"us", recordings::TimeUnit::kMicroseconds},
-                                                            {"ns", recordings::TimeUnit::kNanoseconds}};
-inline constexpr Word<recordings::RestartPolicy> kRestarts[] = {{"continue", recordings::RestartPolicy::kContinue},
-                                                                {"split", recordings::RestartPolicy::kSplit},
-                                                                {"refuse", recordings::RestartPolicy::kRefuse}};
+inline constexpr Choice<recordings::TimeUnit> kTimeUnits[] = {{"auto", recordings::TimeUnit::kAuto},
+                                                              {"s", recordings::TimeUnit::kSeconds},
+                                                              {"ms", recordings::TimeUnit::kMilliseconds},
+                                                              {"us", recordings::TimeUnit::kMicroseconds},
+                                                              {"ns", recordings::TimeUnit::kNanoseconds}};
+inline constexpr Choice<recordings::RestartPolicy> kRestarts[] = {{"continue", recordings::RestartPolicy::kContinue},
+                                                                  {"split", recordings::RestartPolicy::kSplit},
+                                                                  {"refuse", recordings::RestartPolicy::kRefuse}};
 
 /// The options of open_recording() with their Python names. The defaults are those of recordings::OpenOptions.
 struct OpenArguments {

@@ -15,55 +15,19 @@ namespace {
 
 // The keys of a configuration, which docs/compare.md describes; see files/fields.h.
 
-template <typename Method, typename Visitor>
-void visit_method(Method& method, Visitor& visit) {
-  visit("name", method.name);
-  visit("algorithm", method.algorithm);
-  visit("model", method.model);
-  visit("codes", method.codes);
-  visit("camera", method.camera);
-  visit("passes", method.passes);
-  visit("gain", method.gain);
-  visit("fit_gain", method.fit_gain);
-  visit("precision", method.precision);
-  visit("optional", method.optional);
-}
-
-template <typename Group, typename Visitor>
-void visit_group(Group& group, Visitor& visit) {
-  visit("name", group.name);
-  visit("scenes", group.scenes);
-  visit("stand_in", group.stand_in);
-  visit("width", group.width);
-  visit("height", group.height);
-  visit("step", group.step);
-  visit("reverse_rows", group.reverse_rows);
-  visit("optional", group.optional);
-}
-
-template <typename Sensor, typename Visitor>
-void visit_sensor(Sensor& sensor, Visitor& visit) {
-  visit("name", sensor.name);
-  visit("camera", sensor.camera);
-  visit("tau", sensor.tau);
-  visit("sigma_w", sensor.sigma_w);
-  visit("sigma_z", sensor.sigma_z);
-  visit("sigma_i", sensor.sigma_i);
-  visit("gain", sensor.gain);
-  visit("residue", sensor.residue);
-  visit("cycles", sensor.cycles);
-  visit("fit_gain", sensor.fit_gain);
-}
-
-template <typename Fields, typename Visitor>
-void visit_config(Fields& config, Visitor& visit) {
+template <typename AnyConfig, typename Visitor>
+void visit_config(AnyConfig& config, Visitor& visit) {
   visit("name", config.name);
-  visit.list("methods", config.methods, [](auto& method, auto& inner) { visit_method(method, inner); });
-  visit.list("scenes", config.scenes, [](auto& group, auto& inner) { visit_group(group, inner); });
-  visit.list("sensors", config.sensors, [](auto& sensor, auto& inner) { visit_sensor(sensor, inner); });
-  visit("seeds", config.seeds);
-  visit("metrics", config.metrics);
-  visit("pictures", config.pictures);
+  visit.list("methods", config.methods, [](auto& method, auto& inner) {
+    E2LF_VISIT(method, inner, name, algorithm, model, codes, camera, passes, gain, fit_gain, precision, optional);
+  });
+  visit.list("scenes", config.scenes, [](auto& group, auto& inner) {
+    E2LF_VISIT(group, inner, name, scenes, stand_in, width, height, step, reverse_rows, optional);
+  });
+  visit.list("sensors", config.sensors, [](auto& sensor, auto& inner) {
+    E2LF_VISIT(sensor, inner, name, camera, tau, sigma_w, sigma_z, sigma_i, gain, residue, cycles, fit_gain);
+  });
+  E2LF_VISIT(config, visit, seeds, metrics, pictures);
 }
 
 Error invalid(const std::string& message, const std::string& location) {

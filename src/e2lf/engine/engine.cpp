@@ -78,29 +78,22 @@ struct Engine::Impl {
   size_t num_planes = 0;            ///< of the output
 };
 
+namespace {
+
+constexpr Choice<Precision> kPrecisions[] = {{"auto", Precision::kAuto},
+                                             {"float32", Precision::kFloat32},
+                                             {"bfloat16", Precision::kBfloat16},
+                                             {"float16", Precision::kFloat16},
+                                             {"int16", Precision::kInt16}};
+
+}  // namespace
+
 Result<Precision> precision_from_name(const std::string& name) {
-  for (const Precision precision :
-       {Precision::kAuto, Precision::kFloat32, Precision::kBfloat16, Precision::kFloat16, Precision::kInt16}) {
-    if (name == precision_name(precision)) return precision;
-  }
-  return fail(ErrorCode::kInvalidValue, "", "unknown precision \"", name,
-              "\"; use auto, float32, bfloat16, float16 or int16");
+  return choice_of(name, kPrecisions, "precision");
 }
 
 const char* precision_name(Precision precision) {
-  switch (precision) {
-    case Precision::kAuto:
-      return "auto";
-    case Precision::kFloat32:
-      return "float32";
-    case Precision::kBfloat16:
-      return "bfloat16";
-    case Precision::kFloat16:
-      return "float16";
-    case Precision::kInt16:
-      return "int16";
-  }
-  return "";
+  return word_of(precision, kPrecisions);
 }
 
 FrameState::FrameState() : memory_(std::make_unique<FrameMemory>()) {}

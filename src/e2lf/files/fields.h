@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <algorithm>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/files/options.h"
 
 /// A configuration declares its fields once, in a function that passes each of them to a visitor. FieldReader reads
 /// them from JSON, and FieldWriter writes them. A visitor is called as visit(key, field), visit.choice(key, field,
-/// names) for an enum whose values are indices of `names`, visit.section(key, fields) for a nested object, and
-/// visit.list(key, items, fields) for a list of objects.
+/// choices) for an enum, visit.section(key, fields) for a nested object, and visit.list(key, items, fields) for a list
+/// of objects. E2LF_VISIT(object, visit, name, ...) visits members of an object under their own names.
+#define E2LF_VISIT(object, visit, ...) \
+  [](auto& of, auto& with) { NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(E2LF_VISIT_MEMBER, __VA_ARGS__)) }(object, visit)
+#define E2LF_VISIT_MEMBER(name) with(#name, of.name);
+
 namespace e2lf {
 
 /// Reads the fields that an object contains; absent ones keep their values. The first error is kept.
@@ -26,17 +29,14 @@ class FieldReader {
     reader_.read(key, field);
   }
   template <typename Enum, size_t kCount>
-  void choice(const char* key, Enum& field, const char* const (&names)[kCount]) {
-    std::string name = names[static_cast<size_t>(field)];
-    reader_.read(key, name);
-    const auto found = std::find(std::begin(names), std::end(names), name);
-    if (found != std::end(names)) {
-      field = static_cast<Enum>(found - std::begin(names));
-      return;
-    }
-    note(Error{ErrorCode::kInvalidValue,
-               cat(key, " is not \"", name, "\"; write ", join({std::begin(names), std::end(names)}, " or ")),
-               reader_.child_location(key)});
+  void choice(const char* key, Enum& field, const Choice<Enum> (&choices)[kCount]) {
+    std::string word = word_of(field, choices);
+    reader_.read(key, word);
+    const auto chosen = choice_of(word, choices, key, reader_.child_location(key));
+    if (chosen)
+      field = *chosen;
+    else
+      note(chosen.error());
   }
   template <typename Fields>
   void section(const char* key, const Fields& fields) {
@@ -86,8 +86,8 @@ class FieldWriter {
     json_[key] = field ? Json(*field) : Json();
   }
   template <typename Enum, size_t kCount>
-  void choice(const char* key, const Enum& field, const char* const (&names)[kCount]) {
-    json_[key] = names[static_cast<size_t>(field)];
+  void choice(const char* key, const Enum& field, const Choice<Enum> (&choices)[kCount]) {
+    json_[key] = word_of(field, choices);
   }
   template <typename Fields>
   void section(const char* key, const Fields& fields) {

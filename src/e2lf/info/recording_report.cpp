@@ -24,20 +24,6 @@ std::string dropped_text(const cycles::CycleReport& report) {
 
 }  // namespace
 
-const char* source_name(cycles::CycleSource source) {
-  switch (source) {
-    case cycles::CycleSource::kTriggers:
-      return "triggers";
-    case cycles::CycleSource::kBursts:
-      return "bursts";
-    case cycles::CycleSource::kSchedule:
-      return "schedule";
-    case cycles::CycleSource::kAuto:
-      break;
-  }
-  return "auto";
-}
-
 std::string report_text(const cycles::CycleReport& report) {
   std::string text = cat(counted(report.complete, "complete cycle"), dropped_text(report));
   if (report.hot_pixels > 0) text += cat(", ", report.hot_pixels, " pixels silenced");
@@ -46,8 +32,8 @@ std::string report_text(const cycles::CycleReport& report) {
 
 Error no_cycle_error(const fs::path& input, const diagnose::RigCheck& rig, const cycles::CycleReader& reader) {
   const diagnose::Finding finding = diagnose::no_cycle_finding(rig, reader);
-  return fail(ErrorCode::kInvalidValue, input, finding.code, ": ", diagnose::text_of(finding, "--"), " (",
-              rig.triggers_text(reader.schedule()), dropped_text(reader.report()),
+  return fail(ErrorCode::kInvalidValue, input, diagnose::text_of(finding), " (", rig.triggers_text(reader.schedule()),
+              dropped_text(reader.report()),
               "). `e2lf accumulate ... --report cycles.svg` shows the event rate and the triggers");
 }
 

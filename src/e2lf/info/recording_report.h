@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/result.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/diagnose/rig.h"
@@ -14,8 +15,10 @@
 /// Reports of the cycles that were found in a recording.
 namespace e2lf::info {
 
-/// Returns "triggers", "bursts", "schedule" or "auto".
-[[nodiscard]] const char* source_name(cycles::CycleSource source);
+inline constexpr Choice<cycles::CycleSource> kCycleSources[] = {{"auto", cycles::CycleSource::kAuto},
+                                                                {"triggers", cycles::CycleSource::kTriggers},
+                                                                {"bursts", cycles::CycleSource::kBursts},
+                                                                {"schedule", cycles::CycleSource::kSchedule}};
 
 /// Returns one line of text: the number of cycles that were found and dropped, with the reasons.
 [[nodiscard]] std::string report_text(const cycles::CycleReport& report);

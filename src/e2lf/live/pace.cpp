@@ -1,26 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/live/pace.h"
 
-#include "e2lf/base/result.h"
-#include "e2lf/base/text.h"
+#include "e2lf/base/choice.h"
 
 namespace e2lf::live {
 namespace {
 
-constexpr PictureSize kSizes[] = {PictureSize::kFull, PictureSize::kHalf, PictureSize::kQuarter};
+constexpr Choice<std::optional<PictureSize>> kSizes[] = {
+    {"full", PictureSize::kFull}, {"half", PictureSize::kHalf}, {"quarter", PictureSize::kQuarter}, {"auto", {}}};
 
 }  // namespace
 
 const char* size_name(PictureSize size) {
-  return size == PictureSize::kFull ? "full" : size == PictureSize::kHalf ? "half" : "quarter";
+  return word_of(std::optional(size), kSizes);
 }
 
 Result<std::optional<PictureSize>> size_from_name(const std::string& name) {
-  if (name == "auto") return std::optional<PictureSize>();
-  for (const PictureSize size : kSizes) {
-    if (name == size_name(size)) return std::optional(size);
-  }
-  return Error{ErrorCode::kInvalidValue, cat("unknown size \"", name, "\"; use auto, full, half or quarter"), "size"};
+  return choice_of(name, kSizes, "size", "size");
 }
 
 size_t block_side(PictureSize size) {
@@ -30,7 +26,7 @@ size_t block_side(PictureSize size) {
 Pace::Pace(const std::vector<double>& macs_per_pixel, std::optional<PictureSize> named) {
   E2LF_REQUIRE(!macs_per_pixel.empty(), "without a network there is no pace");
   // Better networks are for the first size alone: a sharper picture is worth more than a better one that is coarser.
-  for (const PictureSize size : kSizes) {
+  for (const PictureSize size : {PictureSize::kFull, PictureSize::kHalf, PictureSize::kQuarter}) {
     if (named && size != *named) continue;
     const auto side = static_cast<double>(block_side(size));
     const size_t first = steps_.empty() ? 0 : macs_per_pixel.size() - 1;

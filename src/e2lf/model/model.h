@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
@@ -29,6 +30,13 @@ enum class InputKind {
   kImages,      ///< scale * the coded intensity image of each of N patterns
   kImageSum,    ///< scale * the one intensity image that integrates all patterns
   kLensArray,   ///< scale * each of 64 views from a lens array, interpolated bilinearly between lens centres
+};
+
+/// Their names in files.
+inline constexpr Choice<InputKind> kInputKinds[] = {
+    {"counts", InputKind::kCounts},        {"cumulative", InputKind::kCumulative}, {"intensity", InputKind::kIntensity},
+    {"camera", InputKind::kCamera},        {"images", InputKind::kImages},         {"image-sum", InputKind::kImageSum},
+    {"lens-array", InputKind::kLensArray},
 };
 
 struct InputGroup {
@@ -75,10 +83,6 @@ struct Model {
 
 /// Returns true if the network is conditioned on the sensor profile and the number of cycles.
 [[nodiscard]] bool is_conditioned_on_camera(const Model& model);
-
-/// Returns the name of an input kind in model files: "counts", "cumulative", "intensity", "camera", "images",
-/// "image-sum" or "lens-array".
-[[nodiscard]] const char* input_kind_name(InputKind kind);
 
 /// Checks that all fields are consistent: channels, codes and weights (all present, of the right size, and finite).
 /// `location` names the file in errors.

@@ -146,11 +146,6 @@ Result<Model> import_release(const std::filesystem::path& folder) {
 
 namespace {
 
-constexpr std::pair<InputKind, const char*> kInputKinds[] = {
-    {InputKind::kCounts, "counts"},       {InputKind::kCumulative, "cumulative"}, {InputKind::kIntensity, "intensity"},
-    {InputKind::kCamera, "camera"},       {InputKind::kImages, "images"},         {InputKind::kImageSum, "image-sum"},
-    {InputKind::kLensArray, "lens-array"}};
-
 constexpr const char* kMeasurement = "measurement";
 
 bool is_of_light_fields(const Json& measurement) {
@@ -163,16 +158,10 @@ Result<InputGroup> group_from_json(const Json& json, const std::string& location
   OptionReader reader(json, location);
   reader.read("kind", kind).read("scale", group.scale);
   E2LF_RETURN_IF_ERROR(reader.finish());
-  std::vector<std::string> names;
-  for (const auto& [value, name] : kInputKinds) {
-    names.emplace_back(name);
-    if (kind == name) {
-      group.kind = value;
-      return group;
-    }
-  }
-  return fail(ErrorCode::kUnsupported, reader.child_location("kind"), "unknown input \"", kind, "\"; known are ",
-              join(names));
+  const auto known = choice_of(kind, kInputKinds, "input");
+  if (!known) return fail(ErrorCode::kUnsupported, reader.child_location("kind"), known.error().message);
+  group.kind = *known;
+  return group;
 }
 
 Result<std::vector<InputGroup>> input_from_json(const Json& json, const std::string& location) {
@@ -233,11 +222,6 @@ Result<void> check_kind(const Json& header, const std::string& expected, const s
                        : "this model reconstructs light fields, not frames; use it with `e2lf reconstruct`");
 }
 
-const char* input_kind_name(InputKind kind) {
-  return std::find_if(std::begin(kInputKinds), std::end(kInputKinds), [&](const auto& k) { return k.first == kind; })
-      ->second;
-}
-
 size_t num_input_channels(InputKind kind, size_t num_patterns) {
   switch (kind) {
     case InputKind::kCounts:
@@ -288,7 +272,7 @@ bool is_conditioned_on_camera(const Model& model) {
 Json header_to_json(const Model& model) {
   Json input = Json::array();
   for (const InputGroup& group : model.input) {
-    input.push_back({{"kind", input_kind_name(group.kind)}, {"scale", json_number(group.scale)}});
+    input.push_back({{"kind", word_of(group.kind, kInputKinds)}, {"scale", json_number(group.scale)}});
   }
   Json header = {{"format_version", kFormatVersion},
                  {"name", model.name},

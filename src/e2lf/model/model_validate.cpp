@@ -2,8 +2,6 @@
 // Validates models; declared in model.h.
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numeric>
 
 #include "e2lf/base/text.h"
 #include "e2lf/model/model.h"
@@ -59,11 +57,8 @@ class ModelCheck {
   }
 
   [[nodiscard]] Result<void> check_sensor() const {
-    const auto& names = capture::kEventModelNames;
-    if (std::ranges::find(names, model_.event_model) == std::end(names)) {
-      return refuse("event_model", cat("\"", model_.event_model, "\" is not known; use ",
-                                       join({std::begin(names), std::end(names)}, " or ")));
-    }
+    const auto known = choice_of(model_.event_model, capture::kEventModels, "event model");
+    if (!known) return refuse("event_model", known.error().message);
     const capture::SensorConstants& constants = model_.constants;
     const auto positive = [](float value) { return std::isfinite(value) && value > 0.0F; };
     if (!positive(constants.eps)) return refuse("constants.eps", cat(constants.eps, " is not above zero; correct it"));
@@ -152,11 +147,10 @@ Result<void> validate_weights(const Network& network, const Weights& weights, co
       return refuse(tensor.name, "the weights are missing; give one tensor for each layer", ErrorCode::kNotFound);
     }
     const std::vector<float>& values = found->second;
-    const size_t size = std::accumulate(tensor.shape.begin(), tensor.shape.end(), size_t{1}, std::multiplies<>());
-    if (values.size() != size) {
+    if (values.size() != tensor.size()) {
       return refuse(tensor.name,
                     cat("there are ", values.size(), " weights, but the shape ", shape_text(tensor.shape), " requires ",
-                        size, "; give the weights of this network"),
+                        tensor.size(), "; give the weights of this network"),
                     ErrorCode::kShape);
     }
     const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });

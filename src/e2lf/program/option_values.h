@@ -2,13 +2,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "e2lf/base/result.h"
+#include "e2lf/base/choice.h"
 
 /// The kinds of values of options.
 namespace e2lf::program {
@@ -36,37 +35,28 @@ CLI::Option* add_count(CLI::App& app, const std::string& name, T& value, int64_t
   return app.add_option(name, value, help)->check(whole_number(least, most))->capture_default_str();
 }
 
+/// Declares an option for one of the choices, whose default is shown.
+template <typename T, size_t N>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const Choice<T> (&choices)[N],
+                        const std::string& help) {
+  const auto take = [&value, &choices](const CLI::results_t& words) {
+    value = *choice_of(words.back(), choices);
+    return true;
+  };
+  return app.add_option(name, take, help)
+      ->type_name("TEXT")
+      ->check(CLI::IsMember(words_of(choices)))
+      ->default_str(word_of(value, choices));
+}
+
 /// Declares an option for one of several words, whose default is shown.
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
                         const std::vector<std::string>& choices, const std::string& help);
 
-/// A word on the command line and what it stands for.
-template <typename T>
-struct Choice {
-  const char* word;
-  T value;
-};
-
-/// Returns the words of a table.
-template <typename T, size_t N>
-[[nodiscard]] std::vector<std::string> words_of(const Choice<T> (&table)[N]) {
-  std::vector<std::string> words;
-  for (const Choice<T>& choice : table) words.emplace_back(choice.word);
-  return words;
-}
-
-/// Returns what a word stands for; the table must contain it.
-template <typename T, size_t N>
-[[nodiscard]] T choice_of(const std::string& word, const Choice<T> (&table)[N]) {
-  const auto found = std::find_if(table, table + N, [&](const Choice<T>& choice) { return word == choice.word; });
-  E2LF_REQUIRE(found != table + N, "the table does not contain " + word);
-  return found->value;
-}
-
-/// Returns the word for a value; the table must contain it.
-template <typename T, size_t N>
-[[nodiscard]] const char* word_of(T value, const Choice<T> (&table)[N]) {
-  return std::find_if(table, table + N - 1, [&](const Choice<T>& choice) { return value == choice.value; })->word;
+/// Declares that neither of two options can be given without the other.
+inline void add_pair(CLI::Option* first, CLI::Option* second) {
+  first->needs(second);
+  second->needs(first);
 }
 
 /// After set_completing(), run_subverb() and Verb::run() only print the words with which their arguments, of which the

@@ -56,12 +56,7 @@ capture::EventImages simulate_blocks(const ImageSize& size, const EventModelOpti
 }  // namespace
 
 Result<EventModel> event_model_from_name(const std::string& name) {
-  const auto* const found = std::ranges::find(capture::kEventModelNames, name);
-  if (found != std::end(capture::kEventModelNames)) {
-    return static_cast<EventModel>(found - std::begin(capture::kEventModelNames));
-  }
-  return fail(ErrorCode::kInvalidValue, "", "unknown event model \"", name, "\"; use ",
-              join({std::begin(capture::kEventModelNames), std::end(capture::kEventModelNames)}, " or "));
+  return choice_of(name, capture::kEventModels, "event model");
 }
 
 Result<void> validate(const EventModelOptions& options) {

@@ -5,14 +5,18 @@
 #include <cmath>
 #include <limits>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/text.h"
 #include "e2lf/sensor/event_model.h"
 
 namespace e2lf::streams {
 namespace {
 
-constexpr StreamModel kModels[] = {StreamModel::kQuantised, StreamModel::kReferenceAware, StreamModel::kEsim,
-                                   StreamModel::kV2e, StreamModel::kPixel};
+constexpr Choice<StreamModel> kModels[] = {{"quantised", StreamModel::kQuantised},
+                                           {"reference-aware", StreamModel::kReferenceAware},
+                                           {"esim", StreamModel::kEsim},
+                                           {"v2e", StreamModel::kV2e},
+                                           {"pixel", StreamModel::kPixel}};
 
 /// Returns the first of several checks that fails.
 class Checks {
@@ -68,27 +72,11 @@ Result<void> check_pixel(const StreamOptions& options) {
 }  // namespace
 
 Result<StreamModel> stream_model_from_name(const std::string& name) {
-  for (const StreamModel model : kModels) {
-    if (name == stream_model_name(model)) return model;
-  }
-  return fail(ErrorCode::kInvalidValue, "", "unknown event model \"", name,
-              "\"; use quantised, reference-aware, esim, v2e or pixel");
+  return choice_of(name, kModels, "event model");
 }
 
 const char* stream_model_name(StreamModel model) {
-  switch (model) {
-    case StreamModel::kQuantised:
-      return capture::event_model_name(capture::EventModel::kQuantised);
-    case StreamModel::kReferenceAware:
-      return capture::event_model_name(capture::EventModel::kReferenceAware);
-    case StreamModel::kEsim:
-      return "esim";
-    case StreamModel::kV2e:
-      return "v2e";
-    case StreamModel::kPixel:
-      return "pixel";
-  }
-  return "";
+  return word_of(model, kModels);
 }
 
 Result<V2eOptions> v2e_preset(const std::string& name) {

@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 #include <vector>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/result.h"
-#include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/model_parts.h"
@@ -21,10 +20,10 @@ using model::infer_shapes, model::kFormatVersion, model::kMetadataKey, model::kV
 
 namespace {
 
-constexpr std::pair<FrameTone, const char*> kTones[] = {{FrameTone::kNone, "none"},
-                                                        {FrameTone::kRobust, "robust"},
-                                                        {FrameTone::kStandard, "standard"},
-                                                        {FrameTone::kExpRobust, "exp-robust"}};
+constexpr Choice<FrameTone> kTones[] = {{"none", FrameTone::kNone},
+                                        {"robust", FrameTone::kRobust},
+                                        {"standard", FrameTone::kStandard},
+                                        {"exp-robust", FrameTone::kExpRobust}};
 
 constexpr size_t kMaxPadMultiple = 1024;
 
@@ -55,17 +54,11 @@ Result<VideoModel> header_from(const Json& json, const std::string& location) {
 }  // namespace
 
 const char* tone_name(FrameTone tone) {
-  return std::find_if(std::begin(kTones), std::end(kTones), [&](const auto& entry) { return entry.first == tone; })
-      ->second;
+  return word_of(tone, kTones);
 }
 
 Result<FrameTone> tone_from_name(const std::string& name) {
-  std::vector<std::string> names;
-  for (const auto& [tone, known] : kTones) {
-    if (name == known) return tone;
-    names.emplace_back(known);
-  }
-  return fail(ErrorCode::kInvalidValue, "", "unknown tone \"", name, "\"; known are ", join(names));
+  return choice_of(name, kTones, "tone");
 }
 
 Result<void> validate(const VideoModel& model, const std::string& location) {

@@ -3,26 +3,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
-#include "e2lf/base/text.h"
+#include "e2lf/base/choice.h"
 
 namespace e2lf::capture {
 namespace {
 
-constexpr const char* kNames[] = {"event-images", "coded-images", "hybrid", "lens-array"};
+constexpr Choice<MeasurementKind> kKinds[] = {{"event-images", MeasurementKind::kEventImages},
+                                              {"coded-images", MeasurementKind::kCodedImages},
+                                              {"hybrid", MeasurementKind::kHybrid},
+                                              {"lens-array", MeasurementKind::kLensArray}};
 
 }  // namespace
 
 const char* measurement_name(MeasurementKind kind) {
-  return kNames[static_cast<size_t>(kind)];
+  return word_of(kind, kKinds);
 }
 
 Result<MeasurementKind> measurement_from_name(const std::string& name) {
-  const auto* const found = std::find(std::begin(kNames), std::end(kNames), name);
-  if (found != std::end(kNames)) return static_cast<MeasurementKind>(found - std::begin(kNames));
-  return fail(ErrorCode::kInvalidValue, "", "the measurement \"", name, "\" is not known; use ",
-              join({std::begin(kNames), std::end(kNames)}));
+  return choice_of(name, kKinds, "measurement");
 }
 
 bool has_events(MeasurementKind kind) {

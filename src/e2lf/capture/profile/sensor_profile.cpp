@@ -158,7 +158,7 @@ Result<SensorProfile> camera_from_json(const Json& json, const std::string& loca
   const Json& transmission = reader.child("transmission");
   E2LF_RETURN_IF_ERROR(reader.finish());
   const std::string& model = camera.event_model;
-  std::vector<std::string> known(std::begin(kEventModelNames), std::end(kEventModelNames));
+  std::vector<std::string> known = words_of(kEventModels);
   known.emplace_back("pixel");
   if (std::ranges::find(known, model) == known.end()) {
     return fail(ErrorCode::kInvalidValue, reader.child_location("event_model"), "unknown event model \"", model,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/result.h"
 #include "e2lf/files/options.h"
 
@@ -32,11 +33,12 @@ enum class EventModel {
   kReferenceAware,  ///< Eq. 9 and 10: each pixel stores the log intensity of its last event as its reference
 };
 
-/// The names of the event models in files and options, in the order of the enum.
-inline constexpr const char* kEventModelNames[] = {"quantised", "reference-aware"};
+/// The names of the event models in files and options.
+inline constexpr Choice<EventModel> kEventModels[] = {{"quantised", EventModel::kQuantised},
+                                                      {"reference-aware", EventModel::kReferenceAware}};
 
 [[nodiscard]] constexpr const char* event_model_name(EventModel model) {
-  return kEventModelNames[static_cast<int>(model)];
+  return word_of(model, kEventModels);
 }
 
 /// How the grid of views is oriented relative to the aperture patterns. A lens turns the aperture by 180 degrees

@@ -12,131 +12,43 @@ namespace {
 
 // The fields of a configuration, which docs/training.md describes; see files/fields.h.
 
-constexpr const char* kInputKindNames[] = {"counts", "cumulative", "intensity", "camera",
-                                           "images", "image-sum",  "lens-array"};
-
-template <typename Options>
-auto synthesiser_fields(Options& options) {
-  return [&options](auto& visit) {
-    visit("size", options.size);
-    visit("max_disparity", options.max_disparity);
-    visit("max_layers", options.max_layers);
-    visit("slant_share", options.slant_share);
-    visit("highlight_share", options.highlight_share);
-    visit("procedural_share", options.procedural_share);
-    visit("motion_px_per_cycle", options.motion_px_per_cycle);
-    visit("still_share", options.still_share);
-  };
-}
-
-template <typename Data>
-auto data_fields(Data& data) {
-  return [&data](auto& visit) {
-    visit("file", data.file);
-    visit("validation", data.validation);
-    visit("exclude", data.exclude);
-    visit("synthetic_share", data.synthetic_share);
-    visit("patch_stride", data.patch_stride);
-    visit("pool", data.pool);
-    visit("pool_per_step", data.pool_per_step);
-    visit.section("synthesiser", synthesiser_fields(data.synthesiser));
-  };
-}
-
-template <typename Patterns>
-auto pattern_fields(Patterns& patterns) {
-  return [&patterns](auto& visit) {
-    visit("num_patterns", patterns.num_patterns);
-    visit("black_first", patterns.black_first);
-    visit("complementary", patterns.complementary);
-    visit("whole_cycle", patterns.whole_cycle);
-    visit.choice("event_model", patterns.event_model, capture::kEventModelNames);
-    visit("codes", patterns.codes);
-    visit("start", patterns.start);
-    visit("noise_start", patterns.noise_start);
-    visit("in_model", patterns.in_model);
-    visit("begin_step", patterns.begin_step);
-    visit("learn_steps", patterns.learn_steps);
-    visit("learning_rate", patterns.learning_rate);
-    visit("scale_begin", patterns.scale_begin);
-    visit("scale_end", patterns.scale_end);
-  };
-}
-
-template <typename Sensor>
-auto sensor_fields(Sensor& sensor) {
-  return [&sensor](auto& visit) {
-    visit("eps", sensor.nominal.eps);
-    visit("nominal_tau", sensor.nominal.tau);
-    visit("nominal_sigma_w", sensor.nominal.sigma_w);
-    visit("nominal_sigma_z", sensor.nominal.sigma_z);
-    visit("sigma_i", sensor.nominal.sigma_i);
-    visit("nominal_share", sensor.nominal_share);
-    visit("noise_free_share", sensor.noise_free_share);
-    visit("residue_share", sensor.residue_share);
-    visit("tau", sensor.tau);
-    visit("sigma_w", sensor.sigma_w);
-    visit("sigma_z", sensor.sigma_z);
-    visit("full_gain_share", sensor.full_gain_share);
-    visit("gain", sensor.gain);
-    visit("camera", sensor.camera);
-    visit("camera_share", sensor.camera_share);
-    visit("camera_nominal_share", sensor.camera_nominal_share);
-    visit("camera_spread", sensor.camera_spread);
-    visit("camera_wide_share", sensor.camera_wide_share);
-    visit("camera_field_spread", sensor.camera_field_spread);
-    visit("camera_gain", sensor.camera_gain);
-    visit("cycles_share", sensor.cycles_share);
-  };
-}
-
-template <typename Network>
-auto network_fields(Network& network) {
-  return [&network](auto& visit) {
-    visit("type", network.type);
-    visit("widths", network.widths);
-    visit("blocks", network.blocks);
-    visit("head_width", network.head_width);
-    visit("head_blocks", network.head_blocks);
-  };
-}
-
-template <typename Train>
-auto train_fields(Train& train) {
-  return [&train](auto& visit) {
-    visit("patch", train.patch);
-    visit("batch", train.batch);
-    visit("steps", train.steps);
-    visit("optimiser", train.optimiser);
-    visit("learning_rate", train.learning_rate);
-    visit("warmup_steps", train.warmup_steps);
-    visit("hold_steps", train.hold_steps);
-    visit("clip_norm", train.clip_norm);
-    visit("ema", train.ema);
-    visit("gain_weight_power", train.gain_weight_power);
-    visit("error_power", train.error_power);
-    visit("log_steps", train.log_steps);
-    visit("evaluate_steps", train.evaluate_steps);
-    visit("checkpoint_steps", train.checkpoint_steps);
-  };
-}
-
 template <typename AnyConfig, typename Visitor>
 void visit_fields(AnyConfig& config, Visitor& visit) {
-  visit("name", config.name);
-  visit("seed", config.seed);
-  visit("device", config.device);
-  visit("precision", config.precision);
-  visit("start", config.start);
-  visit.section("data", data_fields(config.data));
-  visit.section("patterns", pattern_fields(config.patterns));
-  visit.section("sensor", sensor_fields(config.sensor));
+  E2LF_VISIT(config, visit, name, seed, device, precision, start);
+  visit.section("data", [&data = config.data](auto& inner) {
+    E2LF_VISIT(data, inner, file, validation, exclude, synthetic_share, patch_stride, pool, pool_per_step);
+    inner.section("synthesiser", [&data](auto& innermost) {
+      E2LF_VISIT(data.synthesiser, innermost, size, max_disparity, max_layers, slant_share, highlight_share,
+                 procedural_share, motion_px_per_cycle, still_share);
+    });
+  });
+  visit.section("patterns", [&patterns = config.patterns](auto& inner) {
+    E2LF_VISIT(patterns, inner, num_patterns, black_first, complementary, whole_cycle);
+    inner.choice("event_model", patterns.event_model, capture::kEventModels);
+    E2LF_VISIT(patterns, inner, codes, start, noise_start, in_model, begin_step, learn_steps, learning_rate,
+               scale_begin, scale_end);
+  });
+  visit.section("sensor", [&sensor = config.sensor](auto& inner) {
+    inner("eps", sensor.nominal.eps);
+    inner("nominal_tau", sensor.nominal.tau);
+    inner("nominal_sigma_w", sensor.nominal.sigma_w);
+    inner("nominal_sigma_z", sensor.nominal.sigma_z);
+    inner("sigma_i", sensor.nominal.sigma_i);
+    E2LF_VISIT(sensor, inner, nominal_share, noise_free_share, residue_share, tau, sigma_w, sigma_z, full_gain_share,
+               gain, camera, camera_share, camera_nominal_share, camera_spread, camera_wide_share, camera_field_spread,
+               camera_gain, cycles_share);
+  });
   visit.list("input", config.input, [](auto& group, auto& inner) {
-    inner.choice("kind", group.kind, kInputKindNames);
+    inner.choice("kind", group.kind, model::kInputKinds);
     inner("scale", group.scale);
   });
-  visit.section("network", network_fields(config.network));
-  visit.section("train", train_fields(config.train));
+  visit.section("network", [&network = config.network](auto& inner) {
+    E2LF_VISIT(network, inner, type, widths, blocks, head_width, head_blocks);
+  });
+  visit.section("train", [&train = config.train](auto& inner) {
+    E2LF_VISIT(train, inner, patch, batch, steps, optimiser, learning_rate, warmup_steps, hold_steps, clip_norm, ema,
+               gain_weight_power, error_power, log_steps, evaluate_steps, checkpoint_steps);
+  });
 }
 
 Error invalid(const std::string& message, const std::string& location) {
