@@ -59,7 +59,7 @@ py -c 'import numpy as np; d = np.load("maps/cycle_00001/disparity.npy"); assert
 
 fails 1 'give one of them' "$E2LF" depth cycles -o x.ply
 fails 1 'there is no view (8, 0)' "$E2LF" depth plane.npy -o x --view-row 8 --view-column 0
-fails 1 'two limits' "$E2LF" depth plane.npy -o x --min-disparity 0
+fails 2 'max-disparity' "$E2LF" depth plane.npy -o x --min-disparity 0
 fails 1 'exceeds the image of 64x48 px' "$E2LF" depth plane.npy -o x --min-disparity=-1e9 --max-disparity=1e9
 fails 1 'smaller one first' "$E2LF" depth plane.npy -o x --min-disparity 1 --max-disparity 0
 fails 1 'single view' "$E2LF" depth plane.npy -o x --views 1

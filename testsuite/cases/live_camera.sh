@@ -25,7 +25,7 @@ fails 1 "those connected are" camera "" record camera://metavision/C3 -o x.raw
 fails 1 "busy" camera "busy" record camera://metavision -o x.raw
 fails 1 "EVT4, which e2lf cannot read" camera "format=EVT4" convert camera://metavision x.csv
 fails 1 "trigger input" camera "" record camera://metavision --trigger-channel 3 -o x.raw
-fails 1 "--roi" camera "" record camera://metavision --roi 1,2,3 -o x.raw
+fails 2 "--roi" camera "" record camera://metavision --roi 1,2,3 -o x.raw
 fails 1 "camera settings" "$E2LF" info sent.raw --max-event-rate 5
 absent x.raw x.csv x.bias
 

@@ -28,11 +28,11 @@ cmp truth.gray made.gray || fail "the column of view (5, 2)"
 fails 1 'there is no row 48; give 0 to 47' "$E2LF" epi "$lf" --row 48 -o x.png
 fails 1 '--row' "$E2LF" epi "$lf" --view 2 -o x.png
 fails 1 'aperture' "$E2LF" refocus "$lf" --disparity=0 --aperture 0 -o x.png
-fails 1 '--aperture' "$E2LF" refocus "$lf" --disparity=0 --centre-row 1 -o x.png
+fails 2 '--aperture' "$E2LF" refocus "$lf" --disparity=0 --centre-row 1 -o x.png
 fails 2 'disparity' "$E2LF" refocus "$lf" -o x.png
 fails 1 'use .gif, .webm or .mp4' "$E2LF" animate "$lf" -o x.avi
 fails 1 "x.png" "$E2LF" animate "$lf" --path orbit -o x.png
-fails 1 'two ends' "$E2LF" animate "$lf" --path focus --from 1 -o x.gif
+fails 2 '--to' "$E2LF" animate "$lf" --path focus --from 1 -o x.gif
 fails 1 'exceeds the image of 64x48 px' "$E2LF" refocus "$lf" --disparity=0,1e30 -o x.png
 fails 1 'exceeds the image of 64x48 px' "$E2LF" animate "$lf" --still=-64 -o x.gif
 # A name says what a file holds.

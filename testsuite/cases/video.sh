@@ -93,7 +93,7 @@ for number in 0 1 2; do cmp "attention/frame_00000$number.png" "attention-alone/
 # What does not fit.
 fails 1 "e2lf video" "$E2LF" reconstruct rec.raw -m net.safetensors -o x
 fails 1 "e2lf reconstruct" "$E2LF" video rec.raw -m "$TESTSUITE/../models/e2lf-n4.safetensors" -o x
-fails 1 "give only one of the three" "$E2LF" video rec.raw -o x --window-us 5 --window-events 5
+fails 2 "window-events" "$E2LF" video rec.raw -o x --window-us 5 --window-events 5
 fails 1 "demo/scene" "$E2LF" video demo/scene -o x
 fails 1 "frame" "$E2LF" video rec.raw -o x --window-triggers --channel 7
 fails 1 "rec.raw" "$E2LF" video rec.raw -o x --from-us 999999999

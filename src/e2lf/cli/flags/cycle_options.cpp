@@ -27,75 +27,64 @@ constexpr Choice<recordings::RestartPolicy> kRestartPolicies[] = {{"continue", r
 
 }  // namespace
 
-void add_camera_options(CLI::App& app, CameraFlags& flags) {
+void add_camera_options(CLI::App& app, recordings::CameraSetup& camera) {
   constexpr char kGroup[] = "Live cameras";
-  const auto repeatable = [&](const char* name, std::vector<std::string>& values, const char* text) {
-    app.add_option(name, values, text)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->allow_extra_args(false)
-        ->group(kGroup);
+  const auto add = [&](const char* name, auto& value, const char* text) {
+    return app.add_option(name, value, text)->group(kGroup);
   };
-  repeatable("--trigger-channel", flags.trigger_channels,
-             "trigger input to enable: main, aux, the number of its triggers, or none (repeatable); default: all");
-  app.add_option("--biases", flags.biases, "file of sensor biases (.bias); default: those of the camera")
-      ->group(kGroup);
-  app.add_option("--max-event-rate", flags.max_events_per_s,
-                 "events/s above which the sensor drops events, 0 = no limit; default: as set in the camera")
-      ->group(kGroup);
-  repeatable("--roi", flags.regions,
-             "rectangle of the sensor whose pixels send events: X,Y,WIDTH,HEIGHT in px (repeatable)");
-  app.add_option("--encoding", flags.encoding, "encoding of the camera's events; default: as set in the camera")
-      ->check(CLI::IsMember({"evt2", "evt2.1", "evt3"}))
-      ->group(kGroup);
-  app.add_flag("--no-sensor-filters", flags.switches_filters_off,
+  const auto repeat = [](CLI::Option* option) {
+    option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
+  };
+  const auto take_regions = [&camera](const CLI::results_t& texts) {
+    camera.regions.clear();
+    for (const std::string& text : texts) {
+      const auto regions = recordings::parse_regions(text);
+      if (!regions) throw CLI::ValidationError("--roi", regions.error().message);
+      camera.regions.insert(camera.regions.end(), regions->begin(), regions->end());
+    }
+    return true;
+  };
+  repeat(add("--trigger-channel", camera.trigger_channels,
+             "trigger input to enable: main, aux, the number of its triggers, or none (repeatable); default: all"));
+  add("--biases", camera.biases, "file of sensor biases (.bias); default: those of the camera");
+  add("--max-event-rate", camera.max_events_per_s,
+      "events/s above which the sensor drops events, 0 = no limit; default: as set in the camera");
+  repeat(app.add_option("--roi", take_regions,
+                        "rectangle of the sensor whose pixels send events: X,Y,WIDTH,HEIGHT in px (repeatable)")
+             ->type_name("TEXT")
+             ->group(kGroup));
+  add("--encoding", camera.encoding, "encoding of the camera's events; default: as set in the camera")
+      ->check(CLI::IsMember({"evt2", "evt2.1", "evt3"}));
+  app.add_flag("--no-sensor-filters", camera.switches_filters_off,
                "switch off the anti-flicker and event trail filters of the sensor, which drop events of the patterns")
       ->group(kGroup);
-}
-
-Result<recordings::CameraSetup> camera_setup(const CameraFlags& flags) {
-  recordings::CameraSetup setup{.trigger_channels = flags.trigger_channels,
-                                .biases = flags.biases,
-                                .max_events_per_s = flags.max_events_per_s,
-                                .regions = {},
-                                .encoding = flags.encoding,
-                                .switches_filters_off = flags.switches_filters_off,
-                                .running = flags.running};
-  for (const std::string& text : flags.regions) {
-    auto regions = recordings::parse_regions(text);
-    if (!regions) return Error{regions.error().code, regions.error().message, "--roi"};
-    setup.regions.insert(setup.regions.end(), regions->begin(), regions->end());
-  }
-  return setup;
 }
 
 void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group) {
   const auto add = [&](const char* name, auto& value, const char* text) {
     app.add_option(name, value, text)->group(group);
   };
-  add("--event-format", flags.format, "format of the recording, if it cannot be detected");
-  add("--sensor-width", flags.width, "width of the sensor in px, if the recording does not state it");
-  add("--sensor-height", flags.height, "height of the sensor in px, if the recording does not state it");
-  add("--stream", flags.stream, "number or name of a stream of events, if the recording contains several");
-  add("--columns", flags.columns, "order of the columns of a table of events, e.g. txyp; - skips a column");
-  app.add_option("--time-unit", flags.time_unit,
-                 "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise "
-                 "us for whole numbers and s for fractions")
-      ->check(CLI::IsMember(words_of(kTimeUnits)))
-      ->capture_default_str()
+  add("--event-format", flags.open.format, "format of the recording, if it cannot be detected");
+  add("--sensor-width", flags.open.width, "width of the sensor in px, if the recording does not state it");
+  add("--sensor-height", flags.open.height, "height of the sensor in px, if the recording does not state it");
+  add("--stream", flags.open.stream, "number or name of a stream of events, if the recording contains several");
+  add("--columns", flags.open.columns, "order of the columns of a table of events, e.g. txyp; - skips a column");
+  add_choice(app, "--time-unit", flags.open.time_unit, kTimeUnits,
+             "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise us "
+             "for whole numbers and s for fractions")
       ->group(group);
-  add("--polarities", flags.polarities, "numbers of OFF and ON in a table of events, e.g. 1,2; default: 0,1 or -1,1");
-  app.add_option("--restart", flags.restart,
-                 "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind "
-                 "the earlier one, split keeps the parts separate (info, convert), refuse fails")
-      ->check(CLI::IsMember(words_of(kRestartPolicies)))
-      ->capture_default_str()
+  add("--polarities", flags.open.polarities,
+      "numbers of OFF and ON in a table of events, e.g. 1,2; default: 0,1 or -1,1");
+  add_choice(app, "--restart", flags.open.restart, kRestartPolicies,
+             "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind the "
+             "earlier one, split keeps the parts separate (info, convert), refuse fails")
       ->group(group);
-  add("--from-us", flags.from_us, "recordings: leave out data before this time on the clock of the recording");
-  add("--to-us", flags.to_us, "recordings: leave out data at or after this time on the clock of the recording");
+  add("--from-us", flags.open.from_us, "recordings: leave out data before this time on the clock of the recording");
+  add("--to-us", flags.open.to_us, "recordings: leave out data at or after this time on the clock of the recording");
   app.add_flag("--relative", flags.is_relative,
                "recordings: --from-us and --to-us are relative to the first event or trigger")
       ->group(group);
-  add_camera_options(app, flags.camera);
+  add_camera_options(app, flags.open.camera);
   app.add_flag("--strict", flags.is_strict,
                "fail and write nothing if events would be left out (damage, outside the sensor, count too large)");
 }
@@ -105,28 +94,17 @@ bool is_live(const fs::path& input) {
 }
 
 Result<recordings::OpenOptions> open_options(const fs::path& input, const RecordingFlags& flags, bool reads_parts) {
-  if (flags.from_us >= flags.to_us) {
-    return fail(ErrorCode::kInvalidValue, "--from-us", "the range from ", flags.from_us, " to ", flags.to_us,
+  recordings::OpenOptions open = flags.open;
+  if (open.from_us >= open.to_us) {
+    return fail(ErrorCode::kInvalidValue, "--from-us", "the range from ", open.from_us, " to ", open.to_us,
                 " us is empty; give a later --to-us");
   }
-  recordings::OpenOptions open;
-  open.restart = choice_of(flags.restart, kRestartPolicies);
   if (open.restart == recordings::RestartPolicy::kSplit && !reads_parts) {
     return fail(ErrorCode::kInvalidValue, "--restart",
                 "split is only for `e2lf info`, which lists the parts, and `e2lf convert`, which writes each to a "
                 "separate file; convert the recording first, or use continue");
   }
-  open.format = flags.format;
-  open.width = flags.width;
-  open.height = flags.height;
-  open.columns = flags.columns;
-  open.stream = flags.stream;
-  open.polarities = flags.polarities;
-  open.time_unit = choice_of(flags.time_unit, kTimeUnits);
-  open.from_us = flags.from_us;
-  open.to_us = flags.to_us;
   open.range = flags.is_relative ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
-  E2LF_ASSIGN_OR_RETURN(open.camera, camera_setup(flags.camera));
   // With a camera, damage is reported at once; for a file, the summary at the end is sufficient.
   open.policy = flags.is_strict  ? recordings::DecodePolicy::kStrict
                 : is_live(input) ? recordings::DecodePolicy::kReport
@@ -134,104 +112,73 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   return open;
 }
 
-namespace {
-
-/// Returns the schedule that the flags and the recording state.
-Result<cycles::Schedule> schedule_of(const CycleFlags& flags, const fs::path& input,
-                                     const recordings::RecordingInfo& info) {
-  pipeline::ScheduleChoice choice{.num_patterns = flags.num_patterns,
-                                  .usual_patterns = flags.usual_patterns,
-                                  .transitions = flags.transitions,
-                                  .num_wanted = flags.num_wanted};
-  if (!flags.schedule.empty()) {
-    E2LF_ASSIGN_OR_RETURN(choice.schedule, cycles::read_schedule(flags.schedule));
-  }
-  return pipeline::choose_schedule(choice, input, info);
-}
-
-}  // namespace
-
 void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   const std::string group = kCycleOptions;
-  add_choice(app, "--source", flags.source, words_of(kCycleSources),
+  add_choice(app, "--source", flags.options.source, kCycleSources,
              "source of the times at which patterns change: triggers, bursts (the events), schedule, auto")
       ->group(group);
   app.add_option("--schedule", flags.schedule,
                  "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
       ->check(CLI::ExistingFile)
       ->group(group);
-  app.add_option("--patterns", flags.num_patterns,
+  app.add_option("--patterns", flags.choice.num_patterns,
                  "number N of coding patterns of the paper's schedule; default: as the recording states, or else 4")
       ->check(whole_number(2, 64))
       ->group(group);
-  add_choice(app, "--transitions", flags.transitions, {"auto", "lit", "all"},
+  add_choice(app, "--transitions", flags.choice.transitions, {"auto", "lit", "all"},
              "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
              "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
              "then uses the lit ones in cycles during which the scene moves too much");
-  add_choice(app, "--edge", flags.edge, words_of(kTriggerEdges), "trigger edge: rising, falling, both")->group(group);
-  app.add_option("--channel", flags.channel, "trigger input; default: all")->group(group);
-  app.add_option("--first-pattern", flags.first_pattern,
+  add_choice(app, "--edge", flags.options.edge, kTriggerEdges, "trigger edge: rising, falling, both")->group(group);
+  app.add_option("--channel", flags.options.channel, "trigger input; default: all")->group(group);
+  app.add_option("--first-pattern", flags.options.tracker.first_pattern,
                  "pattern of the first trigger or burst, from 0; default: determined from the intervals and the events")
       ->group(group);
-  app.add_flag("--one-trigger-per-cycle", flags.one_trigger_per_cycle, "triggers mark cycles, not patterns")
+  app.add_flag("--one-trigger-per-cycle", flags.options.one_trigger_per_cycle, "triggers mark cycles, not patterns")
       ->group(group);
   app.add_option("--origin-us", flags.origin_us,
                  "--source schedule: the time at which the first pattern of any cycle began")
       ->group(group);
   app.add_option(
-         "--trigger-delay-us", flags.trigger_delay_us,
+         "--trigger-delay-us", flags.options.trigger_delay_us,
          "time from a trigger to the change of the pattern, such as the latency of the display; negative if the "
          "pattern changes first")
       ->check(CLI::Range(-100'000, 100'000))
       ->group(group);
-  app.add_flag("--invert-polarity", flags.invert_polarity, "exchange ON and OFF events");
-  app.add_flag("--filter-pixels", flags.filter_pixels, "ignore hot and flickering pixels")->group(group);
+  app.add_flag("--invert-polarity", flags.options.invert_polarity, "exchange ON and OFF events");
+  app.add_flag("--filter-pixels", flags.options.filters_pixels, "ignore hot and flickering pixels")->group(group);
   app.add_option("--max-cycles", flags.max_cycles, "maximum number of complete cycles; 0 = all")->capture_default_str();
   add_recording_options(app, flags.recording, group);
-}
-
-Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Schedule schedule) {
-  cycles::CycleOptions options;
-  options.schedule = std::move(schedule);
-  options.source = choice_of(flags.source, kCycleSources);
-  options.invert_polarity = flags.invert_polarity;
-  options.edge = choice_of(flags.edge, kTriggerEdges);
-  options.channel = flags.channel;
-  options.one_trigger_per_cycle = flags.one_trigger_per_cycle;
-  options.trigger_delay_us = flags.trigger_delay_us;
-  options.tracker.first_pattern = flags.first_pattern;
-  if (const auto chosen = pipeline::choose_source(options, flags.origin_us); !chosen)
-    return by_flag(chosen.error(), {});
-  options.filters_pixels = flags.filter_pixels;
-  return options;
 }
 
 Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
   E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags.recording));
   E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(input.string(), open));
   say_assumptions(*reader);
-  E2LF_ASSIGN_OR_RETURN(cycles::Schedule schedule, schedule_of(flags, input, reader->info()));
-  E2LF_ASSIGN_OR_RETURN(cycles::CycleOptions options, cycle_options(flags, std::move(schedule)));
+  pipeline::ScheduleChoice choice = flags.choice;
+  if (!flags.schedule.empty()) {
+    E2LF_ASSIGN_OR_RETURN(choice.schedule, cycles::read_schedule(flags.schedule));
+  }
+  cycles::CycleOptions options = flags.options;
+  E2LF_ASSIGN_OR_RETURN(options.schedule, pipeline::choose_schedule(choice, input, reader->info()));
+  if (const auto chosen = pipeline::choose_source(options, flags.origin_us); !chosen)
+    return by_flag(chosen.error(), {});
   options.on_batch = observer.on_batch;
   options.on_mark = observer.on_mark;
   return cycles::CycleReader::open(std::move(reader), options);
 }
 
 Error by_flag(Error error, const fs::path& input) {
-  constexpr std::pair<const char*, const char*> kFlags[] = {{"", nullptr},
-                                                            {"camera", "--camera"},
+  constexpr std::pair<const char*, const char*> kFlags[] = {{"camera", "--camera"},
                                                             {"cycles", "--cycles-per-field"},
                                                             {"invert_polarity", "--invert-polarity"},
                                                             {"max_cycles", "--max-cycles"},
                                                             {"origin_us", "--origin-us"},
                                                             {"passes", "--passes"},
                                                             {"transitions", "--transitions all"}};
+  if (error.location.empty()) error.location = input.string();
   for (const auto& [option, flag] : kFlags) {
-    if (error.location != option) continue;
-    error.location = flag != nullptr ? flag : input.string();
-    const size_t it = flag != nullptr ? error.message.find("leave it out") : std::string::npos;
-    if (it != std::string::npos) error.message.replace(it, 12, cat("leave ", flag, " out"));
-    break;
+    if (error.location == option) error.location = flag;
   }
   return error;
 }
@@ -241,7 +188,7 @@ Result<pipeline::CycleInput> open_cycle_input(const fs::path& input, const Cycle
   pipeline::CycleInputOptions options{.cycles_per_field = cycles_per_field,
                                       .max_cycles = flags.max_cycles,
                                       .is_strict = flags.recording.is_strict,
-                                      .invert_polarity = flags.invert_polarity};
+                                      .invert_polarity = flags.options.invert_polarity};
   options.on_cycle = [&rig](cycles::Cycle& cycle, const cycles::CycleOptions& used) {
     cycle.confidence = rig.add(cycle, used);
   };
@@ -262,13 +209,13 @@ Result<pipeline::CycleInput> open_cycle_input(const fs::path& input, const Cycle
 
 CycleFlags wanted_cycles(CycleFlags flags, const pipeline::MethodChoice& choice) {
   if (choice.model) {
-    flags.num_wanted = choice.model->num_patterns;
+    flags.choice.num_wanted = choice.model->num_patterns;
   } else if (choice.codes) {
-    flags.num_wanted = choice.codes->num_patterns;
+    flags.choice.num_wanted = choice.codes->num_patterns;
   }
   const auto codes = choice.codes || !choice.model ? choice.codes : choice.model->codes;
   if (codes && codes->num_patterns >= 2) {
-    flags.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
+    flags.choice.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
   }
   return flags;
 }

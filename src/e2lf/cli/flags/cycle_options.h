@@ -22,41 +22,21 @@
 
 namespace e2lf::cli {
 
-/// The flags that set up a live camera; see recordings::CameraSetup.
-struct CameraFlags {
-  std::vector<std::string> trigger_channels, regions;
-  std::filesystem::path biases;
-  std::optional<uint32_t> max_events_per_s;
-  std::string encoding;
-  bool switches_filters_off = false;
-  std::shared_ptr<recordings::RunningCamera> running;  ///< set by verbs that change settings while the camera runs
-};
-
-void add_camera_options(CLI::App& app, CameraFlags& flags);
-
-/// Returns the settings of a camera. Fails with kInvalidValue if a region is not of the form X,Y,WIDTH,HEIGHT.
-[[nodiscard]] Result<recordings::CameraSetup> camera_setup(const CameraFlags& flags);
+/// Declares the options that set up a live camera.
+void add_camera_options(CLI::App& app, recordings::CameraSetup& camera);
 
 /// The flags of every verb that reads a recording.
 struct RecordingFlags {
-  std::string format;                              ///< empty = detected
-  size_t width = 0, height = 0;                    ///< px; 0 = as the recording states
-  int64_t from_us = INT64_MIN, to_us = INT64_MAX;  ///< time range on the recording's clock
-  std::string stream;                              ///< number or name; empty = the first
-  std::string columns, time_unit = "auto";         ///< columns and unit of time of tables
-  std::string polarities;                          ///< numbers of OFF and ON in tables
-  std::string restart = "continue";                ///< how to treat a restart of the clock
-  bool is_relative = false;                        ///< the time range is relative to the first event or trigger
-  bool is_strict = false;                          ///< data that would be dropped are an error
-  CameraFlags camera;                              ///< settings of a live camera
+  recordings::OpenOptions open;  ///< without what is_relative and is_strict determine
+  bool is_relative = false;      ///< the time range is relative to the first event or trigger
+  bool is_strict = false;        ///< data that would be dropped are an error
 };
 
 /// The help group of the options of recordings, for verbs that also accept other inputs.
 inline constexpr const char* kRecordingOptions = "Recordings";
 
 /// Declares --event-format, --sensor-width, --sensor-height, --stream, --columns, --time-unit, --polarities, --restart,
-/// --from-us,
-/// --to-us, --relative and --strict.
+/// --from-us, --to-us, --relative and --strict.
 void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group);
 
 /// Returns whether an input is live: "-", a camera, a socket or a named pipe.
@@ -67,28 +47,16 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
 [[nodiscard]] Result<recordings::OpenOptions> open_options(const std::filesystem::path& input,
                                                            const RecordingFlags& flags, bool reads_parts = false);
 
-inline constexpr Choice<cycles::CycleSource> kCycleSources[] = {{"auto", cycles::CycleSource::kAuto},
-                                                                {"triggers", cycles::CycleSource::kTriggers},
-                                                                {"bursts", cycles::CycleSource::kBursts},
-                                                                {"schedule", cycles::CycleSource::kSchedule}};
 inline constexpr Choice<cycles::TriggerEdge> kTriggerEdges[] = {{"rising", cycles::TriggerEdge::kRising},
                                                                 {"falling", cycles::TriggerEdge::kFalling},
                                                                 {"both", cycles::TriggerEdge::kBoth}};
 
 /// The flags of the verbs that divide a recording into pattern cycles.
 struct CycleFlags {
-  std::string source = "auto", edge = "rising";
+  cycles::CycleOptions options;     ///< without the schedule
+  pipeline::ScheduleChoice choice;  ///< without the schedule
   std::filesystem::path schedule;
-  std::optional<size_t>
-      num_patterns;  ///< number of coding patterns of the paper's schedule; empty = as the recording states, or else 4
-  std::optional<uint16_t> channel;
-  std::optional<size_t> first_pattern;
-  std::string transitions = "auto";
-  size_t usual_patterns = 4;         ///< number of patterns of the paper's schedule if nothing else states it
-  std::optional<size_t> num_wanted;  ///< number of patterns of the network; determines transitions "auto"
-  bool one_trigger_per_cycle = false, filter_pixels = false, invert_polarity = false;
   std::optional<int64_t> origin_us;
-  int64_t trigger_delay_us = 0;
   uint64_t max_cycles = 0;  ///< 0 = all
   RecordingFlags recording;
 };
@@ -105,13 +73,9 @@ inline constexpr const char* kCycleOptions = "Pattern cycles of a recording";
 /// Declares all of CycleFlags; --transitions and --max-cycles also apply to event images.
 void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
-/// Converts the flags to the options of a reader of cycles with this schedule, ignoring --schedule, --patterns and the
-/// flags of the recording. Fails with kInvalidValue if the schedule is the only source of times and --origin-us is
-/// missing.
-[[nodiscard]] Result<cycles::CycleOptions> cycle_options(const CycleFlags& flags, cycles::Schedule schedule);
-
 /// Opens a recording (a path, "-" for standard input, or the name of a camera) and divides it into cycles. The source
-/// "auto" selects triggers if the recording begins with some, and bursts otherwise.
+/// "auto" selects triggers if the recording begins with some, and bursts otherwise. Fails with kInvalidValue if the
+/// schedule is the only source of times and --origin-us is missing.
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const CycleObserver& observer = {});
 

@@ -194,9 +194,8 @@ Result<void> write_disparities(const DisparityOutput& output, const DisparitySou
 struct DepthArguments {
   DisparityOutput output;
   fs::path lens;
-  float least = 0, most = 0;
-  size_t view_row = 0, view_column = 0;
-  bool has_range = false, has_view = false;
+  std::optional<float> least, most;
+  std::optional<size_t> view_row, view_column;
   LightFieldFlags light_field{.views = 0};
   MethodFlags method;
   size_t cycles_per_map = 1;
@@ -217,11 +216,12 @@ const char* verdict_name(depth::OcclusionSign::Verdict verdict) {
 }
 
 Result<DisparityResult> estimate(const DepthArguments& arguments, const fs::path& path, bool is_quiet) {
-  E2LF_ASSIGN_OR_RETURN(const LightField light_field,
-                        load_to_show(path, arguments.light_field, is_quiet, {arguments.least, arguments.most}));
+  E2LF_ASSIGN_OR_RETURN(
+      const LightField light_field,
+      load_to_show(path, arguments.light_field, is_quiet, {arguments.least.value_or(0), arguments.most.value_or(0)}));
   depth::DisparityOptions options;
-  if (arguments.has_range) options.range = depth::DisparityRange{arguments.least, arguments.most};
-  if (arguments.has_view) options.view = depth::ViewIndex{arguments.view_row, arguments.view_column};
+  if (arguments.least) options.range = depth::DisparityRange{*arguments.least, *arguments.most};
+  if (arguments.view_row) options.view = depth::ViewIndex{*arguments.view_row, *arguments.view_column};
   ProgressBar bar("depth of " + path.filename().string(), is_quiet);
   E2LF_ASSIGN_OR_RETURN(depth::DisparityMap map,
                         located(depth::estimate_disparity(light_field, options, bar.callback()), path));
@@ -307,17 +307,9 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
 }
 
 Result<void> run(DepthArguments& arguments, const Verb& verb) {
-  if (verb.is_given("--min-disparity") != verb.is_given("--max-disparity")) {
-    return fail(ErrorCode::kInvalidValue, "", "a range has two limits; give --min-disparity and --max-disparity");
-  }
-  if (verb.is_given("--view-row") != verb.is_given("--view-column")) {
-    return fail(ErrorCode::kInvalidValue, "", "a view has a row and a column; give --view-row and --view-column");
-  }
   if (!arguments.lens.empty()) {
     E2LF_ASSIGN_OR_RETURN(arguments.output.lens, depth::read_lens(arguments.lens));
   }
-  arguments.has_range = verb.is_given("--min-disparity");
-  arguments.has_view = verb.is_given("--view-row");
   const fs::path& input = arguments.output.input;
   if (is_live(input)) return from_events(arguments, verb);
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(input));
@@ -354,12 +346,13 @@ int run_depth(const std::vector<std::string>& arguments) {
   DepthArguments depth_arguments;
   CLI::App& app = verb.app();
   add_output_options(app, depth_arguments.output, depth_arguments.lens);
-  app.add_option("--min-disparity", depth_arguments.least, "disparity of the nearest points, px per view step");
-  app.add_option("--max-disparity", depth_arguments.most,
-                 "disparity of the farthest points, px per view step; default of both: estimated, within 6 px");
-  app.add_option("--view-row", depth_arguments.view_row,
-                 "view for whose pixels the disparity is estimated; default: the middle one, (4, 4)");
-  app.add_option("--view-column", depth_arguments.view_column, "column of this view");
+  add_pair(
+      app.add_option("--min-disparity", depth_arguments.least, "disparity of the nearest points, px per view step"),
+      app.add_option("--max-disparity", depth_arguments.most,
+                     "disparity of the farthest points, px per view step; default of both: estimated, within 6 px"));
+  add_pair(app.add_option("--view-row", depth_arguments.view_row,
+                          "view for whose pixels the disparity is estimated; default: the middle one, (4, 4)"),
+           app.add_option("--view-column", depth_arguments.view_column, "column of this view"));
   add_light_field_options(app, depth_arguments.light_field, /*has_views=*/true);
   add_orientation_options(app, depth_arguments.light_field.orientation);
   add_method_options(app, depth_arguments.method, "the file of the events");

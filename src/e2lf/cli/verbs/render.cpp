@@ -2,6 +2,7 @@
 // The verbs that render a light field: refocus, epi and animate.
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
@@ -26,30 +27,16 @@ namespace {
 struct RefocusArguments {
   fs::path input, output;
   std::vector<float> disparities;
+  std::optional<float> radius;  ///< of a round aperture, in view steps; empty = all views
   lightfield::RoundAperture aperture;
-  bool is_round = false;
   LightFieldFlags light_field{.views = 0};
 };
 
-/// Places images side by side, with a gap between them.
-Image side_by_side(const std::vector<Image>& pictures) {
-  constexpr size_t kGapPx = 4;
-  const Image& first = pictures.front();
-  Image all(pictures.size() * (first.width + kGapPx) - kGapPx, first.height, first.channels);
-  std::fill(all.pixels.begin(), all.pixels.end(), 1.0F);
-  const size_t row = first.width * first.channels, stride = (first.width + kGapPx) * first.channels;
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    for (size_t y = 0; y < first.height; ++y) {
-      std::copy_n(pictures[i].pixels.data() + y * row, row,
-                  all.pixels.data() + y * all.width * first.channels + i * stride);
-    }
-  }
-  return all;
-}
-
 Result<lightfield::Aperture> aperture_of(const RefocusArguments& arguments, const lightfield::Shape& shape) {
-  if (!arguments.is_round) return lightfield::full_aperture(shape);
-  lightfield::Aperture aperture = lightfield::round_aperture(shape, arguments.aperture);
+  if (!arguments.radius) return lightfield::full_aperture(shape);
+  lightfield::RoundAperture round = arguments.aperture;
+  round.radius = *arguments.radius;
+  lightfield::Aperture aperture = lightfield::round_aperture(shape, round);
   for (float weight : aperture.weights) {
     if (weight > 0) return aperture;
   }
@@ -57,12 +44,8 @@ Result<lightfield::Aperture> aperture_of(const RefocusArguments& arguments, cons
               "this aperture contains no view; give a larger --aperture or a centre that is nearer");
 }
 
-Result<void> refocus(RefocusArguments& arguments, const Verb& verb) {
+Result<void> refocus(const RefocusArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  arguments.is_round = verb.is_given("--aperture");
-  if (!arguments.is_round && (verb.is_given("--centre-row") || verb.is_given("--centre-column"))) {
-    return fail(ErrorCode::kInvalidValue, "", "the centre of the whole aperture is fixed; also give --aperture");
-  }
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
   RunRecord record("refocus", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
@@ -73,7 +56,7 @@ Result<void> refocus(RefocusArguments& arguments, const Verb& verb) {
     pictures.push_back(lightfield::refocus(light_field, disparity, aperture));
   }
   record.end_step("refocus");
-  E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), side_by_side(pictures)));
+  E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), lightfield::side_by_side(pictures)));
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
   if (!common.quiet) {
     std::printf("%s of %zux%zu px in %s\n", counted(pictures.size(), "image").c_str(), pictures.front().width,
@@ -99,11 +82,14 @@ int run_refocus(const std::vector<std::string>& arguments) {
       ->required()
       ->delimiter(',')
       ->expected(1, 64);
-  app.add_option("--aperture", refocusing.aperture.radius,
-                 "radius of a round aperture in view steps, where 0.5 is one view; default: all views");
-  app.add_option("--centre-row", refocusing.aperture.centre_y, "offset of the round aperture downwards, in view steps");
+  CLI::Option* const radius =
+      app.add_option("--aperture", refocusing.radius,
+                     "radius of a round aperture in view steps, where 0.5 is one view; default: all views");
+  app.add_option("--centre-row", refocusing.aperture.centre_y, "offset of the round aperture downwards, in view steps")
+      ->needs(radius);
   app.add_option("--centre-column", refocusing.aperture.centre_x,
-                 "offset of the round aperture to the right, in view steps");
+                 "offset of the round aperture to the right, in view steps")
+      ->needs(radius);
   add_light_field_options(app, refocusing.light_field, /*has_views=*/true);
   add_orientation_options(app, refocusing.light_field.orientation);
   return verb.run(arguments, [&] { return refocus(refocusing, verb); });
@@ -113,54 +99,48 @@ namespace {
 
 struct EpiArguments {
   fs::path input, output;
-  size_t row = 0, column = 0, view = 0;
+  std::optional<size_t> row, column, view;
   LightFieldFlags light_field{.views = 0};
 };
 
-/// Fails if there are not that many.
-Result<void> check_place(const char* what, size_t place, size_t count, const fs::path& input) {
+/// Takes a place that is given. Fails if there are not that many.
+Result<void> take_place(const std::optional<size_t>& given, const char* what, size_t count, const fs::path& input,
+                        size_t& place) {
+  place = given.value_or(place);
   if (place < count) return {};
   return fail(ErrorCode::kNotFound, input, "there is no ", what, " ", place, "; give 0 to ", count - 1);
 }
 
-Result<Image> cut(const EpiArguments& arguments, const LightField& light_field, bool has_row, bool has_column,
-                  bool has_view) {
+Result<Image> cut(const EpiArguments& arguments, const LightField& light_field) {
   const lightfield::Shape& shape = light_field.shape();
-  if (has_row) E2LF_RETURN_IF_ERROR(check_place("row", arguments.row, shape.height, arguments.input));
-  if (has_column) E2LF_RETURN_IF_ERROR(check_place("column", arguments.column, shape.width, arguments.input));
+  const fs::path& input = arguments.input;
   lightfield::EpiPictureOptions options = lightfield::middle_cut(shape);
-  if (has_row) {
-    if (has_view) options.view_y = arguments.view;
-    E2LF_RETURN_IF_ERROR(check_place("row of views", options.view_y, shape.views_y, arguments.input));
-  } else if (has_column) {
-    if (has_view) options.view_x = arguments.view;
-    E2LF_RETURN_IF_ERROR(check_place("column of views", options.view_x, shape.views_x, arguments.input));
+  const auto &row = arguments.row, &column = arguments.column, &view = arguments.view;
+  E2LF_RETURN_IF_ERROR(take_place(row, "row", shape.height, input, options.y));
+  E2LF_RETURN_IF_ERROR(take_place(column, "column", shape.width, input, options.x));
+  if (row && !column) {
+    E2LF_RETURN_IF_ERROR(take_place(view, "row of views", shape.views_y, input, options.view_y));
+    return lightfield::enlarged(lightfield::horizontal_epi(light_field, options.view_y, options.y), options.px_per_view,
+                                1);
   }
-  if (has_row != has_column) {
-    return has_row ? lightfield::enlarged(lightfield::horizontal_epi(light_field, options.view_y, arguments.row),
-                                          options.px_per_view, 1)
-                   : lightfield::enlarged(lightfield::vertical_epi(light_field, options.view_x, arguments.column), 1,
-                                          options.px_per_view);
-  }
-  if (has_row) {
-    options.y = arguments.row;
-    options.x = arguments.column;
+  if (column && !row) {
+    E2LF_RETURN_IF_ERROR(take_place(view, "column of views", shape.views_x, input, options.view_x));
+    return lightfield::enlarged(lightfield::vertical_epi(light_field, options.view_x, options.x), 1,
+                                options.px_per_view);
   }
   return lightfield::epi_picture(light_field, options);
 }
 
 Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  const bool has_row = verb.is_given("--row"), has_column = verb.is_given("--column");
-  const bool has_view = verb.is_given("--view");
-  if (has_view && has_row == has_column) {
+  if (arguments.view && arguments.row.has_value() == arguments.column.has_value()) {
     return fail(ErrorCode::kInvalidValue, "", "--view selects the views of a single cut; give --row or --column");
   }
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
   RunRecord record("epi", {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet));
-  E2LF_ASSIGN_OR_RETURN(const Image picture, cut(arguments, light_field, has_row, has_column, has_view));
+  E2LF_ASSIGN_OR_RETURN(const Image picture, cut(arguments, light_field));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));
   record.end_step("epi");
   E2LF_RETURN_IF_ERROR(commit(output, record, verb));
@@ -194,15 +174,15 @@ struct AnimateArguments {
   fs::path input, output;
   std::string path = "orbit";
   size_t frames = 48;
-  float still = 0, from = 0, to = 0;
-  bool has_focus_range = false;
+  float still = 0;
+  std::optional<float> from, to;
   LightFieldFlags light_field{.views = 0};
 };
 
 /// Estimates the range of disparities in the scene, for a sweep of the focus.
 Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, const LightField& light_field,
                                           RunRecord& record) {
-  if (arguments.has_focus_range) return depth::DisparityRange{arguments.from, arguments.to};
+  if (arguments.from) return depth::DisparityRange{*arguments.from, *arguments.to};
   E2LF_ASSIGN_OR_RETURN(const depth::DisparityMap map,
                         located(depth::estimate_disparity(light_field), arguments.input));
   const depth::DisparityRange range = depth::shown_range(map);
@@ -243,18 +223,15 @@ Result<void> write_film(const fs::path& file, film::FilmFormat format, const Ani
   return film.finish();
 }
 
-Result<void> animate(AnimateArguments& arguments, const Verb& verb) {
-  if (verb.is_given("--from") != verb.is_given("--to")) {
-    return fail(ErrorCode::kInvalidValue, "", "a sweep has two ends; give --from and --to");
-  }
-  arguments.has_focus_range = verb.is_given("--from");
+Result<void> animate(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
   E2LF_RETURN_IF_ERROR(located(film::check_film_support(), arguments.output));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
   RunRecord record("animate", {arguments.input});
-  E2LF_ASSIGN_OR_RETURN(const LightField light_field, load_to_show(arguments.input, arguments.light_field, common.quiet,
-                                                                   {arguments.still, arguments.from, arguments.to}));
+  E2LF_ASSIGN_OR_RETURN(const LightField light_field,
+                        load_to_show(arguments.input, arguments.light_field, common.quiet,
+                                     {arguments.still, arguments.from.value_or(0), arguments.to.value_or(0)}));
   E2LF_ASSIGN_OR_RETURN(const FrameFn frame_at, frame_maker(arguments, light_field, record));
   E2LF_RETURN_IF_ERROR(write_film(output.path(), format, arguments, frame_at, common.quiet));
   record.end_step("animate");
@@ -277,8 +254,9 @@ int run_animate(const std::vector<std::string>& arguments) {
   add_count(app, "--frames", animation.frames, 1, 10000, "duration of the film, which ends as it begins");
   app.add_option("--still", animation.still, "orbit, sweep: disparity of the points that do not move, px per view step")
       ->capture_default_str();
-  app.add_option("--from", animation.from, "focus: first disparity, px per view step");
-  app.add_option("--to", animation.to, "focus: last disparity; default of both: the nearest and farthest in the scene");
+  add_pair(app.add_option("--from", animation.from, "focus: first disparity, px per view step"),
+           app.add_option("--to", animation.to,
+                          "focus: last disparity; default of both: the nearest and farthest in the scene"));
   add_light_field_options(app, animation.light_field, /*has_views=*/true);
   add_orientation_options(app, animation.light_field.orientation);
   return verb.run(arguments, [&] { return animate(animation, verb); });

@@ -30,22 +30,14 @@ struct VideoArguments {
   std::optional<int64_t> window_us;
   std::optional<uint64_t> window_events;
   bool window_triggers = false;
-  std::string edge = "rising", tone = "auto", precision = "float32";
-  std::optional<uint16_t> channel;
+  std::string tone = "auto", precision = "float32";
+  cycles::WindowOptions window;  ///< its triggers
   int full_scale = 4;
   RecordingFlags recording;
 };
 
-Result<cycles::WindowOptions> window_options(const VideoArguments& arguments) {
-  const int kinds =
-      (arguments.window_us ? 1 : 0) + (arguments.window_events ? 1 : 0) + (arguments.window_triggers ? 1 : 0);
-  if (kinds > 1) {
-    return fail(ErrorCode::kInvalidValue, "--window-us, --window-events, --window-triggers",
-                "windows are given by time, by count or by triggers; give only one of the three");
-  }
-  cycles::WindowOptions options;
-  options.edge = choice_of(arguments.edge, kTriggerEdges);
-  options.channel = arguments.channel;
+cycles::WindowOptions window_options(const VideoArguments& arguments) {
+  cycles::WindowOptions options = arguments.window;
   if (arguments.window_triggers) {
     options.kind = cycles::WindowKind::kTriggers;
   } else if (arguments.window_events) {
@@ -54,8 +46,8 @@ Result<cycles::WindowOptions> window_options(const VideoArguments& arguments) {
   } else {
     options.kind = cycles::WindowKind::kTime;
     options.duration_us = arguments.window_us.value_or(kDefaultWindowUs);
-    const RecordingFlags& flags = arguments.recording;
-    if (flags.from_us != INT64_MIN && !flags.is_relative) options.origin_us = flags.from_us;
+    const int64_t from_us = arguments.recording.open.from_us;
+    if (from_us != INT64_MIN && !arguments.recording.is_relative) options.origin_us = from_us;
   }
   return options;
 }
@@ -190,7 +182,7 @@ Json report_json(const VideoArguments& arguments, const VideoReport& report, con
 
 Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  E2LF_ASSIGN_OR_RETURN(cycles::WindowOptions options, window_options(arguments));
+  cycles::WindowOptions options = window_options(arguments);
   E2LF_ASSIGN_OR_RETURN(ResultFolder output,
                         open_output_folder(arguments.output, verb, {arguments.input, arguments.model}));
   RunRecord record("video");
@@ -220,13 +212,18 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
 }
 
 void add_window_options(CLI::App& app, VideoArguments& video) {
-  app.add_option("--window-us", video.window_us,
-                 cat("duration of the events of each frame; without any window: ", kDefaultWindowUs))
-      ->check(whole_number(1));
-  app.add_option("--window-events", video.window_events, "number of events of each frame")->check(whole_number(1));
-  app.add_flag("--window-triggers", video.window_triggers, "make a frame of the events from each trigger to the next");
-  add_choice(app, "--edge", video.edge, words_of(kTriggerEdges), "edge of the triggers: rising, falling or both");
-  app.add_option("--channel", video.channel, "trigger input; default: all");
+  CLI::Option* const by_time =
+      app.add_option("--window-us", video.window_us,
+                     cat("duration of the events of each frame; without any window: ", kDefaultWindowUs))
+          ->check(whole_number(1));
+  CLI::Option* const by_count = app.add_option("--window-events", video.window_events, "number of events of each frame")
+                                    ->check(whole_number(1))
+                                    ->excludes(by_time);
+  app.add_flag("--window-triggers", video.window_triggers, "make a frame of the events from each trigger to the next")
+      ->excludes(by_time)
+      ->excludes(by_count);
+  add_choice(app, "--edge", video.window.edge, kTriggerEdges, "edge of the triggers: rising, falling or both");
+  app.add_option("--channel", video.window.channel, "trigger input; default: all");
 }
 
 }  // namespace

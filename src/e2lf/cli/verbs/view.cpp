@@ -235,7 +235,7 @@ class DocumentMaker {
     // Frames show the polarity of the recording; with --invert-polarity, the events of cycles have the other one.
     const auto open_its_cycles = [&](const auto& on_batch) {
       CycleObserver observer;
-      if (!flags.invert_polarity) observer.on_batch = on_batch;
+      if (!flags.options.invert_polarity) observer.on_batch = on_batch;
       return open_cycles(path, flags, observer);
     };
     return view::add_recording(document_, name_of(path), {open, open_its_cycles}, arguments_.frames);
