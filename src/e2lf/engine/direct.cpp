@@ -48,10 +48,7 @@ class DirectKernel final : public Kernel {
 
   std::string describe() const override {
     return "direct " + std::to_string(grid_.kernel) + "x" + std::to_string(grid_.kernel) + " " +
-           hwy::TargetName(HWY_TARGET) +
-           (kIsScaled              ? " int16"
-            : Products::kStep == 2 ? " bfloat16"
-                                   : " float32");
+           describe_products<Products>();
   }
 
   Reach reach() const override { return grid_.reach(); }
@@ -191,20 +188,11 @@ class DirectKernel final : public Kernel {
 }  // namespace
 
 std::unique_ptr<Kernel> MakeDirect(const ConvSpec& spec) {
-#if E2LF_TARGET_HAS_BF16
-  if (spec.compute == ElementType::kBfloat16) return std::make_unique<DirectKernel<Bfloat16Products>>(spec);
-#endif
-  E2LF_REQUIRE(spec.compute == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return std::make_unique<DirectKernel<FloatProducts>>(spec);
+  return make_of_floats<DirectKernel>(spec);
 }
 
-std::unique_ptr<Kernel> MakeDirectInt16([[maybe_unused]] const ConvSpec& spec) {
-#if E2LF_TARGET_HAS_INT16
-  E2LF_REQUIRE(spec.compute == ElementType::kFloat32, "integers are made from float32");
-  return std::make_unique<DirectKernel<Int16Products>>(spec);
-#else
-  E2LF_REQUIRE(false, "integers need int16_supported()");
-#endif
+std::unique_ptr<Kernel> MakeDirectInt16(const ConvSpec& spec) {
+  return make_of_integers<DirectKernel>(spec);
 }
 
 bool KnowsBfloat16() {

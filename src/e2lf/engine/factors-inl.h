@@ -88,6 +88,34 @@ struct Factors<Int16Products> {
 };
 #endif
 
+/// Returns the instruction set of a kernel and the type in which it multiplies, "AVX2 float32".
+template <class Products>
+std::string describe_products() {
+  return std::string(hwy::TargetName(HWY_TARGET)) + (Factors<Products>::kAreIntegers ? " int16"
+                                                     : Products::kStep == 2          ? " bfloat16"
+                                                                                     : " float32");
+}
+
+/// Makes a kernel that multiplies in the type in which the convolution computes, or in integers.
+template <template <class> class KernelOf>
+std::unique_ptr<Kernel> make_of_floats(const ConvSpec& spec) {
+#if E2LF_TARGET_HAS_BF16
+  if (spec.compute == ElementType::kBfloat16) return std::make_unique<KernelOf<Bfloat16Products>>(spec);
+#endif
+  E2LF_REQUIRE(spec.compute == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
+  return std::make_unique<KernelOf<FloatProducts>>(spec);
+}
+
+template <template <class> class KernelOf>
+std::unique_ptr<Kernel> make_of_integers([[maybe_unused]] const ConvSpec& spec) {
+#if E2LF_TARGET_HAS_INT16
+  E2LF_REQUIRE(spec.compute == ElementType::kFloat32, "integers are made from float32");
+  return std::make_unique<KernelOf<Int16Products>>(spec);
+#else
+  E2LF_REQUIRE(false, "integers need int16_supported()");
+#endif
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace e2lf::engine
 HWY_AFTER_NAMESPACE();

@@ -27,7 +27,7 @@ class PlanBuilder {
   [[nodiscard]] const TensorSpec& spec(const std::string& name) const { return specs_.at(name); }
   [[nodiscard]] size_t tensor(const std::string& name) const { return tensor_.at(name); }
 
-  /// Returns weights. Fails with kNotFound, kShape (another number than `size`) and kInvalidValue (not finite).
+  /// Returns weights. Fails with kShape if the operation of their layer does not state them, with this size.
   [[nodiscard]] Result<std::vector<float>> weights(const std::string& name, size_t size) const;
 
   /// Returns the convolution of a layer, with the weights "<name>.weight" and "<name>.bias", from `in_channels`

@@ -11,6 +11,7 @@
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/operation.h"
 #include "e2lf/engine/reshape.h"
+#include "e2lf/model/model_parts.h"
 
 namespace e2lf::engine {
 namespace {
@@ -184,11 +185,11 @@ class PlanMaker {
 
   /// Adds a layer without weights.
   Result<void> add_plain(const Layer& layer) {
-    const ElementType type = build_.spec(layer.name).type;
+    const TensorSpec& output = build_.spec(layer.name);
     std::vector<size_t> in_channels;
     for (const std::string& input : layer.inputs) in_channels.push_back(build_.spec(input).channels);
     if (layer.op == Op::kSigmoid) {
-      build_.add(layer, make_sigmoid(in_channels[0], type));
+      build_.add(layer, make_sigmoid(in_channels[0], output.type));
       return {};
     }
     if (!is_reshape(layer)) {
@@ -196,7 +197,7 @@ class PlanMaker {
                   "the engine does not compute the operation ", layer.op, "; add it with engine::add_operation()");
     }
     const Layer* source = find_layer(layer.inputs[0]);
-    build_.add(layer, make_reshape(layer, in_channels, type, source != nullptr && is_shuffled(*source)));
+    build_.add(layer, make_reshape(layer, in_channels, output, source != nullptr && is_shuffled(*source)));
     return {};
   }
 
@@ -236,6 +237,7 @@ std::vector<size_t> Stage::reads() const {
 Result<Plan> make_plan(const model::Network& network, const model::Weights& weights, ElementType compute,
                        bool int16_products) {
   if (const auto shapes = model::infer_shapes(network); !shapes) return shapes.error();
+  E2LF_RETURN_IF_ERROR(model::validate_weights(network, weights, "weights"));
   const model::Network read = without_unread_layers(network);
   return PlanMaker(read, weights, compute, int16_products).make();
 }

@@ -2,7 +2,6 @@
 #include "e2lf/engine/reshape.h"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -32,32 +31,15 @@ std::optional<Kind> kind_of(const model::Layer& layer) {
 template <typename T>
 class ReshapeKernel final : public Kernel {
  public:
-  ReshapeKernel(const model::Layer& layer, std::vector<size_t> in_channels, bool phases_first)
+  ReshapeKernel(const model::Layer& layer, std::vector<size_t> in_channels, size_t out_channels, bool phases_first)
       : name_(layer.op),
         kind_(*kind_of(layer)),
         stride_(layer.stride),
         relu_(layer.relu),
         phases_first_(phases_first),
-        in_channels_(std::move(in_channels)) {
-    const size_t sum = std::accumulate(in_channels_.begin(), in_channels_.end(), size_t{0});
-    switch (kind_) {
-      case Kind::kUnshuffle:
-        out_channels_ = sum * stride_ * stride_;
-        break;
-      case Kind::kShuffle:
-        out_channels_ = sum / (stride_ * stride_);
-        break;
-      case Kind::kConcat:
-        out_channels_ = sum;
-        break;
-      case Kind::kMean:
-        factor_ = 1.0F / static_cast<float>(in_channels_.size());
-        out_channels_ = in_channels_[0];
-        break;
-      default:
-        out_channels_ = in_channels_[0];
-    }
-  }
+        in_channels_(std::move(in_channels)),
+        out_channels_(out_channels),
+        factor_(kind_ == Kind::kMean ? 1.0F / static_cast<float>(in_channels_.size()) : 1.0F) {}
 
   std::string describe() const override { return name_; }
 
@@ -140,8 +122,8 @@ class ReshapeKernel final : public Kernel {
   bool relu_;
   bool phases_first_;
   std::vector<size_t> in_channels_;
-  size_t out_channels_ = 0;
-  float factor_ = 1.0F;  ///< by which sums are multiplied
+  size_t out_channels_;
+  float factor_;  ///< by which sums are multiplied
 };
 
 }  // namespace
@@ -151,10 +133,12 @@ bool is_reshape(const model::Layer& layer) {
 }
 
 std::unique_ptr<Kernel> make_reshape(const model::Layer& layer, const std::vector<size_t>& in_channels,
-                                     ElementType type, bool phases_first) {
+                                     const TensorSpec& output, bool phases_first) {
   E2LF_REQUIRE(is_reshape(layer) && !in_channels.empty(), layer.name);
-  if (type == ElementType::kFloat32) return std::make_unique<ReshapeKernel<float>>(layer, in_channels, phases_first);
-  return std::make_unique<ReshapeKernel<Bfloat16>>(layer, in_channels, phases_first);
+  if (output.type == ElementType::kFloat32) {
+    return std::make_unique<ReshapeKernel<float>>(layer, in_channels, output.channels, phases_first);
+  }
+  return std::make_unique<ReshapeKernel<Bfloat16>>(layer, in_channels, output.channels, phases_first);
 }
 
 }  // namespace e2lf::engine

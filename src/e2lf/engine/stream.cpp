@@ -32,25 +32,12 @@ size_t first_needed(const Reach& reach, size_t y) {
 // the first-level cache together.
 constexpr size_t kBlock = 64;
 
-void store(float value, float& to) {
-  to = value;
-}
-void store(float value, Bfloat16& to) {
-  to = to_bfloat16(value);
-}
-float load(float value) {
-  return value;
-}
-float load(Bfloat16 value) {
-  return to_float(value);
-}
-
 template <typename T>
 void read_rows(const float* from, size_t plane, size_t channels, size_t width, T* row) {
   const size_t step = padded_channels(channels);
   std::fill_n(row, width * step, T{});
   for (size_t c = 0; c < channels; ++c) {
-    for (size_t x = 0; x < width; ++x) store(from[c * plane + x], row[x * step + c]);
+    for (size_t x = 0; x < width; ++x) assign(from[c * plane + x], row[x * step + c]);
   }
 }
 
@@ -61,7 +48,7 @@ void write_rows(const T* row, size_t channels, size_t width, float* to, size_t p
     const size_t end = std::min(width, begin + kBlock);
     for (size_t c = 0; c < channels; ++c) {
       float* const line = to + (planes.empty() ? c : planes[c]) * plane;
-      for (size_t x = begin; x < end; ++x) line[x] = load(row[x * step + c]);
+      for (size_t x = begin; x < end; ++x) line[x] = to_float(row[x * step + c]);
     }
   }
 }

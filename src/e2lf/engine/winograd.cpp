@@ -59,10 +59,7 @@ class WinogradKernel final : public Kernel {
 
   std::string describe() const override {
     return "Winograd F(4x4,3x3) for " + std::to_string(kernel_) + "x" + std::to_string(kernel_) + " " +
-           hwy::TargetName(HWY_TARGET) +
-           (kIsScaled              ? " int16"
-            : Products::kStep == 2 ? " bfloat16"
-                                   : " float32");
+           describe_products<Products>();
   }
 
   Reach reach() const override { return {kernel_ / 2, parts_ * 3 - 1 - kernel_ / 2, 1, 1}; }
@@ -183,24 +180,11 @@ class WinogradKernel final : public Kernel {
     const size_t group = group_;
     const size_t depth = depth_;
     for (size_t channel = 0; channel < group; channel += kLanes) {
-      FloatVec half[kWinogradPoints][kWinogradPoints];
-      E2LF_UNROLL
-      for (size_t j = 0; j < kWinogradPoints; ++j) {
-        FloatVec column[kWinogradPoints], v[kWinogradPoints];
-        E2LF_UNROLL
-        for (size_t i = 0; i < kWinogradPoints; ++i) column[i] = load_floats(rows[i] + j * group + channel);
-        transform_input(column, v);
-        E2LF_UNROLL
-        for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = v[i];
-      }
-      Factor* out = to + channel;
-      E2LF_UNROLL
-      for (size_t i = 0; i < kWinogradPoints; ++i) {
-        FloatVec v[kWinogradPoints];
-        transform_input(half[i], v);
-        E2LF_UNROLL
-        for (size_t j = 0; j < kWinogradPoints; ++j, out += depth) Factors<Products>::store(v[j], scale, out);
-      }
+      transform_square<kWinogradPoints, kWinogradPoints>(
+          [](const auto& from, auto& v) HWY_ATTR { transform_input(from, v); },
+          [&](size_t i, size_t j) HWY_ATTR { return load_floats(rows[i] + j * group + channel); },
+          [&](size_t i, size_t j, FloatVec value)
+              HWY_ATTR { Factors<Products>::store(value, scale, to + channel + (i * kWinogradPoints + j) * depth); });
     }
   }
 
@@ -294,20 +278,11 @@ class WinogradKernel final : public Kernel {
 }  // namespace
 
 std::unique_ptr<Kernel> MakeWinograd(const ConvSpec& spec) {
-#if E2LF_TARGET_HAS_BF16
-  if (spec.compute == ElementType::kBfloat16) return std::make_unique<WinogradKernel<Bfloat16Products>>(spec);
-#endif
-  E2LF_REQUIRE(spec.compute == ElementType::kFloat32, "bfloat16 needs bfloat16_supported()");
-  return std::make_unique<WinogradKernel<FloatProducts>>(spec);
+  return make_of_floats<WinogradKernel>(spec);
 }
 
-std::unique_ptr<Kernel> MakeWinogradInt16([[maybe_unused]] const ConvSpec& spec) {
-#if E2LF_TARGET_HAS_INT16
-  E2LF_REQUIRE(spec.compute == ElementType::kFloat32, "integers are made from float32");
-  return std::make_unique<WinogradKernel<Int16Products>>(spec);
-#else
-  E2LF_REQUIRE(false, "integers need int16_supported()");
-#endif
+std::unique_ptr<Kernel> MakeWinogradInt16(const ConvSpec& spec) {
+  return make_of_integers<WinogradKernel>(spec);
 }
 
 bool KnowsInt16() {

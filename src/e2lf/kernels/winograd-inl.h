@@ -114,6 +114,29 @@ HWY_INLINE void collect_taps(const FloatVec (&u)[kWinogradPoints], FloatVec (&g)
   g[2] = hn::MulAdd(hn::Set(d, kA * kA), even_a, hn::MulAdd(hn::Set(d, kB * kB), even_b, u[5]));
 }
 
+/// Applies a transform along both axes of a square, first to its columns: `load(i, j)` returns the value in row i of
+/// column j, and `store(i, j, value)` receives those of the result. With i and j exchanged in both, the rows are first.
+template <size_t kFrom, size_t kTo, class Transform, class Load, class Store>
+HWY_INLINE void transform_square(const Transform& transform, const Load& load, const Store& store) {
+  FloatVec half[kTo][kFrom];
+  E2LF_UNROLL
+  for (size_t j = 0; j < kFrom; ++j) {
+    FloatVec column[kFrom], transformed[kTo];
+    E2LF_UNROLL
+    for (size_t i = 0; i < kFrom; ++i) column[i] = load(i, j);
+    transform(column, transformed);
+    E2LF_UNROLL
+    for (size_t i = 0; i < kTo; ++i) half[i][j] = transformed[i];
+  }
+  E2LF_UNROLL
+  for (size_t i = 0; i < kTo; ++i) {
+    FloatVec transformed[kTo];
+    transform(half[i], transformed);
+    E2LF_UNROLL
+    for (size_t j = 0; j < kTo; ++j) store(i, j, transformed[j]);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace e2lf::kernels
 HWY_AFTER_NAMESPACE();

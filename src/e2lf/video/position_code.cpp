@@ -16,13 +16,6 @@ using model::Layer, model::LayerShape;
 
 namespace {
 
-float sum(float value, double more) {
-  return value + static_cast<float>(more);
-}
-Bfloat16 sum(Bfloat16 value, double more) {
-  return to_bfloat16(to_float(value) + static_cast<float>(more));
-}
-
 /// Adds the position code. One block is one row.
 template <class Element>
 class PositionCodeKernel final : public Kernel {
@@ -51,8 +44,8 @@ class PositionCodeKernel final : public Kernel {
       const double turn_cos = steps_[i].real(), turn_sin = steps_[i].imag();
       for (size_t x = 0; x < strip.width; ++x) {
         Element* pixel = to + x * step + 2 * i;
-        pixel[0] = sum(pixel[0], code.imag());
-        if (2 * i + 1 < channels_) pixel[1] = sum(pixel[1], code.real());
+        assign(to_float(pixel[0]) + static_cast<float>(code.imag()), pixel[0]);
+        if (2 * i + 1 < channels_) assign(to_float(pixel[1]) + static_cast<float>(code.real()), pixel[1]);
         code = {code.real() * turn_cos - code.imag() * turn_sin, code.real() * turn_sin + code.imag() * turn_cos};
       }
     }

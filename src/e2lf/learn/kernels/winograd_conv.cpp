@@ -69,7 +69,6 @@ namespace HWY_NAMESPACE {
 namespace {
 
 using kn::kTaps;
-using Square = FloatVec[kWinogradPoints][kWinogradPoints];
 
 /// Access to kLanes channels of a pixel.
 struct WholeVector {
@@ -105,27 +104,17 @@ HWY_INLINE FloatVec load_pixel(const float* pixel, size_t channel, const Access&
   return pixel == nullptr ? hn::Zero(FloatTag()) : access.load(pixel + channel);
 }
 
+/// Returns the transforms of winograd-inl.h as objects, which are inlined.
+#define E2LF_TRANSFORM(name) [](const auto& from, auto& to) HWY_ATTR { kn::name(from, to); }
+
 /// Transforms the 6x6 pixels that a tile depends on; point p goes to `to` + p * step.
 void transform_tile(const Pixels<kWinogradPoints, const float>& pixels, size_t channels, float* to, size_t step) {
   for_channels(channels, [&](size_t channel, const auto& access) HWY_ATTR {
-    Square half;
-    E2LF_UNROLL
-    for (size_t j = 0; j < kWinogradPoints; ++j) {
-      FloatVec column[kWinogradPoints], v[kWinogradPoints];
-      E2LF_UNROLL
-      for (size_t i = 0; i < kWinogradPoints; ++i) column[i] = load_pixel(pixels.at[i][j], channel, access);
-      kn::transform_input(column, v);
-      E2LF_UNROLL
-      for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = v[i];
-    }
-    float* point = to + channel;
-    E2LF_UNROLL
-    for (size_t i = 0; i < kWinogradPoints; ++i) {
-      FloatVec v[kWinogradPoints];
-      kn::transform_input(half[i], v);
-      E2LF_UNROLL
-      for (size_t j = 0; j < kWinogradPoints; ++j, point += step) hn::StoreU(v[j], FloatTag(), point);
-    }
+    kn::transform_square<kWinogradPoints, kWinogradPoints>(
+        E2LF_TRANSFORM(transform_input),
+        [&](size_t i, size_t j) HWY_ATTR { return load_pixel(pixels.at[i][j], channel, access); },
+        [&](size_t i, size_t j, FloatVec value)
+            HWY_ATTR { hn::StoreU(value, FloatTag(), to + channel + (i * kWinogradPoints + j) * step); });
   });
 }
 
@@ -136,29 +125,15 @@ void finish_tile(const ConvShape& shape, const ConvForward& job, const Tile& til
   const FloatTag d;
   const auto floor = hn::Set(d, job.relu ? 0.0F : -std::numeric_limits<float>::infinity());
   for_channels(shape.out_channels, [&](size_t channel, const auto& access) HWY_ATTR {
-    FloatVec half[kTileSize][kWinogradPoints];
-    const float* point = sums + channel;
-    E2LF_UNROLL
-    for (size_t i = 0; i < kWinogradPoints; ++i) {
-      FloatVec row[kWinogradPoints], v[kTileSize];
-      E2LF_UNROLL
-      for (size_t j = 0; j < kWinogradPoints; ++j, point += step) row[j] = hn::LoadU(d, point);
-      kn::transform_output(row, v);
-      E2LF_UNROLL
-      for (size_t j = 0; j < kTileSize; ++j) half[j][i] = v[j];
-    }
     const auto bias = access.load(job.bias + channel);
-    E2LF_UNROLL
-    for (size_t j = 0; j < kTileSize; ++j) {
-      FloatVec v[kTileSize];
-      kn::transform_output(half[j], v);
-      E2LF_UNROLL
-      for (size_t i = 0; i < kTileSize; ++i) {
-        if (outputs.at[i][j] == nullptr) continue;
-        const auto sum = hn::Add(hn::Add(v[i], bias), load_pixel(residuals.at[i][j], channel, access));
-        access.store(hn::Max(sum, floor), outputs.at[i][j] + channel);
-      }
-    }
+    kn::transform_square<kWinogradPoints, kTileSize>(
+        E2LF_TRANSFORM(transform_output),
+        [&](size_t j, size_t i) HWY_ATTR { return hn::LoadU(d, sums + channel + (i * kWinogradPoints + j) * step); },
+        [&](size_t j, size_t i, FloatVec value) HWY_ATTR {
+          if (outputs.at[i][j] == nullptr) return;
+          const auto sum = hn::Add(hn::Add(value, bias), load_pixel(residuals.at[i][j], channel, access));
+          access.store(hn::Max(sum, floor), outputs.at[i][j] + channel);
+        });
   });
 }
 
@@ -168,33 +143,21 @@ void spread_tile(const ConvShape& shape, const ConvBackward& job, const Tile& ti
   const Pixels<kTileSize, const float> outputs(shape, job.y, shape.out_channels, tile, 0);
   const FloatTag d;
   for_channels(shape.out_channels, [&](size_t channel, const auto& access) HWY_ATTR {
-    FloatVec half[kWinogradPoints][kTileSize];
     auto sum = access.load(job.dbias + channel);
-    E2LF_UNROLL
-    for (size_t j = 0; j < kTileSize; ++j) {
-      FloatVec column[kTileSize], m[kWinogradPoints];
-      E2LF_UNROLL
-      for (size_t i = 0; i < kTileSize; ++i) {
-        column[i] = load_pixel(gradients.at[i][j], channel, access);
-        if (outputs.at[i][j] != nullptr) {
-          const auto output = access.load(outputs.at[i][j] + channel);
-          column[i] = hn::IfThenElseZero(hn::Gt(output, hn::Zero(d)), column[i]);
-        }
-        sum = hn::Add(sum, column[i]);
-      }
-      kn::spread_output(column, m);
-      E2LF_UNROLL
-      for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = m[i];
-    }
+    kn::transform_square<kTileSize, kWinogradPoints>(
+        E2LF_TRANSFORM(spread_output),
+        [&](size_t i, size_t j) HWY_ATTR {
+          auto gradient = load_pixel(gradients.at[i][j], channel, access);
+          if (outputs.at[i][j] != nullptr) {
+            const auto output = access.load(outputs.at[i][j] + channel);
+            gradient = hn::IfThenElseZero(hn::Gt(output, hn::Zero(d)), gradient);
+          }
+          sum = hn::Add(sum, gradient);
+          return gradient;
+        },
+        [&](size_t i, size_t j, FloatVec value)
+            HWY_ATTR { hn::StoreU(value, d, to + channel + (i * kWinogradPoints + j) * step); });
     access.store(sum, job.dbias + channel);
-    float* point = to + channel;
-    E2LF_UNROLL
-    for (size_t i = 0; i < kWinogradPoints; ++i) {
-      FloatVec m[kWinogradPoints];
-      kn::spread_output(half[i], m);
-      E2LF_UNROLL
-      for (size_t j = 0; j < kWinogradPoints; ++j, point += step) hn::StoreU(m[j], d, point);
-    }
   });
 }
 
@@ -203,28 +166,14 @@ void collect_tile(const ConvShape& shape, float* dx, const Tile& tile, const flo
   const Pixels<kWinogradPoints, float> pixels(shape, dx, shape.in_channels, tile, 1);
   const FloatTag d;
   for_channels(shape.in_channels, [&](size_t channel, const auto& access) HWY_ATTR {
-    Square half;
-    const float* point = points + channel;
-    E2LF_UNROLL
-    for (size_t i = 0; i < kWinogradPoints; ++i) {
-      FloatVec row[kWinogradPoints], x[kWinogradPoints];
-      E2LF_UNROLL
-      for (size_t j = 0; j < kWinogradPoints; ++j, point += step) row[j] = hn::LoadU(d, point);
-      kn::spread_input(row, x);
-      E2LF_UNROLL
-      for (size_t j = 0; j < kWinogradPoints; ++j) half[j][i] = x[j];
-    }
-    E2LF_UNROLL
-    for (size_t j = 0; j < kWinogradPoints; ++j) {
-      FloatVec x[kWinogradPoints];
-      kn::spread_input(half[j], x);
-      E2LF_UNROLL
-      for (size_t i = 0; i < kWinogradPoints; ++i) {
-        if (pixels.at[i][j] == nullptr) continue;
-        float* to = pixels.at[i][j] + channel;
-        access.store(hn::Add(access.load(to), x[i]), to);
-      }
-    }
+    kn::transform_square<kWinogradPoints, kWinogradPoints>(
+        E2LF_TRANSFORM(spread_input),
+        [&](size_t j, size_t i) HWY_ATTR { return hn::LoadU(d, points + channel + (i * kWinogradPoints + j) * step); },
+        [&](size_t j, size_t i, FloatVec value) HWY_ATTR {
+          if (pixels.at[i][j] == nullptr) return;
+          float* to = pixels.at[i][j] + channel;
+          access.store(hn::Add(access.load(to), value), to);
+        });
   });
 }
 
@@ -232,24 +181,13 @@ void TapsToMatrices(const float* taps, size_t rows, size_t columns, float* matri
   const size_t width = padded_channels(columns), step = rows * width;
   for (size_t row = 0; row < rows; ++row) {
     for_channels(columns, [&](size_t column, const auto& access) HWY_ATTR {
-      FloatVec half[kWinogradPoints][kTaps];
-      E2LF_UNROLL
-      for (size_t j = 0; j < kTaps; ++j) {
-        FloatVec g[kTaps], u[kWinogradPoints];
-        E2LF_UNROLL
-        for (size_t i = 0; i < kTaps; ++i) g[i] = access.load(taps + ((i * kTaps + j) * rows + row) * columns + column);
-        kn::transform_taps(g, u);
-        E2LF_UNROLL
-        for (size_t i = 0; i < kWinogradPoints; ++i) half[i][j] = u[i];
-      }
-      float* to = matrices + row * width + column;
-      E2LF_UNROLL
-      for (size_t i = 0; i < kWinogradPoints; ++i) {
-        FloatVec u[kWinogradPoints];
-        kn::transform_taps(half[i], u);
-        E2LF_UNROLL
-        for (size_t j = 0; j < kWinogradPoints; ++j, to += step) hn::StoreU(u[j], FloatTag(), to);
-      }
+      kn::transform_square<kTaps, kWinogradPoints>(
+          E2LF_TRANSFORM(transform_taps),
+          [&](size_t i, size_t j)
+              HWY_ATTR { return access.load(taps + ((i * kTaps + j) * rows + row) * columns + column); },
+          [&](size_t i, size_t j, FloatVec value) HWY_ATTR {
+            hn::StoreU(value, FloatTag(), matrices + row * width + column + (i * kWinogradPoints + j) * step);
+          });
     });
   }
 }
@@ -258,27 +196,18 @@ void MatricesToTaps(const float* matrices, size_t rows, size_t columns, float* t
   const size_t width = padded_channels(columns), step = rows * width;
   for (size_t row = 0; row < rows; ++row) {
     for_channels(columns, [&](size_t column, const auto& access) HWY_ATTR {
-      FloatVec half[kTaps][kWinogradPoints];
-      const float* from = matrices + row * width + column;
-      E2LF_UNROLL
-      for (size_t i = 0; i < kWinogradPoints; ++i) {
-        FloatVec u[kWinogradPoints], g[kTaps];
-        E2LF_UNROLL
-        for (size_t j = 0; j < kWinogradPoints; ++j, from += step) u[j] = hn::LoadU(FloatTag(), from);
-        kn::collect_taps(u, g);
-        E2LF_UNROLL
-        for (size_t j = 0; j < kTaps; ++j) half[j][i] = g[j];
-      }
-      E2LF_UNROLL
-      for (size_t j = 0; j < kTaps; ++j) {
-        FloatVec g[kTaps];
-        kn::collect_taps(half[j], g);
-        E2LF_UNROLL
-        for (size_t i = 0; i < kTaps; ++i) access.store(g[i], taps + ((i * kTaps + j) * rows + row) * columns + column);
-      }
+      kn::transform_square<kWinogradPoints, kTaps>(
+          E2LF_TRANSFORM(collect_taps),
+          [&](size_t j, size_t i) HWY_ATTR {
+            return hn::LoadU(FloatTag(), matrices + row * width + column + (i * kWinogradPoints + j) * step);
+          },
+          [&](size_t j, size_t i, FloatVec value)
+              HWY_ATTR { access.store(value, taps + ((i * kTaps + j) * rows + row) * columns + column); });
     });
   }
 }
+
+#undef E2LF_TRANSFORM
 
 /// Memory for the points of a block of tiles: [36, tile, padded channel].
 struct BlockPoints {

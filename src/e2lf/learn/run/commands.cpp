@@ -76,8 +76,23 @@ Result<Trainer> open_run(const std::filesystem::path& run, const std::vector<std
   return trainer;
 }
 
-Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesystem::path& run, const Peers& peers,
+/// Trains to the end and writes the model. A new run must not overwrite anything; another one continues at its
+/// checkpoint.
+Result<std::filesystem::path> run_and_export(const std::filesystem::path& config_path, const std::filesystem::path& run,
+                                             bool is_new, const std::vector<std::string>& overrides,
                                              const ProgressFn& progress, const std::function<bool()>& keep_going) {
+  E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
+  E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides, peers));
+  if (is_new && peers.leads()) E2LF_RETURN_IF_ERROR(check_is_free(run, config));
+  E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
+  E2LF_RETURN_IF_ERROR(peers.connect(device));
+  E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
+  // The other processes receive the state of the first. A run that was killed before its first checkpoint starts
+  // again.
+  std::error_code error;
+  if (!is_new && peers.leads() && std::filesystem::exists(run / kCheckpoint, error)) {
+    E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
+  }
   keep_freed_memory();
   if (peers.leads()) remove_dead_parts(run);
   E2LF_RETURN_IF_ERROR(trainer.run(run, progress, keep_going));
@@ -91,33 +106,14 @@ Result<std::filesystem::path> run_and_export(Trainer& trainer, const std::filesy
 Result<std::filesystem::path> train(const std::filesystem::path& config_path, const std::filesystem::path& run,
                                     const std::vector<std::string>& overrides, const ProgressFn& progress,
                                     const std::function<bool()>& keep_going) {
-  return guarded(config_path, [&]() -> Result<std::filesystem::path> {
-    E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
-    E2LF_ASSIGN_OR_RETURN(const auto config, read_config(config_path, overrides, peers));
-    if (peers.leads()) E2LF_RETURN_IF_ERROR(check_is_free(run, config));
-    E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
-    E2LF_RETURN_IF_ERROR(peers.connect(device));
-    E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
-    return run_and_export(trainer, run, peers, progress, keep_going);
-  });
+  return guarded(config_path,
+                 [&] { return run_and_export(config_path, run, /*is_new=*/true, overrides, progress, keep_going); });
 }
 
 Result<std::filesystem::path> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
                                      const ProgressFn& progress, const std::function<bool()>& keep_going) {
-  return guarded(run, [&]() -> Result<std::filesystem::path> {
-    E2LF_ASSIGN_OR_RETURN(auto peers, Peers::meet());
-    E2LF_ASSIGN_OR_RETURN(const auto config, read_config(run / "config.json", overrides, peers));
-    E2LF_ASSIGN_OR_RETURN(const auto device, open_device(config.device));
-    E2LF_RETURN_IF_ERROR(peers.connect(device));
-    E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
-    // The other processes receive the state of the first. A run that was killed before its first checkpoint starts
-    // again.
-    std::error_code error;
-    if (peers.leads() && std::filesystem::exists(run / kCheckpoint, error)) {
-      E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
-    }
-    return run_and_export(trainer, run, peers, progress, keep_going);
-  });
+  return guarded(
+      run, [&] { return run_and_export(run / "config.json", run, /*is_new=*/false, overrides, progress, keep_going); });
 }
 
 namespace {
