@@ -23,19 +23,6 @@ constexpr size_t kMostSideOfParallax = 512;  // px
 constexpr double kMismatchRatio = 0.97;  // below it, other places are right
 constexpr double kConfirmed = 1.003;     // above it, the stated ones are
 
-capture::EventImages middle_part(const capture::EventImages& events) {
-  const size_t height = std::min(events.height, kMostSideOfParallax),
-               width = std::min(events.width, kMostSideOfParallax);
-  const size_t top = (events.height - height) / 2, left = (events.width - width) / 2;
-  capture::EventImages middle(events.count, height, width);
-  for (size_t row = 0; row < events.count * height; ++row) {
-    const size_t y = row / height * events.height + top + row % height;
-    std::copy_n(events.values.begin() + static_cast<ptrdiff_t>(y * events.width + left), width,
-                middle.values.begin() + static_cast<ptrdiff_t>(row * width));
-  }
-  return middle;
-}
-
 struct PatternPlace {
   double y = 0, x = 0;  ///< the centre of light of a pattern, in view steps from the middle
 };
@@ -134,22 +121,28 @@ std::vector<Candidate> candidates_for(const std::vector<PatternPlace>& stated) {
                             places});
     }
   }
-  const auto add_orientation = [&](const char* name, const char* remedy, auto change) {
-    std::vector<PatternPlace> places = stated;
-    std::ranges::transform(places, places.begin(), change);
-    candidates.push_back({{name, false, remedy, 1}, places});
-  };
-  add_orientation("with mirrored patterns", "render the patterns with `flip-x`, or state the orientation of the views",
-                  [](const PatternPlace& place) { return PatternPlace{.y = place.y, .x = -place.x}; });
-  add_orientation("with patterns turned by 90 degrees", "render the patterns with `rotate` 90",
-                  [](const PatternPlace& place) { return PatternPlace{.y = -place.x, .x = place.y}; });
-  add_orientation("with patterns mirrored and turned by 90 degrees",
-                  "render the patterns with `flip-x` and `rotate` 90",
-                  [](const PatternPlace& place) { return PatternPlace{.y = place.x, .x = place.y}; });
+  for (const OtherOrientation& other : kOtherOrientations) {
+    Candidate& candidate = candidates.emplace_back(Candidate{{other.name, false, other.remedy, 1}, stated});
+    for (PatternPlace& place : candidate.places) {
+      place = {other.y_of_y * place.y + other.y_of_x * place.x, other.x_of_y * place.y + other.x_of_x * place.x};
+    }
+  }
   return candidates;
 }
 
 }  // namespace
+
+capture::EventImages middle_of(const capture::EventImages& events, size_t most_height, size_t most_width) {
+  const size_t height = std::min(events.height, most_height), width = std::min(events.width, most_width);
+  const size_t top = (events.height - height) / 2, left = (events.width - width) / 2;
+  capture::EventImages middle(events.count, height, width);
+  for (size_t row = 0; row < events.count * height; ++row) {
+    const size_t y = row / height * events.height + top + row % height;
+    std::copy_n(events.values.begin() + static_cast<ptrdiff_t>(y * events.width + left), width,
+                middle.values.begin() + static_cast<ptrdiff_t>(row * width));
+  }
+  return middle;
+}
 
 std::vector<OtherPlaces> compare_places(const capture::EventImages& events, const capture::Codes& codes,
                                         float on_per_off) {
@@ -181,7 +174,8 @@ std::optional<Finding> check_places(const capture::EventImages& events, const ca
   using enum capture::PixelConstant;
   const bool is_pixel = camera && camera->is_pixel();
   const float on_per_off = is_pixel ? camera->pixel[kThresholdOff] / camera->pixel[kThresholdOn] : 1.0F;
-  const std::vector<OtherPlaces> places = compare_places(middle_part(events), codes, on_per_off);
+  const std::vector<OtherPlaces> places =
+      compare_places(middle_of(events, kMostSideOfParallax, kMostSideOfParallax), codes, on_per_off);
   const auto best = std::ranges::min_element(places, {}, &OtherPlaces::mismatch);
   if (best == places.end() || best->mismatch > kConfirmed) return std::nullopt;
   if (best->mismatch >= kMismatchRatio) {

@@ -12,6 +12,21 @@
 
 namespace e2lf::diagnose {
 
+/// An orientation of the patterns on the aperture that can be distinguished from the stated one: a half turn cannot,
+/// because it only changes the sign of all disparities. Each coordinate from the middle is plus or minus a stated one.
+struct OtherOrientation {
+  const char *name, *remedy;
+  int y_of_y, y_of_x, x_of_y, x_of_x;
+};
+inline constexpr OtherOrientation kOtherOrientations[] = {
+    {"with mirrored patterns", "render the patterns with `flip-x`, or state the orientation of the views", 1, 0, 0, -1},
+    {"with patterns turned by 90 degrees", "render the patterns with `rotate` 90", 0, -1, 1, 0},
+    {"with patterns mirrored and turned by 90 degrees", "render the patterns with `flip-x` and `rotate` 90", 0, 1, 1,
+     0}};
+
+/// Returns the middle of event images, at most of this size in px.
+[[nodiscard]] capture::EventImages middle_of(const capture::EventImages& events, size_t most_height, size_t most_width);
+
 /// Where the patterns may have been on the aperture, other than stated.
 struct OtherPlaces {
   std::string name;    ///< such as "with mirrored patterns"

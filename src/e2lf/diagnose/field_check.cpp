@@ -29,22 +29,6 @@ constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `r
 constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
 constexpr uint64_t kSeed = 1;
 
-lightfield::CropRegion middle_of(const capture::EventImages& events, size_t most_height, size_t most_width) {
-  const size_t height = std::min(events.height, most_height), width = std::min(events.width, most_width);
-  return {(events.height - height) / 2, (events.width - width) / 2, height, width};
-}
-
-capture::EventImages crop(const capture::EventImages& events, const lightfield::CropRegion& region) {
-  capture::EventImages part(events.count, region.height, region.width);
-  for (size_t k = 0; k < events.count; ++k) {
-    for (size_t y = 0; y < region.height; ++y) {
-      const auto row = events.image(k).subspan((region.y + y) * events.width + region.x, region.width);
-      std::copy(row.begin(), row.end(), part.image(k).begin() + static_cast<std::ptrdiff_t>(y * region.width));
-    }
-  }
-  return part;
-}
-
 /// Returns the same camera for a window in the middle of the image.
 recon::EventCheck in_window(recon::EventCheck check, double share_of_width) {
   if (!check.pixels) return check;
@@ -95,14 +79,20 @@ double contrast_of(const lightfield::LightField& light_field) {
   return bright <= 0 ? 0 : (bright - dark) / (bright + dark);
 }
 
-/// Moves the pixels of each image; pixel (y, x) of the result is that at `from(y, x)`, for square images.
-capture::EventImages moved(const capture::EventImages& events,
-                           const std::function<std::pair<size_t, size_t>(size_t y, size_t x)>& from) {
-  capture::EventImages result(events.count, events.height, events.width);
+/// Turns or mirrors square images as patterns would: a pattern that is mirrored on the aperture has the same effect as
+/// an unmirrored one on the mirrored scene.
+capture::EventImages oriented(const capture::EventImages& events, const OtherOrientation& to) {
+  const size_t side = events.width;
+  const auto along = [side](int of_y, int of_x, size_t y, size_t x) {
+    const size_t place = of_y != 0 ? y : x;
+    return of_y + of_x > 0 ? place : side - 1 - place;
+  };
+  capture::EventImages result(events.count, side, side);
   for (size_t k = 0; k < events.count; ++k) {
     for (size_t i = 0; i < events.image_size(); ++i) {
-      const auto [y, x] = from(i / events.width, i % events.width);
-      result.image(k)[i] = events.image(k)[y * events.width + x];
+      const size_t y = along(to.y_of_y, to.y_of_x, i / side, i % side);
+      const size_t x = along(to.x_of_y, to.x_of_x, i / side, i % side);
+      result.image(k)[i] = events.image(k)[y * side + x];
     }
   }
   return result;
@@ -154,30 +144,6 @@ std::vector<Change> other_orders(size_t transitions) {
   return changes;
 }
 
-/// Returns the orientations of square images that stand for those of the patterns: a pattern that is mirrored on the
-/// aperture has the same effect as an unmirrored one on the mirrored scene. A half turn cannot be distinguished,
-/// because it only changes the sign of all disparities, so that four of the eight orientations remain.
-std::vector<Change> other_orientations(size_t side) {
-  const auto last = [side](size_t place) { return side - 1 - place; };
-  const auto change = [](const char* name, const char* remedy, auto from) {
-    return Change{"orientation-better-changed", name, remedy,
-                  [from](const capture::EventImages& events) { return moved(events, from); }};
-  };
-  using Place = std::pair<size_t, size_t>;
-  return {change("with mirrored patterns", "render the patterns with `flip-x`, or state the orientation of the views",
-                 [=](size_t y, size_t x) {
-                   return Place{y, last(x)};
-                 }),
-          change("with patterns turned by 90 degrees", "render the patterns with `rotate` 90",
-                 [=](size_t y, size_t x) {
-                   return Place{last(x), y};
-                 }),
-          change("with patterns mirrored and turned by 90 degrees", "render the patterns with `flip-x` and `rotate` 90",
-                 [=](size_t y, size_t x) {
-                   return Place{x, y};
-                 })};
-}
-
 Result<double> error_of(const recon::Method& method, const recon::EventCheck& check,
                         const capture::EventImages& events) {
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(events, {}));
@@ -192,11 +158,14 @@ Result<std::optional<Finding>> better_change(const recon::Method& method, const 
                                              const capture::EventImages& events, double ratio, Json& tried) {
   const size_t side = std::min({events.height, events.width, kMostSideOfChanged});
   const recon::EventCheck own = in_window(check, static_cast<double>(side) / static_cast<double>(events.width));
-  const capture::EventImages given = crop(events, middle_of(events, side, side));
+  const capture::EventImages given = middle_of(events, side, side);
   E2LF_ASSIGN_OR_RETURN(const double unchanged, error_of(method, own, given));
   std::vector<Change> changes = other_orders(events.count);
   changes.push_back(inversion());
-  std::ranges::move(other_orientations(side), std::back_inserter(changes));
+  for (const OtherOrientation& other : kOtherOrientations) {
+    changes.push_back({"orientation-better-changed", other.name, other.remedy,
+                       [&other](const capture::EventImages& images) { return oriented(images, other); }});
+  }
   const Change* best = nullptr;
   double least = 0;
   for (const Change& change : changes) {
@@ -304,11 +273,12 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
   if (!is_judged_) return std::optional<Explanation>();
   const Candidate& own = candidate(is_of_lit);
   const capture::EventImages& events = measurement.events;
-  const lightfield::CropRegion region = middle_of(events, kMostSide, kMostSide);
-  const double share_of_width = static_cast<double>(region.width) / static_cast<double>(events.width);
+  const capture::EventImages given = middle_of(events, kMostSide, kMostSide);
+  const double share_of_width = static_cast<double>(given.width) / static_cast<double>(events.width);
   const recon::EventCheck check = in_window(own.check, share_of_width);
-  const capture::EventImages given = crop(events, region);
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField part, lightfield::crop(light_field, region));
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField part,
+                        lightfield::crop(light_field, {(events.height - given.height) / 2,
+                                                       (events.width - given.width) / 2, given.height, given.width}));
   E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, part, 1.0F, given));
   Explanation explained{.error = error.least, .contrast = contrast_of(part)};
   E2LF_ASSIGN_OR_RETURN(explained.noise_error, noise_error(check, part));
@@ -345,11 +315,10 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
 }
 
 Result<std::optional<Explanation>> FieldCheck::judge_events(const capture::EventImages& events) const {
-  const lightfield::CropRegion region = middle_of(events, kMostSide, kMostSide);
+  const capture::Measurement given(middle_of(events, kMostSide, kMostSide));
   FieldCheck middle = *this;
-  const double share_of_width = static_cast<double>(region.width) / static_cast<double>(events.width);
-  middle.own_.check = in_window(own_.check, share_of_width);
-  const capture::Measurement given(crop(events, region));
+  middle.own_.check =
+      in_window(own_.check, static_cast<double>(given.events.width) / static_cast<double>(events.width));
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, own_.method(given, {}));
   return middle.judge(light_field, given, false, true);
 }

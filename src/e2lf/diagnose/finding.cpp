@@ -2,17 +2,18 @@
 #include "e2lf/diagnose/finding.h"
 
 #include <algorithm>
-#include <array>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::diagnose {
 namespace {
 
-constexpr std::array kSeverities = {Severity::kNote, Severity::kWarning, Severity::kError};
+constexpr Choice<Severity> kSeverities[] = {
+    {"note", Severity::kNote}, {"warning", Severity::kWarning}, {"error", Severity::kError}};
 
-std::string word_of(const Json& json, const char* key) {
+std::string text_at(const Json& json, const char* key) {
   const auto found = json.find(key);
   return found != json.end() && found->is_string() ? found->get<std::string>() : "";
 }
@@ -20,7 +21,7 @@ std::string word_of(const Json& json, const char* key) {
 }  // namespace
 
 const char* severity_name(Severity severity) {
-  return severity == Severity::kNote ? "note" : severity == Severity::kWarning ? "warning" : "error";
+  return word_of(severity, kSeverities);
 }
 
 bool contains(const Findings& findings, const std::string& code) {
@@ -31,22 +32,13 @@ bool has_doubt(const Findings& findings) {
   return std::ranges::any_of(findings, [](const Finding& finding) { return finding.severity != Severity::kNote; });
 }
 
-std::string text_of(const Finding& finding, const std::string& prefix) {
-  std::string text = cat(finding.message, "; ");
-  bool is_setting = false;
-  for (const char letter : finding.remedy) {
-    if (letter != '`') {
-      text += letter;
-    } else if ((is_setting = !is_setting)) {
-      text += prefix;
-    }
-  }
-  return text;
+std::string text_of(const Finding& finding) {
+  return cat(finding.code, ": ", finding.message, "; ", finding.remedy);
 }
 
-void log_findings(const std::string& name, const Findings& findings, const std::string& prefix) {
+void log_findings(const std::string& name, const Findings& findings) {
   for (const Finding& finding : findings) {
-    const std::string text = cat(name, ": ", finding.code, ": ", text_of(finding, prefix));
+    const std::string text = cat(name, ": ", text_of(finding));
     finding.severity == Severity::kNote ? log_info(text) : log_warning(text);
   }
 }
@@ -68,10 +60,8 @@ Findings findings_from_json(const Json& json) {
   for (const Json& each : json.is_array() ? json : Json::array()) {
     if (!each.is_object()) continue;
     Finding finding{
-        .code = word_of(each, "code"), .message = word_of(each, "message"), .remedy = word_of(each, "remedy")};
-    for (const Severity severity : kSeverities) {
-      if (word_of(each, "severity") == severity_name(severity)) finding.severity = severity;
-    }
+        .code = text_at(each, "code"), .message = text_at(each, "message"), .remedy = text_at(each, "remedy")};
+    finding.severity = choice_of(text_at(each, "severity"), kSeverities).value_or(Severity::kWarning);
     finding.figures = each.value("figures", Json());
     findings.push_back(std::move(finding));
   }

@@ -32,11 +32,11 @@ using Findings = std::vector<Finding>;
 /// Returns true if a finding is a warning or an error.
 [[nodiscard]] bool has_doubt(const Findings& findings);
 
-/// Returns "message; remedy" with `prefix` before each setting instead of its backticks.
-[[nodiscard]] std::string text_of(const Finding& finding, const std::string& prefix = "");
+/// Returns "code: message; remedy".
+[[nodiscard]] std::string text_of(const Finding& finding);
 
-/// Logs each finding as "name: code: message; remedy", where settings are spelled with `prefix`.
-void log_findings(const std::string& name, const Findings& findings, const std::string& prefix = "");
+/// Logs each finding as "name: code: message; remedy".
+void log_findings(const std::string& name, const Findings& findings);
 
 /// Converts findings to [{"code", "severity", "message", "remedy", "figures"}, ...].
 [[nodiscard]] Json to_json(const Findings& findings);

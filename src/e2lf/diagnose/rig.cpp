@@ -259,35 +259,21 @@ Findings check_camera(const recordings::RecordingReader& camera, uint64_t events
                         "take off the lens cap, and check the biases"});
   }
   if (triggers == 0) findings.push_back(no_trigger_finding(seconds));
+  const auto check = [&](uint64_t lost, const char* code, const char* figure, std::string message, const char* remedy) {
+    if (lost > 0) findings.push_back({code, Severity::kWarning, std::move(message), remedy, {{figure, lost}}});
+  };
   const uint64_t dropped = summary.sensor_events_in - std::min(summary.sensor_events_in, summary.sensor_events_sent);
-  if (dropped > 0) {
-    findings.push_back({"sensor-overloaded",
-                        Severity::kWarning,
-                        cat("the sensor dropped ", dropped, " of ", summary.sensor_events_in, " events"),
-                        "use less light, a smaller region (`roi`) or other biases",
-                        {{"dropped", dropped}}});
-  }
-  if (summary.live.dropped_bytes > 0) {
-    findings.push_back({"bytes-lost",
-                        Severity::kWarning,
-                        cat(summary.live.dropped_bytes, " bytes were lost because they arrived too fast"),
-                        "use a faster computer",
-                        {{"bytes", summary.live.dropped_bytes}}});
-  }
-  if (summary.live.lost_buffers > 0) {
-    findings.push_back({"buffers-lost",
-                        Severity::kWarning,
-                        cat("the camera or its driver lost ", summary.live.lost_buffers, " buffers"),
-                        "check the cable and the load of the computer",
-                        {{"buffers", summary.live.lost_buffers}}});
-  }
-  if (summary.num_gaps > 0) {
-    findings.push_back({"times-with-gaps",
-                        Severity::kWarning,
-                        cat("the times have ", summary.num_gaps, " gaps, in which data are missing"),
-                        "check the cable and the load of the computer",
-                        {{"gaps", summary.num_gaps}}});
-  }
+  check(dropped, "sensor-overloaded", "dropped",
+        cat("the sensor dropped ", dropped, " of ", summary.sensor_events_in, " events"),
+        "use less light, a smaller region (`roi`) or other biases");
+  check(summary.live.dropped_bytes, "bytes-lost", "bytes",
+        cat(summary.live.dropped_bytes, " bytes were lost because they arrived too fast"), "use a faster computer");
+  check(summary.live.lost_buffers, "buffers-lost", "buffers",
+        cat("the camera or its driver lost ", summary.live.lost_buffers, " buffers"),
+        "check the cable and the load of the computer");
+  check(summary.num_gaps, "times-with-gaps", "gaps",
+        cat("the times have ", summary.num_gaps, " gaps, in which data are missing"),
+        "check the cable and the load of the computer");
   for (const char* const filter : {"anti_flicker", "event_trail_filter"}) {
     if (camera.info().find(filter) != "on") continue;
     findings.push_back({"sensor-filter", Severity::kWarning,

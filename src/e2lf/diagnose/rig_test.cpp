@@ -81,7 +81,7 @@ TEST(Findings, ComeBackFromJsonAndSpellSettings) {
   EXPECT_EQ(read[0].code, "polarity-inverted");
   EXPECT_EQ(read[0].severity, Severity::kError);
   EXPECT_EQ(read[0].figures["cycles"], 3);
-  EXPECT_EQ(text_of(read[0], "--"), "it is inverted; give --invert-polarity");
+  EXPECT_EQ(text_of(read[0]), read[0].code + ": it is inverted; give `invert-polarity`");
   EXPECT_TRUE(findings_from_json({{"code", 3}}).empty());
   EXPECT_TRUE(has_doubt(read));
 }

@@ -219,14 +219,17 @@ std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const c
                  "give the `schedule` of the display, or the number of its coding `patterns`", figures);
 }
 
+const TriggerEdges& edges_of(const TriggerInput& input, cycles::TriggerEdge edge) {
+  return edge == cycles::TriggerEdge::kFalling ? input.falling : input.rising;
+}
+
 /// Returns the input whose triggers match the schedule best.
 uint16_t best_input(const TriggerInputs& inputs, const cycles::CycleOptions& options) {
   const auto* best = &*inputs.begin();
   double best_share = -1;
   for (const auto& entry : inputs) {
-    const auto& times_us =
-        options.edge == cycles::TriggerEdge::kFalling ? entry.second.falling_us : entry.second.rising_us;
-    const double share = matching_share(intervals_of(times_us), intervals_of(options.schedule));
+    const double share =
+        matching_share(intervals_of(edges_of(entry.second, options.edge).times_us), intervals_of(options.schedule));
     if (share > best_share) best = &entry;
     best_share = std::max(best_share, share);
   }
@@ -237,18 +240,31 @@ uint16_t best_input(const TriggerInputs& inputs, const cycles::CycleOptions& opt
 
 void add(std::span<const recordings::Trigger> triggers, TriggerInputs& inputs) {
   for (const recordings::Trigger& trigger : triggers) {
-    TriggerInput& input = inputs[trigger.id];
-    ++(trigger.p != 0 ? input.rising : input.falling);
-    auto& times_us = trigger.p != 0 ? input.rising_us : input.falling_us;
-    if (times_us.size() < TriggerInput::kMostTimes) times_us.push_back(trigger.t);
+    TriggerEdges& edges = trigger.p != 0 ? inputs[trigger.id].rising : inputs[trigger.id].falling;
+    ++edges.count;
+    edges.last_us = trigger.t;
+    if (edges.times_us.size() < TriggerEdges::kMostTimes) edges.times_us.push_back(trigger.t);
   }
+}
+
+Json to_json(const TriggerInputs& inputs) {
+  Json json = Json::array();
+  for (const auto& [id, input] : inputs) {
+    json.push_back({{"channel", id},
+                    {"rising", input.rising.count},
+                    {"falling", input.falling.count},
+                    {"rising_period_us", input.rising.period_us()},
+                    {"falling_period_us", input.falling.period_us()}});
+  }
+  return json;
 }
 
 std::string triggers_text(const TriggerInputs& inputs, const cycles::Schedule& schedule) {
   std::vector<std::string> texts;
   for (const auto& [id, input] : inputs) {
-    const auto& times_us = input.rising >= input.falling ? input.rising_us : input.falling_us;
-    texts.push_back(cat("channel ", id, " has ", input.rising, " rising and ", input.falling, " falling edges",
+    const auto& times_us = (input.rising.count >= input.falling.count ? input.rising : input.falling).times_us;
+    texts.push_back(cat("channel ", id, " has ", input.rising.count, " rising and ", input.falling.count,
+                        " falling edges",
                         times_us.size() > 1 ? cat(", mostly ", ms(median(intervals_of(times_us))), " apart") : ""));
   }
   return cat("triggers: ", texts.empty() ? "none" : join(texts, "; "), "; the schedule expects ", schedule.size(),
@@ -273,14 +289,14 @@ std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles:
   }
   using cycles::TriggerEdge;
   const TriggerInput& input = options.channel ? inputs.at(*options.channel) : inputs.begin()->second;
-  if (options.edge == TriggerEdge::kRising && input.rising == 0) {
+  if (options.edge == TriggerEdge::kRising && input.rising.count == 0) {
     return finding("trigger-edge", "there are only falling edges", "give `edge` falling");
   }
-  if (options.edge == TriggerEdge::kFalling && input.falling == 0) {
+  if (options.edge == TriggerEdge::kFalling && input.falling.count == 0) {
     return finding("trigger-edge", "there are only rising edges", "give `edge` rising");
   }
-  const auto& times_us = options.edge == TriggerEdge::kFalling ? input.falling_us : input.rising_us;
-  if (options.edge == TriggerEdge::kBoth && input.falling > 0 &&
+  const std::vector<int64_t>& times_us = edges_of(input, options.edge).times_us;
+  if (options.edge == TriggerEdge::kBoth && input.falling.count > 0 &&
       !check_times(times_us, options.schedule, options.one_trigger_per_cycle)) {
     return finding("trigger-edge", "each pattern has a rising and a falling edge", "give `edge` rising");
   }
@@ -294,7 +310,7 @@ std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles:
                    "record for longer, or give `one-trigger-per-cycle` if each marks a cycle");
   }
   if (auto found = check_times(times_us, options.schedule, options.one_trigger_per_cycle)) return found;
-  if (last_us - times_us.back() > 2 * options.schedule.cycle_us() && times_us.size() < TriggerInput::kMostTimes) {
+  if (last_us - times_us.back() > 2 * options.schedule.cycle_us() && times_us.size() < TriggerEdges::kMostTimes) {
     return finding(
         "triggers-end",
         cat("the triggers end ", ms(static_cast<double>(last_us - times_us.back())), " before the recording"),

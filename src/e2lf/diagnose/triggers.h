@@ -43,16 +43,27 @@ class EventDelay {
   std::vector<int64_t> starts_us_;
 };
 
-/// The edges of one trigger input.
-struct TriggerInput {
-  uint64_t rising = 0, falling = 0;
-  std::vector<int64_t> rising_us, falling_us;  ///< the times of the first kMostTimes
+/// The rising or the falling edges of a trigger input.
+struct TriggerEdges {
+  uint64_t count = 0;
+  int64_t last_us = 0;
+  std::vector<int64_t> times_us;  ///< of the first kMostTimes
 
   static constexpr size_t kMostTimes = 4096;
+  /// Returns the mean time between edges, or 0 if there are fewer than two.
+  [[nodiscard]] double period_us() const {
+    return count < 2 ? 0.0 : static_cast<double>(last_us - times_us.front()) / static_cast<double>(count - 1);
+  }
+};
+struct TriggerInput {
+  TriggerEdges rising, falling;
 };
 using TriggerInputs = std::map<uint16_t, TriggerInput>;
 
 void add(std::span<const recordings::Trigger> triggers, TriggerInputs& inputs);
+
+/// Returns the number of rising and falling edges of each trigger input and the mean time between them.
+[[nodiscard]] Json to_json(const TriggerInputs& inputs);
 
 /// Describes in one line the triggers found and those that the schedule expects: inputs, edges, counts and the usual
 /// interval.

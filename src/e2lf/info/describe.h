@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <string>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
+#include "e2lf/diagnose/triggers.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/lightfield/light_field_io.h"
@@ -67,20 +67,10 @@ class RecordingStatistics {
   [[nodiscard]] size_t width() const { return width_; }
   [[nodiscard]] size_t height() const { return height_; }
 
-  /// Returns the number of rising and falling edges of each trigger input and the mean time between them.
-  [[nodiscard]] Json triggers_json() const;
+  [[nodiscard]] Json triggers_json() const { return diagnose::to_json(triggers_); }
 
  private:
-  struct Edges {
-    uint64_t count = 0;
-    int64_t first_us = 0, last_us = 0;
-    void add(int64_t t_us);
-    [[nodiscard]] double period_us() const;
-  };
-  struct Channel {
-    Edges rising, falling;
-  };
-  std::map<uint16_t, Channel> channels_;
+  diagnose::TriggerInputs triggers_;
   size_t width_ = 0, height_ = 0;
 };
 

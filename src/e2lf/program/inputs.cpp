@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/program/inputs.h"
 
+#include <type_traits>
 #include <utility>
 
 #include "e2lf/base/log.h"
@@ -14,31 +15,41 @@ namespace fs = std::filesystem;
 using pipeline::KnownCodes;
 namespace {
 
-/// Throws the parser's exception for missing files.
-fs::path find_named(const BundledKind& kind, const std::string& name) {
-  auto path = find_file_or_bundled(kind, name);
-  if (!path) throw CLI::FileError(path.error().text());
-  return *std::move(path);
+/// Declares an option for a file, or for several, by path or bundled name. For missing files, throws the parser's
+/// exception.
+template <typename Paths>
+CLI::Option* add_named(CLI::App& app, const std::string& flags, const BundledKind& kind, const char* type, Paths& paths,
+                       const std::string& help) {
+  const auto take = [&paths, &kind](const CLI::results_t& names) {
+    paths.clear();
+    for (const std::string& name : names) {
+      auto path = find_file_or_bundled(kind, name);
+      if (!path) throw CLI::FileError(path.error().text());
+      if constexpr (std::is_same_v<Paths, fs::path>) {
+        paths = *std::move(path);
+      } else {
+        paths.push_back(*std::move(path));
+      }
+    }
+    return true;
+  };
+  return app.add_option(flags, take, help)->type_name(type);
 }
 
 }  // namespace
 
 CLI::Option* add_model_option(CLI::App& app, const std::string& flags, fs::path& model, const std::string& help) {
-  const auto take = [&model](const CLI::results_t& names) {
-    model = find_named(kBundledModels, names.back());
-    return true;
-  };
-  return app.add_option(flags, take, help)->type_name(kModelType);
+  return add_named(app, flags, kBundledModels, kModelType, model, help);
 }
 
 CLI::Option* add_model_option(CLI::App& app, const std::string& flags, std::vector<fs::path>& models,
                               const std::string& help) {
-  const auto take = [&models](const CLI::results_t& names) {
-    models.clear();
-    for (const std::string& name : names) models.push_back(find_named(kBundledModels, name));
-    return true;
-  };
-  return app.add_option(flags, take, help)->type_name(kModelType)->expected(1, CLI::detail::expected_max_vector_size);
+  return add_named(app, flags, kBundledModels, kModelType, models, help)
+      ->expected(1, CLI::detail::expected_max_vector_size);
+}
+
+CLI::Option* add_codes_option(CLI::App& app, fs::path& codes, const std::string& help) {
+  return add_named(app, "--codes", kBundledCodes, kCodesType, codes, help);
 }
 
 void add_camera_option(CLI::App& app, std::string& camera, const std::string& help) {
@@ -57,14 +68,6 @@ Result<capture::SensorProfile> load_camera(const std::string& name, RunRecord& r
   E2LF_ASSIGN_OR_RETURN(capture::SensorProfile camera, capture::read_camera(path));
   record.note("camera", capture::to_json(camera));
   return camera;
-}
-
-CLI::Option* add_codes_option(CLI::App& app, fs::path& codes, const std::string& help) {
-  const auto take = [&codes](const CLI::results_t& names) {
-    codes = find_named(kBundledCodes, names.back());
-    return true;
-  };
-  return app.add_option("--codes", take, help)->type_name(kCodesType);
 }
 
 void add_codes_options(CLI::App& app, CodesSource& source) {

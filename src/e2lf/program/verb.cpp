@@ -72,11 +72,6 @@ void print_log(LogLevel level, const std::string& message) {
                printable(without_workspaces(message)).c_str());
 }
 
-/// With --quiet, only warnings are printed.
-void print_warnings(LogLevel level, const std::string& message) {
-  if (level == LogLevel::kWarning) print_log(level, message);
-}
-
 /// Returns the names of all long flags, without "--".
 std::vector<std::string> long_flags(const CLI::App& app) {
   std::vector<std::string> names;
@@ -330,9 +325,13 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   }
   if (const auto capped = apply_isa_cap(); !capped) return usage_error(capped.error().text());
   set_num_threads(common_.threads);
-  set_log_sink(common_.quiet ? print_warnings : print_log);
+  const LogSink before = set_log_sink([this](LogLevel level, const std::string& message) {
+    if (!common_.quiet || level == LogLevel::kWarning) print_log(level, with_flags(message));
+  });
   if (stops_gently_) stop_on_signals();
-  return exit_code(work());
+  const int code = exit_code(work());
+  set_log_sink(before);
+  return code;
 }
 
 std::string Verb::flag_hint(Setting setting) const {

@@ -99,7 +99,7 @@ diagnose::Findings LightFieldWriter::check_events(const pipeline::CycleImages& c
   diagnose::Findings findings = diagnose::check_event_images(
       cycle.images.events, options_.codes ? &*options_.codes : nullptr, options_.cycles_per_field);
   if (findings.empty() || warned_ == kMostWarnings) return findings;
-  diagnose::log_findings(cat(options_.input.string(), ", cycle ", cycles_.size()), findings, "--");
+  diagnose::log_findings(cat(options_.input.string(), ", cycle ", cycles_.size()), findings);
   if (++warned_ == kMostWarnings) log_warning("further warnings of this kind are only in the record");
   return findings;
 }
@@ -127,7 +127,7 @@ std::string event_error_text(const Json& cycle) {
 
 void log_check(const fs::path& input, const Json& cycle) {
   if (!cycle.contains("check")) return;
-  diagnose::log_findings(input.string(), diagnose::findings_from_json(cycle["check"]["findings"]), "--");
+  diagnose::log_findings(input.string(), diagnose::findings_from_json(cycle["check"]["findings"]));
 }
 
 }  // namespace e2lf::cli

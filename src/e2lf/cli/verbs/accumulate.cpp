@@ -206,7 +206,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   if (reports.is_wanted()) {
     const std::vector<recordings::Loss> losses = recordings::losses(summary);
     const Json facts = {{"recording", arguments.input.string()},
-                        {"source", source_name(reader.source())},
+                        {"source", word_of(reader.source(), kCycleSources)},
                         {"found", report_json(rig, reader)},
                         {"left_out", losses.empty() ? "nothing" : recordings::loss_text(losses)}};
     E2LF_ASSIGN_OR_RETURN(const report::Page page, cycles_page(arguments.input, facts, cycles, plot, first));
@@ -215,9 +215,9 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   if (writer.cycles() == 0) return no_cycle_error(arguments.input, rig, reader);
   diagnose::Findings findings = rig.findings(reader);
   if (auto other = places.judge(setup, findings)) findings.push_back(std::move(*other));
-  diagnose::log_findings(arguments.input.string(), findings, "--");
+  diagnose::log_findings(arguments.input.string(), findings);
   E2LF_RETURN_IF_ERROR(writer.finish(diagnose::to_text(findings)));
-  record.resolve("source", source_name(reader.source()));
+  record.resolve("source", word_of(reader.source(), kCycleSources));
   record.note("cycles", report_json(rig, reader));
   const Json found = {{"left_out", losses_json(summary)}, {"live", live_json(summary)}, {"each", std::move(cycles)}};
   record.note(found);

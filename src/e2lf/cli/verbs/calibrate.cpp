@@ -48,7 +48,7 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
   }
   Source source;
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
-  diagnose::log_findings(path.string(), diagnose::findings_from_text(setup.findings), "--");
+  diagnose::log_findings(path.string(), diagnose::findings_from_text(setup.findings));
   source.codes = std::move(setup.codes);
   while (true) {
     E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::CycleImages> cycle, input.next());
@@ -56,7 +56,7 @@ Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const 
     source.scene.cycles.push_back(std::move(cycle->images.events));
   }
   if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, rig, input.reader());
-  if (input.is_recording()) diagnose::log_findings(path.string(), rig.findings(input.reader()), "--");
+  if (input.is_recording()) diagnose::log_findings(path.string(), rig.findings(input.reader()));
   record.add_input(path);
   return source;
 }
@@ -126,7 +126,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   E2LF_ASSIGN_OR_RETURN(capture::Codes codes, common_codes(arguments, sources, model, record));
   std::vector<calibrate::StillScene> scenes;
   for (Source& source : sources) scenes.push_back(std::move(source.scene));
-  match_transitions(arguments.cycles.transitions, codes, scenes);
+  match_transitions(arguments.cycles.choice.transitions, codes, scenes);
   start.name = arguments.name.empty() ? arguments.output.stem().string() : arguments.name;
   record.end_step("read");
 

@@ -143,7 +143,7 @@ Result<void> check_camera(const CheckArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(more, reader->read(batch));
     check.add(batch);
     if (check.triggers() == 0 && !has_warned && more && passed_s() > kPatienceS) {
-      diagnose::log_findings(arguments.input.string(), {diagnose::no_trigger_finding(kPatienceS)}, "--");
+      diagnose::log_findings(arguments.input.string(), {diagnose::no_trigger_finding(kPatienceS)});
       has_warned = true;
     }
   }
@@ -158,8 +158,8 @@ Result<void> check_camera(const CheckArguments& arguments, const Verb& verb) {
   if (findings.empty()) return {};
   const diagnose::Finding first = findings.front();
   findings.erase(findings.begin());
-  diagnose::log_findings(arguments.input.string(), findings, "--");
-  return fail(ErrorCode::kInvalidValue, arguments.input, first.code, ": ", diagnose::text_of(first, "--"));
+  diagnose::log_findings(arguments.input.string(), findings);
+  return fail(ErrorCode::kInvalidValue, arguments.input, diagnose::text_of(first));
 }
 
 int run_camera_list(const std::vector<std::string>& arguments) {
@@ -198,7 +198,7 @@ namespace {
 struct RecordArguments {
   fs::path input, output;
   double seconds = 0;  ///< 0 = until the input ends
-  CameraFlags camera;
+  recordings::CameraSetup camera;
 };
 
 /// Returns the path of the camera's settings: x.bias beside x.raw. Fails if this file exists and does not belong to an
@@ -307,7 +307,6 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
 }
 
 Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(const recordings::CameraSetup setup, camera_setup(arguments.camera));
   OutputRules rules = output_rules(verb, {arguments.input});
   rules.streams = true;
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
@@ -317,7 +316,7 @@ Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
   }
   RunRecord record("record");
   E2LF_ASSIGN_OR_RETURN(const auto sink, recordings::open_file_sink(output.path()));
-  E2LF_ASSIGN_OR_RETURN(const auto source, recordings::open_live_bytes(arguments.input.string(), setup));
+  E2LF_ASSIGN_OR_RETURN(const auto source, recordings::open_live_bytes(arguments.input.string(), arguments.camera));
   const auto begin = std::chrono::steady_clock::now();
   const std::chrono::duration<double> length(arguments.seconds);
   if (arguments.seconds > 0) source->end_at(begin + std::chrono::duration_cast<std::chrono::nanoseconds>(length));

@@ -146,10 +146,10 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   E2LF_ASSIGN_OR_RETURN(
       instrument.reader,
       live::LiveReader::open(open, {.recordings = recordings,
-                                    .is_inverted = flags.invert_polarity,
+                                    .is_inverted = flags.options.invert_polarity,
                                     .max_cycles = flags.max_cycles,
                                     .on_finding = [source = arguments.source.string()](const auto& finding) {
-                                      diagnose::log_findings(source, {finding}, "--");
+                                      diagnose::log_findings(source, {finding});
                                     }}));
   const cycles::CycleReader& cycles = instrument.reader->cycles();
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.source, cycles));
@@ -242,7 +242,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   std::unique_ptr<LivePage> page;
   if (!arguments.has_no_page) {
     E2LF_ASSIGN_OR_RETURN(page, start_live_page(session, std::move(instrument.fine),
-                                                arguments.cycles.recording.camera.running, arguments.port));
+                                                arguments.cycles.recording.open.camera.running, arguments.port));
     if (common.json) {
       std::printf("%s\n", Json{{"url", page->url()}}.dump().c_str());
     } else {
@@ -317,7 +317,7 @@ int run_live(const std::vector<std::string>& arguments) {
             "cycle is always reconstructed next; cycles that arrive too fast are skipped and counted.",
             "e2lf live replay:capture.raw");
   LiveArguments live_arguments;
-  live_arguments.cycles.recording.camera.running = std::make_shared<recordings::RunningCamera>();
+  live_arguments.cycles.recording.open.camera.running = std::make_shared<recordings::RunningCamera>();
   CLI::App& app = verb.app();
   app.add_option("source", live_arguments.source,
                  "camera://NAME, - for standard input, the path of a named pipe, tcp://127.0.0.1:PORT, or replay:FILE "

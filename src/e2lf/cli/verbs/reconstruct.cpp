@@ -95,7 +95,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   RunRecord record("reconstruct");
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(flags, record));
   choice.algorithm = arguments.method;
-  choice.lit_where_moving = arguments.cycles.transitions == "auto";
+  choice.lit_where_moving = arguments.cycles.choice.transitions == "auto";
   diagnose::RigCheck rig;
   E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input,
                         open_cycle_input(arguments.input, wanted_cycles(arguments.cycles, choice),
@@ -104,7 +104,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     return fail(ErrorCode::kInvalidValue, arguments.input,
                 "there are no events to reconstruct from: all counts are 0; check how they were accumulated");
   }
-  if (!input.is_recording() && arguments.cycles.transitions == "lit") {
+  if (!input.is_recording() && arguments.cycles.choice.transitions == "lit") {
     return fail(ErrorCode::kInvalidValue, "--transitions lit",
                 "only applies to recordings, not to event images; leave it out");
   }
@@ -113,7 +113,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(arguments.input));
   // Their remedies are options of accumulate, because wrong times and signs select other events.
   const diagnose::Findings recorded = diagnose::findings_from_text(setup.findings);
-  diagnose::log_findings(cat(arguments.input.string(), ": when it was accumulated"), recorded, "--");
+  diagnose::log_findings(cat(arguments.input.string(), ": when it was accumulated"), recorded);
   if (choice.codes && input.is_recording()) {
     choice.codes = cycles::codes_of_images(*choice.codes, input.reader().schedule()).value_or(*choice.codes);
   }
@@ -146,8 +146,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     const cycles::CycleReader& reader = input.reader();
     writer.live_log().finish(reader.report());
     if (writer.cycles().empty()) return no_cycle_error(arguments.input, rig, reader);
-    diagnose::log_findings(arguments.input.string(), rig.findings(reader), "--");
-    record.resolve("source", source_name(reader.source()));
+    diagnose::log_findings(arguments.input.string(), rig.findings(reader));
+    record.resolve("source", word_of(reader.source(), kCycleSources));
     record.note("found", report_json(rig, reader));
     record.note(reading_notes(arguments.input, reader.recording().info()));
   }
