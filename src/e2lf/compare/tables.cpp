@@ -236,20 +236,17 @@ void add_pictures(const Plan& plan, const Results& results, const ResultStore& s
   for (size_t scene = 0; scene < plan.scenes.size(); ++scene) {
     const std::vector<uint8_t> truth = store.picture(truth_key(plan.scenes[scene]));
     if (truth.empty()) continue;
-    std::vector<std::vector<uint8_t>> kept = {truth};
-    std::vector<std::string> captions = {"truth"};
+    std::vector<report::Picture> pictures = {{truth, "truth"}};
     for (size_t method = 0; method < plan.methods.size(); ++method) {
       const size_t job = first_job(plan, method, scene, sensor);
       if (job == plan.jobs.size() || !results[job]) continue;
       std::vector<uint8_t> png = store.picture(plan.jobs[job].key);
       if (png.empty()) continue;
       const Json psnr = results[job]->value("psnr_db", Json());
-      kept.push_back(std::move(png));
-      captions.push_back(cat(plan.methods[method].config.name,
-                             psnr.is_number() ? cat(", ", report::tick_text(psnr.get<double>(), 2), " dB") : ""));
+      pictures.push_back(
+          {std::move(png), cat(plan.methods[method].config.name,
+                               psnr.is_number() ? cat(", ", report::tick_text(psnr.get<double>(), 2), " dB") : "")});
     }
-    std::vector<report::Picture> pictures;
-    for (size_t i = 0; i < kept.size(); ++i) pictures.push_back({kept[i], captions[i]});
     page.heading(cat(plan.scenes[scene].group.name, ": ", plan.scenes[scene].name), 4).pictures(pictures);
   }
 }
@@ -293,6 +290,7 @@ namespace {
 using lightfield::enlarged;
 using lightfield::Image;
 using lightfield::LightField;
+using lightfield::paste;
 
 constexpr size_t kMostWidth = 320, kGap = 4, kRowsPerView = 5;
 constexpr float kWhiteError = 0.2F;
@@ -300,17 +298,6 @@ constexpr float kWhiteError = 0.2F;
 Image fitted(const Image& image) {
   if (image.width <= kMostWidth) return image;
   return lightfield::shrink(image, kMostWidth, std::max<size_t>(1, image.height * kMostWidth / image.width));
-}
-
-/// Copies an image onto the canvas, converting grey to colour if the canvas has colour.
-void paste(const Image& image, size_t top, size_t left, Image& canvas) {
-  for (size_t y = 0; y < image.height; ++y) {
-    for (size_t x = 0; x < image.width; ++x) {
-      const float* from = image.pixels.data() + (y * image.width + x) * image.channels;
-      float* to = canvas.pixels.data() + ((top + y) * canvas.width + left + x) * canvas.channels;
-      for (size_t c = 0; c < canvas.channels; ++c) to[c] = from[std::min(c, image.channels - 1)];
-    }
-  }
 }
 
 /// Returns the error of the first view, averaged over its colours.

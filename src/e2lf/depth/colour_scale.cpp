@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "e2lf/depth/disparity_files.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::depth {
 namespace {
@@ -57,13 +58,6 @@ void write_number(Image& canvas, size_t top, size_t left, size_t times, float nu
   }
 }
 
-void paste(const Image& picture, size_t left, Image& canvas) {
-  for (size_t y = 0; y < picture.height; ++y) {
-    std::copy_n(picture.pixels.data() + y * picture.width * 3, picture.width * 3,
-                canvas.pixels.data() + (y * canvas.width + left) * 3);
-  }
-}
-
 }  // namespace
 
 Image picture_with_scale(const Image& disparity, const DisparityRange& range) {
@@ -80,8 +74,8 @@ Image picture_with_scale(const Image& disparity, const DisparityRange& range) {
   };
   Image bar(kBarWidth, height, 1);
   for (size_t i = 0; i < bar.pixels.size(); ++i) bar.pixels[i] = disparity_at(i / kBarWidth);
-  paste(colour_picture(disparity, range), 0, canvas);
-  paste(colour_picture(bar, range), width + kMargin, canvas);
+  paste(colour_picture(disparity, range), 0, 0, canvas);
+  paste(colour_picture(bar, range), 0, width + kMargin, canvas);
   for (size_t i = 0; has_numbers && i < kNumbers; ++i) {
     write_number(canvas, (height - kGlyphHeight * times) * i / (kNumbers - 1), width + 2 * kMargin + kBarWidth, times,
                  disparity_at((height - 1) * i / (kNumbers - 1)));

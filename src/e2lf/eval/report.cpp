@@ -3,20 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 #include <vector>
 
+#include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::eval {
 namespace {
-
-std::string fixed(double value, int decimals) {
-  std::ostringstream out;
-  out << std::fixed << std::setprecision(decimals) << value;
-  return std::move(out).str();
-}
 
 void add_metrics(const Metrics& metrics, Json& json) {
   json["psnr_db"] = finite_or_null(metrics.psnr_db);
@@ -93,57 +86,45 @@ report::Table quality_table(std::span<const EvalRow> rows) {
   const auto has = [&](auto member) {
     return std::any_of(rows.begin(), rows.end(), [member](const EvalRow& row) { return (row.*member).has_value(); });
   };
-  const bool with_events = has(&EvalRow::events), with_disparity = has(&EvalRow::disparity);
   report::Table table;
-  const auto add_column = [&](const char* name, const char* key) {
+  table.rows.resize(rows.size());
+  const auto add = [&](const char* name, const char* key, const auto& cell_of) {
     table.columns.push_back({name, table.columns.size() > 1, false, key});
+    for (size_t i = 0; i < rows.size(); ++i) table.rows[i].push_back(cell_of(rows[i]));
   };
-  add_column("method", "method");
-  add_column("scene", "scene");
-  add_column("PSNR dB", "psnr_db");
-  add_column("SSIM 7x7", "ssim_uniform7");
-  add_column("SSIM Gauss", "ssim_gaussian");
-  add_column("EPI error", "epi_relative_error");
-  if (with_disparity) {
-    add_column("> 0.07 px, %", "bad_07_percent");
-    add_column("> 0.2 px, %", "bad_20_percent");
-    add_column("off px", "mean_absolute_px");
-    add_column("slope", "slope");
+  const auto add_quality = [&](const char* name, const char* key, double Metrics::*member, int decimals) {
+    add(name, key, [&](const EvalRow& row) { return quality_cell(row.quality.mean.*member, decimals); });
+  };
+  /// Adds a column of a part that rows may lack.
+  const auto add_of = [&](auto part, const char* name, const char* key, auto member, int decimals) {
+    add(name, key, [&](const EvalRow& row) {
+      return row.*part ? report::number_cell((*(row.*part)).*member, decimals) : report::Cell();
+    });
+  };
+  add("method", "method", [](const EvalRow& row) { return report::text_cell(row.method); });
+  add("scene", "scene", [](const EvalRow& row) { return report::text_cell(row.scene); });
+  add_quality("PSNR dB", "psnr_db", &Metrics::psnr_db, 2);
+  add_quality("SSIM 7x7", "ssim_uniform7", &Metrics::ssim_uniform7, 4);
+  add_quality("SSIM Gauss", "ssim_gaussian", &Metrics::ssim_gaussian, 4);
+  add("EPI error", "epi_relative_error", [](const EvalRow& row) { return quality_cell(row.quality.epi.relative, 3); });
+  if (has(&EvalRow::disparity)) {
+    using depth::DisparityError;
+    add_of(&EvalRow::disparity, "> 0.07 px, %", "bad_07_percent", &DisparityError::bad_07_percent, 1);
+    add_of(&EvalRow::disparity, "> 0.2 px, %", "bad_20_percent", &DisparityError::bad_20_percent, 1);
+    add_of(&EvalRow::disparity, "off px", "mean_absolute_px", &DisparityError::mean_absolute_px, 3);
+    add_of(&EvalRow::disparity, "slope", "slope", &DisparityError::slope, 2);
   }
   for (const auto& [name, key, member] : kTones) {
-    if (has(member)) add_column(name, key);
+    if (!has(member)) continue;
+    add(name, key, [tone = member](const EvalRow& row) {
+      return row.*tone ? report::number_cell(*(row.*tone), 3) : report::Cell();
+    });
   }
-  if (with_events) {
-    add_column("events/px", "events_per_pixel");
-    add_column("min ms", "min_measurement_ms");
-    add_column("bits/LF px", "bits_per_light_field_pixel");
-  }
-  for (const EvalRow& row : rows) {
-    const Metrics& mean = row.quality.mean;
-    table.rows.push_back({report::text_cell(row.method), report::text_cell(row.scene), quality_cell(mean.psnr_db, 2),
-                          quality_cell(mean.ssim_uniform7, 4), quality_cell(mean.ssim_gaussian, 4),
-                          quality_cell(row.quality.epi.relative, 3)});
-    const auto add_error = [&](double depth::DisparityError::*member, int decimals) {
-      table.rows.back().push_back(row.disparity ? report::number_cell((*row.disparity).*member, decimals)
-                                                : report::Cell());
-    };
-    if (with_disparity) {
-      add_error(&depth::DisparityError::bad_07_percent, 1);
-      add_error(&depth::DisparityError::bad_20_percent, 1);
-      add_error(&depth::DisparityError::mean_absolute_px, 3);
-      add_error(&depth::DisparityError::slope, 2);
-    }
-    for (const auto& [name, key, member] : kTones) {
-      if (!has(member)) continue;
-      table.rows.back().push_back(row.*member ? report::number_cell(*(row.*member), 3) : report::Cell());
-    }
-    if (!with_events) continue;
-    const auto add = [&](double EventStatistics::*member, int decimals) {
-      table.rows.back().push_back(row.events ? report::number_cell((*row.events).*member, decimals) : report::Cell());
-    };
-    add(&EventStatistics::total_events_per_pixel, 3);
-    add(&EventStatistics::min_measurement_ms, 2);
-    add(&EventStatistics::bits_per_light_field_pixel, 2);
+  if (has(&EvalRow::events)) {
+    add_of(&EvalRow::events, "events/px", "events_per_pixel", &EventStatistics::total_events_per_pixel, 3);
+    add_of(&EvalRow::events, "min ms", "min_measurement_ms", &EventStatistics::min_measurement_ms, 2);
+    add_of(&EvalRow::events, "bits/LF px", "bits_per_light_field_pixel", &EventStatistics::bits_per_light_field_pixel,
+           2);
   }
   return table;
 }
@@ -153,7 +134,7 @@ std::string view_grid_text(const LightFieldMetrics& quality) {
   for (size_t i = 0; i < quality.views.size(); ++i) {
     const bool new_line = i > 0 && quality.views[i].view_y != quality.views[i - 1].view_y;
     text += new_line ? "\n" : (i > 0 ? " " : "");
-    text += fixed(quality.views[i].metrics.psnr_db, 2);
+    text += formatted("%.2f", quality.views[i].metrics.psnr_db);
   }
   return text + "\n";
 }

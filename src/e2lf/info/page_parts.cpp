@@ -12,7 +12,7 @@
 namespace e2lf::info {
 
 Result<void> add_pictures(const std::vector<NamedImage>& images, size_t most_width, report::Page& page) {
-  std::vector<std::vector<uint8_t>> kept;
+  std::vector<report::Picture> pictures;
   for (const auto& [image, caption] : images) {
     const size_t width = std::min(image.width, most_width);
     const size_t height = std::max<size_t>(1, image.height * width / std::max<size_t>(1, image.width));
@@ -20,10 +20,8 @@ Result<void> add_pictures(const std::vector<NamedImage>& images, size_t most_wid
     E2LF_ASSIGN_OR_RETURN(
         auto png,
         lightfield::encode_png(lightfield::to_bytes(is_wide ? lightfield::shrink(image, width, height) : image)));
-    kept.push_back(std::move(png));
+    pictures.push_back({std::move(png), caption});
   }
-  std::vector<report::Picture> pictures;
-  for (size_t i = 0; i < images.size(); ++i) pictures.push_back({kept[i], images[i].caption});
   page.pictures(pictures);
   return {};
 }
@@ -48,21 +46,15 @@ std::array<float, 3> colour_of(float value) {
 }  // namespace
 
 lightfield::Image event_picture(const capture::EventImages& images) {
-  constexpr size_t kGap = 4;
-  lightfield::Image picture(images.count * (images.width + kGap) - kGap, images.height, 3);
-  std::fill(picture.pixels.begin(), picture.pixels.end(), 1.0F);
   const float scale = 1.0F / bright_count(images);
+  std::vector<lightfield::Image> pictures;
   for (size_t k = 0; k < images.count; ++k) {
-    const auto image = images.image(k);
-    for (size_t y = 0; y < images.height; ++y) {
-      float* row = picture.pixels.data() + (y * picture.width + k * (images.width + kGap)) * 3;
-      for (size_t x = 0; x < images.width; ++x) {
-        const auto colour = colour_of(scale * static_cast<float>(image[y * images.width + x]));
-        std::copy(colour.begin(), colour.end(), row + 3 * x);
-      }
+    float* to = pictures.emplace_back(images.width, images.height, 3).pixels.data();
+    for (const int16_t count : images.image(k)) {
+      to = std::ranges::copy(colour_of(scale * static_cast<float>(count)), to).out;
     }
   }
-  return picture;
+  return lightfield::side_by_side(pictures);
 }
 
 namespace {

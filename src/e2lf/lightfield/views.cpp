@@ -143,14 +143,29 @@ Image contact_sheet(const LightFieldView& light_field, const ContactSheetOptions
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
       const Image small = shrink(view_image(light_field, view_y, view_x), width, height);
-      const size_t row_size = width * shape.channels;
-      for (size_t y = 0; y < height; ++y) {
-        const size_t to = ((view_y * (height + gap) + y) * sheet.width + view_x * (width + gap)) * shape.channels;
-        std::copy_n(small.pixels.data() + y * row_size, row_size, sheet.pixels.data() + to);
-      }
+      paste(small, view_y * (height + gap), view_x * (width + gap), sheet);
     }
   });
   return sheet;
+}
+
+void paste(const Image& picture, size_t top, size_t left, Image& canvas) {
+  for (size_t y = 0; y < picture.height; ++y) {
+    for (size_t x = 0; x < picture.width; ++x) {
+      const float* from = picture.pixels.data() + (y * picture.width + x) * picture.channels;
+      float* to = canvas.pixels.data() + ((top + y) * canvas.width + left + x) * canvas.channels;
+      for (size_t c = 0; c < canvas.channels; ++c) to[c] = from[std::min(c, picture.channels - 1)];
+    }
+  }
+}
+
+Image side_by_side(const std::vector<Image>& pictures) {
+  constexpr size_t kGapPx = 4;
+  const Image& first = pictures.front();
+  Image all(pictures.size() * (first.width + kGapPx) - kGapPx, first.height, first.channels);
+  std::fill(all.pixels.begin(), all.pixels.end(), 1.0F);
+  for (size_t i = 0; i < pictures.size(); ++i) paste(pictures[i], 0, i * (first.width + kGapPx), all);
+  return all;
 }
 
 Image enlarged(const Image& image, size_t times_y, size_t times_x) {

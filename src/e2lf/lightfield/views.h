@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/profile/sensor_profile.h"
@@ -54,5 +55,11 @@ struct ContactSheetOptions {
 
 /// Returns the image with each pixel repeated times_y x times_x times.
 [[nodiscard]] Image enlarged(const Image& image, size_t times_y, size_t times_x);
+
+/// Copies a picture to a place on a canvas that holds it; a grey picture becomes coloured on a coloured canvas.
+void paste(const Image& picture, size_t top, size_t left, Image& canvas);
+
+/// Returns pictures of one size side by side, with white gaps between them.
+[[nodiscard]] Image side_by_side(const std::vector<Image>& pictures);
 
 }  // namespace e2lf::lightfield

@@ -81,6 +81,11 @@ struct LiveField {
   double reconstruct_s = 0;
   uint64_t serial = 0;  ///< counts the light fields from 1
 
+  /// Returns a copy without the light field.
+  [[nodiscard]] LiveField without_views() const {
+    return {{}, {}, settings, cycle, level, black, gain, reconstruct_s, serial};
+  }
+
   /// Sets all views by make(*this). If this fails, those of `views` are still the only ones that are set.
   template <typename Make>
   Result<void> complete(const Make& make) {

@@ -49,25 +49,29 @@ RenderSettings settings_of(const Parameters& parameters) {
   return settings;
 }
 
+/// Adds to the header of a picture or a map of which cycle it is, and sends it with the images.
+Answer framed(Json header, const FieldReport& field, std::initializer_list<const lightfield::ByteImage*> images) {
+  header.update({{"cycle", field.cycle},
+                 {"cycles", field.cycles},
+                 {"size", size_name(field.level.size)},
+                 {"latency_s", field.latency_s},
+                 {"reconstruct_s", field.reconstruct_s}});
+  return framed(header, images);
+}
+
 Answer picture(Session& session, const Parameters& parameters) {
   constexpr std::chrono::milliseconds kPatience{250};
   const auto shown =
       session.picture(settings_of(parameters), number<uint64_t>(parameters, "after").value_or(0), kPatience);
   if (!shown) return {204, "text/plain", ""};
-  const FieldReport& field = shown->field;
   const Picture& seen = shown->picture;
-  const Json header = {{"serial", shown->serial},
-                       {"width", seen.image.width},
-                       {"height", seen.image.height},
-                       {"row_epi", {seen.row_epi.width, seen.row_epi.height}},
-                       {"column_epi", {seen.column_epi.width, seen.column_epi.height}},
-                       {"field", field.serial},
-                       {"cycle", field.cycle},
-                       {"cycles", field.cycles},
-                       {"size", size_name(field.level.size)},
-                       {"latency_s", field.latency_s},
-                       {"reconstruct_s", field.reconstruct_s}};
-  return framed(header, {&seen.image, &seen.row_epi, &seen.column_epi});
+  return framed({{"serial", shown->serial},
+                 {"width", seen.image.width},
+                 {"height", seen.image.height},
+                 {"row_epi", {seen.row_epi.width, seen.row_epi.height}},
+                 {"column_epi", {seen.column_epi.width, seen.column_epi.height}},
+                 {"field", shown->field.serial}},
+                shown->field, {&seen.image, &seen.row_epi, &seen.column_epi});
 }
 
 /// Appends disparities as the page reads them.
@@ -87,20 +91,14 @@ Answer depth_map(Session& session, const Parameters& parameters) {
   constexpr std::chrono::milliseconds kPatience{250};
   const auto shown = session.depth(number<uint64_t>(parameters, "after").value_or(0), kPatience);
   if (!shown) return {204, "text/plain", ""};
-  const FieldReport& field = shown->field;
   const depth::DisparityRange range = depth::shown_range(
       depth::DisparityMap{.disparity = shown->disparity, .confidence = shown->confidence, .view = {}, .range = {}});
-  const Json header = {{"serial", field.serial},
-                       {"width", shown->disparity.width},
-                       {"height", shown->disparity.height},
-                       {"range", {range.least, range.most}},
-                       {"view", {session.model().views_y / 2, session.model().views_x / 2}},
-                       {"cycle", field.cycle},
-                       {"cycles", field.cycles},
-                       {"size", size_name(field.level.size)},
-                       {"latency_s", field.latency_s},
-                       {"reconstruct_s", field.reconstruct_s}};
-  Answer answer = framed(header, {});
+  Answer answer = framed({{"serial", shown->field.serial},
+                          {"width", shown->disparity.width},
+                          {"height", shown->disparity.height},
+                          {"range", {range.least, range.most}},
+                          {"view", {session.model().views_y / 2, session.model().views_x / 2}}},
+                         shown->field, {});
   append_disparities(*shown, answer.body);
   append(lightfield::to_bytes(shown->picture), answer.body);
   return answer;

@@ -374,8 +374,7 @@ std::optional<float> Session::disparity_at(float x, float y) {
     const std::lock_guard lock(field_mutex_);
     if (shown_.serial == 0) return std::nullopt;
     if (shown_.views.empty()) return live::disparity_at(shown_, x, y);
-    field.cycle = shown_.cycle;
-    field.level = shown_.level;
+    field = shown_.without_views();
   }
   // The comparison needs all views of the same cycle.
   if (const Result<void> made = make_views(field.cycle, false, field); !made) {
@@ -401,13 +400,7 @@ std::optional<LiveField> Session::freeze() {
   {
     const std::lock_guard lock(field_mutex_);
     if (shown_.serial == 0) return frozen;
-    frozen.emplace();
-    frozen->cycle = shown_.cycle;
-    frozen->level = shown_.level;
-    frozen->black = shown_.black;
-    frozen->gain = shown_.gain;
-    frozen->reconstruct_s = shown_.reconstruct_s;
-    frozen->serial = shown_.serial;
+    frozen = shown_.without_views();
   }
   if (const Result<void> made = make_views(frozen->cycle, true, *frozen); !made) {
     fail(made.error());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
@@ -161,80 +162,52 @@ size_t character_length(std::string_view text) {
   return is_long && !is_surrogate && code != 0xFFFE && code != 0xFFFF && code <= 0x10FFFF ? length : 0;
 }
 
-/// Applies `of` to each character. Invalid ones become U+FFFD.
-template <typename Function>
-std::string replaced(std::string_view text, const Function& of) {
+using Replacement = std::pair<char, const char*>;
+constexpr Replacement kHtml[] = {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
+constexpr Replacement kLatex[] = {{'&', "\\&"},
+                                  {'%', "\\%"},
+                                  {'$', "\\$"},
+                                  {'#', "\\#"},
+                                  {'_', "\\_"},
+                                  {'{', "\\{"},
+                                  {'}', "\\}"},
+                                  {'~', "\\textasciitilde{}"},
+                                  {'^', "\\textasciicircum{}"},
+                                  {'\\', "\\textbackslash{}"},
+                                  {'<', "\\textless{}"},
+                                  {'>', "\\textgreater{}"},
+                                  {'|', "\\textbar{}"},
+                                  {'"', "\\textquotedbl{}"},
+                                  {'\n', " "},
+                                  {'\r', " "},
+                                  {'\t', " "}};
+
+/// Replaces characters. Invalid ones become U+FFFD.
+std::string replaced(std::string_view text, std::span<const Replacement> replacements) {
   std::string result;
   while (!text.empty()) {
     const size_t length = character_length(text);
+    const auto found = std::ranges::find(replacements, text[0], &Replacement::first);
     if (length == 0) {
       result += kReplacement;
+    } else if (found != replacements.end()) {
+      result += found->second;
     } else {
-      result += of(text.substr(0, length));
+      result += text.substr(0, length);
     }
     text.remove_prefix(std::max<size_t>(length, 1));
   }
   return result;
 }
 
-std::string_view html_entity(std::string_view character) {
-  switch (character[0]) {
-    case '&':
-      return "&amp;";
-    case '<':
-      return "&lt;";
-    case '>':
-      return "&gt;";
-    case '"':
-      return "&quot;";
-    case '\'':
-      return "&#39;";
-    default:
-      return character;
-  }
-}
-
-std::string latex_of(std::string_view character) {
-  switch (character[0]) {
-    case '&':
-    case '%':
-    case '$':
-    case '#':
-    case '_':
-    case '{':
-    case '}':
-      return "\\" + std::string(character);
-    case '~':
-      return "\\textasciitilde{}";
-    case '^':
-      return "\\textasciicircum{}";
-    case '\\':
-      return "\\textbackslash{}";
-    case '<':
-      return "\\textless{}";
-    case '>':
-      return "\\textgreater{}";
-    case '|':
-      return "\\textbar{}";
-    case '"':
-      return "\\textquotedbl{}";
-    case '\n':
-    case '\r':
-    case '\t':
-      return " ";
-    default:
-      return std::string(character);
-  }
-}
-
 }  // namespace
 
 std::string escaped(std::string_view text) {
-  return replaced(text, html_entity);
+  return replaced(text, kHtml);
 }
 
 std::string latex_escaped(std::string_view text) {
-  return replaced(text, latex_of);
+  return replaced(text, kLatex);
 }
 
 size_t num_characters(std::string_view text) {

@@ -16,7 +16,7 @@ namespace e2lf::report {
 
 /// A picture for a page, as the bytes of a PNG file.
 struct Picture {
-  std::span<const uint8_t> png;
+  std::vector<uint8_t> png;
   std::string caption;
 };
 

@@ -54,7 +54,11 @@ TEST(Page, HoldsEverythingAndEscapesTexts) {
   table.rows = {{text_cell("a&b"), number_cell(1, 1)}};
   const std::string png = "\x89PNG";
   Page page("a <title>");
-  page.heading("one").paragraph("x < y").code("e2lf 'a'").table(table).pictures({{bytes_of(png), "\"quoted\""}});
+  page.heading("one")
+      .paragraph("x < y")
+      .code("e2lf 'a'")
+      .table(table)
+      .pictures({{{png.begin(), png.end()}, "\"quoted\""}});
   page.drawing("<svg></svg>", "under & over");
   const std::string html = page.html();
   for (const char* part :

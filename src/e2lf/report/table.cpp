@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
@@ -117,9 +115,7 @@ Cell text_cell(std::string text) {
 
 Cell number_cell(std::optional<double> value, int decimals) {
   if (!value || !std::isfinite(*value)) return {};
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(decimals) << *value;
-  return {std::move(text).str(), *value};
+  return {formatted("%.*f", decimals, *value), *value};
 }
 
 void mark_best(Table& table, size_t column, bool is_least) {

@@ -7,6 +7,7 @@
 #include <zlib.h>
 
 #include "e2lf/base/text.h"
+#include "e2lf/depth/disparity_files.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/model/summary.h"
 #include "e2lf/report/table.h"
@@ -39,18 +40,6 @@ std::vector<int16_t> thousandths(const lightfield::Image& map) {
                                            : kUnknownDisparity);
   }
   return numbers;
-}
-
-/// Returns the range of the values of all maps, without a hundredth at either end.
-std::pair<double, double> usual_range(const std::vector<std::vector<int16_t>>& maps) {
-  std::vector<int16_t> known;
-  for (const auto& map : maps) {
-    std::copy_if(map.begin(), map.end(), std::back_inserter(known), [](int16_t v) { return v != kUnknownDisparity; });
-  }
-  if (known.empty()) return {0, 0};
-  std::sort(known.begin(), known.end());
-  const size_t last = known.size() - 1, few = last / 100;
-  return {known[few] / 1000.0, known[last - few] / 1000.0};
 }
 
 /// Returns the name and the value of each row of `e2lf model info`.
@@ -91,15 +80,17 @@ void Document::add_light_field(const std::string& name, const std::shared_ptr<Li
 void Document::add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x,
                              const std::vector<lightfield::Image>& confidences) {
   Json& field = items_.at(item);
-  std::vector<std::vector<int16_t>> numbers;
+  lightfield::Image all;
   Json parts = Json::array();
   for (const lightfield::Image& map : maps) {
     E2LF_REQUIRE(field["height"] == map.height && field["width"] == map.width, "a map has the size of the views");
-    numbers.push_back(thousandths(map));
-    parts.push_back(add_part(counts_part(numbers.back())));
+    all.pixels.insert(all.pixels.end(), map.pixels.begin(), map.pixels.end());
+    parts.push_back(add_part(counts_part(thousandths(map))));
   }
-  const auto [near, far] = usual_range(numbers);
-  field["disparity"] = {{"view", {view_y, view_x}}, {"range", {near, far}}, {"maps", std::move(parts)}};
+  const depth::DisparityRange range = depth::shown_range(all);
+  field["disparity"] = {{"view", {view_y, view_x}},
+                        {"range", {json_number(range.least), json_number(range.most)}},
+                        {"maps", std::move(parts)}};
   if (confidences.empty()) return;
   E2LF_REQUIRE(confidences.size() == maps.size(), "each map has its confidences");
   parts = Json::array();
