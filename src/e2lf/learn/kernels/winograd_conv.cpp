@@ -104,8 +104,8 @@ HWY_INLINE FloatVec load_pixel(const float* pixel, size_t channel, const Access&
   return pixel == nullptr ? hn::Zero(FloatTag()) : access.load(pixel + channel);
 }
 
-/// Returns the transforms of winograd-inl.h as objects, which are inlined.
-#define E2LF_TRANSFORM(name) [](const auto& from, auto& to) HWY_ATTR { kn::name(from, to); }
+/// A transform of winograd-inl.h as an object.
+#define E2LF_TRANSFORM(name) [](const auto& line, auto& transformed) HWY_ATTR { kn::name(line, transformed); }
 
 /// Transforms the 6x6 pixels that a tile depends on; point p goes to `to` + p * step.
 void transform_tile(const Pixels<kWinogradPoints, const float>& pixels, size_t channels, float* to, size_t step) {
