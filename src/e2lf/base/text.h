@@ -40,6 +40,9 @@ template <typename... Args>
 /// on, except for line ends and tabs. Bytes that are not valid UTF-8 are escaped in the same way.
 [[nodiscard]] std::string printable(std::string_view text);
 
+/// Returns whether the bytes are UTF-8.
+[[nodiscard]] bool is_utf8(std::string_view bytes);
+
 /// Returns an error at a location (a path or a text), whose message is the concatenation of `parts`.
 template <typename Location, typename... Parts>
 [[nodiscard]] Error fail(ErrorCode code, const Location& location, const Parts&... parts) {

@@ -13,8 +13,8 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/live/camera_plugin.h"
-#include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::cameras {
 namespace fs = std::filesystem;
@@ -30,7 +30,7 @@ class PluginError {
   [[nodiscard]] Error error(ErrorCode code, const std::string& name) const {
     const std::string message(text_.data(), std::find(text_.begin(), text_.end() - 1, '\0'));
     return {code,
-            message.empty() ? "the plugin failed without a message; report this to its author" : one_line(message),
+            message.empty() ? "the plugin failed without a message; report this to its author" : header_text(message),
             name};
   }
 
@@ -141,7 +141,7 @@ class PluginCamera final : public Camera {
 Result<std::vector<std::string>> list_cameras_of(const e2lf_camera_functions& functions) {
   std::vector<std::string> addresses;
   const auto add = [](void* list, const char* address) {
-    if (address != nullptr) static_cast<std::vector<std::string>*>(list)->push_back(one_line(address));
+    if (address != nullptr) static_cast<std::vector<std::string>*>(list)->push_back(header_text(address));
   };
   PluginError error;
   if (functions.list(add, &addresses, error.buffer()) < 0) {
@@ -160,7 +160,7 @@ Result<CameraPlugin> load_plugin(const fs::path& file) {
   void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     const char* const reason = ::dlerror();
-    return fail(ErrorCode::kIo, file, "cannot be loaded (", reason == nullptr ? "" : one_line(reason), ")");
+    return fail(ErrorCode::kIo, file, "cannot be loaded (", reason == nullptr ? "" : header_text(reason), ")");
   }
   const auto function = reinterpret_cast<e2lf_camera_plugin_function>(::dlsym(library, E2LF_CAMERA_PLUGIN_FUNCTION));
   if (function == nullptr) {
@@ -199,7 +199,7 @@ Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions,
       functions->next == nullptr || functions->stop == nullptr) {
     return fail(ErrorCode::kFormat, location, "the camera plugin lacks one of open, close, start, next and stop");
   }
-  CameraPlugin plugin{functions->name, functions->description == nullptr ? "" : one_line(functions->description)};
+  CameraPlugin plugin{functions->name, functions->description == nullptr ? "" : header_text(functions->description)};
   plugin.open = [functions](const std::string& address) -> Result<CameraPtr> {
     const std::string name = cat("camera://", functions->name, address.empty() ? "" : "/", address);
     PluginError error;

@@ -22,7 +22,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/cameras/metavision_device.h"
-#include "e2lf/recordings/stream_choice.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::cameras {
 namespace {
@@ -42,7 +42,7 @@ class HalLog final : public std::streambuf {
       if (c != '\n') {
         line_ += c;
       } else if (const std::string line = std::exchange(line_, {}); !line.empty()) {
-        log_info("the camera's HAL: " + one_line(line));
+        log_info("the camera's HAL: " + header_text(line));
       }
     }
     return count;
@@ -85,7 +85,7 @@ std::string hal_text(const std::exception& error) {
     if (is_space && !text.empty() && text.back() != ' ') text += ' ';
   }
   while (text.ends_with(' ') || text.ends_with('-')) text.pop_back();
-  return one_line(text);
+  return header_text(text);
 }
 
 Result<std::vector<std::string>> list_metavision_cameras() try {
@@ -123,8 +123,8 @@ Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& addre
   if (is_read && (encoding.empty() || format == hal_encoding(encoding))) return device;
   const std::vector<std::string> offered = identity->get_available_data_encoding_formats();
   return Error{ErrorCode::kUnsupported,
-               cat("the camera sends ", one_line(format), is_read ? "" : ", which e2lf cannot read", "; it offers ",
-                   one_line(join(offered)), ", of which e2lf reads the encodings evt2, evt2.1 and evt3"),
+               cat("the camera sends ", header_text(format), is_read ? "" : ", which e2lf cannot read", "; it offers ",
+                   header_text(join(offered)), ", of which e2lf reads the encodings evt2, evt2.1 and evt3"),
                "camera://metavision"};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <ctime>
 #include <map>
 #include <metavision/hal/facilities/i_antiflicker_module.h>
 #include <metavision/hal/facilities/i_erc_module.h>
@@ -17,7 +18,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/metavision_device.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::cameras {
 namespace fs = std::filesystem;
@@ -177,6 +178,25 @@ std::optional<int64_t> number_of(const std::string& text) {
 std::string evt_version(const std::string& format) {
   if (format.starts_with("EVT3")) return "3.0";
   return format.starts_with("EVT21") || format.starts_with("EVT2.1") ? "2.1" : "2.0";
+}
+
+std::string local_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::localtime_r(&now, &parts);
+  char text[32];
+  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
+}
+
+/// Returns a header with these keys and the present date, up to "% end". Keys without a value are left out.
+std::string camera_header(std::map<std::string, std::string> keys) {
+  keys.erase("end");
+  keys.emplace("date", local_time());
+  std::string text;
+  for (const auto& [key, value] : keys) {
+    if (!value.empty()) text += cat("% ", key, " ", header_text(value), "\n");
+  }
+  return text + "% end\n";
 }
 
 }  // namespace

@@ -67,13 +67,8 @@ void EventHistogram::forget_before(int64_t t_us) {
 }
 
 EventRise event_rise(const EventHistogram& histogram, int64_t t_us, int64_t window_us) {
-  const int64_t begin_us = EventHistogram::bin_of(t_us);
-  const EventHistogram::Counts before = histogram.count(begin_us - window_us, begin_us);
-  const EventHistogram::Counts after = histogram.count(begin_us, begin_us + window_us);
-  EventRise rise;
-  rise.on = std::max(0.0, static_cast<double>(after.on) - before.on);
-  rise.off = std::max(0.0, static_cast<double>(after.off) - before.off);
-  rise.all = static_cast<double>(before.on) + before.off + after.on + after.off;
+  const RateStep step = rate_step(histogram, EventHistogram::bin_of(t_us), window_us);
+  EventRise rise{.on = std::max(0.0, step.on), .off = std::max(0.0, step.off), .all = step.all};
   rise.significance = rise.total() / std::sqrt(rise.all + 1);
   return rise;
 }

@@ -24,20 +24,24 @@ constexpr std::chrono::milliseconds kReaderPoll(20);  // the longest delay of a 
 
 /// Writes all bytes to a descriptor and closes it.
 Result<void> write_and_close(int descriptor, const fs::path& path, std::span<const uint8_t> bytes) {
-  Result<void> status;
-  while (!bytes.empty() && status) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written >= 0) {
-      bytes = bytes.subspan(static_cast<size_t>(written));
-    } else if (errno != EINTR) {
-      status = fail_to("write", path, errno);
-    }
-  }
-  if (::close(descriptor) != 0 && status) status = fail_to("write", path, errno);
+  const Result<void> status = write_all(descriptor, path, bytes);
+  if (::close(descriptor) != 0 && status) return fail_to("write", path, errno);
   return status;
 }
 
 }  // namespace
+
+Result<void> write_all(int descriptor, const fs::path& path, std::span<const uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written >= 0) {
+      bytes = bytes.subspan(static_cast<size_t>(written));
+    } else if (errno != EINTR) {
+      return fail_to("write", path, errno);
+    }
+  }
+  return {};
+}
 
 Result<std::vector<uint8_t>> read_head(const fs::path& path, size_t most) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);

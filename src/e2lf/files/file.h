@@ -24,6 +24,9 @@ namespace e2lf {
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, const std::string& text);
 
+/// Writes all bytes to an open descriptor; `path` is its name in errors. Fails with kIo.
+[[nodiscard]] Result<void> write_all(int descriptor, const std::filesystem::path& path, std::span<const uint8_t> bytes);
+
 /// Fails with kExists if `path` exists and `overwrite` is false, or if it is a folder. It is called before the work
 /// starts.
 [[nodiscard]] Result<void> check_output(const std::filesystem::path& path, bool overwrite);

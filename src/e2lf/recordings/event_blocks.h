@@ -95,10 +95,6 @@ class PendingBatch {
   [[nodiscard]] bool empty() const { return event_ == batch_.events.size() && trigger_ == batch_.triggers.size(); }
   [[nodiscard]] const EventBatch& batch() const { return batch_; }
 
-  /// Return the index of the first event or trigger that was not returned yet.
-  [[nodiscard]] size_t event() const { return event_; }
-  [[nodiscard]] size_t trigger() const { return trigger_; }
-
   /// Skips the events and triggers before these indices.
   void skip_to(size_t event, size_t trigger) {
     event_ = event;

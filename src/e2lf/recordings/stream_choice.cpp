@@ -4,25 +4,16 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
-
-std::string one_line(std::string text) {
-  for (size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    // In UTF-8, control characters from 0x80 to 0x9F follow 0xC2.
-    const bool is_second = i > 0 && text[i - 1] == '\xC2' && byte < 0xA0;
-    if (byte < 0x20 || byte == 0x7F || is_second) text[i] = '?';
-  }
-  return text;
-}
 
 namespace {
 
 std::string text_of(const NamedStream& stream) {
   std::string about = stream.name;
   if (!stream.camera.empty()) about += cat(about.empty() ? "" : " of ", stream.camera);
-  return about.empty() ? stream.number : cat(stream.number, " (", one_line(about), ")");
+  return about.empty() ? stream.number : cat(stream.number, " (", header_text(about), ")");
 }
 
 }  // namespace
@@ -54,7 +45,7 @@ Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const Open
   if (count != 1) {
     return Error{ErrorCode::kInvalidValue,
                  cat(count == 0 ? "there is no stream of events named " : "there are several streams of events named ",
-                     one_line(wanted), "; there are ", join(info.streams), ": choose one by its number"),
+                     header_text(wanted), "; there are ", join(info.streams), ": choose one by its number"),
                  location, Setting::kStream};
   }
   return static_cast<size_t>(first - streams.begin());

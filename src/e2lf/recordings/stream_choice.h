@@ -8,9 +8,6 @@
 
 namespace e2lf::recordings {
 
-/// Makes text of a file safe to print: replaces control characters, which could command a terminal, by question marks.
-[[nodiscard]] std::string one_line(std::string text);
-
 /// A stream of events in a container that may hold several.
 struct NamedStream {
   std::string number;  ///< the number that the file assigns

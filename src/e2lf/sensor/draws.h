@@ -30,29 +30,4 @@ inline std::array<float, 2> normals_of(uint32_t word0, uint32_t word1) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// A sequence of draws for one pixel and one moment.
-class DrawSequence {
- public:
-  DrawSequence(uint64_t seed, uint64_t stream, uint64_t pixel) : rng_(seed, stream), index_(pixel) {}
-
-  [[nodiscard]] double uniform() {
-    if (next_ == words_.size()) {
-      // Pixel numbers have 32 bits; the bits above count the draws.
-      words_ = rng_.bits(index_);
-      index_ += uint64_t{1} << 32;
-      next_ = 0;
-    }
-    return (static_cast<double>(words_[next_++]) + 0.5) * 0x1p-32;
-  }
-
-  /// Returns the waiting time to the next event of a Poisson process with this rate.
-  [[nodiscard]] double wait(double rate) { return -std::log(uniform()) / rate; }
-
- private:
-  CounterRng rng_;
-  uint64_t index_;
-  std::array<uint32_t, 4> words_ = {};
-  size_t next_ = words_.size();
-};
-
 }  // namespace e2lf::sensor

@@ -183,14 +183,6 @@ Result<void> check(const capture::Codes& codes, const capture::SensorProfile& ca
   return {};
 }
 
-/// Appends a pattern with all cells open.
-capture::Codes with_open_aperture(const capture::Codes& codes) {
-  capture::Codes extended(codes.num_patterns + 1, codes.views_y, codes.views_x);
-  std::fill(extended.values.begin(), extended.values.end(), 1.0F);
-  std::copy(codes.values.begin(), codes.values.end(), extended.values.begin());
-  return extended;
-}
-
 }  // namespace
 
 PixelThresholds draw_thresholds(const capture::PixelConstants& constants, uint64_t map_seed, uint64_t pixel) {
@@ -210,7 +202,7 @@ Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes, 
   E2LF_RETURN_IF_ERROR(check(codes, camera, options));
   const ShownCycle cycle = shown_cycle(codes);
   E2LF_ASSIGN_OR_RETURN(const CodedIntensities intensities,
-                        coded_intensities(with_open_aperture(cycle.codes), light_field));
+                        coded_intensities(capture::with_open_aperture(cycle.codes), light_field));
   const capture::PixelConstants& constants = camera.pixel;
   const ExposureOf exposure_of(camera, cycle, intensities, options.gain);
   capture::EventImages images(cycle.num_patterns() - 1, intensities.height, intensities.width);

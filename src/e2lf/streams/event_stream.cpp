@@ -6,17 +6,12 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/base/threads.h"
 
 namespace e2lf::streams {
 
 void SinglePixels::advance(const LightSegment& segment, std::vector<std::vector<PixelEvent>>& parts) {
-  parallel_for(parts.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t part = begin; part < end; ++part) {
-      const size_t first = part * kPartPixels;
-      follow(segment, first, std::min(first + kPartPixels, count_),
-             PixelEventSink(parts[part], segment.end_us - segment.begin_us));
-    }
+  for_parts(count_, [&](size_t part, size_t begin, size_t end) {
+    follow(segment, begin, end, PixelEventSink(parts[part], segment.end_us - segment.begin_us));
   });
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "e2lf/base/rng.h"
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/pixel_model.h"
 #include "e2lf/streams/receptor.h"
@@ -28,6 +29,31 @@ struct PhysicalPixel {
   double noise_from = 0.0;  ///< offset to the level when the pattern began
   double noise_to = 0.0;    ///< offset when it ends; linear in between
   double blind_until_us = 0.0;
+};
+
+/// A sequence of draws for one pixel and one moment.
+class DrawSequence {
+ public:
+  DrawSequence(uint64_t seed, uint64_t stream, uint64_t pixel) : rng_(seed, stream), index_(pixel) {}
+
+  [[nodiscard]] double uniform() {
+    if (next_ == words_.size()) {
+      // Pixel numbers have 32 bits; the bits above count the draws.
+      words_ = rng_.bits(index_);
+      index_ += uint64_t{1} << 32;
+      next_ = 0;
+    }
+    return (static_cast<double>(words_[next_++]) + 0.5) * 0x1p-32;
+  }
+
+  /// Returns the waiting time to the next event of a Poisson process with this rate.
+  [[nodiscard]] double wait(double rate) { return -std::log(uniform()) / rate; }
+
+ private:
+  CounterRng rng_;
+  uint64_t index_;
+  std::array<uint32_t, 4> words_ = {};
+  size_t next_ = words_.size();
 };
 
 /// The effect of a spurious event on the pixel.
@@ -242,7 +268,7 @@ class PhysicalPixels : public SinglePixels {
     const PixelDefects& defects = options_.defects;
     const double shot_hz = defects.shot_rate_hz / exposure, hot_hz = pixels_[i].is_hot ? defects.hot_rate_hz : 0.0;
     if (shot_hz + hot_hz > 0) {
-      sensor::DrawSequence draws(options_.seed, sensor::kDefectStream + segment_, i);
+      DrawSequence draws(options_.seed, sensor::kDefectStream + segment_, i);
       const double duration_s = stretch.receptor.duration_s;
       for (double t = draws.wait(shot_hz + hot_hz); t < duration_s; t += draws.wait(shot_hz + hot_hz)) {
         const double kind = draws.uniform() * (shot_hz + hot_hz);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/base/threads.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/recordings/event.h"
 
@@ -133,6 +135,16 @@ void append_in_time(const std::vector<std::vector<PixelEvent>>& parts, const Lig
 
 /// The number of pixels that are processed together.
 inline constexpr size_t kPartPixels = 4096;
+
+/// Calls body(part, begin, end) in parallel for the pixels [begin, end) of each of the parts of `count` pixels.
+template <typename Body>
+void for_parts(size_t count, const Body& body) {
+  parallel_for((count + kPartPixels - 1) / kPartPixels, 1, [&](size_t first, size_t last) {
+    for (size_t part = first; part < last; ++part) {
+      body(part, part * kPartPixels, std::min((part + 1) * kPartPixels, count));
+    }
+  });
+}
 
 /// The pixels of a sensor with their state, which is carried from segment to segment.
 class StreamPixels {

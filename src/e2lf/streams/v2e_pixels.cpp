@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "e2lf/base/threads.h"
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/streams/stream_pixels.h"
@@ -69,17 +68,10 @@ class V2ePixels : public StreamPixels {
   void add_frame(const LightSegment& segment, const Frame& frame, std::vector<std::vector<PixelEvent>>& parts) {
     // The subdivision of a frame depends on the pixel with the most events.
     std::vector<int32_t> most(parts.size());
-    const auto for_parts = [&](const auto& body) {
-      parallel_for(parts.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t part = begin; part < end; ++part) {
-          const size_t first = part * kPartPixels;
-          body(part, first, std::min(first + kPartPixels, pixels_.size()));
-        }
-      });
-    };
-    for_parts([&](size_t part, size_t begin, size_t end) { most[part] = see_light(segment, frame, begin, end); });
+    for_parts(pixels_.size(),
+              [&](size_t part, size_t begin, size_t end) { most[part] = see_light(segment, frame, begin, end); });
     const int32_t slots = std::max(*std::max_element(most.begin(), most.end()), 1);
-    for_parts([&](size_t part, size_t begin, size_t end) {
+    for_parts(pixels_.size(), [&](size_t part, size_t begin, size_t end) {
       PixelEventSink events(parts[part], segment.end_us - segment.begin_us);
       for (size_t i = begin; i < end; ++i) {
         fire(segment, frame, slots, i, events);

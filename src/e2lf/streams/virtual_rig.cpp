@@ -14,19 +14,11 @@ namespace {
 
 constexpr size_t kLeastPixels = 4096;  // the fewest per thread
 
-/// Appends a pattern with all cells open.
-capture::Codes with_open_aperture(const capture::Codes& codes) {
-  capture::Codes extended(codes.num_patterns + 1, codes.views_y, codes.views_x);
-  std::fill(extended.values.begin(), extended.values.end(), 1.0F);
-  std::copy(codes.values.begin(), codes.values.end(), extended.values.begin());
-  return extended;
-}
-
 }  // namespace
 
 ShownLight::ShownLight(const capture::Codes& codes, const capture::SensorProfile& camera, float gain, size_t height,
                        size_t width)
-    : codes_(with_open_aperture(codes)),
+    : codes_(capture::with_open_aperture(codes)),
       transmission_(codes.num_patterns - 1),
       gain_(gain),
       leak_(camera.pixel[capture::PixelConstant::kLeak]) {

@@ -58,6 +58,13 @@ Codes complement(const Codes& codes) {
   return result;
 }
 
+Codes with_open_aperture(const Codes& codes) {
+  Codes extended(codes.num_patterns + 1, codes.views_y, codes.views_x);
+  std::fill(extended.values.begin(), extended.values.end(), 1.0F);
+  std::copy(codes.values.begin(), codes.values.end(), extended.values.begin());
+  return extended;
+}
+
 Codes default_codes() {
   constexpr size_t kViews = 8;
   constexpr float kNear = 1.5F, kFar = 5.5F;  // centres of the first and second half of an axis

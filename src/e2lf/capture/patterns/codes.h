@@ -56,6 +56,9 @@ struct Codes {
 /// Computes the inverse patterns, 1 - transmittance: a pattern and its inverse add up to the open aperture.
 [[nodiscard]] Codes complement(const Codes& codes);
 
+/// Appends a pattern with all cells open.
+[[nodiscard]] Codes with_open_aperture(const Codes& codes);
+
 /// Returns four binary patterns of 8x8 cells for demos and tests. The first is black; the others are discs of 12 cells
 /// in the lower left, lower right and upper right quarter. Discs of equal size make parallax the only change between
 /// them, along x in one transition and along y in the next, over a baseline of four views. Compact discs keep each

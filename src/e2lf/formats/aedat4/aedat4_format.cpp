@@ -97,12 +97,6 @@ std::optional<int32_t> stream_of_path(std::string_view path) {
   return id;
 }
 
-size_t size_of_text(std::string_view text) {
-  size_t value = 0;
-  std::from_chars(text.data(), text.data() + text.size(), value);
-  return value <= 65536 ? value : 0;
-}
-
 Stream& stream_with(std::vector<Stream>& streams, int32_t id) {
   for (Stream& stream : streams) {
     if (stream.id == id) return stream;
@@ -140,8 +134,8 @@ std::vector<Stream> parse_streams(std::string_view xml) {
       const std::string_view value = xml.substr(end + 1, xml.find('<', end) - end - 1);
       Stream& stream = stream_with(streams, *current);
       if (key == "typeIdentifier") stream.type = value;
-      if (key == "sizeX") stream.width = size_of_text(value);
-      if (key == "sizeY") stream.height = size_of_text(value);
+      if (key == "sizeX") stream.width = parse_side(value, 65536).value_or(0);
+      if (key == "sizeY") stream.height = parse_side(value, 65536).value_or(0);
       if (key == "source") stream.source = value;
       if (key == "originalOutputName") stream.output = value;
     }

@@ -11,6 +11,7 @@
 #include "e2lf/formats/codecs.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::formats::aedat4 {
@@ -192,9 +193,9 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   const Stream& events = event_streams[chosen];
   info.width = events.width;
   info.height = events.height;
-  if (!events.source.empty()) info.header.emplace_back("source", one_line(events.source));
+  if (!events.source.empty()) info.header.emplace_back("source", header_text(events.source));
   for (const Stream& stream : header.streams)
-    info.header.emplace_back(cat("stream_", stream.id), one_line(stream.type));
+    info.header.emplace_back(cat("stream_", stream.id), header_text(stream.type));
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   auto blocks =
       std::make_unique<Aedat4Blocks>(std::move(source), header, event_streams, events, !options.stream.empty());

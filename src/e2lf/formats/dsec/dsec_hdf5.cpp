@@ -87,66 +87,35 @@ std::vector<int64_t> read_attribute(hid_t object, const char* name) {
   return numbers;
 }
 
-/// Reads the size of the sensor from attributes of the group of the events or of the root: width and height, or
-/// sensor_resolution = [height, width]. Does not change `info` if there are none.
-void read_sensor_size(hid_t file, const std::string& group, RecordingInfo& info) {
-  constexpr int64_t kWidestPx = 65536;
+/// Reads the size of the sensor from attributes of the group of the events or of the root.
+void read_size(hid_t file, const std::string& group, RecordingInfo& info) {
   for (const std::string& place : {group, std::string("/")}) {
     const Handle opened(H5Oopen(file, place.c_str(), H5P_DEFAULT), H5Oclose);
-    if (!opened.valid()) continue;
-    std::vector<int64_t> size = read_attribute(opened.get(), "sensor_resolution");
-    std::reverse(size.begin(), size.end());
-    for (const char* name : {"width", "height"}) {
-      const std::vector<int64_t> number = read_attribute(opened.get(), name);
-      if (size.size() < 2 && number.size() == 1) size.push_back(number[0]);
-    }
-    if (size.size() != 2 || size[0] < 1 || size[1] < 1 || size[0] > kWidestPx || size[1] > kWidestPx) continue;
-    info.width = static_cast<size_t>(size[0]);
-    info.height = static_cast<size_t>(size[1]);
-    return;
+    const auto numbers = [&opened](const char* name) { return read_attribute(opened.get(), name); };
+    if (opened.valid() && table::read_sensor_size(numbers, info)) return;
   }
 }
 
 constexpr uint64_t kBlock = uint64_t{1} << 17;
 
-struct KnownNumber {
-  const char* type;  ///< numpy code
-  H5T_class_t kind;
-  H5T_sign_t sign;
-  size_t bytes;
+/// The type of the numbers in a data set, as which they are read into memory.
+struct NumberType {
+  std::string code;  ///< that of numpy; empty if these are not numbers
+  Handle memory;
 };
-constexpr KnownNumber kNumbers[] = {{"u1", H5T_INTEGER, H5T_SGN_NONE, 1}, {"u2", H5T_INTEGER, H5T_SGN_NONE, 2},
-                                    {"u4", H5T_INTEGER, H5T_SGN_NONE, 4}, {"u8", H5T_INTEGER, H5T_SGN_NONE, 8},
-                                    {"i1", H5T_INTEGER, H5T_SGN_2, 1},    {"i2", H5T_INTEGER, H5T_SGN_2, 2},
-                                    {"i4", H5T_INTEGER, H5T_SGN_2, 4},    {"i8", H5T_INTEGER, H5T_SGN_2, 8},
-                                    {"f4", H5T_FLOAT, H5T_SGN_ERROR, 4},  {"f8", H5T_FLOAT, H5T_SGN_ERROR, 8}};
 
-/// Returns the numpy code of a type that represents all values of an HDF5 type; empty if that is not numeric.
-std::string number_code(hid_t type) {
-  for (const KnownNumber& known : kNumbers) {
-    const bool has_sign = known.kind != H5T_INTEGER || H5Tget_sign(type) == known.sign;
-    if (H5Tget_class(type) == known.kind && H5Tget_size(type) == known.bytes && has_sign) return known.type;
-  }
-  if (H5Tget_class(type) == H5T_FLOAT && H5Tget_size(type) == 2) return "f4";
-  return H5Tget_class(type) == H5T_ENUM ? "i1" : "";  // numpy's bool
-}
-
-/// Returns the same for the elements of a data set.
-std::string number_type(hid_t dataset) {
-  const Handle type(H5Dget_type(dataset), H5Tclose);
-  return type.valid() ? number_code(type.get()) : "";
-}
-
-hid_t memory_type(const std::string& type) {
-  if (type == "u1") return H5T_NATIVE_UINT8;
-  if (type == "u2") return H5T_NATIVE_UINT16;
-  if (type == "u4") return H5T_NATIVE_UINT32;
-  if (type == "u8") return H5T_NATIVE_UINT64;
-  if (type == "i1") return H5T_NATIVE_INT8;
-  if (type == "i2") return H5T_NATIVE_INT16;
-  if (type == "i4") return H5T_NATIVE_INT32;
-  if (type == "i8") return H5T_NATIVE_INT64;
-  return type == "f4" ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
+NumberType number_type(hid_t dataset) {
+  const Handle stored(H5Dget_type(dataset), H5Tclose);
+  if (!stored.valid()) return {};
+  const H5T_class_t kind = H5Tget_class(stored.get());
+  if (kind != H5T_INTEGER && kind != H5T_FLOAT && kind != H5T_ENUM) return {};
+  NumberType type{"", Handle(H5Tget_native_type(stored.get(), H5T_DIR_ASCEND), H5Tclose)};
+  if (!type.memory.valid()) return {};
+  const char letter = kind == H5T_FLOAT                                                       ? 'f'
+                      : kind == H5T_INTEGER && H5Tget_sign(type.memory.get()) == H5T_SGN_NONE ? 'u'
+                                                                                              : 'i';  // numpy's bool
+  type.code = cat(letter, H5Tget_size(type.memory.get()));
+  return table::is_number_type(type.code) ? std::move(type) : NumberType();
 }
 
 /// Returns the unit in an attribute unit or units of the times; kAuto if there is none. Fails with kInvalidValue for
@@ -170,15 +139,15 @@ Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit uni
   if (!offset.valid()) return 0;
   const std::string place = location + ": t_offset";
   E2LF_ASSIGN_OR_RETURN(const Storage storage, e2lf::hdf5::inspect_storage(offset.get(), place));
-  const std::string type = number_type(offset.get());
+  const NumberType type = number_type(offset.get());
   std::array<uint8_t, 8> bytes{};
   const Error damaged{ErrorCode::kFormat, "not one time; the file is damaged", place};
-  if (type.empty() || storage.claimed_elements() != 1 || !e2lf::hdf5::chunks_are_whole(offset.get(), storage) ||
-      H5Dread(offset.get(), memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
+  if (type.code.empty() || storage.claimed_elements() != 1 || !e2lf::hdf5::chunks_are_whole(offset.get(), storage) ||
+      H5Dread(offset.get(), type.memory.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
     return damaged;
   }
-  const table::NumberField field{type, 0, element_size(type)};
-  const double value = table::to_doubles(bytes.data(), field, 1)[0];
+  const table::NumberColumn column{bytes.data(), {type.code, 0, element_size(type.code)}};
+  const double value = table::to_doubles(column, 1)[0];
   const bool is_whole = value == std::trunc(value);
   if (options.time_unit == TimeUnit::kAuto && unit == TimeUnit::kSeconds && is_whole && value != 0) {
     return Error{
@@ -189,7 +158,7 @@ Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit uni
   if (options.time_unit == TimeUnit::kAuto && !is_whole) unit = TimeUnit::kSeconds;
   int64_t offset_us = 0;
   uint8_t bad = 0;
-  table::to_times(bytes.data(), field, unit, 1, &offset_us, &bad);
+  table::to_times(column, unit, 1, &offset_us, &bad);
   if (bad != 0 || !is_time(offset_us)) return damaged;
   return offset_us;
 }
@@ -231,10 +200,7 @@ class ColumnBlocks final : public EventBlocks {
     sample.is_ordered = place.is_matrix();
     location_ = cat(name, ": ", place.name);
     if (place.is_matrix()) {
-      E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_matrix(file, place.name, name));
-      if (shape.columns != table::kNumFields) {
-        return fail(ErrorCode::kShape, location_, "the data set has ", shape.columns, " columns; store t, x, y, p");
-      }
+      E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_dataset(file, place.name, name, table::kNumFields));
       E2LF_RETURN_IF_ERROR(add_part(std::move(shape), location_));
     } else {
       for (const std::string& dataset : place.columns) {
@@ -252,9 +218,7 @@ class ColumnBlocks final : public EventBlocks {
     E2LF_RETURN_IF_ERROR(read(0, count));
     for (size_t i = 0; i < columns_.size(); ++i) {
       const std::string& dataset = place.columns[i];  // empty for a matrix
-      const NumberColumn& column = columns_[i];
-      sample.columns.push_back(
-          table::sample_of(dataset.substr(dataset.rfind('/') + 1), numbers(column), column.field, count));
+      sample.columns.push_back(table::sample_of(dataset.substr(dataset.rfind('/') + 1), columns_[i], count));
     }
     if (!place.is_matrix()) {
       const hid_t times = parts_.back().shape.dataset.get();
@@ -275,10 +239,7 @@ class ColumnBlocks final : public EventBlocks {
       return false;
     }
     E2LF_RETURN_IF_ERROR(read(next_, count));
-    const NumberColumn &x = column(Field::kX), &y = column(Field::kY), &p = column(Field::kP), &t = column(Field::kT);
-    const table::RecordFields fields = {x.field, y.field, p.field, t.field, layout_.unit, layout_.polarity};
-    const size_t num_bad =
-        table::to_events({numbers(x), numbers(y), numbers(p), numbers(t)}, fields, count, block.events);
+    const size_t num_bad = table::to_events(columns_, layout_, count, block.events);
     for (int64_t& t_us : block.events.t) {
       // An invalid time stays invalid, and Timeline drops it.
       t_us = is_time(t_us) ? t_us + offset_us_ : INT64_MAX;
@@ -294,9 +255,9 @@ class ColumnBlocks final : public EventBlocks {
       const auto count = std::min<uint64_t>(kTimesPerProbe, length_ - i);
       Column<uint8_t> bad(count);
       std::vector<int64_t> times_us(count);
-      E2LF_RETURN_IF_ERROR(read(parts_[column(Field::kT).part], i, count));
-      table::to_times(numbers(column(Field::kT)), column(Field::kT).field, layout_.unit, count, times_us.data(),
-                      bad.data());
+      const size_t times = layout_.columns[of(Field::kT)];
+      E2LF_RETURN_IF_ERROR(read(parts_.size() == 1 ? 0 : times, i, count));
+      table::to_times(columns_[times], layout_.unit, count, times_us.data(), bad.data());
       const int64_t since_us = median(std::move(times_us));
       return is_time(since_us) ? since_us + offset_us_ : since_us;
     };
@@ -305,43 +266,39 @@ class ColumnBlocks final : public EventBlocks {
   }
 
  private:
-  /// A data set, which is read at once.
+  /// A data set, which is read at once: one column, or all of them.
   struct Part {
     DatasetShape shape;
-    std::string type = {};
+    NumberType type = {};
     std::vector<uint8_t> numbers = {};  ///< the rows that were read last
-  };
-  struct NumberColumn {
-    size_t part = 0;
-    table::NumberField field = {};
   };
 
   Result<void> add_part(DatasetShape shape, const std::string& place) {
-    const std::string type = number_type(shape.dataset.get());
-    if (type.empty()) {
+    NumberType type = number_type(shape.dataset.get());
+    if (type.code.empty()) {
       return fail(ErrorCode::kUnsupported, place, "these are not numbers; store x, y, p and t as numbers");
     }
-    const size_t item = element_size(type), columns = shape.columns;
-    for (size_t i = 0; i < columns; ++i) columns_.push_back({parts_.size(), {type, i * item, columns * item}});
-    parts_.push_back({std::move(shape), type});
+    const size_t item = element_size(type.code), columns = shape.columns;
+    for (size_t i = 0; i < columns; ++i) columns_.push_back({nullptr, {type.code, i * item, columns * item}});
+    parts_.push_back({std::move(shape), std::move(type)});
     return {};
   }
 
-  Result<void> read(Part& part, uint64_t begin, uint64_t count) const {
-    part.numbers.resize(count * part.shape.columns * element_size(part.type));
-    return read_elements(part.shape, memory_type(part.type), begin, count, part.numbers.data(), location_);
+  /// Reads rows of a part, to which its columns then point.
+  Result<void> read(size_t number, uint64_t begin, uint64_t count) {
+    Part& part = parts_[number];
+    part.numbers.resize(count * part.shape.columns * element_size(part.type.code));
+    for (size_t i = 0; i < part.shape.columns; ++i) columns_[number + i].records = part.numbers.data();
+    return read_elements(part.shape, part.type.memory.get(), begin, count, part.numbers.data(), location_);
   }
   Result<void> read(uint64_t begin, uint64_t count) {
-    for (Part& part : parts_) E2LF_RETURN_IF_ERROR(read(part, begin, count));
+    for (size_t i = 0; i < parts_.size(); ++i) E2LF_RETURN_IF_ERROR(read(i, begin, count));
     return {};
   }
-
-  [[nodiscard]] const NumberColumn& column(Field field) const { return columns_[layout_.columns[table::of(field)]]; }
-  [[nodiscard]] const uint8_t* numbers(const NumberColumn& column) const { return parts_[column.part].numbers.data(); }
 
   std::string location_;
   std::vector<Part> parts_;
-  std::vector<NumberColumn> columns_;
+  std::vector<table::NumberColumn> columns_;
   table::TableLayout layout_;
   int64_t offset_us_ = 0;
   uint64_t length_ = 0, next_ = 0;
@@ -369,7 +326,7 @@ Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource&
   if (places.size() > 1) {
     E2LF_ASSIGN_OR_RETURN(chosen, choose_stream(streams, options, name, info));
   }
-  if (info.width == 0) read_sensor_size(file, places[chosen].name, info);
+  if (info.width == 0) read_size(file, places[chosen].name, info);
   auto columns = std::make_unique<ColumnBlocks>();
   E2LF_RETURN_IF_ERROR(columns->open(file, places[chosen], options, name, info));
   E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source.path()));

@@ -17,7 +17,7 @@
 namespace e2lf::formats::numpy {
 using table::Field;
 using table::kSampledRows;
-using table::NumberField;
+using table::NumberColumn;
 
 namespace {
 
@@ -35,6 +35,11 @@ Result<const NpyArray*> find_column(const NpzArrays& arrays, const std::string& 
   const NpyArray& array = found->second;
   if (array.shape.size() == 1 && table::is_number_type(array.type)) return &array;
   return fail(ErrorCode::kShape, name, "array \"", key, "\" is not a column of numbers; store x, y, p, t");
+}
+
+/// Returns a one-dimensional array as a column.
+NumberColumn column_of(const NpyArray& array) {
+  return {array.bytes.data(), {array.type, 0, array.item_size}};
 }
 
 /// Returns the triggers, sorted. Their times are in `unit` if they are floating-point numbers. Adds the number of
@@ -56,10 +61,9 @@ Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::s
   Column<int64_t> times_us(count);
   Column<uint16_t> ids(count);
   if (t->type[0] != 'f' && unit == TimeUnit::kSeconds) unit = TimeUnit::kMicroseconds;
-  const auto field_of = [](const NpyArray& array) { return NumberField{array.type, 0, array.item_size}; };
-  table::to_times(t->bytes.data(), field_of(*t), unit, count, times_us.data(), bad.data());
-  table::to_column(p->bytes.data(), field_of(*p), count, polarities.data(), bad.data());
-  table::to_column(id->bytes.data(), field_of(*id), count, ids.data(), bad.data());
+  table::to_times(column_of(*t), unit, count, times_us.data(), bad.data());
+  table::to_column(column_of(*p), count, polarities.data(), bad.data());
+  table::to_column(column_of(*id), count, ids.data(), bad.data());
   for (size_t i = 0; i < count; ++i) {
     if (bad[i] == 0 && is_time(times_us[i])) {
       triggers.push_back({times_us[i], ids[i], static_cast<uint8_t>(polarities[i] != 0)});
@@ -172,63 +176,45 @@ class NpzWriter final : public RecordingWriter {
   size_t room_ = 0;  ///< number of events for which there is memory
 };
 
-/// Reads the size of the sensor: size [width, height], sensor_resolution [height, width], or width and height.
-void read_size(const NpzArrays& arrays, RecordingInfo& info) {
-  const auto numbers = [&](const char* key) {
-    const auto found = arrays.find(key);
-    const auto values =
-        found == arrays.end() ? Result<std::vector<int32_t>>(std::vector<int32_t>()) : found->second.to_int32(key);
-    return values.ok() ? *values : std::vector<int32_t>();
-  };
-  std::vector<int32_t> size = numbers("size");
-  if (size.size() != 2) {
-    size = numbers("sensor_resolution");
-    std::reverse(size.begin(), size.end());
-  }
-  if (size.size() != 2) {
-    size = numbers("width");
-    for (const int32_t height : numbers("height")) size.push_back(height);
-  }
-  if (size.size() != 2 || size[0] < 0 || size[1] < 0) return;
-  info.width = static_cast<size_t>(size[0]);
-  info.height = static_cast<size_t>(size[1]);
-}
+/// The columns of the events of an archive, as separate arrays or as parts of rows.
+struct NpzColumns {
+  std::vector<std::string> names;
+  std::vector<NumberColumn> columns;
+  std::vector<size_t> lengths;
 
-/// One column of the events of an archive, as a separate array or as part of rows.
-struct NpzColumn {
-  std::string name;
-  const NpyArray* array = nullptr;
-  NumberField field;
+  void add(std::string name, const NpyArray& array, table::NumberField field) {
+    names.push_back(std::move(name));
+    columns.push_back({array.bytes.data(), std::move(field)});
+    lengths.push_back(array.shape[0]);
+  }
 };
 
 /// Returns the columns of the rows of an array: its fields, or four without names.
-std::vector<NpzColumn> columns_of_rows(const NpyArray& array) {
-  std::vector<NpzColumn> columns;
+NpzColumns columns_of_rows(const NpyArray& array) {
+  NpzColumns columns;
   for (const NpyField& field : array.fields) {
-    if (table::is_number_type(field.type)) {
-      columns.push_back({field.name, &array, {field.type, field.offset, array.item_size}});
-    }
+    if (table::is_number_type(field.type)) columns.add(field.name, array, {field.type, field.offset, array.item_size});
   }
   for (size_t i = 0; array.fields.empty() && i < 4; ++i) {
-    columns.push_back({"", &array, {array.type, i * array.item_size, 4 * array.item_size}});
+    columns.add("", array, {array.type, i * array.item_size, 4 * array.item_size});
   }
   return columns;
 }
 
 /// Returns the arrays whose names denote the fields of an event. An array "xy" contains both coordinates.
-Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std::string& name) {
+Result<NpzColumns> named_columns(const NpzArrays& arrays, const std::string& name) {
   std::vector<std::string> keys;
-  std::vector<NpzColumn> columns;
+  NpzColumns columns;
   for (const auto& [key, array] : arrays) {
     keys.push_back(key);
-    if (table::parse_column_name(key).is_xy && columns.empty() && array.shape.size() == 2 && array.shape[1] == 2 &&
-        table::is_number_type(array.type)) {
-      columns.push_back({"x", &array, {array.type, 0, 2 * array.item_size}});
-      columns.push_back({"y", &array, {array.type, array.item_size, 2 * array.item_size}});
+    if (table::parse_column_name(key).is_xy && columns.names.empty() && array.shape.size() == 2 &&
+        array.shape[1] == 2 && table::is_number_type(array.type)) {
+      columns.add("x", array, {array.type, 0, 2 * array.item_size});
+      columns.add("y", array, {array.type, array.item_size, 2 * array.item_size});
     }
   }
   const table::KnownColumns known = table::find_fields(keys);
-  for (size_t field = columns.size(); field < table::kNumFields; ++field) {
+  for (size_t field = columns.names.size(); field < table::kNumFields; ++field) {
     if (!known[field]) {
       return fail(ErrorCode::kNotFound, name, "the names of the arrays (", join(keys),
                   ") do not state once each which are x, y, p and t; ",
@@ -236,36 +222,25 @@ Result<std::vector<NpzColumn>> named_columns(const NpzArrays& arrays, const std:
     }
     const std::string& key = keys[*known[field]];
     E2LF_ASSIGN_OR_RETURN(const NpyArray* array, find_column(arrays, key, name));
-    columns.push_back({key, array, {array->type, 0, array->item_size}});
+    columns.add(key, *array, column_of(*array).field);
+    if (columns.lengths.back() == columns.lengths.front()) continue;
+    return fail(ErrorCode::kShape, name, "array \"", key, "\" has a different length; store all of it");
   }
   return columns;
 }
 
-Result<void> check_lengths(const std::vector<NpzColumn>& columns, const std::string& name) {
-  for (const NpzColumn& column : columns) {
-    if (column.array->shape[0] == columns[0].array->shape[0]) continue;
-    return fail(ErrorCode::kShape, name, "array \"", column.name, "\" has a different length; store all of it");
-  }
-  return {};
-}
-
 /// Reads the events from columns and adds how to `info`. Adds the number of rows that are not events to `num_bad`.
-Result<EventColumns> read_columns(const std::vector<NpzColumn>& columns, bool is_ordered, const OpenOptions& options,
+Result<EventColumns> read_columns(const NpzColumns& from, bool is_ordered, const OpenOptions& options,
                                   const std::string& name, RecordingInfo& info, TimeUnit& unit, size_t& num_bad) {
-  const size_t count = columns.empty() ? 0 : columns[0].array->shape[0];
-  const size_t sampled = std::min(count, kSampledRows);
+  const size_t count = from.lengths.empty() ? 0 : from.lengths[0];
   table::TableSample sample{.is_ordered = is_ordered};
-  for (const NpzColumn& column : columns) {
-    sample.columns.push_back(table::sample_of(column.name, column.array->bytes.data(), column.field, sampled));
+  for (size_t i = 0; i < from.columns.size(); ++i) {
+    sample.columns.push_back(table::sample_of(from.names[i], from.columns[i], std::min(count, kSampledRows)));
   }
   E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(sample, options, name, info));
   unit = layout.unit;
-  const auto [x, y, p, t] = layout.columns;
-  const auto bytes_of = [&](size_t column) { return columns[column].array->bytes.data(); };
-  const table::RecordFields fields = {columns[x].field, columns[y].field, columns[p].field,
-                                      columns[t].field, layout.unit,      layout.polarity};
   EventColumns events;
-  num_bad = table::to_events({bytes_of(x), bytes_of(y), bytes_of(p), bytes_of(t)}, fields, count, events);
+  num_bad = table::to_events(from.columns, layout, count, events);
   return events;
 }
 
@@ -290,13 +265,12 @@ Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::s
                               TriggersPtr side_triggers = {}) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   const NpyArray* const rows = find_rows(arrays);
-  std::vector<NpzColumn> columns;
+  NpzColumns columns;
   if (rows != nullptr) {
     columns = columns_of_rows(*rows);
   } else {
     E2LF_ASSIGN_OR_RETURN(columns, named_columns(arrays, name));
   }
-  E2LF_RETURN_IF_ERROR(check_lengths(columns, name));
   TimeUnit unit = TimeUnit::kMicroseconds;
   size_t num_bad = 0;
   EventBatch all;
@@ -324,7 +298,13 @@ Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(check_memory(bytes, name));
   E2LF_ASSIGN_OR_RETURN(NpzArrays arrays, decode_npz(bytes, name));
   RecordingInfo info{.format = "npz"};
-  if (options.width == 0 || options.height == 0) read_size(arrays, info);
+  const auto numbers = [&arrays](const char* key) {
+    const auto found = arrays.find(key);
+    const auto values =
+        found == arrays.end() ? Result<std::vector<int32_t>>(std::vector<int32_t>()) : found->second.to_int32(key);
+    return values ? std::vector<int64_t>(values->begin(), values->end()) : std::vector<int64_t>();
+  };
+  if (options.width == 0 || options.height == 0) table::read_sensor_size(numbers, info);
   return open_arrays(std::move(arrays), std::move(info), name, options);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/io/bytes.h"
 
@@ -17,6 +19,30 @@ using namespace recordings;
 }
 
 namespace e2lf::formats::rosbag {
+
+/// Reads little-endian fields from the front of bytes; missing ones are 0 or empty.
+class Contents {
+ public:
+  explicit Contents(std::span<const uint8_t> bytes) : rest_(bytes) {}
+
+  template <typename T>
+  T number() {
+    const auto field = take(sizeof(T));
+    return field.size() == sizeof(T) ? load_le<T>(field.data()) : T{0};
+  }
+  std::span<const uint8_t> take(uint64_t count) {
+    is_cut_ |= count > rest_.size();
+    const auto field = rest_.first(static_cast<size_t>(std::min<uint64_t>(count, rest_.size())));
+    rest_ = rest_.subspan(field.size());
+    return field;
+  }
+  [[nodiscard]] std::span<const uint8_t> rest() const { return rest_; }
+  [[nodiscard]] bool is_cut() const { return is_cut_; }
+
+ private:
+  std::span<const uint8_t> rest_;
+  bool is_cut_ = false;
+};
 
 struct Topic {
   std::string name, type;  ///< e.g. "/event_camera/events", "event_camera_msgs/msg/EventPacket"

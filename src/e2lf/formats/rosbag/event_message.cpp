@@ -4,6 +4,7 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/formats/rosbag/bag.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::formats::rosbag {
 namespace {
@@ -13,43 +14,24 @@ constexpr int64_t kNsPerUs = 1000;
 constexpr const char* kList = "list";
 
 /// Reads the fields of a little-endian CDR message, each of which is aligned to its size.
-class Fields {
+class Fields : public Contents {
  public:
   /// `place` is the offset of the bytes after the header of the message.
-  explicit Fields(std::span<const uint8_t> bytes, size_t place = 0) : bytes_(bytes), place_(place) {}
+  explicit Fields(std::span<const uint8_t> bytes, size_t place = 0) : Contents(bytes), end_(place + bytes.size()) {}
 
   template <typename T>
   T number() {
-    const size_t padding = (sizeof(T) - (place_ + next_) % sizeof(T)) % sizeof(T);
-    if (padding > left() || sizeof(T) > left() - padding) {
-      is_cut_ = true;
-      next_ = bytes_.size();
-      return 0;
-    }
-    next_ += padding + sizeof(T);
-    return load_le<T>(&bytes_[next_ - sizeof(T)]);
+    take((sizeof(T) - place() % sizeof(T)) % sizeof(T));
+    return Contents::number<T>();
   }
-
-  std::span<const uint8_t> bytes(size_t count) {
-    is_cut_ |= count > left();
-    const auto result = bytes_.subspan(next_, std::min(count, left()));
-    next_ += result.size();
-    return result;
-  }
-
   std::string_view text() {
-    const auto with_zero = bytes(number<uint32_t>());
-    return {reinterpret_cast<const char*>(with_zero.data()), with_zero.empty() ? 0 : with_zero.size() - 1};
+    const std::string_view with_zero = as_text(take(number<uint32_t>()));
+    return with_zero.substr(0, with_zero.size() - std::min<size_t>(with_zero.size(), 1));
   }
-
-  [[nodiscard]] size_t place() const { return place_ + next_; }
-  [[nodiscard]] size_t left() const { return bytes_.size() - next_; }
-  [[nodiscard]] bool is_cut() const { return is_cut_; }
+  [[nodiscard]] size_t place() const { return end_ - rest().size(); }
 
  private:
-  std::span<const uint8_t> bytes_;
-  size_t place_, next_ = 0;
-  bool is_cut_ = false;
+  size_t end_;
 };
 
 bool is_packet_type(const std::string& type) {
@@ -108,12 +90,12 @@ std::optional<EventMessage> parse_message(const std::string& type, std::span<con
     result.time_base_ns = fields.number<uint64_t>();
     result.encoding = fields.text();
     if (fields.number<uint8_t>() != 0) return std::nullopt;  // big-endian
-    result.payload = fields.bytes(fields.number<uint32_t>());
+    result.payload = fields.take(fields.number<uint32_t>());
   } else {
     result.encoding = kList;
     result.count = fields.number<uint32_t>();
     result.place = fields.place();
-    result.payload = fields.bytes(fields.left());
+    result.payload = fields.take(fields.rest().size());
   }
   if (fields.is_cut() || result.width > UINT16_MAX + 1 || result.height > UINT16_MAX + 1) return std::nullopt;
   return result;

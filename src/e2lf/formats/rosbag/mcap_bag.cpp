@@ -23,33 +23,9 @@ constexpr uint8_t kFooter = 0x02, kSchema = 0x03, kChannel = 0x04, kMessage = 0x
 /// Largest number of topics; further ones are skipped.
 constexpr size_t kMaxTopics = 1000;
 
-/// Reads fields from the front of the content of a record; missing ones are 0 or empty.
-class Contents {
- public:
-  explicit Contents(std::span<const uint8_t> bytes) : bytes_(bytes) {}
-
-  template <typename T>
-  T number() {
-    const auto field = take(sizeof(T));
-    return field.size() == sizeof(T) ? load_le<T>(field.data()) : T{0};
-  }
-  std::string text() {
-    const auto field = take(number<uint32_t>());
-    return {reinterpret_cast<const char*>(field.data()), field.size()};
-  }
-  std::span<const uint8_t> take(uint64_t count) {
-    is_cut_ |= count > bytes_.size();
-    const auto field = bytes_.first(static_cast<size_t>(std::min<uint64_t>(count, bytes_.size())));
-    bytes_ = bytes_.subspan(field.size());
-    return field;
-  }
-  [[nodiscard]] std::span<const uint8_t> rest() const { return bytes_; }
-  [[nodiscard]] bool is_cut() const { return is_cut_; }
-
- private:
-  std::span<const uint8_t> bytes_;
-  bool is_cut_ = false;
-};
+std::string text_of(Contents& fields) {
+  return std::string(as_text(fields.take(fields.number<uint32_t>())));
+}
 
 std::optional<Compression> compression_of(const std::string& name) {
   if (name.empty()) return Compression::kNone;
@@ -133,7 +109,7 @@ class McapBag final : public Bag {
   Result<void> open_chunk(std::span<const uint8_t> contents, DecodeSummary& summary) {
     Contents fields(contents);
     fields.take(28);  // times, size and check sum of the records
-    const std::string name = fields.text();
+    const std::string name = text_of(fields);
     const auto compression = compression_of(name);
     if (!compression && !fields.is_cut()) {
       return fail(ErrorCode::kUnsupported, source_->name(),
@@ -168,13 +144,14 @@ class McapBag final : public Bag {
   bool take_record(uint8_t kind, std::span<const uint8_t> contents, BagMessage& message) {
     Contents fields(contents);
     const auto id = fields.number<uint16_t>();
-    if (kind == kSchema && types_.size() < kMaxTopics) types_.emplace(id, fields.text());
+    if (kind == kSchema && types_.size() < kMaxTopics) types_.emplace(id, text_of(fields));
     if (kind != kChannel && kind != kMessage) return false;
     const auto channel =
         std::find_if(channels_.begin(), channels_.end(), [id](const Channel& candidate) { return candidate.id == id; });
     if (kind == kChannel && channel == channels_.end() && channels_.size() < kMaxTopics) {
       const auto type = types_.find(fields.number<uint16_t>());
-      if (type != types_.end() && is_event_type(type->second)) channels_.push_back({id, {fields.text(), type->second}});
+      if (type != types_.end() && is_event_type(type->second))
+        channels_.push_back({id, {text_of(fields), type->second}});
     }
     if (kind == kChannel || channel == channels_.end()) return false;
     fields.take(20);  // number and times

@@ -195,23 +195,18 @@ class ChosenMessages {
 /// The words of all evt3 messages as one RAW recording.
 class Evt3Source final : public ByteSource {
  public:
-  Evt3Source(ChosenMessages messages, bool seekable, std::string header, std::string name,
-             std::shared_ptr<DecodeSummary> losses)
-      : messages_(std::move(messages)),
-        seekable_(seekable),
-        header_(std::move(header)),
-        name_(std::move(name)),
-        losses_(std::move(losses)) {
+  Evt3Source(ChosenMessages messages, bool seekable, std::string header, std::string name)
+      : messages_(std::move(messages)), seekable_(seekable), header_(std::move(header)), name_(std::move(name)) {
     begin();
   }
 
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
     while (buffer_.size() - used_ < wanted) {
       EventMessage message;
-      E2LF_ASSIGN_OR_RETURN(const bool more, messages_.next(message, *losses_));
+      E2LF_ASSIGN_OR_RETURN(const bool more, messages_.next(message, losses_));
       if (!more) break;
       if (message.encoding != "evt3") {
-        messages_.count_bad(*losses_);
+        messages_.count_bad(losses_);
         continue;
       }
       buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<ptrdiff_t>(std::exchange(used_, 0)));
@@ -240,6 +235,7 @@ class Evt3Source final : public ByteSource {
   bool seekable() const override { return seekable_; }
   std::optional<uint64_t> size() const override { return std::nullopt; }
   std::string name() const override { return name_; }
+  DecodeSummary left_out() const override { return losses_; }
 
  private:
   void begin() {
@@ -254,7 +250,7 @@ class Evt3Source final : public ByteSource {
   std::vector<uint8_t> buffer_;
   size_t used_ = 0;
   uint64_t position_ = 0;
-  std::shared_ptr<DecodeSummary> losses_;
+  DecodeSummary losses_;
 };
 
 class MessageBlocks final : public EventBlocks {
@@ -298,11 +294,11 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
   std::vector<NamedStream> streams;
   for (const Topic& topic : topics) streams.push_back({cat(streams.size()), topic.name, ""});
   E2LF_ASSIGN_OR_RETURN(const size_t chosen, choose_stream(streams, options, name, info));
-  info.header = {{"topic", one_line(topics[chosen].name)}, {"type", topics[chosen].type}};
+  info.header = {{"topic", header_text(topics[chosen].name)}, {"type", topics[chosen].type}};
   ChosenMessages messages(std::move(bag), topics[chosen], !options.stream.empty());
   E2LF_ASSIGN_OR_RETURN(const std::optional<EventMessage> first, messages.first());
   if (first) {
-    info.header.emplace_back("encoding", one_line(std::string(first->encoding)));
+    info.header.emplace_back("encoding", header_text(std::string(first->encoding)));
     info.width = first->width;
     info.height = first->height;
   }
@@ -311,7 +307,7 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
     return make_block_reader(std::make_unique<MessageBlocks>(std::move(messages)), std::move(info), name, options);
   }
   if (first->encoding != "evt3") {
-    return fail(ErrorCode::kUnsupported, cat(name, ": ", one_line(topics[chosen].name)),
+    return fail(ErrorCode::kUnsupported, cat(name, ": ", header_text(topics[chosen].name)),
                 "the events are in an encoding other than evt3, mono and trigger; record them in one of these");
   }
   std::string header = "% evt 3.0\n";
@@ -319,10 +315,9 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
   OpenOptions raw = options;
   raw.format = "evt3";
   raw.width = raw.height = 0;
-  const auto losses = std::make_shared<DecodeSummary>();
-  auto words = std::make_unique<Evt3Source>(std::move(messages), seekable, header + "% end\n", name, losses);
-  E2LF_ASSIGN_OR_RETURN(auto reader, open_raw(std::move(words), raw));
-  reader->count_losses([losses] { return *losses; });
+  const SourcePtr words = std::make_shared<Evt3Source>(std::move(messages), seekable, header + "% end\n", name);
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_raw(words, raw));
+  reader->count_losses([words] { return words->left_out(); });
   reader->take_container(std::move(info));
   return reader;
 }

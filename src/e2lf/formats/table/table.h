@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -160,37 +161,35 @@ struct NumberField {
   size_t stride = 0;
 };
 
-/// The fields of an event in records.
-struct RecordFields {
-  NumberField x, y, p, t;
-  TimeUnit unit = TimeUnit::kMicroseconds;
-  PolarityCode polarity = {};
+/// A column of a table: a field of records.
+struct NumberColumn {
+  const uint8_t* records = nullptr;
+  NumberField field = {};
 };
-
-/// The records that contain x, y, p and t, by Field.
-using RecordsOfFields = std::array<const uint8_t*, kNumFields>;
 
 /// Returns whether to_column() reads a type.
 [[nodiscard]] bool is_number_type(const std::string& type);
 
-/// Converts a field of `count` records to T. Sets bad[i] for values that do not fit or are not integers.
+/// Converts the first `count` numbers of a column to T. Sets bad[i] for values that do not fit or are not integers.
 template <typename T>
-void to_column(const uint8_t* records, const NumberField& field, size_t count, T* out, uint8_t* bad);
+void to_column(const NumberColumn& column, size_t count, T* out, uint8_t* bad);
 
 /// Converts times to microseconds, rounded (integral nanoseconds are rounded down). kAuto is microseconds. Sets bad[i]
 /// for times beyond kTimeLimitUs.
-void to_times(const uint8_t* records, const NumberField& field, TimeUnit unit, size_t count, int64_t* out,
-              uint8_t* bad);
+void to_times(const NumberColumn& column, TimeUnit unit, size_t count, int64_t* out, uint8_t* bad);
 
-/// Replaces `events` by those of `count` records, and returns the number of records that are not events.
-size_t to_events(const RecordsOfFields& records, const RecordFields& fields, size_t count, EventColumns& events);
+/// Replaces `events` by those of `count` rows, and returns the number of rows that are not events.
+size_t to_events(std::span<const NumberColumn> columns, const TableLayout& layout, size_t count, EventColumns& events);
 
-/// Returns the field of `count` records as doubles, for decide_layout().
-[[nodiscard]] std::vector<double> to_doubles(const uint8_t* records, const NumberField& field, size_t count);
+/// Returns the first `count` numbers of a column as doubles.
+[[nodiscard]] std::vector<double> to_doubles(const NumberColumn& column, size_t count);
 
-/// Returns the sample of a column that has a name and is a field of `count` records.
-[[nodiscard]] TableSample::Column sample_of(std::string name, const uint8_t* records, const NumberField& field,
-                                            size_t count);
+/// Returns the sample of a column of `count` rows that has a name.
+[[nodiscard]] TableSample::Column sample_of(std::string name, const NumberColumn& column, size_t count);
+
+/// Sets the size of the sensor from what numbers(name) returns for `size` [width, height], `sensor_resolution` [height,
+/// width], or `width` and `height`. Returns false if none of them is a size, which does not change `info`.
+bool read_sensor_size(const std::function<std::vector<int64_t>(const char* name)>& numbers, RecordingInfo& info);
 
 /// Number of rows from which columns, units and polarities are determined.
 inline constexpr size_t kSampledRows = 4096;

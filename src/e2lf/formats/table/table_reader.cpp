@@ -11,12 +11,13 @@
 namespace e2lf::formats::table {
 namespace {
 
-/// Calls visit(i, number) for a field of `count` records.
+/// Calls visit(i, number) for the first `count` numbers of a column.
 template <typename Visit>
-void for_each_number(const uint8_t* records, const NumberField& field, size_t count, const Visit& visit) {
+void for_each_number(const NumberColumn& column, size_t count, const Visit& visit) {
   if (count == 0) return;  // there may be no records to point to
+  const NumberField& field = column.field;
   const bool known = with_element_type(field.type, [&](auto type) {
-    const uint8_t* next = records + field.offset;
+    const uint8_t* next = column.records + field.offset;
     for (size_t i = 0; i < count; ++i, next += field.stride) visit(i, load_element<decltype(type)>(next));
   });
   E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
@@ -41,41 +42,58 @@ bool is_number_type(const std::string& type) {
 }
 
 template <typename T>
-void to_column(const uint8_t* records, const NumberField& field, size_t count, T* out, uint8_t* bad) {
-  for_each_number(records, field, count, [&](size_t i, auto number) { bad[i] |= convert_one(number, out[i]); });
+void to_column(const NumberColumn& column, size_t count, T* out, uint8_t* bad) {
+  for_each_number(column, count, [&](size_t i, auto number) { bad[i] |= convert_one(number, out[i]); });
 }
 
-template void to_column(const uint8_t*, const NumberField&, size_t, uint8_t*, uint8_t*);
-template void to_column(const uint8_t*, const NumberField&, size_t, uint16_t*, uint8_t*);
+template void to_column(const NumberColumn&, size_t, uint8_t*, uint8_t*);
+template void to_column(const NumberColumn&, size_t, uint16_t*, uint8_t*);
 
-void to_times(const uint8_t* records, const NumberField& field, TimeUnit unit, size_t count, int64_t* out,
-              uint8_t* bad) {
-  for_each_number(records, field, count, [&](size_t i, auto number) { bad[i] |= convert_time(number, unit, out[i]); });
+void to_times(const NumberColumn& column, TimeUnit unit, size_t count, int64_t* out, uint8_t* bad) {
+  for_each_number(column, count, [&](size_t i, auto number) { bad[i] |= convert_time(number, unit, out[i]); });
 }
 
-size_t to_events(const RecordsOfFields& records, const RecordFields& fields, size_t count, EventColumns& events) {
+size_t to_events(std::span<const NumberColumn> columns, const TableLayout& layout, size_t count, EventColumns& events) {
+  const auto [x, y, p, t] = layout.columns;
   events.resize(count);
   Column<uint8_t> bad(count, 0);
-  to_column(records[of(Field::kX)], fields.x, count, events.x.data(), bad.data());
-  to_column(records[of(Field::kY)], fields.y, count, events.y.data(), bad.data());
-  for_each_number(records[of(Field::kP)], fields.p, count, [&](size_t i, auto number) {
-    events.p[i] = fields.polarity.of(static_cast<double>(number));
+  to_column(columns[x], count, events.x.data(), bad.data());
+  to_column(columns[y], count, events.y.data(), bad.data());
+  for_each_number(columns[p], count, [&](size_t i, auto number) {
+    events.p[i] = layout.polarity.of(static_cast<double>(number));
     bad[i] |= events.p[i] == PolarityCode::kNone;
   });
-  to_times(records[of(Field::kT)], fields.t, fields.unit, count, events.t.data(), bad.data());
+  to_times(columns[t], layout.unit, count, events.t.data(), bad.data());
   return remove_bad(events, bad);
 }
 
-std::vector<double> to_doubles(const uint8_t* records, const NumberField& field, size_t count) {
+std::vector<double> to_doubles(const NumberColumn& column, size_t count) {
   std::vector<double> values(count);
-  for_each_number(records, field, count, [&](size_t i, auto number) { values[i] = static_cast<double>(number); });
+  for_each_number(column, count, [&](size_t i, auto number) { values[i] = static_cast<double>(number); });
   return values;
 }
 
-TableSample::Column sample_of(std::string name, const uint8_t* records, const NumberField& field, size_t count) {
-  TableSample::Column column{.name = std::move(name), .values = to_doubles(records, field, count)};
-  column.mantissa_bits = field.type == "f2" ? 10 : field.type == "f4" ? 23 : 0;
-  return column;
+TableSample::Column sample_of(std::string name, const NumberColumn& column, size_t count) {
+  TableSample::Column sample{.name = std::move(name), .values = to_doubles(column, count)};
+  sample.mantissa_bits = column.field.type == "f2" ? 10 : column.field.type == "f4" ? 23 : 0;
+  return sample;
+}
+
+bool read_sensor_size(const std::function<std::vector<int64_t>(const char* name)>& numbers, RecordingInfo& info) {
+  constexpr int64_t kWidestPx = 65536;
+  std::vector<int64_t> size = numbers("size");
+  if (size.size() != 2) {
+    size = numbers("sensor_resolution");
+    std::reverse(size.begin(), size.end());
+  }
+  if (size.size() != 2) {
+    size = numbers("width");
+    for (const int64_t height : numbers("height")) size.push_back(height);
+  }
+  if (size.size() != 2 || std::min(size[0], size[1]) < 1 || std::max(size[0], size[1]) > kWidestPx) return false;
+  info.width = static_cast<size_t>(size[0]);
+  info.height = static_cast<size_t>(size[1]);
+  return true;
 }
 
 }  // namespace e2lf::formats::table

@@ -201,17 +201,7 @@ class DescriptorSink final : public ByteSink {
     if (owned_ && descriptor_ >= 0) ::close(descriptor_);
   }
 
-  Result<void> write(std::span<const uint8_t> bytes) override {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0) {
-        if (errno == EINTR) continue;
-        return fail_to("write", name_, errno);
-      }
-      bytes = bytes.subspan(static_cast<size_t>(written));
-    }
-    return {};
-  }
+  Result<void> write(std::span<const uint8_t> bytes) override { return write_all(descriptor_, name_, bytes); }
   Result<void> commit() override {
     if (!file_) return {};
     const int descriptor = std::exchange(descriptor_, -1);

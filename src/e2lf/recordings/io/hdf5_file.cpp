@@ -114,7 +114,9 @@ bool is_sound_type(hid_t dataset) {
   return true;
 }
 
-Result<DatasetShape> open_any(hid_t file, const std::string& name, const std::string& location) {
+}  // namespace
+
+Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location, uint64_t columns) {
   const LibraryLock lock;
   DatasetShape shape;
   shape.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -127,40 +129,19 @@ Result<DatasetShape> open_any(hid_t file, const std::string& name, const std::st
                 " overlap: the file is damaged; copy it again");
   }
   E2LF_ASSIGN_OR_RETURN(shape.storage, e2lf::hdf5::inspect_storage(shape.dataset.get(), cat(location, ": ", name)));
-  return shape;
-}
-
-/// Sets the length of a data set with the given number of columns.
-DatasetShape with_columns(DatasetShape shape, uint64_t columns) {
   const Storage& storage = shape.storage;
+  const std::vector<hsize_t>& extents = storage.extents;
+  const bool has_one_dimension = columns == 1 && extents.size() == 1;
+  if (!has_one_dimension && !(extents.size() == 2 && extents[1] == columns)) {
+    return fail(ErrorCode::kShape, location, "data set ", name, " has the shape ",
+                shape_text({extents.begin(), extents.end()}), " and not [events, ", columns,
+                "]; is it an event recording?");
+  }
   shape.columns = columns;
   shape.chunk_length = storage.is_chunked() ? storage.chunk[0] : 0;
   shape.length = std::min(storage.claimed_elements(), storage.stored_elements) / columns;
   shape.is_cut = shape.length < storage.claimed_elements() / columns;
   return shape;
-}
-
-Error other_shape(const DatasetShape& shape, const std::string& name, const std::string& location,
-                  const char* expected) {
-  return fail(ErrorCode::kShape, location, "data set ", name, " has ", shape.storage.extents.size(),
-              " dimensions, not ", expected, "; is it an event recording?");
-}
-
-}  // namespace
-
-Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_any(file, name, location));
-  const std::vector<hsize_t>& extents = shape.storage.extents;
-  if (extents.size() != 1 && !(extents.size() == 2 && extents[1] == 1)) return other_shape(shape, name, location, "1");
-  return with_columns(std::move(shape), 1);
-}
-
-Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_any(file, name, location));
-  const std::vector<hsize_t>& extents = shape.storage.extents;
-  if (extents.size() != 2 || extents[1] == 0) return other_shape(shape, name, location, "2");
-  const uint64_t columns = extents[1];
-  return with_columns(std::move(shape), columns);
 }
 
 Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_t begin, uint64_t count, void* out,

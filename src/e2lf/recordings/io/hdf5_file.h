@@ -37,12 +37,10 @@ struct DatasetShape {
   bool is_cut = false;        ///< whether fewer rows are stored than the header states
 };
 
-/// Opens a data set with one dimension, or with one column. Fails with kNotFound, kShape (other
-/// shapes), and as hdf5::inspect_storage() does. `location` names the file and data set in errors.
-[[nodiscard]] Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location);
-
-/// Opens a data set [rows, columns] in the same way.
-[[nodiscard]] Result<DatasetShape> open_matrix(hid_t file, const std::string& name, const std::string& location);
+/// Opens a data set [rows, columns]; one column may also be a data set with one dimension. Fails with kNotFound, kShape
+/// (other shapes), and as hdf5::inspect_storage() does. `location` names the file and data set in errors.
+[[nodiscard]] Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location,
+                                                uint64_t columns = 1);
 
 /// Reads rows [begin, begin + count) to `out` as `memory_type`. Fails with kIo, and with kTruncated if the file does
 /// not contain them.

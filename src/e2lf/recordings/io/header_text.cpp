@@ -2,27 +2,13 @@
 #include "e2lf/recordings/io/header_text.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
+
+#include "e2lf/base/text.h"
 
 namespace e2lf::recordings {
 namespace {
-
-/// Returns the length of the first character in bytes; 0 if it is invalid.
-size_t character_bytes(std::string_view bytes) {
-  const auto lead = static_cast<uint8_t>(bytes.front());
-  if (lead < 0x80) return 1;
-  const size_t size = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-  if (lead < 0xC2 || lead > 0xF4 || bytes.size() < size) return 0;
-  uint32_t code = lead & (0x7FU >> size);
-  for (size_t i = 1; i < size; ++i) {
-    const auto byte = static_cast<uint8_t>(bytes[i]);
-    if ((byte & 0xC0) != 0x80) return 0;
-    code = code << 6 | (byte & 0x3FU);
-  }
-  constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  const bool is_surrogate = code >= 0xD800 && code < 0xE000;
-  return code >= kLeast[size] && code <= 0x10FFFF && !is_surrogate ? size : 0;
-}
 
 constexpr size_t kMaxLine = 4096, kMaxHeader = size_t{1} << 16;
 
@@ -91,15 +77,6 @@ std::string_view without_mark(std::string_view text) {
   return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
 }
 
-bool is_utf8(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const size_t size = character_bytes(bytes);
-    if (size == 0) return false;
-    bytes.remove_prefix(size);
-  }
-  return true;
-}
-
 bool is_key_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
 }
@@ -120,12 +97,29 @@ std::optional<PercentHeader> parse_percent_header(std::string_view text, bool en
   return header;
 }
 
+std::optional<size_t> parse_side(std::string_view text, size_t most) {
+  size_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  return is_number && value >= 1 && value <= most ? std::optional(value) : std::nullopt;
+}
+
+std::optional<std::pair<size_t, size_t>> parse_geometry(std::string_view text, size_t most) {
+  const size_t cross = std::min(text.find('x'), text.size());
+  const auto width = parse_side(text.substr(0, cross), most);
+  const auto height = parse_side(text.substr(std::min(cross + 1, text.size())), most);
+  return width && height ? std::optional(std::pair(*width, *height)) : std::nullopt;
+}
+
 std::string header_text(std::string_view bytes) {
   const bool is_text = is_utf8(bytes);
   std::string text;
   for (const char character : bytes) {
     const auto byte = static_cast<uint8_t>(character);
-    if (byte < ' ' || byte == 0x7F) {
+    // In UTF-8, the control characters from 0x80 to 0x9F follow 0xC2.
+    const bool is_high = byte >= 0x80 && byte < 0xA0 && (!is_text || text.ends_with('\xC2'));
+    if (is_high && is_text) text.pop_back();
+    if (byte < ' ' || byte == 0x7F || is_high) {
       text += ' ';
     } else if (is_text || byte < 0x80) {
       text += character;

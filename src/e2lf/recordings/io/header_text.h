@@ -25,12 +25,13 @@ namespace e2lf::recordings {
 /// Returns a text without the byte order mark with which some programs begin UTF-8.
 [[nodiscard]] std::string_view without_mark(std::string_view text);
 
-/// Returns whether the bytes are UTF-8, as headers should be.
-[[nodiscard]] bool is_utf8(std::string_view bytes);
-
-/// Returns the value of a header key as one line of UTF-8: bytes that are not UTF-8 are read as Latin-1, and control
-/// characters become spaces.
+/// Returns text of a file or a device, such as the value of a header key, as one line of UTF-8 that is safe to print:
+/// bytes that are not UTF-8 are read as Latin-1, and control characters, which could command a terminal, become spaces.
 [[nodiscard]] std::string header_text(std::string_view bytes);
+
+/// Parses a size of 1 to `most`, or two of them as in "1280x720"; returns nothing for any other text.
+[[nodiscard]] std::optional<size_t> parse_side(std::string_view text, size_t most);
+[[nodiscard]] std::optional<std::pair<size_t, size_t>> parse_geometry(std::string_view text, size_t most);
 
 /// The lines that begin with "%" at the start of Prophesee's RAW and DAT files.
 struct PercentHeader {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "e2lf/base/text.h"
 #include "e2lf/recordings/recording.h"
 #include "testing/test_streams.h"
 
@@ -13,6 +14,7 @@ TEST(HeaderText, IsUtf8WhateverTheBytesAre) {
   EXPECT_EQ(header_text("M\u00fcller \u4e16 \U0001F4F7"), "M\u00fcller \u4e16 \U0001F4F7");
   EXPECT_EQ(header_text("M\xfcller"), "M\u00fcller");
   EXPECT_EQ(header_text("two\nlines\t\x7f"), "two lines  ");
+  EXPECT_EQ(header_text("up\u009b2J"), "up 2J");
   for (const char* bytes : {"\xc0\x80", "\xed\xa0\x80", "\xf5\x80\x80\x80", "\xe2\x82", "\x80"}) {
     EXPECT_FALSE(is_utf8(bytes));
     EXPECT_TRUE(is_utf8(header_text(bytes)));

@@ -88,24 +88,17 @@ Result<void> read_times(Cursor& in, std::span<int64_t> t) {
   return {};
 }
 
-Result<void> read_y_runs(Cursor& in, std::span<uint16_t> y) {
+/// Reads words with the length of a run in the low kCountBits, and its value above. The longest run means that 16 bits
+/// with the length follow.
+template <auto kReadWord, unsigned kCountBits, typename T>
+Result<void> read_runs(Cursor& in, std::span<T> column, const char* overlong) {
+  constexpr uint32_t kLongest = (1U << kCountBits) - 1;
   uint32_t word = 0;
-  for (size_t done = 0; done < y.size();) {
-    if (!in.u16(word)) return in.error();
-    uint32_t count = word & 31;
-    if (count == 31 && !in.u16(count)) return in.error();
-    if (!fill_run(y, done, count, static_cast<uint16_t>(word >> 5))) return overrun("a row run longer than itself");
-  }
-  return {};
-}
-
-Result<void> read_p_runs(Cursor& in, std::span<uint8_t> p) {
-  uint32_t byte = 0;
-  for (size_t done = 0; done < p.size();) {
-    if (!in.u8(byte)) return in.error();
-    uint32_t count = byte & 127;
-    if (count == 127 && !in.u16(count)) return in.error();
-    if (!fill_run(p, done, count, static_cast<uint8_t>(byte >> 7))) return overrun("a polarity run longer than itself");
+  for (size_t done = 0; done < column.size();) {
+    if (!(in.*kReadWord)(word)) return in.error();
+    uint32_t count = word & kLongest;
+    if (count == kLongest && !in.u16(count)) return in.error();
+    if (!fill_run(column, done, count, static_cast<T>(word >> kCountBits))) return overrun(overlong);
   }
   return {};
 }
@@ -180,7 +173,7 @@ Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& e
     for_each_packed<uint32_t>(packed, n, [&](size_t i, uint32_t value) { unpack_yxp(value, e, i); });
     return {};
   }
-  E2LF_RETURN_IF_ERROR(read_y_runs(in, e.y));
+  E2LF_RETURN_IF_ERROR((read_runs<&Cursor::u16, 5>(in, e.y, "a row run longer than itself")));
   if (layout & 1) {
     const uint8_t* packed = in.take(quads * 6);
     if (packed == nullptr) return in.error();
@@ -188,7 +181,7 @@ Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& e
     return {};
   }
   E2LF_RETURN_IF_ERROR(read_x_groups(in, e.x));
-  return read_p_runs(in, e.p);
+  return read_runs<&Cursor::u8, 7>(in, e.p, "a polarity run longer than itself");
 }
 
 namespace {

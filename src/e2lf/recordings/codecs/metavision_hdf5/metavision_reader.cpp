@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <cstring>
+#include <tuple>
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
@@ -14,6 +14,7 @@
 #include "e2lf/recordings/codecs/metavision_hdf5/ecf.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 #include "e2lf/recordings/event_blocks.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings::hdf5_events {
 namespace {
@@ -293,22 +294,12 @@ class TriggerDataset final : public TriggerSource {
   std::vector<TriggerRecord> records_;
 };
 
-/// "1280x720".
-void parse_geometry(const std::string& text, RecordingInfo& info) {
-  size_t width = 0, height = 0;
-  const char* const end = text.data() + text.size();
-  const auto [after_width, width_error] = std::from_chars(text.data(), end, width);
-  if (width_error != std::errc() || after_width == end || *after_width != 'x') return;
-  if (std::from_chars(after_width + 1, end, height).ec != std::errc()) return;
-  if (width == 0 || height == 0 || width > 65536 || height > 65536) return;
-  info.width = width;
-  info.height = height;
-}
-
 RecordingInfo read_info(hid_t file) {
   RecordingInfo info{.format = "hdf5"};
   info.header = read_text_attributes(file);
-  parse_geometry(info.find("geometry").value_or(""), info);
+  constexpr size_t kMostSide = 65536;
+  const auto geometry = parse_geometry(info.find("geometry").value_or(""), kMostSide);
+  if (geometry) std::tie(info.width, info.height) = *geometry;
   return info;
 }
 

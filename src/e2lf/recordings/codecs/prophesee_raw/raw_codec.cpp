@@ -9,7 +9,7 @@
 namespace e2lf::recordings {
 namespace {
 
-template <WordCodec Codec>
+template <typename Codec>
 ReaderPtr make_reader(SourcePtr source, RawHeader header, const OpenOptions& options) {
   const std::string name = source->name();
   auto blocks = std::make_unique<RawBlocks<Codec>>(std::move(source), header.info, options);

@@ -59,33 +59,14 @@ bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
   }
 }
 
-/// A TIME_HIGH that steps back or far ahead is correct if most of the following ones continue from it rather than from
-/// the last one.
 Verdict judge_time_high(const uint8_t* words, size_t count, bool ended, const Check& check) {
-  const auto word = load_le<uint16_t>(words);
-  const bool is_first = check.time_high == 0xFFFF;
-  if (!is_first && steps(check.time_high, word) >= kHalfCircle) {
-    const auto time_at = [words](size_t i) {
-      const auto other = load_le<uint16_t>(words + 2 * i);
-      return type_of(other) == kTimeHigh ? std::optional<uint32_t>(other & kPayloadMask) : std::nullopt;
-    };
-    return judge_step_back(count, ended, check.time_high & kPayloadMask, kPayloadMask, kMinFall, check.num_rejected,
-                           time_at);
-  }
-  // A step by one needs a single witness, so that live streams do not wait.
-  const size_t wanted = !is_first && steps(check.time_high, word) == 1 ? 1 : kJudges;
-  const size_t seen = std::min(count, kJudgeWords);
-  size_t judges = 0, in_favour = 0;
-  for (size_t i = 1; i < seen && judges < wanted; ++i) {
-    const auto following = load_le<uint16_t>(words + 2 * i);
-    if (type_of(following) != kTimeHigh) continue;
-    const uint32_t from_this = steps(word, following);
-    ++judges;
-    const uint32_t limit = is_first ? (check.after_damage ? kJudges : kHalfCircle) : steps(check.time_high, following);
-    in_favour += from_this <= limit ? 1 : 0;
-  }
-  if (judges < wanted && count < kJudgeWords && !ended) return Verdict::kNeedMore;
-  return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
+  constexpr CoarseClock kClock{kPayloadMask, kMinFall, kJudges, /*believes_next=*/true};
+  const auto time_at = [words](size_t i) {
+    const auto word = load_le<uint16_t>(words + 2 * i);
+    return type_of(word) == kTimeHigh ? std::optional<uint32_t>(word & kPayloadMask) : std::nullopt;
+  };
+  const auto last = check.time_high == 0xFFFF ? std::nullopt : std::optional<uint32_t>(check.time_high & kPayloadMask);
+  return judge_coarse_time(count, ended, last, kClock, check.after_damage, check.num_rejected, time_at);
 }
 
 /// A TIME_LOW that steps back or far ahead is correct if most of the following ones continue from it rather than from

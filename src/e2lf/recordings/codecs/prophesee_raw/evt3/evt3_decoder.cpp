@@ -50,8 +50,9 @@ void advance_base(uint32_t bits, State& state) {
   if (state.base_x < 0x7FFF) state.base_x = static_cast<uint16_t>(state.base_x + bits);
 }
 
-size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  sink.set_time(Codec::time(state));
+size_t Codec::decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                            ColumnSink& sink) {
+  sink.set_time(time(state));
   for (size_t i = 0; i < count; ++i) {
     const auto word = load_le<uint16_t>(words + 2 * i);
     switch (word >> 12) {
@@ -90,47 +91,15 @@ size_t decode_scalar(const uint8_t* words, size_t count, State& state, const Sen
   return count;
 }
 
-size_t Codec::resynchronise(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
-  size_t i = 0;
-  for (; i < count && !is_synchronised(state); ++i) {
-    const auto word = load_le<uint16_t>(words + 2 * i);
-    uint64_t dropped = 0;
-    switch (word >> 12) {
-      case kAddrY:
-        state.y = static_cast<uint16_t>(word & kCoordinateMask);
-        state.need_y = false;
-        break;
-      case kVectBaseX:
-        take_base(word, state);
-        break;
-      case kVect12:
-        dropped = static_cast<uint64_t>(std::popcount(word & 0xFFFu));
-        advance_base(12, state);
-        break;
-      case kVect8:
-        dropped = static_cast<uint64_t>(std::popcount(word & 0xFFu));
-        advance_base(8, state);
-        break;
-      case kTimeLow:
-        state.low = static_cast<uint16_t>(word & kPayloadMask);
-        state.need_low = false;
-        break;
-      case kTimeHigh:
-        // Low bits before a new high part do not belong to it.
-        if (state.time_high != kNone && word != state.time_high) state.need_low = true;
-        take_time_high(word, state);
-        state.need_time_high = false;
-        break;
-      case kAddrX:
-      case kTrigger:
-        dropped = 1;
-        break;
-      default:
-        break;
-    }
-    (state.time_high == kNone ? summary.events_before_time : summary.events_unplaced) += dropped;
-  }
-  return i;
+void Codec::take_needed(const uint8_t* word, State& state) {
+  const auto value = load_le<uint16_t>(word);
+  const uint32_t type = value >> 12;
+  if (type == kAddrY) state.need_y = false;
+  if (type == kTimeLow) state.need_low = false;
+  if (type != kTimeHigh) return;
+  // Low bits before a new high part do not belong to it.
+  if (state.time_high != kNone && value != state.time_high) state.need_low = true;
+  state.need_time_high = false;
 }
 
 void Codec::count_reports(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {

@@ -73,7 +73,8 @@ struct Codec {
   static int64_t step_us(const uint8_t* word, const Check& check);
   static void forget(State& state, Check& check);
   static void drop_word(const uint8_t* word, State& state);
-  static size_t resynchronise(const uint8_t* words, size_t count, State& state, DecodeSummary& summary);
+  static void take_needed(const uint8_t* word, State& state);
+  static bool has_time(const State& state) { return state.time_high != 0xFFFF; }
   static void count_reports(const uint8_t* words, size_t count, State& state, DecodeSummary& summary);
   static bool is_synchronised(const State& state) { return !state.need_time_high && !state.need_low && !state.need_y; }
   static void extrapolate(State& state, const State& before);
@@ -85,13 +86,12 @@ struct Codec {
   static size_t skip_events(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, TimeSpan span,
                             ColumnSink& sink);
 
-  /// The vector version if the CPU supports it, otherwise the scalar reference.
+  /// The vector version if the CPU supports it, otherwise decode_scalar(), which decodes checked words one by one and
+  /// returns `count`. Events of vectors outside the sensor are dropped.
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
+  static size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                              ColumnSink& sink);
 };
-
-/// The scalar reference of Codec::decode(): decodes checked words one by one and returns `count`. Events of vectors
-/// outside the sensor are dropped.
-size_t decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
 
 /// The scalar reference of Codec::check().
 size_t check_scalar(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);

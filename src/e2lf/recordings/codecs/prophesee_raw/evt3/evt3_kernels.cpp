@@ -24,7 +24,7 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
   return check_scalar(words, count, check, limits);
 }
 size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  return decode_scalar(words, count, state, limits, sink);
+  return Codec::decode_scalar(words, count, state, limits, sink);
 }
 size_t find_mark_in(const uint8_t* words, size_t count, uint16_t time_high) {
   return find_mark_scalar(words, count, time_high);
@@ -63,11 +63,6 @@ size_t find_last_in(const uint8_t* words, size_t count, TypeSet types) {
   }
   const size_t last = find_last_scalar(words, end, types);
   return last < end ? last : count;
-}
-
-size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  ToColumns target(sink);
-  return decode_words(words, count, state, limits, sink, target);
 }
 
 #endif

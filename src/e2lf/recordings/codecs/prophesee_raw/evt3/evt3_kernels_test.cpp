@@ -106,7 +106,7 @@ Decoded decode_columns(const std::vector<uint8_t>& words, const Decode& decode) 
 
 TEST(Evt3Kernels, GiveWhatTheScalarReferenceGives) {
   const auto kernel = [](auto&&... arguments) { return Codec::decode(arguments...); };
-  const auto reference = [](auto&&... arguments) { return decode_scalar(arguments...); };
+  const auto reference = [](auto&&... arguments) { return Codec::decode_scalar(arguments...); };
   for (uint32_t seed = 0; seed < 120; ++seed) {
     const auto words = WordMaker(seed).make(seed % 3 == 0 ? 1 + seed : 3000 + seed);
     const Decoded columns = decode_columns(words, reference);
@@ -142,7 +142,7 @@ TEST(Evt3Kernels, SkippedWordsLeaveTheStateAndTheTriggersOfDecodedOnes) {
   for (uint32_t seed = 0; seed < 120; ++seed) {
     const auto words = WordMaker(seed).make(20'000);
     const TimeSpan span = {(int64_t{77} << 12) + 500 * (seed % 9), (int64_t{77 + seed % 5} << 12) + 100};
-    const Decoded whole = decode_columns(words, [](auto&&... arguments) { return decode_scalar(arguments...); });
+    const Decoded whole = decode_columns(words, [](auto&&... arguments) { return Codec::decode_scalar(arguments...); });
     const Decoded part = decode_columns(
         words, [&](const uint8_t* at, size_t count, State& state, const SensorLimits&, ColumnSink& sink) {
           for (size_t used = 0; used < count;) {

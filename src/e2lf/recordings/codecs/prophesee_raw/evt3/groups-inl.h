@@ -13,8 +13,8 @@
 #include <hwy/highway.h>
 
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/group_targets-inl.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/lane_groups-inl.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/expand-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::recordings::evt3 {
@@ -23,12 +23,54 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_AVX3_DL
 
+using recordings::HWY_NAMESPACE::Columns;
+using recordings::HWY_NAMESPACE::expand_mask;
+
+/// Stores four values of `low`, combined with `high`, as 64-bit values.
+template <typename D64>
+HWY_INLINE void store_four_times(D64 d64, hn::Vec<hn::Full128<uint32_t> > low, int64_t high, int64_t* to) {
+  const auto highs = hn::Set(d64, static_cast<uint64_t>(high));
+  auto* const out = reinterpret_cast<uint64_t*>(to);
+  if constexpr (hn::MaxLanes(D64()) == 4) {
+    hn::StoreU(hn::Or(highs, hn::PromoteTo(d64, low)), d64, out);
+  } else {
+    const hn::Half<hn::Full128<uint32_t> > half;
+    hn::StoreU(hn::Or(highs, hn::PromoteTo(d64, hn::LowerHalf(half, low))), d64, out);
+    hn::StoreU(hn::Or(highs, hn::PromoteTo(d64, hn::UpperHalf(half, low))), d64, out + 2);
+  }
+}
+
+HWY_INLINE void store_times(hn::Vec<Group> low, int64_t high, int64_t* to) {
+  const hn::Full128<uint32_t> d32;
+  const hn::CappedTag<uint64_t, 4> d64;
+  const hn::Half<Group> half;
+  store_four_times(d64, hn::PromoteTo(d32, hn::LowerHalf(half, low)), high, to);
+  store_four_times(d64, hn::PromoteTo(d32, hn::UpperHalf(half, low)), high, to + 4);
+}
+
+/// Appends the lanes of a group that are set in `events`; the polarity is bit 11 of the word.
+HWY_INLINE void put_events(hn::Vec<Group> word, hn::Vec<Group> x, hn::Vec<Group> y, hn::Vec<Group> low, uint32_t events,
+                           int64_t high_us, Columns& out) {
+  const Group d;
+  const SignedGroup di;
+  const hn::Half<GroupBytes> d8;
+  const auto chosen = hn::Load(GroupBytes(), kLaneTables.compress[events]);
+  const auto polarity = hn::And(hn::ShiftRight<11>(word), hn::Set(d, uint16_t{1}));
+  const Columns to = out;
+  hn::StoreU(lanes_from(x, chosen), d, to.x + to.count);
+  hn::StoreU(lanes_from(y, chosen), d, to.y + to.count);
+  hn::StoreU(hn::DemoteTo(d8, hn::BitCast(di, lanes_from(polarity, chosen))), d8, to.p + to.count);
+  store_times(lanes_from(low, chosen), high_us, to.t + to.count);
+  out.count += static_cast<size_t>(std::popcount(events));
+}
+
 /// The state on which words with events depend.
 struct Cursor {
   uint32_t low;
   uint32_t y;
   uint32_t base_x;
   uint32_t base_p;
+  int64_t high_us;  ///< time without its low bits
 };
 
 /// 255 for the types that are not plain. Plain types are single events, the words that determine their place, and
@@ -72,8 +114,7 @@ HWY_INLINE size_t take_places(uint64_t next, const Bounds& bounds, Cursor& curso
 
 /// Decodes vectors, their bases and the words before these, up to any other word, or a vector that reaches beyond the
 /// sensor or has no base. Returns the number of words used.
-HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor,
-                               ToColumns& target) {
+HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor, Columns& out) {
   constexpr uint64_t kTripleTypes = 0xF000F000F000, kTriple = 0x500040004000;
   Cursor at = cursor;
   size_t i = 0;
@@ -86,13 +127,14 @@ HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds&
       ++i;
     } else if ((next & kTripleTypes) == kTriple && at.base_x + 32 <= bounds.width) {
       const uint64_t mask = (next & 0xFFF) | (next >> 4 & 0xFFF000) | (next >> 8 & 0xFF000000);
-      target.put_vector(static_cast<uint32_t>(mask), at.base_x, at.y, at.base_p, at.low);
+      expand_mask(static_cast<uint32_t>(mask), at.base_x, at.y, at.base_p, at.high_us | at.low, out);
       at.base_x += 32;
       i += 3;
     } else if (type == kVect8 || type == kVect12) {
       const uint32_t bits = type == kVect8 ? 8 : 12;
       if (at.base_x + bits > bounds.width) break;
-      target.put_vector(static_cast<uint32_t>(next) & ((1u << bits) - 1), at.base_x, at.y, at.base_p, at.low);
+      expand_mask(static_cast<uint32_t>(next) & ((1u << bits) - 1), at.base_x, at.y, at.base_p, at.high_us | at.low,
+                  out);
       at.base_x += bits;
       ++i;
     } else {
@@ -107,8 +149,7 @@ HWY_INLINE size_t take_vectors(const uint8_t* words, size_t count, const Bounds&
 
 /// Decodes words up to the first that needs a closer look, contains a time before the last one, or is among the last
 /// few. No branch depends on the order of plain words. Returns the number of words used.
-HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor,
-                             ToColumns& target) {
+HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& bounds, Cursor& cursor, Columns& out) {
   const Group d;
   const SignedGroup di;
   const auto not_plain = hn::Load(GroupBytes(), kNotPlain);
@@ -135,7 +176,7 @@ HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& b
 
     const auto x = hn::And(word, hn::Set(d, uint16_t{kCoordinateMask}));
     const auto rows = fill_forward(x, rows_lows & taken, y);
-    target.put_events(word, x, rows, lows, stops_events >> 8 & taken);
+    put_events(word, x, rows, lows, stops_events >> 8 & taken, cursor.high_us, out);
     low = last_in_all(lows);
     y = last_in_all(rows);
     i += kGroupWords;
@@ -143,7 +184,7 @@ HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& b
       i -= kGroupWords - used;
       cursor.low = hn::GetLane(low);
       cursor.y = hn::GetLane(y);
-      const size_t in_vectors = take_vectors(words + 2 * i, count - i, bounds, cursor, target);
+      const size_t in_vectors = take_vectors(words + 2 * i, count - i, bounds, cursor, out);
       if (in_vectors == 0) break;
       i += in_vectors;
       low = hn::Set(d, static_cast<uint16_t>(cursor.low));
@@ -156,24 +197,23 @@ HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& b
 }
 
 /// Decodes groups of words with the kernels above, and the rest with the scalar reference.
-HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
-                               ColumnSink& sink, ToColumns& target) {
+size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   sink.set_time(Codec::time(state));
   for (size_t i = 0; i < count;) {
     // The kernels use times as they are, so they cannot run while the time is raised to that of an earlier event.
     if (sink.time() == Codec::time(state)) {
       const Bounds bounds{state.time_high, limits.width};
-      Cursor cursor{state.low, state.y, state.base_x, state.base_p};
-      target.begin(state.high_us);
-      i += take_words(words + 2 * i, count - i, bounds, cursor, target);
-      target.end();
+      Cursor cursor{state.low, state.y, state.base_x, state.base_p, state.high_us};
+      Columns out{sink.x, sink.y, sink.p, sink.t, sink.count};
+      i += take_words(words + 2 * i, count - i, bounds, cursor, out);
+      sink.count = out.count;
       state.low = static_cast<uint16_t>(cursor.low);
       state.y = static_cast<uint16_t>(cursor.y);
       state.base_x = static_cast<uint16_t>(cursor.base_x);
       state.base_p = static_cast<uint8_t>(cursor.base_p);
     }
     const size_t left = std::min(count - i, kGroupWords);
-    i += decode_scalar(words + 2 * i, left, state, limits, sink);
+    i += Codec::decode_scalar(words + 2 * i, left, state, limits, sink);
     sink.set_time(Codec::time(state));
   }
   return count;

@@ -178,23 +178,10 @@ HWY_INLINE bool load_triple(const uint8_t* words, uint32_t& mask) {
   return (a >> 12) == kVect12 && (b >> 12) == kVect12 && (c >> 12) == kVect8;
 }
 
-/// Appends events to the columns of a sink.
-struct ToColumns {
-  ColumnSink& sink;
-  Columns out;
-
-  explicit ToColumns(ColumnSink& target) : sink(target), out{target.x, target.y, target.p, target.t, target.count} {}
-  void flush() { sink.count = out.count; }
-  void reload() { out.count = sink.count; }
-  void add_vector(uint32_t mask, uint32_t x, uint32_t y, uint32_t p, int64_t t) {
-    expand_mask<32>(mask, x, y, p, t, out);
-  }
-};
-
 /// Decodes runs of plain words and of vectors with the kernels above, and the rest with the scalar reference, word by
 /// word.
-HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
-                               ColumnSink& sink, ToColumns& target) {
+size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  Columns out{sink.x, sink.y, sink.p, sink.t, sink.count};
   sink.set_time(Codec::time(state));
   size_t i = 0;
   while (i < count) {
@@ -212,11 +199,11 @@ HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state,
           ++i;
         } else if (word >> 12 == kVect12 && i + 3 <= count && base + 32 <= limits.width &&
                    load_triple(words + 2 * i, mask)) {
-          target.add_vector(mask, base, cursor.y, state.base_p, cursor.high | cursor.low);
+          expand_mask(mask, base, cursor.y, state.base_p, cursor.high | cursor.low, out);
           state.base_x = static_cast<uint16_t>(base + 32);
           i += 3;
         } else {
-          const size_t used = take_plain(words + 2 * i, count - i, cursor, target.out);
+          const size_t used = take_plain(words + 2 * i, count - i, cursor, out);
           i += used;
           if (used == 0) break;
         }
@@ -224,12 +211,12 @@ HWY_INLINE size_t decode_words(const uint8_t* words, size_t count, State& state,
       }
       state.low = static_cast<uint16_t>(cursor.low);
       state.y = static_cast<uint16_t>(cursor.y);
-      target.flush();
+      sink.count = out.count;
       if (i == count) break;
     }
-    decode_scalar(words + 2 * i, 1, state, limits, sink);
+    Codec::decode_scalar(words + 2 * i, 1, state, limits, sink);
     sink.set_time(Codec::time(state));
-    target.reload();
+    out.count = sink.count;
     ++i;
   }
   return count;

@@ -30,6 +30,9 @@ struct Columns {
   size_t count;
 };
 
+/// Number of pixels of a mask.
+constexpr size_t kMaskBits = 32;
+
 template <typename D>
 HWY_INLINE hn::Mask<D> mask_of(D d, uint32_t bits) {
   alignas(8) uint8_t bytes[8] = {};
@@ -39,11 +42,10 @@ HWY_INLINE hn::Mask<D> mask_of(D d, uint32_t bits) {
 
 #if HWY_TARGET == HWY_AVX3_DL
 
-/// Appends an event at base_x + i for each set bit i < kBits. Writes up to 32 elements from columns.count on.
-template <size_t kBits>
+/// Appends an event at base_x + i for each set bit i < kMaskBits. Writes up to as many elements from columns.count on.
 HWY_INLINE void expand_mask(uint32_t mask, uint32_t base_x, uint32_t y, uint32_t p, int64_t t, Columns& columns) {
-  const hn::CappedTag<uint16_t, kBits> d16;
-  const hn::CappedTag<uint8_t, kBits> d8;
+  const hn::CappedTag<uint16_t, kMaskBits> d16;
+  const hn::CappedTag<uint8_t, kMaskBits> d8;
   const hn::CappedTag<int64_t, 8> d64;
   const Columns to = columns;
   const auto xs = hn::Iota(d16, static_cast<uint16_t>(base_x));
@@ -51,7 +53,7 @@ HWY_INLINE void expand_mask(uint32_t mask, uint32_t base_x, uint32_t y, uint32_t
   hn::StoreU(hn::Set(d16, static_cast<uint16_t>(y)), d16, to.y + to.count);
   hn::StoreU(hn::Set(d8, static_cast<uint8_t>(p)), d8, to.p + to.count);
   const auto ts = hn::Set(d64, t);
-  for (size_t i = 0; i < kBits; i += 8) hn::StoreU(ts, d64, to.t + to.count + i);
+  for (size_t i = 0; i < kMaskBits; i += 8) hn::StoreU(ts, d64, to.t + to.count + i);
   columns.count += static_cast<size_t>(std::popcount(mask));
 }
 
@@ -85,19 +87,18 @@ HWY_INLINE void store_same(uint16_t* HWY_RESTRICT to_y, uint8_t* HWY_RESTRICT to
   for (size_t i = 0; i < 16; i += hn::Lanes(d64)) hn::StoreU(ts, d64, to_t + i);
 }
 
-template <size_t kBits>
 HWY_INLINE void expand_mask(uint32_t mask, uint32_t base_x, uint32_t y, uint32_t p, int64_t t, Columns& columns) {
   const hn::CappedTag<uint16_t, 8> d16;
   const Columns to = columns;
   size_t count = to.count;
-  for (uint32_t begin = 0; begin < kBits; begin += 8) {
+  for (uint32_t begin = 0; begin < kMaskBits; begin += 8) {
     const uint32_t part = (mask >> begin) & 0xFF;
     const auto base = hn::Set(d16, static_cast<uint16_t>(base_x + begin));
     hn::StoreU(hn::Add(hn::Load(d16, kBitPositions.of[part]), base), d16, to.x + count);
     count += static_cast<size_t>(std::popcount(part));
   }
   store_same(to.y + to.count, to.p + to.count, to.t + to.count, y, p, t);
-  if (kBits > 16 && count > to.count + 16) {
+  if (count > to.count + 16) {
     store_same(to.y + to.count + 16, to.p + to.count + 16, to.t + to.count + 16, y, p, t);
   }
   columns.count = count;

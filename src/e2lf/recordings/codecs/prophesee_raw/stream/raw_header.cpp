@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <ctime>
 #include <optional>
+#include <tuple>
 
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
@@ -16,28 +15,7 @@ namespace {
 
 constexpr size_t kMaxSide = 2048;  // x and y have 11 bits
 
-struct Size {
-  size_t width = 0;
-  size_t height = 0;
-  bool operator==(const Size&) const = default;
-};
-
-std::optional<size_t> parse_side(std::string_view text) {
-  size_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value == 0 || value > kMaxSide) return std::nullopt;
-  return value;
-}
-
-/// "1280x720".
-std::optional<Size> parse_geometry(std::string_view text) {
-  const size_t cross = text.find('x');
-  if (cross == std::string_view::npos) return std::nullopt;
-  const auto width = parse_side(text.substr(0, cross));
-  const auto height = parse_side(text.substr(cross + 1));
-  if (!width || !height) return std::nullopt;
-  return Size{*width, *height};
-}
+using Size = std::pair<size_t, size_t>;  // width and height
 
 /// Returns the sensor size of old cameras, whose files do not state it.
 std::optional<Size> size_of_system(const std::string& system_id) {
@@ -74,7 +52,7 @@ Result<FormatKey> parse_format(std::string_view text, const Error& bad_size) {
     const std::string_view value = trimmed(field.substr(equals + 1));
     if (name == "endianness") key.endianness = value;
     if (name != "width" && name != "height") continue;
-    const auto side = parse_side(value);
+    const auto side = parse_side(value, kMaxSide);
     if (!side) return bad_size;
     (name == "width" ? key.width : key.height) = *side;
   }
@@ -88,7 +66,7 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
                        cat(name, ": header")};
   Size size;
   if (const auto geometry = info.find("geometry")) {
-    const auto parsed = parse_geometry(*geometry);
+    const auto parsed = parse_geometry(*geometry, kMaxSide);
     if (!parsed) return bad_size;
     size = *parsed;
   }
@@ -104,7 +82,7 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
   if (const auto endianness = info.find("endianness")) header.endianness = *endianness;
   if (const auto format = info.find("format")) {
     E2LF_ASSIGN_OR_RETURN(const FormatKey key, parse_format(*format, bad_size));
-    const Size stated{key.width.value_or(size.width), key.height.value_or(size.height)};
+    const Size stated{key.width.value_or(size.first), key.height.value_or(size.second)};
     if ((size != Size() && stated != size) || (!info.format.empty() && key.codec != info.format)) {
       return fail(ErrorCode::kFormat, bad_size.location,
                   "the keys of the header contradict each other (format, evt, geometry); repair it");
@@ -116,21 +94,12 @@ Result<void> interpret(RawHeader& header, const std::string& name) {
   if (const auto system = info.find("system_ID"); system && size == Size()) {
     size = size_of_system(*system).value_or(Size());
   }
-  info.width = size.width;
-  info.height = size.height;
+  std::tie(info.width, info.height) = size;
   return {};
 }
 
 bool is_rewritten_key(const std::string& key) {
   return key == "evt" || key == "format" || key == "geometry" || key == "endianness" || key == "end";
-}
-
-std::string local_time() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  ::localtime_r(&now, &parts);
-  char text[32];
-  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
 }
 
 }  // namespace
@@ -217,16 +186,6 @@ std::string raw_header_text(const RecordingInfo& info) {
   add("format", cat(encoding->format, is_evt21 ? cat(";endianness=", endianness) : "", ";height=", info.height,
                     ";width=", info.width));
   add("geometry", cat(info.width, "x", info.height));
-  return text + "% end\n";
-}
-
-std::string camera_header(std::map<std::string, std::string> keys) {
-  keys.erase("end");
-  keys.emplace("date", local_time());
-  std::string text;
-  for (const auto& [key, value] : keys) {
-    if (!value.empty()) text += cat("% ", key, " ", header_text(value), "\n");
-  }
   return text + "% end\n";
 }
 

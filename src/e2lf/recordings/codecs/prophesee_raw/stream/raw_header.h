@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,9 +52,5 @@ enum class HeaderPlace { kNone, kIncomplete, kHere };
 /// Returns the header of a recording in info.format, which ends with "% end". Keys of info.header are kept, except
 /// those of encoding and size, which are written anew. Keys that the vendor's software requires are added.
 [[nodiscard]] std::string raw_header_text(const RecordingInfo& info);
-
-/// Returns the header of a RAW recording with these keys, the date and the end mark. Keys with empty values are left
-/// out.
-[[nodiscard]] std::string camera_header(std::map<std::string, std::string> keys);
 
 }  // namespace e2lf::recordings

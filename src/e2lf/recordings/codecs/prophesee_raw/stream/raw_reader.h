@@ -18,11 +18,11 @@
 namespace e2lf::recordings {
 
 /// Number of bytes after its end that a part which is decoded in parallel may inspect.
-template <WordCodec Codec>
+template <typename Codec>
 inline constexpr size_t kBytesBehindPart = 2 * kJudgeWords* Codec::kWordBytes;
 
 /// Guesses the state of a stream at a later position from the words before that position.
-template <WordCodec Codec>
+template <typename Codec>
 class StreamGuess {
  public:
   using Stream = RawStream<Codec>;
@@ -63,7 +63,7 @@ class StreamGuess {
 /// Decodes consecutive parts of a RAW stream in parallel. The state at the start of a part is guessed from the words
 /// before it. A part is accepted only if the previous part ends in exactly this state, so that the result is that of a
 /// single thread.
-template <WordCodec Codec>
+template <typename Codec>
 class PartDecoder {
  public:
   using Stream = RawStream<Codec>;
@@ -172,7 +172,7 @@ class PartDecoder {
 /// The blocks of a RAW recording of one encoding. Bytes of a source are decoded by a RawStream, or, for files and
 /// several threads, by a PartDecoder that is some parts ahead. The stream is copied every kCheckpointBytes, so that
 /// seeking requires no index file: it continues from the last copy before the time.
-template <WordCodec Codec>
+template <typename Codec>
 class RawBlocks final : public EventBlocks {
  public:
   /// `source` is positioned after the header, whose properties are `info`.

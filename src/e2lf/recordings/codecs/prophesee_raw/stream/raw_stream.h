@@ -17,7 +17,7 @@ namespace e2lf::recordings {
 /// Decodes one RAW encoding from bytes as they arrive; the events do not depend on how the bytes are divided. Words are
 /// checked first (WordDamage), and are decoded kHoldWords later without further checks. A copy of the object is a
 /// checkpoint from which decoding can continue.
-template <WordCodec Codec>
+template <typename Codec>
 class RawStream {
  public:
   explicit RawStream(const SensorLimits& limits) : limits_(limits), damage_(limits) {}
@@ -55,7 +55,7 @@ class RawStream {
         const size_t used = decode(input, ready, sink);
         if (used < ready) return {input.position, 0};
       } else {
-        damage_.advance(input, Codec::resynchronise(input.data(), ready, state_, summary));
+        damage_.advance(input, resynchronise(input.data(), ready, summary));
         if (Codec::is_synchronised(state_)) damage_.close_gap(time_us(), summary);
       }
     }
@@ -118,24 +118,49 @@ class RawStream {
     return used;
   }
 
-  /// Returns the byte of the first word with an event outside the sensor, by decoding from `state` again.
-  size_t first_outside(const uint8_t* words, size_t count, typename Codec::State state) const {
-    constexpr size_t kRoom = Codec::kMaxEventsPerWord + kSinkSlack;
-    std::array<uint16_t, kRoom> x, y;
-    std::array<uint8_t, kRoom> p;
-    std::array<int64_t, kRoom> t;
+  /// The destination of the events of single words.
+  struct WordSink {
+    std::array<uint16_t, Codec::kMaxEventsPerWord + kSinkSlack> x, y;
+    std::array<uint8_t, Codec::kMaxEventsPerWord + kSinkSlack> p;
+    std::array<int64_t, Codec::kMaxEventsPerWord + kSinkSlack> t;
     std::vector<Trigger> triggers;
     ColumnSink sink;
-    sink.x = x.data();
-    sink.y = y.data();
-    sink.p = p.data();
-    sink.t = t.data();
-    sink.triggers = &triggers;
-    size_t i = 0;
-    for (; i < count && state.num_outside == 0; ++i) {
-      sink.count = 0;
-      Codec::decode(words + i * kWordBytes, 1, state, limits_, sink);
+
+    WordSink() {
+      sink.x = x.data();
+      sink.y = y.data();
+      sink.p = p.data();
+      sink.t = t.data();
+      sink.triggers = &triggers;
     }
+
+    /// Decodes a word and returns its number of events and triggers inside the sensor.
+    size_t decode(const uint8_t* word, typename Codec::State& state, const SensorLimits& limits) {
+      sink.count = 0;
+      triggers.clear();
+      Codec::decode_scalar(word, 1, state, limits, sink);
+      return sink.count + triggers.size();
+    }
+  };
+
+  /// Decodes words and drops their events until the state is complete again. Returns the number of words used.
+  size_t resynchronise(const uint8_t* words, size_t count, DecodeSummary& summary) {
+    WordSink dropped;
+    size_t i = 0;
+    for (; i < count && !Codec::is_synchronised(state_); ++i) {
+      Codec::take_needed(words + i * kWordBytes, state_);
+      const size_t inside = dropped.decode(words + i * kWordBytes, state_, limits_);
+      (Codec::has_time(state_) ? summary.events_unplaced : summary.events_before_time) +=
+          inside + std::exchange(state_.num_outside, 0);
+    }
+    return i;
+  }
+
+  /// Returns the byte of the first word with an event outside the sensor, by decoding from `state` again.
+  size_t first_outside(const uint8_t* words, size_t count, typename Codec::State state) const {
+    WordSink ignored;
+    size_t i = 0;
+    for (; i < count && state.num_outside == 0; ++i) ignored.decode(words + i * kWordBytes, state, limits_);
     return (i - 1) * kWordBytes;
   }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -161,9 +160,44 @@ template <typename TimeAt>
   return counted >= kFewest && 4 * in_favour >= 3 * counted ? Verdict::kRestart : Verdict::kReject;
 }
 
-/// One of the three RAW encodings: words of fixed size, whose meaning depends on earlier words. RawStream decodes all
-/// of them through these static functions. `words` points to `count` words.
+/// The coarse times of an encoding, which count on a circle.
+struct CoarseClock {
+  uint32_t mask;        ///< range of the times
+  uint32_t min_fall;    ///< smallest number of steps back that may be a restart of the clock
+  uint32_t near_steps;  ///< after damage, the time words that follow the first one are at most this far ahead
+  bool believes_next;   ///< whether a step by one needs a single witness, so that live streams do not wait
+};
+
+/// Determines whether an unexpected coarse time is correct, that is, if most of the following ones continue from it
+/// rather than from `last`, the time before it, which may be unknown. A step back is correct only as a restart of the
+/// clock. The other arguments are those of judge_step_back().
+template <typename TimeAt>
+[[nodiscard]] Verdict judge_coarse_time(size_t count, bool ended, std::optional<uint32_t> last,
+                                        const CoarseClock& clock, bool after_damage, size_t num_rejected,
+                                        const TimeAt& time_at) {
+  const uint32_t time = *time_at(0), before = last.value_or(time), half_circle = clock.mask / 2 + 1;
+  const auto steps = [&clock](uint32_t from, uint32_t to) { return (to - from) & clock.mask; };
+  if (steps(before, time) >= half_circle) {
+    return judge_step_back(count, ended, before, clock.mask, clock.min_fall, num_rejected, time_at);
+  }
+  const size_t wanted = clock.believes_next && steps(before, time) == 1 ? 1 : kJudges;
+  const size_t seen = std::min(count, kJudgeWords);
+  size_t judges = 0, in_favour = 0;
+  for (size_t i = 1; i < seen && judges < wanted; ++i) {
+    const std::optional<uint32_t> following = time_at(i);
+    if (!following) continue;
+    ++judges;
+    const uint32_t limit = last ? steps(before, *following) : after_damage ? clock.near_steps : half_circle;
+    in_favour += steps(time, *following) <= limit ? 1 : 0;
+  }
+  if (judges < wanted && count < kJudgeWords && !ended) return Verdict::kNeedMore;
+  return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
+}
+
+/// A Codec is one of the three RAW encodings: words of fixed size, whose meaning depends on earlier words. RawStream
+/// decodes all of them through these static functions. `words` points to `count` words.
 ///
+///   kWordBytes, kMaxEventsPerWord
 ///   State            the state of decoding
 ///   Check            the state of the check, which runs ahead of decoding; its `heartbeat` is 0 or more if the stream
 ///                    repeats its time continually
@@ -181,38 +215,13 @@ template <typename TimeAt>
 ///   forget           updates the state when an unknown number of words is missing
 ///   extrapolate      completes the state after a section of words to a guess of the state after `before` and all words
 ///                    up to there: the loops of the clock, and what the section has not set
-///   resynchronise    skips words without returning events until the state is complete again
 ///   is_synchronised  returns whether the state is complete
+///   take_needed      notes what a word, which is decoded next, adds to an incomplete state
+///   has_time         returns whether a time is known
 ///   decode           decodes checked words to events; returns the number of words used
+///   decode_scalar    the scalar reference of decode()
 ///   skip_events      (optional) skips the words of a span of time and returns only their triggers
 ///   count_reports    (optional) sums the counts of the sensor in decoded words
 ///   time, time_loops return the time of the state in us, and how often the clock has wrapped around
-template <typename C>
-concept WordCodec = requires(const uint8_t* words, size_t count, typename C::State& state,
-                             const typename C::State& before, typename C::Check& check,
-                             const typename C::Check& checked, const SensorLimits& limits, DecodeSummary& summary,
-                             ColumnSink& sink) {
-  requires std::equality_comparable<typename C::State>;
-  { C::kWordBytes } -> std::convertible_to<size_t>;
-  { C::kMaxEventsPerWord } -> std::convertible_to<size_t>;
-  { check.heartbeat } -> std::convertible_to<int64_t>;
-  { C::check(words, count, check, limits) } -> std::same_as<size_t>;
-  { C::count_bad(words, count, count) } -> std::same_as<size_t>;
-  { C::classify(words, checked, limits) } -> std::same_as<WordFault>;
-  { C::judge_time(words, count, true, checked) } -> std::same_as<Verdict>;
-  { C::num_padding(words, count, checked) } -> std::same_as<size_t>;
-  C::accept_time(words, check);
-  C::reject_time(words, check);
-  { C::is_near_zero(words, checked) } -> std::same_as<bool>;
-  { C::step_us(words, checked) } -> std::same_as<int64_t>;
-  C::drop_word(words, state);
-  C::forget(state, check);
-  C::extrapolate(state, before);
-  { C::resynchronise(words, count, state, summary) } -> std::same_as<size_t>;
-  { C::is_synchronised(before) } -> std::same_as<bool>;
-  { C::decode(words, count, state, limits, sink) } -> std::same_as<size_t>;
-  { C::time(before) } -> std::same_as<int64_t>;
-  { C::time_loops(before) } -> std::same_as<uint64_t>;
-};
 
 }  // namespace e2lf::recordings

@@ -37,7 +37,7 @@ struct WordInput {
 /// Finds damage in RAW words, ahead of decoding. If a word is implausible, the following ones show whether it alone is
 /// damaged, and is then dropped, or whether bytes are missing, in which case the stream resumes where words are valid
 /// again.
-template <WordCodec Codec>
+template <typename Codec>
 class WordDamage {
  public:
   using Input = WordInput<Codec::kWordBytes>;

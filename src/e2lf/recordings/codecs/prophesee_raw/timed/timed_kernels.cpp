@@ -135,7 +135,7 @@ HWY_INLINE size_t take_masks(const uint8_t* words, size_t count, int64_t high_us
     const uint32_t low = low_of(head);
     const uint32_t x = x_of(head);
     if (type_of(head) > kOn || low < last_low || x + 32 > limits.width) break;
-    expand_mask<32>(Layout::mask(words + i * Layout::kWordBytes), x, y_of(head), type_of(head), high_us | low, to);
+    expand_mask(Layout::mask(words + i * Layout::kWordBytes), x, y_of(head), type_of(head), high_us | low, to);
     last_low = low;
   }
   columns.count = to.count;

@@ -150,31 +150,14 @@ struct Words {
     return is_back ? WordFault::kTimeBack : WordFault::kTimeAhead;
   }
 
-  /// A TIME_HIGH that steps back or far ahead is correct if most of the following ones continue from it rather than
-  /// from the last one.
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
-    const uint32_t head = Layout::head(words);
-    const bool is_first = check.time_high == kNoTime;
-    if (!is_first && steps(check.time_high, head) >= kHalfCircle) {
-      const auto time_at = [words](size_t i) {
-        const uint32_t other = Layout::head(words + i * kWordBytes);
-        return type_of(other) == kTimeHigh ? std::optional(other & kTimeHighMask) : std::nullopt;
-      };
-      return judge_step_back(count, ended, check.time_high, kTimeHighMask, kMinFall, check.num_rejected, time_at);
-    }
-    const size_t seen = std::min(count, kJudgeWords);
-    size_t judges = 0, in_favour = 0;
-    for (size_t i = 1; i < seen && judges < kJudges; ++i) {
-      const uint32_t following = Layout::head(words + i * kWordBytes);
-      if (type_of(following) != kTimeHigh) continue;
-      const uint32_t from_this = steps(head, following);
-      ++judges;
-      const uint32_t limit =
-          is_first ? (check.after_damage ? kNearSteps : kHalfCircle) : steps(check.time_high, following);
-      in_favour += from_this <= limit ? 1 : 0;
-    }
-    if (judges < kJudges && count < kJudgeWords && !ended) return Verdict::kNeedMore;
-    return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
+    constexpr CoarseClock kClock{kTimeHighMask, kMinFall, kNearSteps, /*believes_next=*/false};
+    const auto time_at = [words](size_t i) {
+      const uint32_t head = Layout::head(words + i * kWordBytes);
+      return type_of(head) == kTimeHigh ? std::optional(head & kTimeHighMask) : std::nullopt;
+    };
+    const auto last = check.time_high == kNoTime ? std::nullopt : std::optional(check.time_high);
+    return judge_coarse_time(count, ended, last, kClock, check.after_damage, check.num_rejected, time_at);
   }
 
   static void accept_time(const uint8_t* word, Check& check) {
@@ -207,22 +190,10 @@ struct Words {
     if (type_of(Layout::head(word)) == kTimeHigh) state.need_time_high = true;
   }
 
-  static size_t resynchronise(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
-    size_t i = 0;
-    for (; i < count && !is_synchronised(state); ++i) {
-      const uint8_t* word = words + i * kWordBytes;
-      const uint32_t head = Layout::head(word);
-      if (type_of(head) == kTimeHigh) {
-        take_time_high(head & kTimeHighMask, state);
-        state.need_time_high = false;
-      } else if (type_of(head) <= kOn || type_of(head) == kTrigger) {
-        const int dropped = type_of(head) <= kOn ? std::popcount(Layout::mask(word)) : 1;
-        (state.time_high == kNoTime ? summary.events_before_time : summary.events_unplaced) +=
-            static_cast<uint64_t>(dropped);
-      }
-    }
-    return i;
+  static void take_needed(const uint8_t* word, State& state) {
+    if (type_of(Layout::head(word)) == kTimeHigh) state.need_time_high = false;
   }
+  static bool has_time(const State& state) { return state.time_high != kNoTime; }
   static bool is_synchronised(const State& state) { return !state.need_time_high; }
 
   static void extrapolate(State& state, const State& before) {
