@@ -10,7 +10,6 @@
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/stream_choice.h"
@@ -314,10 +313,10 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
   if (info.width != 0 && info.height != 0) header += cat("% geometry ", info.width, "x", info.height, "\n");
   OpenOptions raw = options;
   raw.format = "evt3";
+  raw.stream.clear();
   raw.width = raw.height = 0;
-  const SourcePtr words = std::make_shared<Evt3Source>(std::move(messages), seekable, header + "% end\n", name);
-  E2LF_ASSIGN_OR_RETURN(auto reader, open_raw(words, raw));
-  reader->count_losses([words] { return words->left_out(); });
+  auto words = std::make_shared<Evt3Source>(std::move(messages), seekable, header + "% end\n", name);
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(std::move(words), raw));
   reader->take_container(std::move(info));
   return reader;
 }

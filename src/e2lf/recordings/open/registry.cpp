@@ -195,15 +195,12 @@ bool is_recording_folder(const std::filesystem::path& path) {
 }
 
 Result<ReaderPtr> open_recording(SourcePtr source, const OpenOptions& options) {
-  // A source is live if its first bytes arrived. No more are awaited, because there may be none for a while.
-  E2LF_RETURN_IF_ERROR(source->fetch(1));
-  const SourcePtr live = source->arrival() ? source : nullptr;  // its losses are counted while it is read
   E2LF_ASSIGN_OR_RETURN(const Codec* codec,
                         options.format.empty() ? detect_codec(*source) : find_codec(options.format));
   if (codec->open == nullptr) return unsupported(*codec, "read", source->name());
   if (!codec->is_table) E2LF_RETURN_IF_ERROR(refuse_table_options(options, codec->name, source->name()));
-  E2LF_ASSIGN_OR_RETURN(auto reader, codec->open(std::move(source), options));
-  if (live != nullptr) reader->count_losses([live] { return live->left_out(); });
+  E2LF_ASSIGN_OR_RETURN(auto reader, codec->open(source, options));
+  reader->count_losses([source] { return source->left_out(); });
   return check_stream(std::move(reader));
 }
 
