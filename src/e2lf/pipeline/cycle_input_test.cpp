@@ -6,6 +6,7 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/pipeline/recorded_setup.h"
+#include "e2lf/recordings/live/camera.h"
 #include "testing/test_files.h"
 
 namespace e2lf::pipeline {
@@ -57,6 +58,7 @@ TEST(CycleInput, ErrorsNameTheOption) {
 }
 
 TEST(RecordedSetup, IsThatOfTheRecordingThatIsReplayed) {
+  recordings::add_camera_plugin({"any", "a camera that is not opened"});
   const TestFolder folder;
   const std::filesystem::path recording = folder / "a.npy";
   ASSERT_TRUE(write_file(recording, std::string("events")));
