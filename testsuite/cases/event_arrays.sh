@@ -144,7 +144,7 @@ open("beyond.h5", "wb").write(data)
 PY
 "$E2LF" convert cameras.h5 --stream right out.npz --overwrite --quiet
 same out.npz
-fails 1 "dimensions" "$E2LF" info records.h5
+fails 1 "shape" "$E2LF" info records.h5
 fails 1 "overlap" "$E2LF" info beyond.h5
 # Control characters of a file do not reach the terminal.
 printf 'a\033[31mb,c,d,e\n1\033[0m,2,3,4\n' >hostile.csv

@@ -135,7 +135,7 @@ Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std
   if (!has_one_dimension && !(extents.size() == 2 && extents[1] == columns)) {
     return fail(ErrorCode::kShape, location, "data set ", name, " has the shape ",
                 shape_text({extents.begin(), extents.end()}), " and not [events, ", columns,
-                "]; is it an event recording?");
+                "]; store one row for each event");
   }
   shape.columns = columns;
   shape.chunk_length = storage.is_chunked() ? storage.chunk[0] : 0;
