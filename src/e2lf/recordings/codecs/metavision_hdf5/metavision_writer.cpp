@@ -2,7 +2,6 @@
 // Writes Metavision HDF5; declared in codecs.h.
 #include <algorithm>
 #include <optional>
-#include <ranges>
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
@@ -43,8 +42,15 @@ class TimeIndex {
       entries_.push_back({0, -1});
     }
     while (time_of(count - 1) - first_us_ >= next_us_) {
-      const auto is_before = [&](size_t i) { return time_of(i) - first_us_ < next_us_; };
-      const size_t i = *std::ranges::partition_point(std::views::iota(size_t{0}, count), is_before);
+      size_t i = 0;
+      for (size_t end = count - 1; i < end;) {
+        const size_t middle = i + (end - i) / 2;
+        if (time_of(middle) - first_us_ < next_us_) {
+          i = middle + 1;
+        } else {
+          end = middle;
+        }
+      }
       const int64_t since_first_us = time_of(i) - first_us_;
       if (since_first_us - next_us_ > kMaxPauseUs) {
         return fail(ErrorCode::kInvalidValue, "indexes", "a pause of ", since_first_us - next_us_, " us up to ",
