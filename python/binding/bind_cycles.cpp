@@ -178,10 +178,6 @@ class CycleIterator {
   OneAtATime use_;
 };
 
-constexpr Choice<cycles::TriggerEdge> kEdges[] = {{"rising", cycles::TriggerEdge::kRising},
-                                                  {"falling", cycles::TriggerEdge::kFalling},
-                                                  {"both", cycles::TriggerEdge::kBoth}};
-
 std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, cycles::CycleOptions options,
                                            const pipeline::ScheduleChoice& schedule,
                                            const std::optional<int64_t>& origin_us, const OpenArguments& open) {
@@ -220,7 +216,7 @@ void bind_cycle_reader(py::module_& module) {
         check_word(transitions, {"auto", "lit", "all"}, "transitions");
         cycles::CycleOptions options;
         options.source = value_of(source, info::kCycleSources, "source");
-        options.edge = value_of(edge, kEdges, "edge");
+        options.edge = value_of(edge, cycles::kTriggerEdges, "edge");
         options.channel = channel;
         options.one_trigger_per_cycle = one_trigger_per_cycle;
         options.trigger_delay_us = trigger_delay_us;
@@ -233,7 +229,7 @@ void bind_cycle_reader(py::module_& module) {
       },
       py::arg("path"), py::kw_only(), py::arg("source") = word_of(usual.source, info::kCycleSources),
       py::arg("schedule") = py::none(), py::arg("num_codes") = py::none(),
-      py::arg("edge") = word_of(usual.edge, kEdges), py::arg("channel") = usual.channel,
+      py::arg("edge") = word_of(usual.edge, cycles::kTriggerEdges), py::arg("channel") = usual.channel,
       py::arg("first_pattern") = usual.tracker.first_pattern,
       py::arg("one_trigger_per_cycle") = usual.one_trigger_per_cycle, py::arg("origin_us") = py::none(),
       py::arg("trigger_delay_us") = usual.trigger_delay_us, py::arg("filter_pixels") = usual.filters_pixels,

@@ -34,8 +34,8 @@ recordings::OpenOptions open_options(const std::string& name, const OpenArgument
   options.stream = arguments.stream;
   options.columns = arguments.columns;
   options.polarities = arguments.polarities;
-  options.time_unit = value_of(arguments.time_unit, kTimeUnits, "time_unit");
-  options.restart = value_of(arguments.restart, kRestarts, "restart");
+  options.time_unit = value_of(arguments.time_unit, recordings::kTimeUnits, "time_unit");
+  options.restart = value_of(arguments.restart, recordings::kRestartPolicies, "restart");
   options.from_us = arguments.from_us.value_or(INT64_MIN);
   options.to_us = arguments.to_us.value_or(INT64_MAX);
   if (options.from_us >= options.to_us) {

@@ -12,20 +12,11 @@
 
 namespace e2lf::python {
 
-inline constexpr Choice<recordings::TimeUnit> kTimeUnits[] = {{"auto", recordings::TimeUnit::kAuto},
-                                                              {"s", recordings::TimeUnit::kSeconds},
-                                                              {"ms", recordings::TimeUnit::kMilliseconds},
-                                                              {"us", recordings::TimeUnit::kMicroseconds},
-                                                              {"ns", recordings::TimeUnit::kNanoseconds}};
-inline constexpr Choice<recordings::RestartPolicy> kRestarts[] = {{"continue", recordings::RestartPolicy::kContinue},
-                                                                  {"split", recordings::RestartPolicy::kSplit},
-                                                                  {"refuse", recordings::RestartPolicy::kRefuse}};
-
 /// The options of open_recording() with their Python names. The defaults are those of recordings::OpenOptions.
 struct OpenArguments {
   std::string format = {}, stream = {}, columns = {},
-              time_unit = word_of(recordings::OpenOptions().time_unit, kTimeUnits);
-  std::string polarities = {}, restart = word_of(recordings::OpenOptions().restart, kRestarts);
+              time_unit = word_of(recordings::OpenOptions().time_unit, recordings::kTimeUnits);
+  std::string polarities = {}, restart = word_of(recordings::OpenOptions().restart, recordings::kRestartPolicies);
   size_t width = 0, height = 0;
   std::optional<int64_t> from_us = {}, to_us = {};
   bool relative = false, shift_time = false, strict = false;

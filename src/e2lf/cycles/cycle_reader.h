@@ -28,6 +28,10 @@ enum class CycleSource {
 
 enum class TriggerEdge { kRising, kFalling, kBoth };
 
+/// The names of the edges in options.
+inline constexpr Choice<TriggerEdge> kTriggerEdges[] = {
+    {"rising", TriggerEdge::kRising}, {"falling", TriggerEdge::kFalling}, {"both", TriggerEdge::kBoth}};
+
 struct CycleOptions {
   CycleSource source = CycleSource::kAuto;
   Schedule schedule = paper_schedule();

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/event_blocks.h"
@@ -91,6 +92,17 @@ enum class TimeUnit {
   kMicroseconds,
   kNanoseconds,
 };
+
+/// The names of the units in options.
+inline constexpr Choice<TimeUnit> kTimeUnits[] = {{"auto", TimeUnit::kAuto},
+                                                  {"s", TimeUnit::kSeconds},
+                                                  {"ms", TimeUnit::kMilliseconds},
+                                                  {"us", TimeUnit::kMicroseconds},
+                                                  {"ns", TimeUnit::kNanoseconds}};
+
+/// The names of the policies in options.
+inline constexpr Choice<RestartPolicy> kRestartPolicies[] = {
+    {"continue", RestartPolicy::kContinue}, {"split", RestartPolicy::kSplit}, {"refuse", RestartPolicy::kRefuse}};
 
 struct OpenOptions {
   std::string format = {};                      ///< empty = detected by content, or else by extension

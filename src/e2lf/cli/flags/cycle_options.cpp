@@ -14,19 +14,6 @@
 namespace e2lf::cli {
 namespace fs = std::filesystem;
 
-namespace {
-
-constexpr Choice<recordings::TimeUnit> kTimeUnits[] = {{"auto", recordings::TimeUnit::kAuto},
-                                                       {"s", recordings::TimeUnit::kSeconds},
-                                                       {"ms", recordings::TimeUnit::kMilliseconds},
-                                                       {"us", recordings::TimeUnit::kMicroseconds},
-                                                       {"ns", recordings::TimeUnit::kNanoseconds}};
-constexpr Choice<recordings::RestartPolicy> kRestartPolicies[] = {{"continue", recordings::RestartPolicy::kContinue},
-                                                                  {"split", recordings::RestartPolicy::kSplit},
-                                                                  {"refuse", recordings::RestartPolicy::kRefuse}};
-
-}  // namespace
-
 void add_camera_options(CLI::App& app, recordings::CameraSetup& camera) {
   constexpr char kGroup[] = "Live cameras";
   const auto add = [&](const char* name, auto& value, const char* text) {
@@ -69,13 +56,13 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
   add("--sensor-height", flags.open.height, "height of the sensor in px, if the recording does not state it");
   add("--stream", flags.open.stream, "number or name of a stream of events, if the recording contains several");
   add("--columns", flags.open.columns, "order of the columns of a table of events, e.g. txyp; - skips a column");
-  add_choice(app, "--time-unit", flags.open.time_unit, kTimeUnits,
+  add_choice(app, "--time-unit", flags.open.time_unit, recordings::kTimeUnits,
              "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise us "
              "for whole numbers and s for fractions")
       ->group(group);
   add("--polarities", flags.open.polarities,
       "numbers of OFF and ON in a table of events, e.g. 1,2; default: 0,1 or -1,1");
-  add_choice(app, "--restart", flags.open.restart, kRestartPolicies,
+  add_choice(app, "--restart", flags.open.restart, recordings::kRestartPolicies,
              "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind the "
              "earlier one, split keeps the parts separate (info, convert), refuse fails")
       ->group(group);
@@ -129,7 +116,8 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
              "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
              "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
              "then uses the lit ones in cycles during which the scene moves too much");
-  add_choice(app, "--edge", flags.options.edge, kTriggerEdges, "trigger edge: rising, falling, both")->group(group);
+  add_choice(app, "--edge", flags.options.edge, cycles::kTriggerEdges, "trigger edge: rising, falling, both")
+      ->group(group);
   app.add_option("--channel", flags.options.channel, "trigger input; default: all")->group(group);
   app.add_option("--first-pattern", flags.options.tracker.first_pattern,
                  "pattern of the first trigger or burst, from 0; default: determined from the intervals and the events")

@@ -47,10 +47,6 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
 [[nodiscard]] Result<recordings::OpenOptions> open_options(const std::filesystem::path& input,
                                                            const RecordingFlags& flags, bool reads_parts = false);
 
-inline constexpr Choice<cycles::TriggerEdge> kTriggerEdges[] = {{"rising", cycles::TriggerEdge::kRising},
-                                                                {"falling", cycles::TriggerEdge::kFalling},
-                                                                {"both", cycles::TriggerEdge::kBoth}};
-
 /// The flags of the verbs that divide a recording into pattern cycles.
 struct CycleFlags {
   cycles::CycleOptions options;     ///< without the schedule

@@ -222,7 +222,7 @@ void add_window_options(CLI::App& app, VideoArguments& video) {
   app.add_flag("--window-triggers", video.window_triggers, "make a frame of the events from each trigger to the next")
       ->excludes(by_time)
       ->excludes(by_count);
-  add_choice(app, "--edge", video.window.edge, kTriggerEdges, "edge of the triggers: rising, falling or both");
+  add_choice(app, "--edge", video.window.edge, cycles::kTriggerEdges, "edge of the triggers: rising, falling or both");
   app.add_option("--channel", video.window.channel, "trigger input; default: all");
 }
 
