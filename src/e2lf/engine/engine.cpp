@@ -16,8 +16,9 @@ namespace {
 // Wider images are cut into panels of columns, so that memory does not grow with the width.
 constexpr size_t kPanelColumns = 2048;
 
-bool is_supported(Precision precision) {
-  return precision == Precision::kBfloat16 ? bfloat16_supported() : precision != Precision::kInt16 || int16_supported();
+/// Returns true if the CPU is no slower in this precision than in float32.
+bool pays(Precision precision) {
+  return precision == Precision::kBfloat16 ? bfloat16_is_faster() : precision != Precision::kInt16 || int16_supported();
 }
 
 /// The kinds of devices of this process.
@@ -126,7 +127,7 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
   auto impl = std::make_unique<Impl>();
   impl->precision = options.precision;
   if (options.precision == Precision::kAuto) {
-    const auto fastest = std::ranges::find_if(options.checked, is_supported);
+    const auto fastest = std::ranges::find_if(options.checked, pays);
     impl->precision = fastest != options.checked.end() ? *fastest : Precision::kFloat32;
   }
   const bool narrow = impl->precision == Precision::kBfloat16;

@@ -15,7 +15,7 @@
 namespace e2lf::engine {
 
 enum class Precision {
-  kAuto,  ///< float32, or the fastest of EngineOptions::checked that the CPU supports; see Engine::precision()
+  kAuto,  ///< float32, or the first of EngineOptions::checked in which the CPU is faster; see Engine::precision()
   kFloat32,
   kBfloat16,  ///< bfloat16 products with float32 sums; kUnsupported if the CPU lacks them
   kFloat16,   ///< on devices other than the CPU: everything in half precision
