@@ -114,7 +114,7 @@ std::optional<TimeWords> time_words(const recordings::RawHeader& header, std::sp
   if (header.info.format == "evt2") return TimeWords{4, 0, true};
   if (header.info.format != "evt2.1") return std::nullopt;
   const bool is_little =
-      recordings::timed::find_byte_order(payload, header.endianness) == recordings::timed::ByteOrder::kLittle;
+      recordings::timed::find_byte_order(payload, header.endianness) == recordings::timed::Encoding::kEvt21Little;
   return TimeWords{8, is_little ? size_t{4} : size_t{0}, true};
 }
 

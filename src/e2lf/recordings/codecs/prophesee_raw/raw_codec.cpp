@@ -13,16 +13,16 @@ template <typename Codec>
 ReaderPtr make_reader(SourcePtr source, RawHeader header, const OpenOptions& options) {
   const std::string name = source->name();
   auto blocks = std::make_unique<RawBlocks<Codec>>(std::move(source), header.info, options);
-  return make_block_reader(std::move(blocks), std::move(header.info), name, options);
+  return std::make_unique<RecordingReader>(std::move(blocks), std::move(header.info), name, options);
 }
 
 Result<ReaderPtr> open_evt21(SourcePtr source, RawHeader header, const OpenOptions& options) {
-  using timed::ByteOrder, timed::Codec, timed::Evt21Layout;
+  using timed::Codec, timed::Encoding;
   constexpr size_t kLookedAtBytes = 4096;
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> words, source->fetch(kLookedAtBytes));
-  return timed::find_byte_order(words, header.endianness) == ByteOrder::kLittle
-             ? make_reader<Codec<Evt21Layout<ByteOrder::kLittle>>>(std::move(source), std::move(header), options)
-             : make_reader<Codec<Evt21Layout<ByteOrder::kLegacy>>>(std::move(source), std::move(header), options);
+  return timed::find_byte_order(words, header.endianness) == Encoding::kEvt21Little
+             ? make_reader<Codec<Encoding::kEvt21Little>>(std::move(source), std::move(header), options)
+             : make_reader<Codec<Encoding::kEvt21Legacy>>(std::move(source), std::move(header), options);
 }
 
 }  // namespace
@@ -31,7 +31,7 @@ Result<ReaderPtr> open_raw(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(RawHeader header, read_raw_header(*source, options));
   if (header.info.format == "evt2.1") return open_evt21(std::move(source), std::move(header), options);
   if (header.info.format == "evt2") {
-    return make_reader<timed::Codec<timed::Evt2Layout>>(std::move(source), std::move(header), options);
+    return make_reader<timed::Codec<timed::Encoding::kEvt2>>(std::move(source), std::move(header), options);
   }
   if (header.info.format == "evt4") return evt4::make_reader(std::move(source), std::move(header.info), options);
   return make_reader<evt3::Codec>(std::move(source), std::move(header), options);

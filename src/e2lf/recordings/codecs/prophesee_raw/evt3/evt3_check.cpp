@@ -128,14 +128,14 @@ size_t Codec::count_bad(const uint8_t* words, size_t count, size_t enough) {
   return bad;
 }
 
-WordFault Codec::classify(const uint8_t* word, const Check& check, const SensorLimits& limits) {
+Violation Codec::classify(const uint8_t* word, const Check& check, const SensorLimits& limits) {
   const auto value = load_le<uint16_t>(word);
-  if (!is_known(value) || value == 0) return WordFault::kUnknown;
-  if (is_outside(value, limits)) return WordFault::kRange;
+  if (!is_known(value) || value == 0) return Violation::kUnknownWord;
+  if (is_outside(value, limits)) return Violation::kOutOfRange;
   const bool is_back = type_of(value) == kTimeHigh
                            ? check.time_high != 0xFFFF && steps(check.time_high, value) >= kHalfCircle
                            : (value & static_cast<int>(kPayloadMask)) < check.low;
-  return is_back ? WordFault::kTimeBack : WordFault::kTimeAhead;
+  return is_back ? Violation::kTimeBackwards : Violation::kTimeJump;
 }
 
 int64_t Codec::step_us(const uint8_t* word, const Check& check) {

@@ -64,7 +64,7 @@ struct Codec {
 
   static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
   static size_t count_bad(const uint8_t* words, size_t count, size_t enough);
-  static WordFault classify(const uint8_t* word, const Check& check, const SensorLimits& limits);
+  static Violation classify(const uint8_t* word, const Check& check, const SensorLimits& limits);
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check);
   static void accept_time(const uint8_t* word, Check& check);
   static void reject_time(const uint8_t* word, Check& check);
@@ -111,18 +111,17 @@ class Encoder {
   static constexpr int64_t kMaxPauseUs = int64_t{1} << 36;
   static constexpr uint16_t kMaxTriggerId = 15;
 
-  void put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out);
-  void put_trigger(const Trigger& trigger, WordBuffer& out);
+  void put_events(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out);
+  void put_trigger(const Trigger& trigger, std::vector<uint8_t>& out);
 
  private:
-  void put_time(int64_t t_us, WordBuffer& out);
-  void put_time_high(int64_t high, WordBuffer& out);
-  void put_row(const EventColumns& events, size_t begin, size_t end, WordBuffer& out);
+  void put_time(int64_t t_us, std::vector<uint8_t>& out);
+  void put_row(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out);
 
+  static constexpr int64_t kMaxStep = 512;  ///< of TIME_HIGH when loops are counted: a quarter of a step back
   uint32_t width_;
-  int64_t high_ = -1;       ///< t >> 12 of the last TIME_HIGH
-  int64_t t_us_ = -1;       ///< the time after the words so far
-  int64_t high_at_us_ = 0;  ///< when the last TIME_HIGH was written
+  HighTimes<12, kPayloadMask, kMaxStep> clock_;
+  int64_t t_us_ = -1;  ///< the time after the words so far
   uint32_t y_ = 0xFFFF;
 };
 

@@ -7,8 +7,6 @@
 namespace e2lf::recordings::evt3 {
 namespace {
 
-constexpr int64_t kHeartbeatUs = 16;
-constexpr int64_t kMaxStep = 512;  // of TIME_HIGH when loops are counted: a quarter of a step back
 constexpr uint32_t kVectorPixels = 32;
 
 uint16_t make_word(Type type, uint32_t payload) {
@@ -17,29 +15,14 @@ uint16_t make_word(Type type, uint32_t payload) {
 
 }  // namespace
 
-void Encoder::put_time_high(int64_t high, WordBuffer& out) {
-  // The clock has 24 bits, so a recording that begins later first counts its loops.
-  for (int64_t step = kMaxStep; high_ < 0 && high > kPayloadMask && step < high; step += kMaxStep) {
-    out.put(make_word(kTimeHigh, static_cast<uint32_t>(step & kPayloadMask)));
-  }
-  for (int64_t step = high_ < 0 ? high : std::min(high_ + 1, high); step <= high; ++step) {
-    out.put(make_word(kTimeHigh, static_cast<uint32_t>(step & kPayloadMask)));
-  }
-  high_ = high;
-}
-
-void Encoder::put_time(int64_t t_us, WordBuffer& out) {
+void Encoder::put_time(int64_t t_us, std::vector<uint8_t>& out) {
   if (t_us == t_us_) return;
-  const int64_t high = t_us >> 12;
-  if (high != high_ || t_us - high_at_us_ >= kHeartbeatUs) {
-    put_time_high(high, out);
-    high_at_us_ = t_us;
-  }
-  out.put(make_word(kTimeLow, static_cast<uint32_t>(t_us & kPayloadMask)));
+  clock_.advance(t_us, [&out](uint32_t high) { put_word(out, make_word(kTimeHigh, high)); });
+  put_word(out, make_word(kTimeLow, static_cast<uint32_t>(t_us & kPayloadMask)));
   t_us_ = t_us;
 }
 
-void Encoder::put_row(const EventColumns& events, size_t begin, size_t end, WordBuffer& out) {
+void Encoder::put_row(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out) {
   const uint32_t p = events.p[begin];
   uint32_t next_base = 0xFFFF;  // x at which a vector continues without a new base
   for (size_t i = begin; i < end;) {
@@ -51,26 +34,26 @@ void Encoder::put_row(const EventColumns& events, size_t begin, size_t end, Word
     for (; last < end && events.x[last] - base < kVectorPixels; ++last) mask |= 1u << (events.x[last] - base);
     const size_t words = goes_on ? 3 : 4;
     if (last - i <= words || width_ < kVectorPixels) {
-      out.put(make_word(kAddrX, (p << 11) | x));
+      put_word(out, make_word(kAddrX, (p << 11) | x));
       next_base = 0xFFFF;
       ++i;
       continue;
     }
-    if (!goes_on) out.put(make_word(kVectBaseX, (p << 11) | base));
-    out.put(make_word(kVect12, mask));
-    out.put(make_word(kVect12, mask >> 12));
-    out.put(make_word(kVect8, mask >> 24));
+    if (!goes_on) put_word(out, make_word(kVectBaseX, (p << 11) | base));
+    put_word(out, make_word(kVect12, mask));
+    put_word(out, make_word(kVect12, mask >> 12));
+    put_word(out, make_word(kVect8, mask >> 24));
     next_base = base + kVectorPixels;
     i = last;
   }
 }
 
-void Encoder::put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out) {
+void Encoder::put_events(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out) {
   for (size_t i = begin; i < end;) {
     put_time(events.t[i], out);
     if (events.y[i] != y_) {
       y_ = events.y[i];
-      out.put(make_word(kAddrY, y_));
+      put_word(out, make_word(kAddrY, y_));
     }
     size_t last = i + 1;
     while (last < end && events.t[last] == events.t[i] && events.y[last] == y_ && events.p[last] == events.p[i] &&
@@ -82,9 +65,9 @@ void Encoder::put_events(const EventColumns& events, size_t begin, size_t end, W
   }
 }
 
-void Encoder::put_trigger(const Trigger& trigger, WordBuffer& out) {
+void Encoder::put_trigger(const Trigger& trigger, std::vector<uint8_t>& out) {
   put_time(trigger.t, out);
-  out.put(make_word(kTrigger, (static_cast<uint32_t>(trigger.id & 0xF) << 8) | (trigger.p & 1u)));
+  put_word(out, make_word(kTrigger, (static_cast<uint32_t>(trigger.id & 0xF) << 8) | (trigger.p & 1u)));
 }
 
 }  // namespace e2lf::recordings::evt3

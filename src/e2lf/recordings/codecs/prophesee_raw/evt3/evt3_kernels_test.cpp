@@ -90,17 +90,10 @@ template <typename Decode>
 Decoded decode_columns(const std::vector<uint8_t>& words, const Decode& decode) {
   Decoded decoded;
   decoded.state = known_state();
-  EventColumns& events = decoded.batch.events;
   const size_t count = words.size() / 2;
-  events.resize(count * 12 + kSinkSlack);
-  ColumnSink sink;
-  sink.x = events.x.data();
-  sink.y = events.y.data();
-  sink.p = events.p.data();
-  sink.t = events.t.data();
-  sink.triggers = &decoded.batch.triggers;
+  ColumnSink sink(decoded.batch, count * 12);
   EXPECT_EQ(decode(words.data(), count, decoded.state, SensorLimits{kWidth, kHeight}, sink), count);
-  events.resize(sink.count);
+  decoded.batch.events.resize(sink.count);
   return decoded;
 }
 

@@ -8,7 +8,6 @@
 #endif
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 #include <hwy/highway.h>
@@ -39,51 +38,6 @@ struct Cursor {
 constexpr uint32_t kPlainTypes =
     (1u << kAddrY) | (1u << kAddrX) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kOthers) | (1u << kContinued12);
 
-/// Decodes plain words up to the first that is not plain or moves time back. No branch depends on the order of the
-/// types. Returns the number of words used.
-size_t take_plain_words(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
-  struct Effect {
-    int64_t low_mask;
-    uint32_t y_mask;
-    uint32_t is_event;
-  };
-  static constexpr auto kEffects = [] {
-    std::array<Effect, 16> effects{};
-    effects[kTimeLow].low_mask = kPayloadMask;
-    effects[kAddrY].y_mask = kCoordinateMask;
-    effects[kAddrX].is_event = 1;
-    return effects;
-  }();
-  // Local copies, because stores through a byte pointer could change anything that is not local.
-  const Columns to = out;
-  const Cursor from = cursor;
-  size_t num_events = to.count;
-  int64_t low = cursor.low;
-  uint32_t y = cursor.y;
-  size_t i = 0;
-  for (; i < count; ++i) {
-    const uint32_t word = load_le<uint16_t>(words + 2 * i);
-    const uint32_t type = word >> 12;
-    const Effect effect = kEffects[type];
-    const int64_t next_low = (low & ~effect.low_mask) | (word & effect.low_mask);
-    // Signs instead of comparisons, which the compiler would turn into unpredictable branches.
-    const auto is_back = static_cast<uint64_t>(next_low - low) >> 63;
-    const uint32_t is_heartbeat = ((word ^ from.time_high) - 1) >> 31;
-    if ((((kPlainTypes >> type) & 1 & ~static_cast<uint32_t>(is_back)) | is_heartbeat) == 0) break;
-    to.x[num_events] = static_cast<uint16_t>(word & kCoordinateMask);
-    to.y[num_events] = static_cast<uint16_t>(y);
-    to.p[num_events] = static_cast<uint8_t>((word >> 11) & 1);
-    to.t[num_events] = from.high | low;
-    num_events += effect.is_event;
-    y = (y & ~effect.y_mask) | (word & effect.y_mask);
-    low = next_low;
-  }
-  out.count = num_events;
-  cursor.low = static_cast<uint32_t>(low);
-  cursor.y = y;
-  return i;
-}
-
 /// Returns for each lane the number of lanes up to and including it that are set in `bits`.
 HWY_INLINE __m512i count_up_to_lane(uint32_t bits) {
   const __m512i all = _mm512_set1_epi32(static_cast<int>(bits));
@@ -104,18 +58,19 @@ HWY_INLINE __m512i fill_forward(__m512i values, uint32_t bits, uint32_t before) 
   return _mm512_mask_mov_epi16(filled, in_front, _mm512_set1_epi16(static_cast<int16_t>(before)));
 }
 
-/// Does the same as take_plain_words() for 32 words at a time, while 32 remain. The events of a group are compressed to
-/// the front.
-size_t take_plain_groups(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
+/// Decodes plain words up to the first that is not plain, or in whose group of 32 time moves back. No branch depends on
+/// the order of the types. The events of a group are compressed to the front. Returns the number of words used.
+HWY_INLINE size_t take_plain(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
   const __m512i coordinate_mask = _mm512_set1_epi16(kCoordinateMask);
   size_t i = 0;
-  while (i + 32 <= count) {
-    const __m512i word = _mm512_loadu_si512(words + 2 * i);
+  while (i < count) {
+    const uint32_t present = count - i >= 32 ? 0xFFFFFFFF : (1u << (count - i)) - 1;
+    const __m512i word = _mm512_maskz_loadu_epi16(present, words + 2 * i);
     const __m512i type = _mm512_srli_epi16(word, 12);
     const __m512i type_bit = _mm512_sllv_epi16(_mm512_set1_epi16(1), type);
     uint32_t plain = _mm512_test_epi16_mask(type_bit, _mm512_set1_epi16(static_cast<int16_t>(kPlainTypes)));
     plain |= _mm512_cmpeq_epi16_mask(word, _mm512_set1_epi16(static_cast<int16_t>(cursor.time_high)));
-    const auto used = static_cast<uint32_t>(std::countr_one(plain));
+    const auto used = static_cast<uint32_t>(std::countr_one(plain & present));
     if (used == 0) break;
     const uint32_t taken = used == 32 ? 0xFFFFFFFF : (1u << used) - 1;
     const uint32_t events = _mm512_mask_cmpeq_epi16_mask(taken, type, _mm512_set1_epi16(kAddrX));
@@ -159,13 +114,6 @@ size_t take_plain_groups(const uint8_t* words, size_t count, Cursor& cursor, Col
     if (used < 32) break;
   }
   return i;
-}
-
-HWY_INLINE size_t take_plain(const uint8_t* words, size_t count, Cursor& cursor, Columns& out) {
-  constexpr size_t kGroup = 32, kOneByOne = 1;
-  const size_t used = take_plain_groups(words, count, cursor, out);
-  if (count - used >= kGroup) return used > 0 ? used : take_plain_words(words, kOneByOne, cursor, out);
-  return used + take_plain_words(words + 2 * used, count - used, cursor, out);
 }
 
 /// Computes the 32-bit mask of a vector of 12, 12 and 8 pixels that begins here; returns false if another word is among

@@ -96,7 +96,8 @@ class Evt4Blocks final : public EventBlocks {
 
 ReaderPtr make_reader(SourcePtr source, RecordingInfo info, const OpenOptions& options) {
   const std::string name = source->name();
-  return make_block_reader(std::make_unique<Evt4Blocks>(std::move(source)), std::move(info), name, options);
+  return std::make_unique<RecordingReader>(std::make_unique<Evt4Blocks>(std::move(source)), std::move(info), name,
+                                           options);
 }
 
 }  // namespace e2lf::recordings::evt4

@@ -17,48 +17,36 @@
 
 namespace e2lf::recordings {
 
-/// Number of bytes after its end that a part which is decoded in parallel may inspect.
-template <typename Codec>
-inline constexpr size_t kBytesBehindPart = 2 * kJudgeWords* Codec::kWordBytes;
-
-/// Guesses the state of a stream at a later position from the words before that position.
-template <typename Codec>
-class StreamGuess {
- public:
-  using Stream = RawStream<Codec>;
-
-  /// Sets `guess` to the state at byte `begin` of `bytes`, where `stream` is the state at the first byte. Returns false
-  /// if the words are not conclusive. Overwrites the content of the sink and leaves it empty.
-  static bool at(std::span<const uint8_t> bytes, size_t begin, const SensorLimits& limits, const Stream& stream,
-                 ColumnSink& sink, Stream& guess) {
-    for (const size_t words : kWarmUpWords) {
-      const size_t from = begin - std::min(begin, words * Codec::kWordBytes);
-      guess = Stream(limits);
-      if (!warm_up(bytes.subspan(from), begin - from, sink, guess) || !guess.is_steady()) continue;
-      guess.extrapolate(stream);
-      return true;
-    }
-    return false;
+/// Decodes the first `size` bytes with a new stream; returns false if it stops elsewhere.
+template <typename Stream>
+bool warm_up(std::span<const uint8_t> bytes, size_t size, ColumnSink& sink, Stream& stream) {
+  DecodeSummary ignored;
+  for (size_t at = 0; at != size;) {
+    const auto progress = stream.process(bytes.subspan(at), false, at, sink, ignored, size - at);
+    at += progress.used;
+    sink.count = 0;
+    sink.triggers->clear();
+    sink.set_latest(INT64_MIN);
+    if (progress.wanted > 0 || progress.used == 0 || at > size) return false;
   }
+  return true;
+}
 
- private:
-  /// Numbers of words to guess from: a few first, then more.
-  static constexpr size_t kWarmUpWords[] = {1024, 16384};
-
-  /// Decodes the first `size` bytes with a new stream; returns false if it stops elsewhere.
-  static bool warm_up(std::span<const uint8_t> bytes, size_t size, ColumnSink& sink, Stream& stream) {
-    DecodeSummary ignored;
-    for (size_t at = 0; at != size;) {
-      const auto progress = stream.process(bytes.subspan(at), false, at, sink, ignored, size - at);
-      at += progress.used;
-      sink.count = 0;
-      sink.triggers->clear();
-      sink.set_latest(INT64_MIN);
-      if (progress.wanted > 0 || progress.used == 0 || at > size) return false;
-    }
+/// Guesses the state of a stream at byte `begin` of `bytes` from the words before it, where `stream` is the state at
+/// the first byte. Returns false if the words are not conclusive. Overwrites the content of the sink and leaves it
+/// empty.
+template <typename Codec>
+bool guess_state(std::span<const uint8_t> bytes, size_t begin, const SensorLimits& limits,
+                 const RawStream<Codec>& stream, ColumnSink& sink, RawStream<Codec>& guess) {
+  for (const size_t words : {1024, 16384}) {  // a few first, then more
+    const size_t from = begin - std::min(begin, words * Codec::kWordBytes);
+    guess = RawStream<Codec>(limits);
+    if (!warm_up(bytes.subspan(from), begin - from, sink, guess) || !guess.is_steady()) continue;
+    guess.extrapolate(stream);
     return true;
   }
-};
+  return false;
+}
 
 /// Decodes consecutive parts of a RAW stream in parallel. The state at the start of a part is guessed from the words
 /// before it. A part is accepted only if the previous part ends in exactly this state, so that the result is that of a
@@ -113,7 +101,8 @@ class PartDecoder {
   static constexpr size_t kMaxPartEvents = 4 * kPartEvents;
   static constexpr size_t kMinPartBytes = size_t{1} << 16;
   static constexpr size_t kMaxPartBytes = size_t{1} << 21;
-  static constexpr size_t kBytesBehind = kBytesBehindPart<Codec>;
+  /// Number of bytes after its end that a part may inspect.
+  static constexpr size_t kBytesBehind = 2 * kJudgeWords * Codec::kWordBytes;
 
   void decode_part(std::span<const uint8_t> bytes, uint64_t first_byte, const Stream& stream, size_t i) {
     Part& part = parts_[i];
@@ -123,7 +112,7 @@ class PartDecoder {
     ColumnSink sink(batch, kMaxPartEvents);
     const size_t begin = i * part_bytes_;
     part.guess = stream;
-    part.is_guessed = i == 0 || StreamGuess<Codec>::at(bytes, begin, limits_, stream, sink, part.guess);
+    part.is_guessed = i == 0 || guess_state(bytes, begin, limits_, stream, sink, part.guess);
     part.is_whole = part.restarts = false;
     if (part.is_guessed) {
       part.stream = part.guess;

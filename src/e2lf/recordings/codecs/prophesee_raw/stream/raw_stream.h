@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -120,26 +119,15 @@ class RawStream {
 
   /// The destination of the events of single words.
   struct WordSink {
-    std::array<uint16_t, Codec::kMaxEventsPerWord + kSinkSlack> x, y;
-    std::array<uint8_t, Codec::kMaxEventsPerWord + kSinkSlack> p;
-    std::array<int64_t, Codec::kMaxEventsPerWord + kSinkSlack> t;
-    std::vector<Trigger> triggers;
-    ColumnSink sink;
-
-    WordSink() {
-      sink.x = x.data();
-      sink.y = y.data();
-      sink.p = p.data();
-      sink.t = t.data();
-      sink.triggers = &triggers;
-    }
+    EventBatch batch;
+    ColumnSink sink{batch, Codec::kMaxEventsPerWord};
 
     /// Decodes a word and returns its number of events and triggers inside the sensor.
     size_t decode(const uint8_t* word, typename Codec::State& state, const SensorLimits& limits) {
       sink.count = 0;
-      triggers.clear();
+      batch.triggers.clear();
       Codec::decode_scalar(word, 1, state, limits, sink);
-      return sink.count + triggers.size();
+      return sink.count + batch.triggers.size();
     }
   };
 

@@ -14,18 +14,38 @@
 
 namespace e2lf::recordings {
 
-/// Bytes to which an encoder appends little-endian words.
-class WordBuffer {
+/// Appends a little-endian word.
+template <typename Word>
+void put_word(std::vector<uint8_t>& out, Word word) {
+  for (size_t i = 0; i < sizeof(Word); ++i) out.push_back(static_cast<uint8_t>(word >> (8 * i)));
+}
+
+/// Generates the words with the upper bits of the time, those in kMask above the low kLowBits: one at every step, and a
+/// repetition after 16 us. Pauses of up to kMaxFilled steps are filled step by step, longer ones in steps of kMaxStep.
+template <unsigned kLowBits, uint32_t kMask, int64_t kMaxStep, int64_t kMaxFilled = INT64_MAX>
+class HighTimes {
  public:
-  template <typename Word>
-  void put(Word word) {
-    for (size_t i = 0; i < sizeof(Word); ++i) bytes_.push_back(static_cast<uint8_t>(word >> (8 * i)));
+  /// Calls put(upper bits) for each word that must precede an event at `t_us`.
+  template <typename Put>
+  void advance(int64_t t_us, const Put& put) {
+    constexpr int64_t kHeartbeatUs = 16;
+    const int64_t high = t_us >> kLowBits;
+    if (high == high_ && t_us - written_us_ < kHeartbeatUs) return;
+    const auto put_steps = [&put](int64_t from, int64_t end, int64_t step) {
+      for (; from < end; from += step) put(static_cast<uint32_t>(from) & kMask);
+    };
+    const bool is_filled = high_ >= 0 && high > high_ && high - high_ <= kMaxFilled;
+    // A recording that begins beyond the range of the clock first counts its loops.
+    if (high_ < 0 && high > kMask) put_steps(kMaxStep, high, kMaxStep);
+    if (high_ >= 0 && !is_filled) put_steps(high_ + kMaxStep, high, kMaxStep);
+    put_steps(is_filled ? high_ + 1 : high, high + 1, 1);
+    high_ = high;
+    written_us_ = t_us;
   }
-  [[nodiscard]] std::span<const uint8_t> bytes() const { return bytes_; }
-  void clear() { bytes_.clear(); }
 
  private:
-  std::vector<uint8_t> bytes_;
+  int64_t high_ = -1;
+  int64_t written_us_ = 0;
 };
 
 /// Writes a RAW recording: the header, then events and triggers, merged by time and encoded by an Encoder:
@@ -56,23 +76,14 @@ class RawWriter final : public RecordingWriter {
       event = end;
     }
     encoder_.put_events(batch.events, event, batch.events.size(), buffer_);
-    return sink_->write(buffer_.bytes());
+    return sink_->write(buffer_);
   }
 
   Result<void> finish() override { return sink_->commit(); }
 
  private:
   Result<void> check(const EventBatch& batch) {
-    int64_t first_us = INT64_MAX;
-    int64_t last_us = latest_us_;
-    if (!batch.events.empty()) {
-      first_us = batch.events.t.front();
-      last_us = std::max(last_us, batch.events.t.back());
-    }
-    if (!batch.triggers.empty()) {
-      first_us = std::min(first_us, batch.triggers.front().t);
-      last_us = std::max(last_us, batch.triggers.back().t);
-    }
+    const int64_t first_us = batch.first_us(), last_us = std::max(latest_us_, batch.last_us());
     if (first_us < 0 || (latest_us_ < 0 && first_us > Encoder::kMaxFirstUs && !batch.empty())) {
       return Error{ErrorCode::kInvalidValue,
                    cat("time ", first_us, " us cannot be stored in this format; begin at zero"), name_,
@@ -115,7 +126,7 @@ class RawWriter final : public RecordingWriter {
   std::string name_;
   BatchCheck check_;
   Encoder encoder_;
-  WordBuffer buffer_;
+  std::vector<uint8_t> buffer_;
   int64_t latest_us_ = -1;  ///< latest time that was written; -1 = nothing yet
 };
 

@@ -36,16 +36,12 @@ struct TimeSpan {
 ///   add(x, y, p) adds an event; add_mask(x, y, p, mask) adds an event at x + i for each set bit i, all in the sensor
 class ColumnSink {
  public:
-  ColumnSink() = default;
-
   /// Reserves room in a batch and appends to it, at most `max_events` events and as many triggers. Afterwards, the
   /// events must be resized to what was filled.
   ColumnSink(EventBatch& batch, size_t max_events)
-      : ColumnSink(batch.events, batch.events.size(), max_events, batch.triggers) {}
-
-  /// Does the same for separate columns and triggers, from event `begin` on.
-  ColumnSink(EventColumns& events, size_t begin, size_t max_events, std::vector<Trigger>& to_triggers)
-      : capacity(max_events), max_triggers(to_triggers.size() + max_events), triggers(&to_triggers) {
+      : capacity(max_events), max_triggers(batch.triggers.size() + max_events), triggers(&batch.triggers) {
+    EventColumns& events = batch.events;
+    const size_t begin = events.size();
     events.resize(begin + max_events + kSinkSlack);
     x = events.x.data() + begin;
     y = events.y.data() + begin;
@@ -53,14 +49,14 @@ class ColumnSink {
     t = events.t.data() + begin;
   }
 
-  uint16_t* x = nullptr;
-  uint16_t* y = nullptr;
-  uint8_t* p = nullptr;
-  int64_t* t = nullptr;
+  uint16_t* x;
+  uint16_t* y;
+  uint8_t* p;
+  int64_t* t;
   size_t count = 0;
-  size_t capacity = 0;      ///< in events; the columns have kSinkSlack more elements
-  size_t max_triggers = 0;  ///< largest number of triggers
-  std::vector<Trigger>* triggers = nullptr;
+  size_t capacity;      ///< in events; the columns have kSinkSlack more elements
+  size_t max_triggers;  ///< largest number of triggers
+  std::vector<Trigger>* triggers;
 
   /// Returns the number of words that may be decoded to the remaining room; 0 = full, or nearly so.
   [[nodiscard]] size_t room(size_t max_events_per_word) const {
@@ -95,14 +91,6 @@ class ColumnSink {
  private:
   int64_t time_ = INT64_MIN;
   int64_t latest_ = INT64_MIN;
-};
-
-/// The reason why a word is implausible.
-enum class WordFault {
-  kUnknown,    ///< a type that does not exist
-  kRange,      ///< a coordinate outside the sensor
-  kTimeBack,   ///< a time before the last one
-  kTimeAhead,  ///< a time far after the last one
 };
 
 enum class Verdict { kAccept, kReject, kNeedMore, kRestart };
@@ -204,7 +192,8 @@ template <typename TimeAt>
 ///   check            returns the number of plausible words; the next one, if any, needs a closer look
 ///   count_bad        returns the number of invalid words, up to `enough`; few mean that the stream is aligned. Ignores
 ///                    the size of the sensor, because headers are known to be wrong about it
-///   classify         returns what is implausible about the word at which check() stopped
+///   classify         returns what is implausible about the word at which check() stopped: kUnknownWord, kOutOfRange,
+///                    kTimeBackwards or kTimeJump
 ///   judge_time       determines from the following words whether an unexpected time word is correct; kRestart if it
 ///                    steps back and most of them continue from it
 ///   num_padding      returns the number of words, from the one at which check() stopped, that only fill up a frame

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -120,9 +121,8 @@ class WordDamage {
 
   /// Counts the gap that the last break has opened, if there is one: decoding continues at this time.
   void close_gap(int64_t time_us, DecodeSummary& summary) {
-    if (!std::exchange(gap_open_, false)) return;
-    const TimeGap gap = std::exchange(gap_, {});
-    summary.add_gap({gap.begin_us, std::max(gap.begin_us, time_us), gap.byte});
+    if (gap_) summary.add_gap({gap_->begin_us, std::max(gap_->begin_us, time_us), gap_->byte});
+    gap_.reset();
   }
 
   /// Returns the number of bytes from the position on that have been inspected.
@@ -199,24 +199,19 @@ class WordDamage {
     const size_t window = std::min(behind, kWindowWords);
     const size_t bad = Codec::count_bad(word + kWordBytes, window, kWindowBad + 1);
     if (bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1)) return begin_break(input, time_us);
-    const WordFault fault = Codec::classify(word, check_, limits_);
-    if (fault == WordFault::kTimeBack || fault == WordFault::kTimeAhead) {
+    const Violation fault = Codec::classify(word, check_, limits_);
+    if (fault == Violation::kTimeBackwards || fault == Violation::kTimeJump) {
       const Verdict verdict = Codec::judge_time(word, behind + 1, input.ended, check_);
       if (verdict == Verdict::kNeedMore) return Step::kNeedMore;
       if (verdict == Verdict::kRestart) return jump(Problem::kRestart, checked_ * kWordBytes);
       if (verdict == Verdict::kAccept) {
         // The events up to the last time are raised to it.
-        if (fault == WordFault::kTimeBack) {
-          input.summary->add(Violation::kTimeBackwards, input.byte(checked_ * kWordBytes));
-        }
+        if (fault == Violation::kTimeBackwards) input.summary->add(fault, input.byte(checked_ * kWordBytes));
         return accept_time(input, word, time_us);
       }
       Codec::reject_time(word, check_);
     }
-    constexpr Violation kKinds[] = {Violation::kUnknownWord, Violation::kOutOfRange, Violation::kTimeBackwards,
-                                    Violation::kTimeJump};
-    input.summary->add(kKinds[static_cast<size_t>(fault)], input.byte(checked_ * kWordBytes));
-    ++input.summary->dropped_words;
+    input.summary->add_dropped(fault, input.byte(checked_ * kWordBytes));
     problem_ = Problem::kSkipWord;
     return Step::kGoOn;
   }
@@ -277,7 +272,7 @@ class WordDamage {
     check.heartbeat = other.check_.heartbeat;
     return check == other.check_ && checked_ == other.checked_ && problem_ == other.problem_ && keep_ == other.keep_ &&
            jump_ == other.jump_ && started_ == other.started_ && lost_ == other.lost_ &&
-           dropped_bytes_ == other.dropped_bytes_ && gap_open_ == other.gap_open_ && gap_ == other.gap_;
+           dropped_bytes_ == other.dropped_bytes_ && gap_ == other.gap_;
   }
 
   [[nodiscard]] bool is_aligned(const uint8_t* data, size_t words) const {
@@ -333,8 +328,7 @@ class WordDamage {
     size_t end = checked_;
     while (end < most && is_zero(end)) ++end;
     if (end == input.num_words() && !input.ended && end < checked_ + kJudgeWords) return Step::kNeedMore;
-    input.summary->add(Violation::kZeros, input.byte(first * kWordBytes), end - first);
-    input.summary->dropped_words += end - first;
+    input.summary->add_dropped(Violation::kZeros, input.byte(first * kWordBytes), end - first);
     open_gap(input.byte(first * kWordBytes), time_us);
     keep_ = first;
     jump_ = end * kWordBytes;
@@ -350,8 +344,7 @@ class WordDamage {
   }
 
   void open_gap(uint64_t byte, int64_t time_us) {
-    if (!gap_open_) gap_ = {time_us, time_us, byte};
-    gap_open_ = true;
+    if (!gap_) gap_ = {time_us, time_us, byte};
   }
 
   /// Continues to search for valid words and drops everything before.
@@ -383,10 +376,9 @@ class WordDamage {
   size_t keep_ = 0;  ///< at a break: number of words to decode before it,
   size_t jump_ = 0;  ///< and where to continue, in bytes from the position
   bool started_ = false;
-  bool lost_ = false;         ///< the alignment is unknown
-  size_t dropped_bytes_ = 0;  ///< number of bytes that were not counted as a word yet
-  bool gap_open_ = false;
-  TimeGap gap_;
+  bool lost_ = false;           ///< the alignment is unknown
+  size_t dropped_bytes_ = 0;    ///< number of bytes that were not counted as a word yet
+  std::optional<TimeGap> gap_;  ///< opened by the last break
   Decisions decisions_;
 };
 

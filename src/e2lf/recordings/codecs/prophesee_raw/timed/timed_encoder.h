@@ -9,43 +9,17 @@
 
 namespace e2lf::recordings::timed {
 
-/// Generates the TIME_HIGH words of EVT2 and EVT2.1: one at every step, and a repetition after 16 us.
-class Clock {
- public:
-  /// Calls put(head) with the TIME_HIGH heads that must precede an event at `t_us`.
-  template <typename Put>
-  void advance(int64_t t_us, const Put& put) {
-    const int64_t high = t_us >> 6;
-    if (high == high_ && t_us - written_us_ < kHeartbeatUs) return;
-    int64_t from = high;
-    if (high_ < 0) {
-      // A recording that begins beyond the 34-bit clock first counts its loops.
-      for (int64_t step = kMaxStep; step < high && high > kTimeHighMask; step += kMaxStep) put(head(step));
-    } else if (high > high_ && high - high_ <= kMaxFilled) {
-      from = high_ + 1;
-    } else if (high > high_) {
-      for (int64_t step = high_ + kMaxStep; step < high; step += kMaxStep) put(head(step));
-    }
-    for (int64_t step = from; step <= high; ++step) put(head(step));
-    high_ = high;
-    written_us_ = t_us;
-  }
+inline constexpr int64_t kMaxStep = int64_t{1} << 25;   ///< a quarter of what would be read as a step back
+inline constexpr int64_t kMaxFilled = 10'000'000 / 64;  ///< pauses of up to 10 s are filled step by step
 
-  /// Later starts would need too many words.
-  static constexpr int64_t kMaxFirstUs = int64_t{1} << 52;
+/// Later starts and longer pauses would need too many words.
+inline constexpr int64_t kLongestUs = int64_t{1} << 52;
 
- private:
-  static constexpr int64_t kHeartbeatUs = 16;
-  static constexpr int64_t kMaxStep = int64_t{1} << 25;   ///< a quarter of what would be read as a step back
-  static constexpr int64_t kMaxFilled = 10'000'000 / 64;  ///< pauses of up to 10 s are filled step by step
+using Clock = HighTimes<6, kTimeHighMask, kMaxStep, kMaxFilled>;
 
-  static uint32_t head(int64_t high) {
-    return (static_cast<uint32_t>(kTimeHigh) << 28) | (static_cast<uint32_t>(high) & kTimeHighMask);
-  }
-
-  int64_t high_ = -1;
-  int64_t written_us_ = 0;
-};
+inline uint32_t time_head(uint32_t high) {
+  return (static_cast<uint32_t>(kTimeHigh) << 28) | high;
+}
 
 inline uint32_t event_head(uint32_t p, int64_t t_us, uint32_t x, uint32_t y) {
   return ((p & 1u) << 28) | (static_cast<uint32_t>(t_us & 0x3F) << 22) | (x << 11) | y;
@@ -60,22 +34,23 @@ inline uint32_t trigger_head(const Trigger& trigger) {
 class Evt2Encoder {
  public:
   static constexpr const char* kFormat = "evt2";
-  static constexpr int64_t kMaxFirstUs = Clock::kMaxFirstUs, kMaxPauseUs = Clock::kMaxFirstUs;
+  static constexpr int64_t kMaxFirstUs = kLongestUs, kMaxPauseUs = kLongestUs;
   static constexpr uint16_t kMaxTriggerId = 31;
   explicit Evt2Encoder(const RecordingInfo&) {}
 
-  void put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out) {
+  void put_events(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out) {
     for (size_t i = begin; i < end; ++i) {
-      clock_.advance(events.t[i], [&out](uint32_t head) { out.put(head); });
-      out.put(event_head(events.p[i], events.t[i], events.x[i], events.y[i]));
+      put(event_head(events.p[i], events.t[i], events.x[i], events.y[i]), events.t[i], out);
     }
   }
-  void put_trigger(const Trigger& trigger, WordBuffer& out) {
-    clock_.advance(trigger.t, [&out](uint32_t head) { out.put(head); });
-    out.put(trigger_head(trigger));
-  }
+  void put_trigger(const Trigger& trigger, std::vector<uint8_t>& out) { put(trigger_head(trigger), trigger.t, out); }
 
  private:
+  void put(uint32_t head, int64_t t_us, std::vector<uint8_t>& out) {
+    clock_.advance(t_us, [&out](uint32_t high) { put_word(out, time_head(high)); });
+    put_word(out, head);
+  }
+
   Clock clock_;
 };
 
@@ -85,16 +60,15 @@ class Evt2Encoder {
 class Evt21Encoder {
  public:
   static constexpr const char* kFormat = "evt2.1";
-  static constexpr int64_t kMaxFirstUs = Clock::kMaxFirstUs, kMaxPauseUs = Clock::kMaxFirstUs;
+  static constexpr int64_t kMaxFirstUs = kLongestUs, kMaxPauseUs = kLongestUs;
   static constexpr uint16_t kMaxTriggerId = 31;
   explicit Evt21Encoder(const RecordingInfo& info) : legacy_(info.find("endianness") == "legacy") {}
 
-  void put_events(const EventColumns& events, size_t begin, size_t end, WordBuffer& out) {
+  void put_events(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out) {
     constexpr uint32_t kBlock = 31;
     for (size_t i = begin; i < end;) {
       const int64_t t = events.t[i];
       const uint32_t base = events.x[i] & ~kBlock;
-      clock_.advance(t, [&](uint32_t head) { put(head, 0, out); });
       uint32_t mask = 0;
       size_t last = i;
       do {
@@ -102,20 +76,21 @@ class Evt21Encoder {
         ++last;
       } while (last < end && events.t[last] == t && events.y[last] == events.y[i] && events.p[last] == events.p[i] &&
                (events.x[last] & ~kBlock) == base && events.x[last] > events.x[last - 1]);
-      put(event_head(events.p[i], t, base, events.y[i]), mask, out);
+      put(event_head(events.p[i], t, base, events.y[i]), mask, t, out);
       i = last;
     }
   }
 
-  void put_trigger(const Trigger& trigger, WordBuffer& out) {
-    clock_.advance(trigger.t, [&](uint32_t head) { put(head, 0, out); });
-    put(trigger_head(trigger), 0, out);
-  }
+  void put_trigger(const Trigger& trigger, std::vector<uint8_t>& out) { put(trigger_head(trigger), 0, trigger.t, out); }
 
  private:
-  void put(uint32_t head, uint32_t mask, WordBuffer& out) const {
-    out.put(legacy_ ? head : mask);
-    out.put(legacy_ ? mask : head);
+  void put(uint32_t head, uint32_t mask, int64_t t_us, std::vector<uint8_t>& out) {
+    clock_.advance(t_us, [&](uint32_t high) { put_halves(time_head(high), 0, out); });
+    put_halves(head, mask, out);
+  }
+  void put_halves(uint32_t head, uint32_t mask, std::vector<uint8_t>& out) const {
+    put_word(out, legacy_ ? head : mask);
+    put_word(out, legacy_ ? mask : head);
   }
 
   bool legacy_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The kernels of timed_codec.h.
+// The kernels of timed_words.h.
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_words.h"
 
@@ -17,14 +18,9 @@ namespace e2lf::recordings::timed {
 namespace HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
 
-template <typename Layout>
-size_t check_words(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
-  return Words<Layout>::check_scalar(words, count, check, limits);
-}
-template <typename Layout>
-size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  return Words<Layout>::decode_scalar(words, count, state, limits, sink);
-}
+template <Encoding kEncoding>
+constexpr Kernels kKernels = {Words<kEncoding>::check_scalar, Words<kEncoding>::decode_scalar};
+
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -34,21 +30,20 @@ using recordings::HWY_NAMESPACE::expand_mask;
 using Heads = hn::ScalableTag<uint32_t>;
 
 /// Loads the heads of the next Lanes(d) words.
-template <typename Layout>
+template <typename Words>
 HWY_INLINE hn::Vec<Heads> load_heads(Heads d, const uint8_t* words) {
   const auto* halves = reinterpret_cast<const uint32_t*>(words);
-  if constexpr (Layout::kWordBytes == 4) {
+  if constexpr (Words::kWordBytes == 4) {
     return hn::LoadU(d, halves);
   } else {
     hn::Vec<Heads> first, second;
     hn::LoadInterleaved2(d, halves, first, second);
-    return Layout::kHeadOffset == 0 ? first : second;
+    return Words::kHeadOffset == 0 ? first : second;
   }
 }
 
-template <typename Layout>
+template <typename Words>
 size_t check_words(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
-  using Scalar = Words<Layout>;
   const Heads d;
   const hn::RebindToSigned<Heads> di;
   const size_t lanes = hn::Lanes(d);
@@ -57,7 +52,7 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
   const auto last_y = hn::Set(di, static_cast<int32_t>(limits.height) - 1);
   size_t i = 0;
   for (; i + lanes <= count; i += lanes) {
-    const auto head = load_heads<Layout>(d, words + i * Layout::kWordBytes);
+    const auto head = load_heads<Words>(d, words + i * Words::kWordBytes);
     const auto type = hn::ShiftRight<28>(head);
     const auto is = [&](uint32_t value) { return hn::Eq(type, hn::Set(d, value)); };
     const auto event = hn::Or(is(kOff), is(kOn));
@@ -69,7 +64,7 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
     const auto plain = hn::Or(hn::AndNot(hn::Or(outside, hn::Eq(head, hn::Zero(d))), event),
                               hn::Or(hn::Or(repeated, ignored), is(kTrigger)));
     if (!hn::AllTrue(d, plain)) {
-      const size_t good = Scalar::check_scalar(words + i * Layout::kWordBytes, lanes, check, limits);
+      const size_t good = Words::check_scalar(words + i * Words::kWordBytes, lanes, check, limits);
       if (good < lanes) return i + good;
       continue;
     }
@@ -78,7 +73,7 @@ size_t check_words(const uint8_t* words, size_t count, Check& check, const Senso
     check.heartbeat += static_cast<int64_t>(highs);
     if (highs > 0) check.num_rejected = 0;
   }
-  return i + Scalar::check_scalar(words + i * Layout::kWordBytes, count - i, check, limits);
+  return i + Words::check_scalar(words + i * Words::kWordBytes, count - i, check, limits);
 }
 
 /// Decodes EVT2 events up to the first word that is not an event or moves time back. At least one vector of words and
@@ -124,61 +119,53 @@ HWY_INLINE size_t take_events(const uint8_t* words, size_t count, int64_t high_u
 }
 
 /// Does the same for EVT2.1: words of up to 32 events.
-template <typename Layout>
+template <typename Words>
 HWY_INLINE size_t take_masks(const uint8_t* words, size_t count, int64_t high_us, const SensorLimits& limits,
                              Columns& columns) {
   Columns to = columns;
   uint32_t last_low = 0;
   size_t i = 0;
   for (; i < count; ++i) {
-    const uint32_t head = Layout::head(words + i * Layout::kWordBytes);
+    const uint32_t head = Words::head_of(words + i * Words::kWordBytes);
     const uint32_t low = low_of(head);
     const uint32_t x = x_of(head);
     if (type_of(head) > kOn || low < last_low || x + 32 > limits.width) break;
-    expand_mask(Layout::mask(words + i * Layout::kWordBytes), x, y_of(head), type_of(head), high_us | low, to);
+    expand_mask(Words::mask_of(words + i * Words::kWordBytes), x, y_of(head), type_of(head), high_us | low, to);
     last_low = low;
   }
   columns.count = to.count;
   return i;
 }
 
-template <typename Layout>
+template <typename Words>
 size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
   for (size_t i = 0; i < count;) {
-    const uint8_t* word = words + i * Layout::kWordBytes;
-    const uint32_t head = Layout::head(word);
+    const uint8_t* word = words + i * Words::kWordBytes;
+    const uint32_t head = Words::head_of(word);
     size_t used = 0;
     if (type_of(head) <= kOn && (state.high_us | low_of(head)) >= sink.latest()) {
       Columns out{sink.x, sink.y, sink.p, sink.t, sink.count};
-      if constexpr (Layout::kWordBytes == 4) {
+      if constexpr (Words::kWordBytes == 4) {
         used = take_events(word, count - i, state.high_us, out);
       } else {
-        used = take_masks<Layout>(word, count - i, state.high_us, limits, out);
+        used = take_masks<Words>(word, count - i, state.high_us, limits, out);
       }
       sink.count = out.count;
     }
-    if (used == 0) used = Words<Layout>::decode_scalar(word, 1, state, limits, sink);
+    if (used == 0) used = Words::decode_scalar(word, 1, state, limits, sink);
     i += used;
   }
   return count;
 }
 
+template <Encoding kEncoding>
+constexpr Kernels kKernels = {check_words<Words<kEncoding> >, decode_words<Words<kEncoding> >};
+
 #endif
 
-template <typename Layout>
-Kernels kernels_of() {
-  return {check_words<Layout>, decode_words<Layout>};
-}
-
 Kernels find_kernels(Encoding encoding) {
-  switch (encoding) {
-    case Encoding::kEvt21Little:
-      return kernels_of<Evt21Layout<ByteOrder::kLittle>>();
-    case Encoding::kEvt21Legacy:
-      return kernels_of<Evt21Layout<ByteOrder::kLegacy>>();
-    default:
-      return kernels_of<Evt2Layout>();
-  }
+  if (encoding == Encoding::kEvt2) return kKernels<Encoding::kEvt2>;
+  return encoding == Encoding::kEvt21Little ? kKernels<Encoding::kEvt21Little> : kKernels<Encoding::kEvt21Legacy>;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -198,39 +185,26 @@ namespace {
 
 constexpr size_t kLookedAt = 512;
 
-/// Returns the number of invalid words among some.
-template <ByteOrder kOrder>
-size_t bad_words(std::span<const uint8_t> words) {
-  const size_t count = std::min(words.size() / 8, kLookedAt);
-  return Words<Evt21Layout<kOrder>>::count_bad(words.data(), count, count);
-}
-
-/// Returns the number of valid words before the first invalid one, in steps and up to a limit.
-template <ByteOrder kOrder>
-size_t good_words(std::span<const uint8_t> words) {
+/// Returns the number of valid words before the first invalid one, in steps and up to a limit, and that of all valid
+/// ones: a damaged word ends the first count in both byte orders, whatever the words after it are.
+template <Encoding kEncoding>
+std::pair<size_t, size_t> good_words(std::span<const uint8_t> words) {
   constexpr size_t kStep = 8;
+  const auto bad_among = [words](size_t count, size_t enough) {
+    return Words<kEncoding>::count_bad(words.data(), count, enough);
+  };
   const size_t count = std::min(words.size() / 8, kLookedAt);
   size_t good = 0;
-  while (good < count) {
-    const size_t next = std::min(good + kStep, count);
-    if (Words<Evt21Layout<kOrder>>::count_bad(words.data(), next, 1) != 0) break;
-    good = next;
-  }
-  return good;
+  while (good < count && bad_among(std::min(good + kStep, count), 1) == 0) good = std::min(good + kStep, count);
+  return {good, count - bad_among(count, count)};
 }
 
 }  // namespace
 
-ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint) {
-  size_t little = good_words<ByteOrder::kLittle>(words);
-  size_t legacy = good_words<ByteOrder::kLegacy>(words);
-  if (little == legacy) {
-    // A damaged word ends both counts, whatever the words after it are.
-    little = kLookedAt - bad_words<ByteOrder::kLittle>(words);
-    legacy = kLookedAt - bad_words<ByteOrder::kLegacy>(words);
-  }
-  if (little == legacy) return hint == "legacy" ? ByteOrder::kLegacy : ByteOrder::kLittle;
-  return little > legacy ? ByteOrder::kLittle : ByteOrder::kLegacy;
+Encoding find_byte_order(std::span<const uint8_t> words, const std::string& hint) {
+  const auto little = good_words<Encoding::kEvt21Little>(words), legacy = good_words<Encoding::kEvt21Legacy>(words);
+  const bool is_legacy = little == legacy ? hint == "legacy" : little < legacy;
+  return is_legacy ? Encoding::kEvt21Legacy : Encoding::kEvt21Little;
 }
 
 }  // namespace e2lf::recordings::timed

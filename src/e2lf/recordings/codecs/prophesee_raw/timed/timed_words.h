@@ -13,9 +13,13 @@
 #include "e2lf/recordings/io/decode_summary.h"
 
 /// EVT2 and EVT2.1: every event brings the low 6 bits of its time. The 32-bit head of a word has the type in bits
-/// 31..28; EVT2.1 adds 32 validity bits. A `Layout` defines where the two lie in memory:
-///   kWordBytes, kMaxEventsPerWord, head(bytes), mask(bytes)
+/// 31..28; EVT2.1 adds 32 validity bits.
 namespace e2lf::recordings::timed {
+
+/// EVT2: 32-bit little-endian words with one event each. EVT2.1: 64-bit words with a head as in EVT2 and 32 validity
+/// bits, where bit i is an event at x + i. In little-endian words the head is last, while older sensors send it first
+/// ("legacy").
+enum class Encoding { kEvt2, kEvt21Little, kEvt21Legacy };
 
 enum Type : uint32_t {
   kOff = 0x0,       ///< event(s): t bits 5..0 in 27..22, x in 21..11, y in 10..0
@@ -83,23 +87,28 @@ inline void take_time_high(uint32_t time_high, State& state) {
 }
 
 /// The functions of a Codec (word_codec.h) except check() and decode(), for which it contains scalar references.
-template <typename Layout>
+template <Encoding kEncoding>
 struct Words {
   using State = timed::State;
   using Check = timed::Check;
-  static constexpr size_t kWordBytes = Layout::kWordBytes;
-  static constexpr size_t kMaxEventsPerWord = Layout::kMaxEventsPerWord;
+  static constexpr size_t kWordBytes = kEncoding == Encoding::kEvt2 ? 4 : 8;
+  static constexpr size_t kMaxEventsPerWord = kEncoding == Encoding::kEvt2 ? 1 : 32;
+  static constexpr size_t kHeadOffset = kEncoding == Encoding::kEvt21Little ? 4 : 0;
 
+  static uint32_t head_of(const uint8_t* word) { return load_le<uint32_t>(word + kHeadOffset); }
+  static uint32_t mask_of(const uint8_t* word) {
+    return kEncoding == Encoding::kEvt2 ? 1 : load_le<uint32_t>(word + 4 - kHeadOffset);
+  }
   static bool is_known(uint32_t head) { return ((kKnownTypes >> type_of(head)) & 1) != 0; }
   static bool is_outside(uint32_t head, const SensorLimits& limits) {
     return type_of(head) <= kOn && (x_of(head) >= limits.width || y_of(head) >= limits.height);
   }
-  static bool is_zero(const uint8_t* word) { return Layout::head(word) == 0 && Layout::mask(word) <= 1; }
+  static bool is_zero(const uint8_t* word) { return head_of(word) == 0 && mask_of(word) <= 1; }
 
   /// Returns whether a word is plausible given the state of the check, which is then updated. A run of zeros is not
   /// data.
   static bool check_word(const uint8_t* word, Check& check, const SensorLimits& limits) {
-    const uint32_t head = Layout::head(word);
+    const uint32_t head = head_of(word);
     check.num_zeros = is_zero(word) ? check.num_zeros + 1 : 0;
     if (check.num_zeros > kMaxZeros) return false;
     if (type_of(head) != kTimeHigh) return is_known(head) && !is_outside(head, limits);
@@ -124,7 +133,7 @@ struct Words {
     uint32_t num_zeros = 0;
     for (size_t i = 0; i < count && bad < enough; ++i) {
       const uint8_t* word = words + i * kWordBytes;
-      const uint32_t head = Layout::head(word);
+      const uint32_t head = head_of(word);
       num_zeros = is_zero(word) ? num_zeros + 1 : 0;
       bool odd = !is_known(head) || num_zeros > kMaxZeros;
       if (type_of(head) == kTimeHigh) {
@@ -133,7 +142,7 @@ struct Words {
         time_high = head & kTimeHighMask;
       } else if (kMaxEventsPerWord > 1 && type_of(head) <= kOn) {
         // Vectors begin at multiples of 32 and are not empty.
-        odd = odd || x_of(head) % 32 != 0 || Layout::mask(word) == 0;
+        odd = odd || x_of(head) % 32 != 0 || mask_of(word) == 0;
       } else if (type_of(head) == kTrigger) {
         odd = (head & 0x3FE0FE) != 0;
       }
@@ -142,18 +151,18 @@ struct Words {
     return bad;
   }
 
-  static WordFault classify(const uint8_t* word, const Check& check, const SensorLimits& limits) {
-    const uint32_t head = Layout::head(word);
-    if (!is_known(head) || is_zero(word)) return WordFault::kUnknown;
-    if (is_outside(head, limits)) return WordFault::kRange;
+  static Violation classify(const uint8_t* word, const Check& check, const SensorLimits& limits) {
+    const uint32_t head = head_of(word);
+    if (!is_known(head) || is_zero(word)) return Violation::kUnknownWord;
+    if (is_outside(head, limits)) return Violation::kOutOfRange;
     const bool is_back = check.time_high != kNoTime && steps(check.time_high, head) >= kHalfCircle;
-    return is_back ? WordFault::kTimeBack : WordFault::kTimeAhead;
+    return is_back ? Violation::kTimeBackwards : Violation::kTimeJump;
   }
 
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
     constexpr CoarseClock kClock{kTimeHighMask, kMinFall, kNearSteps, /*believes_next=*/false};
     const auto time_at = [words](size_t i) {
-      const uint32_t head = Layout::head(words + i * kWordBytes);
+      const uint32_t head = head_of(words + i * kWordBytes);
       return type_of(head) == kTimeHigh ? std::optional(head & kTimeHighMask) : std::nullopt;
     };
     const auto last = check.time_high == kNoTime ? std::nullopt : std::optional(check.time_high);
@@ -161,7 +170,7 @@ struct Words {
   }
 
   static void accept_time(const uint8_t* word, Check& check) {
-    check.time_high = Layout::head(word) & kTimeHighMask;
+    check.time_high = head_of(word) & kTimeHighMask;
     check.num_rejected = 0;
     check.num_zeros = 0;
     check.after_damage = false;
@@ -173,12 +182,12 @@ struct Words {
   static size_t num_padding(const uint8_t*, size_t, const Check&) { return 0; }
 
   static bool is_near_zero(const uint8_t* word, const Check& check) {
-    const uint32_t time_high = Layout::head(word) & kTimeHighMask;
+    const uint32_t time_high = head_of(word) & kTimeHighMask;
     return time_high < check.time_high && time_high < (kWrapRestartUs >> 6);
   }
 
   static int64_t step_us(const uint8_t* word, const Check& check) {
-    return check.time_high == kNoTime ? 0 : static_cast<int64_t>(steps(check.time_high, Layout::head(word))) << 6;
+    return check.time_high == kNoTime ? 0 : static_cast<int64_t>(steps(check.time_high, head_of(word))) << 6;
   }
 
   static void forget(State& state, Check& check) {
@@ -187,11 +196,11 @@ struct Words {
     check.after_damage = true;
   }
   static void drop_word(const uint8_t* word, State& state) {
-    if (type_of(Layout::head(word)) == kTimeHigh) state.need_time_high = true;
+    if (type_of(head_of(word)) == kTimeHigh) state.need_time_high = true;
   }
 
   static void take_needed(const uint8_t* word, State& state) {
-    if (type_of(Layout::head(word)) == kTimeHigh) state.need_time_high = false;
+    if (type_of(head_of(word)) == kTimeHigh) state.need_time_high = false;
   }
   static bool has_time(const State& state) { return state.time_high != kNoTime; }
   static bool is_synchronised(const State& state) { return !state.need_time_high; }
@@ -207,7 +216,7 @@ struct Words {
 
   /// Returns the part of a vector's mask that is inside the sensor.
   static uint32_t inside(const uint8_t* word, const SensorLimits& limits) {
-    const uint32_t x = x_of(Layout::head(word)), mask = Layout::mask(word);
+    const uint32_t x = x_of(head_of(word)), mask = mask_of(word);
     return x + 32 <= limits.width ? mask : mask & ((1u << (limits.width - x)) - 1);
   }
 
@@ -215,7 +224,7 @@ struct Words {
                               ColumnSink& sink) {
     for (size_t i = 0; i < count; ++i) {
       const uint8_t* word = words + i * kWordBytes;
-      const uint32_t head = Layout::head(word);
+      const uint32_t head = head_of(word);
       switch (type_of(head)) {
         case kOff:
         case kOn:
@@ -225,7 +234,7 @@ struct Words {
           } else {
             const uint32_t mask = inside(word, limits);
             if (mask != 0) sink.set_time(state.high_us | low_of(head));
-            state.num_outside += static_cast<uint64_t>(std::popcount(Layout::mask(word) ^ mask));
+            state.num_outside += static_cast<uint64_t>(std::popcount(mask_of(word) ^ mask));
             sink.add_mask(x_of(head), y_of(head), type_of(head), mask);
           }
           break;
@@ -244,33 +253,7 @@ struct Words {
   }
 };
 
-enum class Encoding { kEvt2, kEvt21Little, kEvt21Legacy };
-
-/// EVT2: 32-bit little-endian words with one event each.
-struct Evt2Layout {
-  static constexpr Encoding kEncoding = Encoding::kEvt2;
-  static constexpr size_t kWordBytes = 4;
-  static constexpr size_t kMaxEventsPerWord = 1;
-  static uint32_t head(const uint8_t* word) { return load_le<uint32_t>(word); }
-  static constexpr uint32_t mask(const uint8_t*) { return 1; }
-};
-
-/// The order of the two halves of an EVT2.1 word: in little-endian words the head is last, while older sensors send it
-/// first ("legacy").
-enum class ByteOrder { kLittle, kLegacy };
-
-/// EVT2.1: 64-bit words with a head as in EVT2 and 32 validity bits, where bit i is an event at x + i.
-template <ByteOrder kOrder>
-struct Evt21Layout {
-  static constexpr Encoding kEncoding = kOrder == ByteOrder::kLittle ? Encoding::kEvt21Little : Encoding::kEvt21Legacy;
-  static constexpr size_t kWordBytes = 8;
-  static constexpr size_t kMaxEventsPerWord = 32;
-  static constexpr size_t kHeadOffset = kOrder == ByteOrder::kLittle ? 4 : 0;
-  static uint32_t head(const uint8_t* word) { return load_le<uint32_t>(word + kHeadOffset); }
-  static uint32_t mask(const uint8_t* word) { return load_le<uint32_t>(word + 4 - kHeadOffset); }
-};
-
-/// The vector versions of Words<Layout>::check_scalar() and decode_scalar() for one encoding.
+/// The vector versions of Words::check_scalar() and decode_scalar() for one encoding.
 struct Kernels {
   size_t (*check)(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
   size_t (*decode)(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
@@ -280,19 +263,19 @@ struct Kernels {
 [[nodiscard]] Kernels kernels(Encoding encoding);
 
 /// EVT2 or EVT2.1 for RawStream; see word_codec.h.
-template <typename Layout>
-struct Codec : Words<Layout> {
+template <Encoding kEncoding>
+struct Codec : Words<kEncoding> {
   static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
-    return kernels(Layout::kEncoding).check(words, count, check, limits);
+    return kernels(kEncoding).check(words, count, check, limits);
   }
   static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-    return kernels(Layout::kEncoding).decode(words, count, state, limits, sink);
+    return kernels(kEncoding).decode(words, count, state, limits, sink);
   }
 };
 
 /// Returns the byte order of EVT2.1 in which more of the first words are valid before the first invalid one, or else,
 /// in which fewer of them are invalid. Headers are known to omit it or to be wrong. `hint` (the header's "little",
 /// "legacy" or nothing) decides if both orders are equal. `words` are the first few kilobytes.
-[[nodiscard]] ByteOrder find_byte_order(std::span<const uint8_t> words, const std::string& hint);
+[[nodiscard]] Encoding find_byte_order(std::span<const uint8_t> words, const std::string& hint);
 
 }  // namespace e2lf::recordings::timed
