@@ -25,38 +25,20 @@ size_t u16(Bytes bytes, size_t at) {
 }
 
 bool layout_is_usable(Bytes layout) {
-  if (layout.size() < 4) return true;
-  switch (layout[0]) {
-    case 1:
-    case 2:
-      return layout[2] != kChunked || layout[1] > 0;
-    case 3:
-      return layout[1] != kChunked || layout[2] > 0;
-    case 4:
-      return layout[1] != kChunked || layout[3] > 0;
-    default:
-      return true;
-  }
+  // Where the versions from 1 on state the class of a layout, and the number of dimensions of its chunks.
+  constexpr size_t kClassAt[] = {2, 2, 1, 1}, kDimensionsAt[] = {1, 1, 2, 3};
+  if (layout.size() < 4 || layout[0] < 1 || layout[0] > std::size(kClassAt)) return true;
+  const size_t version = layout[0] - size_t{1};
+  return layout[kClassAt[version]] != kChunked || layout[kDimensionsAt[version]] > 0;
 }
 
-/// Checks messages of version 1: type and size (2 bytes each), flags, three reserved bytes, then the data, in multiples
-/// of eight bytes.
-bool v1_layouts_are_usable(Bytes messages) {
-  constexpr size_t kHead = 8;
-  while (messages.size() >= kHead) {
-    const size_t type = u16(messages, 0), size = u16(messages, 2);
-    if (size % 8 != 0 || size > messages.size() - kHead) break;
-    if (type == kLayoutMessage && !layout_is_usable(messages.subspan(kHead, size))) return false;
-    messages = messages.subspan(kHead + size);
-  }
-  return true;
-}
-
-/// Checks messages of version 2: type, size (2 bytes), flags and, in some headers, 2 more bytes.
-bool v2_layouts_are_usable(Bytes messages, size_t head) {
+/// Checks messages of version 1 (type and size of 2 bytes each, flags, three reserved bytes, then the data, in
+/// multiples of eight bytes) or of version 2 (type, size of 2 bytes, flags and, in some headers, 2 more bytes). `head`
+/// is the number of bytes before the data.
+bool layouts_are_usable(Bytes messages, int version, size_t head) {
   while (messages.size() >= head) {
-    const size_t type = messages[0], size = u16(messages, 1);
-    if (size > messages.size() - head) break;
+    const size_t type = version == 1 ? u16(messages, 0) : messages[0], size = u16(messages, version == 1 ? 2 : 1);
+    if ((version == 1 && size % 8 != 0) || size > messages.size() - head) break;
     if (type == kLayoutMessage && !layout_is_usable(messages.subspan(head, size))) return false;
     messages = messages.subspan(head + size);
   }
@@ -84,10 +66,10 @@ bool chunks_have_dimensions(Bytes piece) {
   if (begins_with(piece, "OHDR") || begins_with(piece, "OCHK")) {
     const auto messages = after(piece, piece[1] == 'H' ? v2_prefix(piece) : 4);
     // A continuation does not state how long the heads of its messages are, so both lengths are tried.
-    return v2_layouts_are_usable(messages, 4) && v2_layouts_are_usable(messages, 6);
+    return layouts_are_usable(messages, 2, 4) && layouts_are_usable(messages, 2, 6);
   }
   // A piece of version 1 does not state whether it begins with the prefix of 16 bytes, so both cases are tried.
-  return v1_layouts_are_usable(piece) && v1_layouts_are_usable(after(piece, 16));
+  return layouts_are_usable(piece, 1, 8) && layouts_are_usable(after(piece, 16), 1, 8);
 }
 
 namespace {

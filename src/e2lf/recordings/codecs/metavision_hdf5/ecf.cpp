@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstring>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::recordings::ecf {
@@ -26,24 +27,9 @@ class Cursor {
  public:
   explicit Cursor(std::span<const uint8_t> bytes) : next_(bytes.data()), begin_(next_), end_(next_ + bytes.size()) {}
 
-  bool u8(uint32_t& value) {
-    if (next_ == end_) return false;
-    value = *next_++;
-    return true;
-  }
-  bool u16(uint32_t& value) {
-    if (end_ - next_ < 2) return false;
-    value = static_cast<uint32_t>(next_[0] | next_[1] << 8);
-    next_ += 2;
-    return true;
-  }
-  bool u64(uint64_t& value) {
-    if (end_ - next_ < 8) return false;
-    value = 0;
-    for (int i = 7; i >= 0; --i) value = value << 8 | next_[i];
-    next_ += 8;
-    return true;
-  }
+  bool u8(uint32_t& value) { return read<uint8_t>(value); }
+  bool u16(uint32_t& value) { return read<uint16_t>(value); }
+  bool u64(uint64_t& value) { return read<uint64_t>(value); }
   /// Returns the next `count` bytes, or null.
   const uint8_t* take(size_t count) {
     if (static_cast<size_t>(end_ - next_) < count) return nullptr;
@@ -53,6 +39,14 @@ class Cursor {
   [[nodiscard]] Error error() const { return truncated(static_cast<size_t>(next_ - begin_)); }
 
  private:
+  template <typename Word, typename Value>
+  bool read(Value& value) {
+    if (end_ - next_ < static_cast<ptrdiff_t>(sizeof(Word))) return false;
+    value = load_le<Word>(next_);
+    next_ += sizeof(Word);
+    return true;
+  }
+
   const uint8_t *next_, *begin_, *end_;
 };
 
@@ -152,9 +146,7 @@ void for_each_packed(const uint8_t* bytes, size_t count, Set&& set) {
 
 Result<size_t> event_count(std::span<const uint8_t> chunk) {
   if (chunk.size() < 12) return truncated(chunk.size());
-  uint32_t header = 0;
-  std::memcpy(&header, chunk.data(), sizeof(header));
-  const size_t count = header >> 2;
+  const size_t count = load_le<uint32_t>(chunk.data()) >> 2;
   if (count > kMaxChunkEvents) return overrun("a count of more than 65535 events");
   return count;
 }
@@ -190,13 +182,8 @@ constexpr size_t kTimeBytesPerEvent = 17;  // 16 digits of a gap and the run
 constexpr size_t kPlaceBytesPerEvent = 6;  // u16 y run, u16 x group, u8 p run, rounded up
 
 uint8_t* put_u16(uint8_t* out, uint32_t value) {
-  out[0] = static_cast<uint8_t>(value);
-  out[1] = static_cast<uint8_t>(value >> 8);
+  store_le(out, static_cast<uint16_t>(value));
   return out + 2;
-}
-
-uint8_t* put_u32(uint8_t* out, uint32_t value) {
-  return put_u16(put_u16(out, value), value >> 16);
 }
 
 /// Sets bit i if values[begin + i] differs from the value before it; begin > 0.
@@ -232,9 +219,9 @@ void for_each_run(std::span<const T> values, const Visit& visit) {
 }
 
 uint8_t* put_times(std::span<const int64_t> t, uint8_t* out) {
-  const auto first = static_cast<uint64_t>(t[0]);
-  out = put_u32(put_u32(out, static_cast<uint32_t>(first)), static_cast<uint32_t>(first >> 32));
   int64_t last = t[0];
+  store_le(out, last);
+  out += sizeof(last);
   for_each_run(t, [&](size_t begin, size_t end) {
     auto gap = static_cast<uint64_t>(t[begin] - last);
     last = t[begin];
@@ -248,20 +235,15 @@ uint8_t* put_times(std::span<const int64_t> t, uint8_t* out) {
   return out;
 }
 
-uint8_t* put_y_runs(std::span<const uint16_t> y, uint8_t* out) {
-  for_each_run(y, [&](size_t begin, size_t end) {
+/// Writes what read_runs() reads, in words of the type of the values.
+template <unsigned kCountBits, typename T>
+uint8_t* put_runs(std::span<const T> values, uint8_t* out) {
+  constexpr uint32_t kLongest = (1U << kCountBits) - 1;
+  for_each_run(values, [&](size_t begin, size_t end) {
     const auto count = static_cast<uint32_t>(end - begin);
-    out = put_u16(out, static_cast<uint32_t>(y[begin]) << 5 | std::min(count, 31u));
-    if (count >= 31) out = put_u16(out, count);
-  });
-  return out;
-}
-
-uint8_t* put_p_runs(std::span<const uint8_t> p, uint8_t* out) {
-  for_each_run(p, [&](size_t begin, size_t end) {
-    const auto count = static_cast<uint32_t>(end - begin);
-    *out++ = static_cast<uint8_t>(p[begin] << 7 | std::min(count, 127u));
-    if (count >= 127) out = put_u16(out, count);
+    store_le(out, static_cast<T>(uint32_t{values[begin]} << kCountBits | std::min(count, kLongest)));
+    out += sizeof(T);
+    if (count >= kLongest) out = put_u16(out, count);
   });
   return out;
 }
@@ -281,7 +263,7 @@ uint8_t* put_x_groups(std::span<const uint16_t> x, uint8_t* out) {
   return out;
 }
 
-/// Returns the minimum size of the output of put_x_groups() and put_p_runs(): a step that does not fit in a group
+/// Returns the minimum size of the output of put_x_groups() and put_runs(): a step that does not fit in a group
 /// begins the next one.
 size_t min_size_of_runs(const ChunkColumns& e) {
   const size_t n = e.x.size();
@@ -291,28 +273,17 @@ size_t min_size_of_runs(const ChunkColumns& e) {
   return size_t{2} * groups + runs;
 }
 
-uint8_t* put_xp_packed(const ChunkColumns& e, uint8_t* out) {
-  const size_t n = e.x.size();
-  const auto value = [&](size_t i) { return i < n ? static_cast<uint32_t>(e.x[i]) << 1 | e.p[i] : 0u; };
-  for (size_t i = 0; i < n; i += 4) {
+/// Writes what for_each_packed() reads; the last group is filled up with zeros.
+template <typename Word, typename Value>
+uint8_t* put_packed(size_t count, const Value& value_of, uint8_t* out) {
+  constexpr unsigned kQuarter = sizeof(Word) * 2;
+  const auto value = [&](size_t i) { return i < count ? value_of(i) : 0U; };
+  for (size_t i = 0; i < count; i += 4, out += 3 * sizeof(Word)) {
     const uint32_t v1 = value(i + 1), v2 = value(i + 2);
-    out = put_u16(out, value(i) << 4 | (v1 & 0xF));
-    out = put_u16(out, (v1 >> 4) << 8 | (v2 & 0xFF));
-    out = put_u16(out, (v2 >> 8) << 12 | value(i + 3));
-  }
-  return out;
-}
-
-uint8_t* put_yxp_packed(const ChunkColumns& e, uint8_t* out) {
-  const size_t n = e.x.size();
-  const auto value = [&](size_t i) {
-    return i < n ? static_cast<uint32_t>(e.y[i]) << 12 | static_cast<uint32_t>(e.x[i]) << 1 | e.p[i] : 0u;
-  };
-  for (size_t i = 0; i < n; i += 4) {
-    const uint32_t v1 = value(i + 1), v2 = value(i + 2);
-    out = put_u32(out, value(i) << 8 | (v1 & 0xFF));
-    out = put_u32(out, (v1 >> 8) << 16 | (v2 & 0xFFFF));
-    out = put_u32(out, (v2 >> 16) << 24 | value(i + 3));
+    const Word w[3] = {static_cast<Word>(value(i) << kQuarter | (v1 & ((1U << kQuarter) - 1))),
+                       static_cast<Word>((v1 >> kQuarter) << 2 * kQuarter | (v2 & ((1U << 2 * kQuarter) - 1))),
+                       static_cast<Word>((v2 >> 2 * kQuarter) << 3 * kQuarter | value(i + 3))};
+    std::memcpy(out, w, sizeof(w));
   }
   return out;
 }
@@ -344,21 +315,23 @@ size_t encode(const ChunkColumns& e, std::span<uint8_t> out) {
 
   // Encodes runs of y, then x groups with runs of p, and abandons each if its packed form is smaller. If this can be
   // determined in advance, groups are not formed, because processors cannot predict where they end.
+  const auto xp = [&](size_t i) { return uint32_t{e.x[i]} << 1 | e.p[i]; };
+  const auto yxp = [&](size_t i) { return uint32_t{e.y[i]} << 12 | xp(i); };
   uint32_t layout = 0;
-  uint8_t* const after_y = put_y_runs(e.y, places);
+  uint8_t* const after_y = put_runs<5>(e.y, places);
   uint8_t* end = nullptr;
   if (after_y + quads * 6 >= places + quads * 12) {
     layout = 2;
-    end = put_yxp_packed(e, places);
+    end = put_packed<uint32_t>(n, yxp, places);
   } else {
     const bool may_group = min_size_of_runs(e) <= quads * 6;
-    if (may_group) end = put_p_runs(e.p, put_x_groups(e.x, after_y));
+    if (may_group) end = put_runs<7>(e.p, put_x_groups(e.x, after_y));
     if (!may_group || end > after_y + quads * 6) {
       layout = 1;
-      end = put_xp_packed(e, after_y);
+      end = put_packed<uint16_t>(n, xp, after_y);
     }
   }
-  put_u32(out.data(), static_cast<uint32_t>(n) << 2 | layout);
+  store_le(out.data(), static_cast<uint32_t>(n) << 2 | layout);
   return static_cast<size_t>(end - out.data());
 }
 

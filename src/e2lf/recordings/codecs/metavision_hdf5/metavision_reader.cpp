@@ -61,7 +61,7 @@ class EventChunks final : public EventBlocks {
     EventColumns& events = block.events;
     if (next_event_ >= shape_.length && std::exchange(is_cut_uncounted_, false)) summary.add(Violation::kTruncated, 0);
     if (!is_direct_) return next_records(events);
-    E2LF_ASSIGN_OR_RETURN(std::vector<Chunk> chunks, fetch_block());
+    std::vector<Chunk> chunks = fetch_block();
     std::vector<size_t> begins = {0};
     for (const Chunk& chunk : chunks) begins.push_back(begins.back() + chunk.count);
     events.resize(begins.back());
@@ -84,8 +84,7 @@ class EventChunks final : public EventBlocks {
     uint64_t low = 0, high = (shape_.length - 1) / shape_.chunk_length;
     while (low < high) {
       const uint64_t middle = low + (high - low + 1) / 2;
-      E2LF_ASSIGN_OR_RETURN(const Chunk chunk, fetch(middle));
-      if (chunk.first_us && *chunk.first_us < t_us) {
+      if (const Chunk chunk = fetch(middle); chunk.first_us && *chunk.first_us < t_us) {
         low = middle;
       } else {
         high = middle - 1;
@@ -100,9 +99,8 @@ class EventChunks final : public EventBlocks {
     uint64_t index = 0;
     size_t count = 0;  ///< expected number of events
     bool is_stored_raw = false;
-    std::vector<uint8_t> bytes;
+    std::vector<uint8_t> bytes;       ///< empty if the chunk is missing or cannot be read
     std::optional<int64_t> first_us;  ///< empty if the chunk is too short to have one
-    std::optional<Error> error;
   };
 
   Result<bool> next_records(EventColumns& events) {
@@ -116,25 +114,22 @@ class EventChunks final : public EventBlocks {
     return true;
   }
 
-  Result<Chunk> fetch(uint64_t index) const {
+  Chunk fetch(uint64_t index) const {
     Chunk chunk;
     const hsize_t offset = index * shape_.chunk_length;
     chunk.index = index;
     chunk.count = std::min<uint64_t>(shape_.chunk_length, shape_.length - offset);
     hsize_t size = 0;
     uint32_t filter_mask = 0;
-    if (H5Dget_chunk_storage_size(shape_.dataset.get(), &offset, &size) < 0 || size == 0 || size > kMaxChunkBytes) {
-      chunk.error = Error{ErrorCode::kTruncated, "a chunk of events is missing", location_};
+    if (H5Dget_chunk_storage_size(shape_.dataset.get(), &offset, &size) < 0 || size == 0 || size > kMaxChunkBytes)
       return chunk;
-    }
     chunk.bytes.resize(size);
     if (H5Dread_chunk(shape_.dataset.get(), H5P_DEFAULT, &offset, &filter_mask, chunk.bytes.data()) < 0) {
-      chunk.error = Error{ErrorCode::kTruncated, "a chunk of events cannot be read", location_};
-      return chunk;
+      chunk.bytes.clear();
     }
     chunk.is_stored_raw = (filter_mask & 1) != 0;
     const size_t time_at = chunk.is_stored_raw ? offsetof(EventRecord, t) : 4;
-    if (size >= time_at + 8) chunk.first_us = load_le<int64_t>(&chunk.bytes[time_at]);
+    if (chunk.bytes.size() >= time_at + 8) chunk.first_us = load_le<int64_t>(&chunk.bytes[time_at]);
     return chunk;
   }
 
@@ -142,7 +137,6 @@ class EventChunks final : public EventBlocks {
   /// their number.
   static void decode(Chunk& chunk, EventColumns& events, size_t begin) {
     const size_t wanted = std::exchange(chunk.count, 0);
-    if (chunk.error) return;
     if (chunk.is_stored_raw) {
       const size_t count = std::min(wanted, chunk.bytes.size() / sizeof(EventRecord));
       std::vector<EventRecord> records(count);
@@ -152,46 +146,33 @@ class EventChunks final : public EventBlocks {
       return;
     }
     const auto stored = ecf::event_count(chunk.bytes);
-    if (!stored) {
-      chunk.error = stored.error();
-      return;
-    }
-    const auto decode_into = [&](EventColumns& out, size_t at) -> Result<void> {
-      return ecf::decode(chunk.bytes, {std::span(out.x).subspan(at, *stored), std::span(out.y).subspan(at, *stored),
-                                       std::span(out.p).subspan(at, *stored), std::span(out.t).subspan(at, *stored)});
+    if (!stored) return;
+    const auto decode_into = [&](EventColumns& out, size_t at) {
+      const auto part = [&](auto& column) { return std::span(column).subspan(at, *stored); };
+      return ecf::decode(chunk.bytes, {part(out.x), part(out.y), part(out.p), part(out.t)}).ok();
     };
     if (*stored <= wanted) {
-      if (const auto done = decode_into(events, begin); !done) chunk.error = done.error();
-      chunk.count = chunk.error ? 0 : *stored;
+      if (decode_into(events, begin)) chunk.count = *stored;
       return;
     }
     // The last chunk of a file may be stored at full length, with padding after its events.
     EventColumns full;
     full.resize(*stored);
-    if (const auto done = decode_into(full, 0); !done) {
-      chunk.error = done.error();
-      return;
-    }
+    if (!decode_into(full, 0)) return;
     for (size_t i = 0; i < wanted; ++i) events.set(begin + i, full[i]);
     chunk.count = wanted;
   }
 
-  Result<std::vector<Chunk>> fetch_block() {
+  std::vector<Chunk> fetch_block() {
     std::vector<Chunk> chunks;
     const uint64_t chunks_per_block = std::max<uint64_t>(1, kBlockEvents / shape_.chunk_length);
     while (next_event_ < shape_.length && chunks.size() < chunks_per_block) {
       const uint64_t index = next_event_ / shape_.chunk_length;
-      if (ahead_ && ahead_->index == index) {
-        chunks.push_back(*std::exchange(ahead_, std::nullopt));
-      } else {
-        E2LF_ASSIGN_OR_RETURN(Chunk chunk, fetch(index));
-        chunks.push_back(std::move(chunk));
-      }
+      const bool is_fetched = ahead_ && ahead_->index == index;
+      chunks.push_back(is_fetched ? *std::exchange(ahead_, std::nullopt) : fetch(index));
       next_event_ = (index + 1) * shape_.chunk_length;
     }
-    if (next_event_ < shape_.length) {
-      E2LF_ASSIGN_OR_RETURN(ahead_, fetch(next_event_ / shape_.chunk_length));
-    }
+    if (next_event_ < shape_.length) ahead_ = fetch(next_event_ / shape_.chunk_length);
     return chunks;
   }
 
@@ -235,31 +216,41 @@ class EventChunks final : public EventBlocks {
 
 }  // namespace
 
+namespace {
+
+struct Field {
+  const char* name;
+  size_t offset;
+  hid_t type;
+};
+
+Handle compound_type(size_t bytes, std::initializer_list<Field> fields) {
+  Handle type(H5Tcreate(H5T_COMPOUND, bytes), H5Tclose);
+  for (const Field& field : fields) H5Tinsert(type.get(), field.name, field.offset, field.type);
+  return type;
+}
+
+}  // namespace
+
 Handle event_type() {
   const LibraryLock lock;
-  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(EventRecord)), H5Tclose);
-  H5Tinsert(type.get(), "x", offsetof(EventRecord, x), H5T_STD_U16LE);
-  H5Tinsert(type.get(), "y", offsetof(EventRecord, y), H5T_STD_U16LE);
-  H5Tinsert(type.get(), "p", offsetof(EventRecord, p), H5T_STD_I16LE);
-  H5Tinsert(type.get(), "t", offsetof(EventRecord, t), H5T_STD_I64LE);
-  return type;
+  return compound_type(sizeof(EventRecord), {{"x", offsetof(EventRecord, x), H5T_STD_U16LE},
+                                             {"y", offsetof(EventRecord, y), H5T_STD_U16LE},
+                                             {"p", offsetof(EventRecord, p), H5T_STD_I16LE},
+                                             {"t", offsetof(EventRecord, t), H5T_STD_I64LE}});
 }
 
 Handle trigger_type() {
   const LibraryLock lock;
-  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(TriggerRecord)), H5Tclose);
-  H5Tinsert(type.get(), "p", offsetof(TriggerRecord, p), H5T_STD_I16LE);
-  H5Tinsert(type.get(), "t", offsetof(TriggerRecord, t), H5T_STD_I64LE);
-  H5Tinsert(type.get(), "id", offsetof(TriggerRecord, id), H5T_STD_I16LE);
-  return type;
+  return compound_type(sizeof(TriggerRecord), {{"p", offsetof(TriggerRecord, p), H5T_STD_I16LE},
+                                               {"t", offsetof(TriggerRecord, t), H5T_STD_I64LE},
+                                               {"id", offsetof(TriggerRecord, id), H5T_STD_I16LE}});
 }
 
 Handle index_type() {
   const LibraryLock lock;
-  Handle type(H5Tcreate(H5T_COMPOUND, sizeof(IndexRecord)), H5Tclose);
-  H5Tinsert(type.get(), "id", offsetof(IndexRecord, id), H5T_STD_U64LE);
-  H5Tinsert(type.get(), "ts", offsetof(IndexRecord, ts), H5T_STD_I64LE);
-  return type;
+  return compound_type(sizeof(IndexRecord), {{"id", offsetof(IndexRecord, id), H5T_STD_U64LE},
+                                             {"ts", offsetof(IndexRecord, ts), H5T_STD_I64LE}});
 }
 
 namespace {
@@ -342,7 +333,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
     triggers = std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events");
   }
-  return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(triggers));
+  return std::make_unique<RecordingReader>(std::move(blocks), std::move(info), name, options, std::move(triggers));
 }
 
 }  // namespace e2lf::recordings::hdf5_events

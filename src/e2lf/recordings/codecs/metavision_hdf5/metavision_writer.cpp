@@ -33,34 +33,25 @@ class TimeIndex {
     return index;
   }
 
-  /// Adds elements; `time_of(i)` returns the time of the i-th of `count`, in ascending order.
-  template <typename TimeOf>
-  Result<void> add(size_t count, const TimeOf& time_of) {
-    if (count == 0) return {};
+  /// Adds elements with these times, in ascending order.
+  Result<void> add(std::span<const int64_t> times_us) {
+    if (times_us.empty()) return {};
     if (number_ == 0) {
-      first_us_ = time_of(0);
+      first_us_ = times_us.front();
       entries_.push_back({0, -1});
     }
-    while (time_of(count - 1) - first_us_ >= next_us_) {
-      size_t i = 0;
-      for (size_t end = count - 1; i < end;) {
-        const size_t middle = i + (end - i) / 2;
-        if (time_of(middle) - first_us_ < next_us_) {
-          i = middle + 1;
-        } else {
-          end = middle;
-        }
-      }
-      const int64_t since_first_us = time_of(i) - first_us_;
+    while (times_us.back() - first_us_ >= next_us_) {
+      const auto at = std::lower_bound(times_us.begin(), times_us.end(), first_us_ + next_us_);
+      const int64_t since_first_us = *at - first_us_;
       if (since_first_us - next_us_ > kMaxPauseUs) {
-        return fail(ErrorCode::kInvalidValue, "indexes", "a pause of ", since_first_us - next_us_, " us up to ",
-                    time_of(i), " us would make the time index too large; split the recording or write npz");
+        return fail(ErrorCode::kInvalidValue, "indexes", "a pause of ", since_first_us - next_us_, " us up to ", *at,
+                    " us would make the time index too large; split the recording or write npz");
       }
-      entries_.push_back({number_ + i, since_first_us});
+      entries_.push_back({number_ + static_cast<uint64_t>(at - times_us.begin()), since_first_us});
       next_us_ += kIndexPeriodUs;
       if (entries_.size() >= kChunkEvents) E2LF_RETURN_IF_ERROR(flush());
     }
-    number_ += count;
+    number_ += times_us.size();
     return {};
   }
 
@@ -129,16 +120,18 @@ class MetavisionWriter final : public RecordingWriter {
 
   Result<void> write(const EventBatch& batch) override {
     E2LF_RETURN_IF_ERROR(check_(batch));
-    E2LF_RETURN_IF_ERROR(event_index_.add(batch.events.size(), [&](size_t i) { return batch.events.t[i]; }));
+    E2LF_RETURN_IF_ERROR(event_index_.add(batch.events.t));
     pending_.append(batch.events);
     if (pending_.size() >= kBlockChunks * kChunkEvents || hdf5_file_.is_behind())
       E2LF_RETURN_IF_ERROR(write_chunks(/*is_last=*/false));
 
     std::vector<TriggerRecord> records;
-    E2LF_RETURN_IF_ERROR(trigger_index_.add(batch.triggers.size(), [&](size_t i) { return batch.triggers[i].t; }));
+    std::vector<int64_t> times_us;
     for (const Trigger& trigger : batch.triggers) {
+      times_us.push_back(trigger.t);
       records.push_back({static_cast<int16_t>(trigger.p), trigger.t, static_cast<int16_t>(trigger.id)});
     }
+    E2LF_RETURN_IF_ERROR(trigger_index_.add(times_us));
     E2LF_RETURN_IF_ERROR(triggers_.append(trigger_type().get(), records.data(), records.size()));
     const LibraryLock lock;
     if (hdf5_file_.is_behind()) hdf5_file_.keep_up();
