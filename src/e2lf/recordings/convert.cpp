@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recordings/convert.h"
 
-#include <condition_variable>
 #include <exception>
-#include <mutex>
-#include <optional>
+#include <semaphore>
 #include <thread>
 #include <utility>
 
@@ -48,56 +46,56 @@ class ReadAhead {
     if (threads == 1) return;
     thread_ = std::jthread([this, threads](const std::stop_token& stop) {
       set_num_threads(threads);  // each thread has its own setting
-      run(stop);
+      for (size_t i = 0;; i = 1 - i) {
+        free_.acquire();
+        if (stop.stop_requested() || !fill(slots_[i])) return;
+      }
     });
+  }
+  ReadAhead(const ReadAhead&) = delete;
+  ReadAhead& operator=(const ReadAhead&) = delete;
+  ~ReadAhead() {
+    thread_.request_stop();
+    free_.release();
   }
 
   /// Reads a batch as RecordingReader::read() does; exceptions of the reader are rethrown here. Nothing may be read
   /// after the end or an error.
   [[nodiscard]] Result<bool> read(EventBatch& batch) {
     if (!thread_.joinable()) return reader_.read(batch);
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return next_.has_value(); });
-    Next next = *std::exchange(next_, std::nullopt);
-    if (next.exception) std::rethrow_exception(next.exception);
-    std::swap(batch, next.batch);
-    std::swap(spare_, next.batch);
-    changed_.notify_all();
-    return std::move(next.more);
+    full_.acquire();
+    Slot& slot = slots_[taken_++ % 2];
+    if (slot.exception) std::rethrow_exception(slot.exception);
+    std::swap(batch, slot.batch);
+    Result<bool> more = slot.more;
+    free_.release();
+    return more;
   }
 
  private:
-  struct Next {
+  struct Slot {
     EventBatch batch;
     Result<bool> more = false;
     std::exception_ptr exception;
   };
 
-  void run(const std::stop_token& stop) {
-    for (bool goes_on = true; goes_on;) {
-      Next next;
-      {
-        const std::lock_guard lock(mutex_);
-        std::swap(next.batch, spare_);
-      }
-      try {
-        next.more = reader_.read(next.batch);
-      } catch (...) {
-        next.exception = std::current_exception();
-      }
-      goes_on = next.more && *next.more;
-      std::unique_lock lock(mutex_);
-      if (!changed_.wait(lock, stop, [this] { return !next_; })) return;
-      next_ = std::move(next);
-      changed_.notify_all();
+  /// Reads to a slot. Returns false if it is the last one.
+  bool fill(Slot& slot) {
+    try {
+      slot.more = reader_.read(slot.batch);
+    } catch (...) {
+      slot.more = false;
+      slot.exception = std::current_exception();
     }
+    const bool goes_on = slot.more && *slot.more;
+    full_.release();
+    return goes_on;
   }
 
   RecordingReader& reader_;
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::optional<Next> next_;
-  EventBatch spare_;     ///< memory for a later batch
+  Slot slots_[2];
+  std::counting_semaphore<> free_{2}, full_{0};
+  size_t taken_ = 0;
   std::jthread thread_;  ///< uses the members above
 };
 
