@@ -16,30 +16,20 @@ namespace e2lf::recordings {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Compilers vectorise these two loops for the instruction set.
+
 /// Returns the largest value, or 0 if there are none.
 template <typename T>
 uint32_t largest(const T* values, size_t count) {
-  const hn::ScalableTag<T> d;
-  auto most = hn::Zero(d);
-  size_t i = 0;
-  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) most = hn::Max(most, hn::LoadU(d, values + i));
-  T lanes[hn::MaxLanes(d)];
-  hn::StoreU(most, d, lanes);
-  uint32_t result = *std::max_element(lanes, lanes + hn::Lanes(d));
-  for (; i < count; ++i) result = std::max<uint32_t>(result, values[i]);
-  return result;
+  T most = 0;
+  for (size_t i = 0; i < count; ++i) most = std::max(most, values[i]);
+  return most;
 }
 
 bool is_sorted(const int64_t* t, size_t count) {
-  const hn::ScalableTag<int64_t> d;
-  auto falls = hn::MaskFromVec(hn::Zero(d));
-  size_t i = 1;
-  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
-    falls = hn::Or(falls, hn::Lt(hn::LoadU(d, t + i), hn::LoadU(d, t + i - 1)));
-  }
-  bool sorted = hn::AllFalse(d, falls);
-  for (; i < count; ++i) sorted = sorted && t[i] >= t[i - 1];
-  return sorted;
+  int64_t falls = 0;
+  for (size_t i = 1; i < count; ++i) falls |= t[i] < t[i - 1];
+  return falls == 0;
 }
 
 /// Returns whether x, y and p are below their bounds and times do not decrease.

@@ -127,8 +127,7 @@ Result<bool> Timeline::pass_on(EventBatch& batch, DecodeSummary& summary) {
     part_bytes_.push_back(blocks_->block_byte());
     begin_later_part();
   }
-  if (!batch.events.empty()) last_us_ = std::max(last_us_, batch.events.t.back());
-  if (!batch.triggers.empty()) last_us_ = std::max(last_us_, batch.triggers.back().t);
+  last_us_ = std::max(last_us_, batch.last_us());
   return more;
 }
 
@@ -450,17 +449,7 @@ Result<void> Timeline::seek_before(int64_t t_us) {
   if (!is_ordered && t_us > -kTimeLimitUs) t_us -= kDisorderUs;
   if (blocks_ != nullptr) E2LF_RETURN_IF_ERROR(blocks_->seek_before(t_us));
   if (source_ != nullptr) E2LF_RETURN_IF_ERROR(source_->rewind());
-  has_more_triggers_ = source_ != nullptr;
-  has_ended_ = blocks_ == nullptr;
-  num_read_ = num_judged_ = num_late_ = 0;
-  num_waiting_ = num_open_ = part_ = trigger_part_ = 0;
-  sections_.clear();
-  triggers_.clear();
-  unjudged_.clear();
-  end_part(0);
-  part_bytes_.clear();
-  restart_.reset();
-  last_us_ = last_trigger_us_ = INT64_MIN;
+  *this = Timeline(std::move(blocks_), std::move(source_), width_, height_, std::move(name_));
   return {};
 }
 

@@ -115,10 +115,9 @@ Result<CameraPlugin> find_camera_plugin(const std::string& name, const std::stri
   }
   std::vector<std::string> names;
   for (const CameraPlugin& plugin : plugins) names.push_back(plugin.name);
-  return Error{ErrorCode::kNotFound,
-               cat("there is no camera plugin \"", name, "\"; write camera://NAME with one of ", join(names),
-                   ", or give the file of a plugin in E2LF_CAMERA_PLUGINS"),
-               location};
+  return fail(ErrorCode::kNotFound, location, "there is no camera plugin \"", name,
+              "\"; write camera://NAME with one of ", join(names),
+              ", or give the file of a plugin in E2LF_CAMERA_PLUGINS");
 }
 
 void add_camera_plugins(std::function<std::vector<CameraPlugin>()> load) {
@@ -253,10 +252,9 @@ class CameraSource final : public LiveSource {
     const LiveBacklog& backlog = intake_->backlog;
     const int64_t longest_behind_us = 1000 * intake_->camera->patience().reader.count();
     const bool has_failed = !backlog.failure.empty() && !std::exchange(is_failure_reported_, true);
-    const bool is_behind =
-        (backlog.most_behind_us >= longest_behind_us || backlog.loses_events) && !is_behind_reported_;
+    const bool is_behind = (backlog.most_behind_us >= longest_behind_us || backlog.loses_events) &&
+                           !std::exchange(is_behind_reported_, true);
     const bool has_lost = backlog.lost_buffers > 0 && !std::exchange(is_loss_reported_, true);
-    is_behind_reported_ = is_behind_reported_ || is_behind;
     const std::string behind = is_behind ? behind_text() : "";
     lock.unlock();  // the recipient of the message may block
     if (is_behind) intake_->camera->keeps_unread() ? log_info(behind) : log_warning(behind);
@@ -376,11 +374,9 @@ class CameraSource final : public LiveSource {
 
 Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, const CameraSetup& setup) {
   if (!is_live_recording(name)) {
-    return Error{
-        ErrorCode::kInvalidValue,
-        "this is not a live input; give a camera (camera://NAME), tcp://ADDRESS:PORT, replay:FILE, a named pipe "
-        "or -",
-        name};
+    return fail(ErrorCode::kInvalidValue, name,
+                "this is not a live input; give a camera (camera://NAME), tcp://ADDRESS:PORT, replay:FILE, a named "
+                "pipe or -");
   }
   if (name == "-") return open_live_bytes("camera://pipe", setup);
   const CameraName parsed = is_camera_name(name) ? parse_name(name) : CameraName{"pipe", name};

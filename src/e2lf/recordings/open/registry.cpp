@@ -106,9 +106,11 @@ const Codec* codec_of_extension(const std::filesystem::path& path) {
   return nullptr;
 }
 
-std::vector<std::string> codec_names() {
+std::vector<std::string> codec_names(bool to_write = false) {
   std::vector<std::string> names;
-  for (const Codec* codec : codecs()) names.push_back(codec->name);
+  for (const Codec* codec : codecs()) {
+    if (!to_write || codec->create != nullptr || codec->create_file != nullptr) names.push_back(codec->name);
+  }
   return names;
 }
 
@@ -130,14 +132,6 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   return Error{ErrorCode::kFormat,
                cat("this is not a recording of a known format; give its format, one of ", join(codec_names())),
                source.name(), Setting::kInputFormat};
-}
-
-std::string names_to_write() {
-  std::vector<std::string> names;
-  for (const Codec* codec : codecs()) {
-    if (codec->create != nullptr || codec->create_file != nullptr) names.push_back(codec->name);
-  }
-  return join(names);
 }
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {
@@ -184,7 +178,7 @@ Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std
   if (const Codec* codec = codec_of_extension(path)) return codec;
   return Error{ErrorCode::kInvalidValue,
                cat("no format has this extension; use another, e.g. .raw or .hdf5, or give the format, one of ",
-                   names_to_write()),
+                   join(codec_names(/*to_write=*/true))),
                path.string(), Setting::kOutputFormat};
 }
 
