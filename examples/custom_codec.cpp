@@ -15,7 +15,7 @@ using namespace e2lf::recordings;
 
 constexpr size_t kRecordBytes = 12, kBlockRecords = 4096;
 
-/// Reads blocks of records. make_block_reader() adds batches, the order of time and the check of the coordinates.
+/// Reads blocks of records. RecordingReader adds batches, the order of time and the check of the coordinates.
 class Records final : public EventBlocks {
  public:
   explicit Records(SourcePtr source) : source_(std::move(source)) {}
@@ -49,7 +49,7 @@ class Records final : public EventBlocks {
 Result<std::unique_ptr<RecordingReader>> open_records(SourcePtr source, const OpenOptions& options) {
   const RecordingInfo info = {.format = "records", .width = 640, .height = 480, .header = {}};
   const std::string name = source->name();
-  return make_block_reader(std::make_unique<Records>(std::move(source)), info, name, options);
+  return std::make_unique<RecordingReader>(std::make_unique<Records>(std::move(source)), info, name, options);
 }
 
 }  // namespace

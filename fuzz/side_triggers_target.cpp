@@ -10,7 +10,8 @@ namespace {
 using namespace e2lf::recordings;
 
 std::vector<Trigger> read(SourcePtr source) {
-  const auto reader = make_block_reader(nullptr, {}, "triggers", {}, make_side_triggers(std::move(source)));
+  const auto reader = std::make_unique<RecordingReader>(nullptr, RecordingInfo(), "triggers", OpenOptions(),
+                                                        make_side_triggers(std::move(source)));
   const auto all = read_all(*reader);
   return all ? all->triggers : std::vector<Trigger>();
 }

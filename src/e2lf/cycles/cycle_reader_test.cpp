@@ -85,7 +85,8 @@ Outcome cut(uint64_t cycles, const SynthesisOptions& synthesis, const CycleOptio
   info.width = kWidth;
   info.height = kHeight;
   auto reader = CycleReader::open(
-      make_block_reader(std::make_unique<SynthesisedBlocks>(cycles, synthesis, change), info, "synthesis", {}),
+      std::make_unique<recordings::RecordingReader>(std::make_unique<SynthesisedBlocks>(cycles, synthesis, change),
+                                                    info, "synthesis", recordings::OpenOptions()),
       options);
   EXPECT_TRUE(reader.ok()) << reader.error().text();
   Outcome outcome;
@@ -251,7 +252,9 @@ TEST(CycleReader, TriggersAreTakenWhereThereAreSomeAtTheBeginning) {
     info.width = kWidth;
     info.height = kHeight;
     auto blocks = std::make_unique<SynthesisedBlocks>(5, synthesis, change);
-    auto reader = CycleReader::open(make_block_reader(std::move(blocks), info, "synthesis", {}), options);
+    auto reader = CycleReader::open(
+        std::make_unique<recordings::RecordingReader>(std::move(blocks), info, "synthesis", recordings::OpenOptions()),
+        options);
     EXPECT_TRUE(reader.ok());
     return reader->source();
   };
@@ -551,8 +554,10 @@ TEST(CycleReader, MemoryDoesNotGrowWithTheRecording) {
 }
 
 TEST(CycleReader, SensorOfUnknownSizeIsRefused) {
-  auto reader = CycleReader::open(
-      make_block_reader(std::make_unique<SynthesisedBlocks>(1, SynthesisOptions(), Change()), {}, "synthesis", {}), {});
+  auto reader = CycleReader::open(std::make_unique<recordings::RecordingReader>(
+                                      std::make_unique<SynthesisedBlocks>(1, SynthesisOptions(), Change()),
+                                      recordings::RecordingInfo(), "synthesis", recordings::OpenOptions()),
+                                  {});
   ASSERT_FALSE(reader.ok());
   EXPECT_EQ(reader.error().code, ErrorCode::kInvalidValue);
 }

@@ -57,8 +57,10 @@ struct Cut {
 };
 
 Cut cut(const EventBatch& all, const WindowOptions& options, int64_t block_us) {
-  auto reader = recordings::make_block_reader(std::make_unique<Blocks>(all, block_us),
-                                              {.format = "test", .width = 4, .height = 4, .header = {}}, "test", {});
+  auto reader = std::make_unique<recordings::RecordingReader>(
+      std::make_unique<Blocks>(all, block_us),
+      recordings::RecordingInfo{.format = "test", .width = 4, .height = 4, .header = {}}, "test",
+      recordings::OpenOptions());
   WindowReader windows(std::move(reader), options);
   Cut cut;
   for (EventWindow window;;) {
@@ -125,8 +127,10 @@ TEST(EventWindows, RefuseWhatWouldTakeAllMemoryOrNeverEnd) {
 
 TEST(EventWindows, AStopLeavesOutTheWindowThatIsNotWhole) {
   const WindowOptions options{.kind = WindowKind::kTime, .duration_us = 10};
-  auto reader = recordings::make_block_reader(std::make_unique<Blocks>(events_at({1, 12, 13}), 5),
-                                              {.format = "test", .width = 4, .height = 4, .header = {}}, "test", {});
+  auto reader = std::make_unique<recordings::RecordingReader>(
+      std::make_unique<Blocks>(events_at({1, 12, 13}), 5),
+      recordings::RecordingInfo{.format = "test", .width = 4, .height = 4, .header = {}}, "test",
+      recordings::OpenOptions());
   WindowReader windows(std::move(reader), options);
   EventWindow window;
   ASSERT_TRUE(windows.next(window).value());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -109,6 +110,22 @@ struct EventBatch {
   std::vector<Trigger> triggers;
 
   [[nodiscard]] bool empty() const { return events.empty() && triggers.empty(); }
+
+  /// Return the times of the first and of the last event or trigger; INT64_MAX and INT64_MIN if there is none.
+  [[nodiscard]] int64_t first_us() const {
+    const int64_t trigger_us = triggers.empty() ? INT64_MAX : triggers.front().t;
+    return events.empty() ? trigger_us : std::min(events.t.front(), trigger_us);
+  }
+  [[nodiscard]] int64_t last_us() const {
+    const int64_t trigger_us = triggers.empty() ? INT64_MIN : triggers.back().t;
+    return events.empty() ? trigger_us : std::max(events.t.back(), trigger_us);
+  }
+
+  /// Adds to all times.
+  void shift(int64_t by_us) {
+    for (int64_t& t_us : events.t) t_us += by_us;
+    for (Trigger& trigger : triggers) trigger.t += by_us;
+  }
   void clear() {
     events.clear();
     triggers.clear();

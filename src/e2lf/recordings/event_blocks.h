@@ -72,16 +72,6 @@ class TriggerSource {
 
 using TriggersPtr = std::unique_ptr<TriggerSource>;
 
-class RecordingReader;
-struct RecordingInfo;
-struct OpenOptions;
-
-/// Creates a reader of blocks, and of triggers that are stored separately, if there are any. Null blocks contain no
-/// events. `name` is the location in messages.
-[[nodiscard]] std::unique_ptr<RecordingReader> make_block_reader(BlocksPtr blocks, RecordingInfo info,
-                                                                 const std::string& name, const OpenOptions& options,
-                                                                 TriggersPtr triggers = {});
-
 /// A batch that is returned in pieces, in an order in which everything that was returned is sorted.
 class PendingBatch {
  public:

@@ -12,17 +12,6 @@
 #include "e2lf/base/text.h"
 
 namespace e2lf::recordings {
-namespace {
-
-/// Returns the time of the first event or trigger of a batch, or nothing if it is empty.
-std::optional<int64_t> first_time(const EventBatch& batch) {
-  std::optional<int64_t> first_us;
-  if (!batch.events.empty()) first_us = batch.events.t.front();
-  if (!batch.triggers.empty()) first_us = std::min(first_us.value_or(INT64_MAX), batch.triggers.front().t);
-  return first_us;
-}
-
-}  // namespace
 
 bool has_settings(CameraSetup setup) {
   setup.running = nullptr;
@@ -52,17 +41,12 @@ std::optional<std::string> RecordingInfo::find(const std::string& key) const {
   return std::nullopt;
 }
 
-RecordingReader::RecordingReader(BlocksPtr blocks, TriggersPtr triggers, RecordingInfo info, const std::string& name,
-                                 const OpenOptions& options)
+RecordingReader::RecordingReader(BlocksPtr blocks, RecordingInfo info, const std::string& name,
+                                 const OpenOptions& options, TriggersPtr triggers)
     : options_(options),
       info_(std::move(info)),
       name_(name),
       timeline_(std::move(blocks), std::move(triggers), info_.width, info_.height, name) {}
-
-ReaderPtr make_block_reader(BlocksPtr blocks, RecordingInfo info, const std::string& name, const OpenOptions& options,
-                            TriggersPtr triggers) {
-  return std::make_unique<RecordingReader>(std::move(blocks), std::move(triggers), std::move(info), name, options);
-}
 
 std::optional<std::chrono::steady_clock::time_point> RecordingReader::arrival() const {
   return timeline_.blocks() == nullptr ? std::nullopt : timeline_.blocks()->arrival();
@@ -75,10 +59,9 @@ Result<bool> RecordingReader::read_one_clock(EventBatch& batch, size_t max_event
   if (timeline_.blocks() != nullptr) timeline_.blocks()->limit_block(max_events);
   E2LF_ASSIGN_OR_RETURN(const bool more, timeline_.next(batch, summary_));
   if (const auto restart = timeline_.take_restart()) joint_ = restart;
-  if (const auto first_us = first_time(batch); joint_ && first_us) E2LF_RETURN_IF_ERROR(join_part(*first_us));
+  if (joint_ && !batch.empty()) E2LF_RETURN_IF_ERROR(join_part(batch.first_us()));
   if (part_shift_us_ != 0) {
-    for (int64_t& t_us : batch.events.t) t_us += part_shift_us_;
-    for (Trigger& trigger : batch.triggers) trigger.t += part_shift_us_;
+    batch.shift(part_shift_us_);
     for (size_t i = gaps; i < summary_.gaps.size(); ++i) {
       summary_.gaps[i].begin_us += part_shift_us_;
       summary_.gaps[i].end_us += part_shift_us_;
@@ -149,7 +132,7 @@ Result<void> RecordingReader::find_shift() {
     E2LF_ASSIGN_OR_RETURN(more, refill_pending(kMinBatch));
   }
   if (pending_.empty()) return {};
-  const int64_t first_us = *first_time(pending_.batch());
+  const int64_t first_us = pending_.batch().first_us();
   shift_us_ = options_.time == TimeOrigin::kZero ? first_us : 0;
   if (options_.range == TimeOrigin::kZero) range_origin_us_ = first_us;
   return {};
@@ -279,10 +262,7 @@ Result<bool> RecordingReader::read(EventBatch& batch, size_t max_events) {
   if (options_.to_us != INT64_MAX) end_at(in_range(options_.to_us), batch);
   count(batch.events);
   summary_.triggers += batch.triggers.size();
-  if (const int64_t shift_us = shift_us_.value_or(0); shift_us != 0) {
-    for (int64_t& t : batch.events.t) t -= shift_us;
-    for (Trigger& trigger : batch.triggers) trigger.t -= shift_us;
-  }
+  if (const int64_t shift_us = shift_us_.value_or(0); shift_us != 0) batch.shift(-shift_us);
   return !batch.empty();
 }
 

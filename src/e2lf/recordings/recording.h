@@ -128,16 +128,17 @@ struct OpenOptions {
   CameraSetup camera = {};  ///< settings of a live camera; see Camera::set_up()
 };
 
-/// Reads a recording of any format from front to back in bounded memory. open_recording() and make_block_reader()
-/// create readers. Timeline describes which times are believed.
+/// Reads a recording of any format from front to back in bounded memory. open_recording() creates readers of
+/// formats. Timeline describes which times are believed.
 class RecordingReader {
  public:
   static constexpr size_t kDefaultBatch = size_t{1} << 18;
   static constexpr size_t kMinBatch = 64;
 
-  /// `blocks` may be null, if there are only triggers; `name` is the name of the source, for messages.
-  RecordingReader(BlocksPtr blocks, TriggersPtr triggers, RecordingInfo info, const std::string& name,
-                  const OpenOptions& options);
+  /// `blocks` may be null, if there are only triggers; `triggers` are those that are stored separately; `name` is the
+  /// name of the source, for messages.
+  RecordingReader(BlocksPtr blocks, RecordingInfo info, const std::string& name, const OpenOptions& options,
+                  TriggersPtr triggers = {});
 
   [[nodiscard]] const RecordingInfo& info() const { return info_; }
   [[nodiscard]] const OpenOptions& options() const { return options_; }

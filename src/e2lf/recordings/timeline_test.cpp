@@ -42,8 +42,9 @@ class ListedBlocks final : public EventBlocks {
 };
 
 Decoded read_in_blocks(const EventColumns& events, size_t step) {
-  return decoded(make_block_reader(std::make_unique<ListedBlocks>(events, step), {.width = 640, .height = 480}, "list",
-                                   {.policy = DecodePolicy::kSkip}));
+  return decoded(std::make_unique<RecordingReader>(std::make_unique<ListedBlocks>(events, step),
+                                                   RecordingInfo{.width = 640, .height = 480}, "list",
+                                                   OpenOptions{.policy = DecodePolicy::kSkip}));
 }
 
 EventColumns in_order(const EventColumns& events) {
@@ -242,7 +243,7 @@ TEST(Disorder, OfRawWordsLosesNothing) {
     const auto second = bytes.begin() + static_cast<ptrdiff_t>(header + 4 * (i + 2));
     std::swap_ranges(second, second + 4, second + 4);
   }
-  const Decoded file = decoded(open_bytes(bytes, {.policy = DecodePolicy::kSkip}));
+  const Decoded file = decoded(open_bytes(bytes, OpenOptions{.policy = DecodePolicy::kSkip}));
   EXPECT_EQ(file.batch.events.size(), batch.events.size());
   EXPECT_TRUE(std::is_sorted(file.batch.events.t.begin(), file.batch.events.t.end()));
 }

@@ -199,7 +199,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   auto blocks =
       std::make_unique<Aedat4Blocks>(std::move(source), header, event_streams, events, !options.stream.empty());
-  return make_block_reader(std::move(blocks), std::move(info), name, options);
+  return std::make_unique<RecordingReader>(std::move(blocks), std::move(info), name, options);
 }
 
 }  // namespace e2lf::formats::aedat4

@@ -234,8 +234,8 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, header.info, source->name()));
   if (header.type == kTypeTrigger) {
     const std::string name = source->name();
-    return make_block_reader(nullptr, std::move(header.info), name, options,
-                             std::make_unique<TriggerFile>(std::move(source), header.bytes));
+    return std::make_unique<RecordingReader>(nullptr, std::move(header.info), name, options,
+                                             std::make_unique<TriggerFile>(std::move(source), header.bytes));
   }
   TriggersPtr triggers;
   SourcePtr trigger_source;
@@ -252,7 +252,8 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   }
   const std::string name = source->name();
   auto blocks = std::make_unique<DatBlocks>(std::move(source), header);
-  return make_block_reader(std::move(blocks), std::move(header.info), name, options, std::move(triggers));
+  return std::make_unique<RecordingReader>(std::move(blocks), std::move(header.info), name, options,
+                                           std::move(triggers));
 }
 
 namespace {

@@ -330,7 +330,7 @@ Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource&
   auto columns = std::make_unique<ColumnBlocks>();
   E2LF_RETURN_IF_ERROR(columns->open(file, places[chosen], options, name, info));
   E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source.path()));
-  return make_block_reader(std::move(columns), std::move(info), name, options, std::move(triggers));
+  return std::make_unique<RecordingReader>(std::move(columns), std::move(info), name, options, std::move(triggers));
 }
 
 }  // namespace e2lf::formats::dsec

@@ -278,7 +278,7 @@ Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::s
   E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
   E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "", name));
   auto blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
-  return make_block_reader(std::move(blocks), std::move(info), name, options, std::move(side_triggers));
+  return std::make_unique<RecordingReader>(std::move(blocks), std::move(info), name, options, std::move(side_triggers));
 }
 
 }  // namespace

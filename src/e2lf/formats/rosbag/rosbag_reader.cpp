@@ -303,7 +303,8 @@ Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format,
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   if (!first || is_known_encoding(first->encoding)) {
-    return make_block_reader(std::make_unique<MessageBlocks>(std::move(messages)), std::move(info), name, options);
+    return std::make_unique<RecordingReader>(std::make_unique<MessageBlocks>(std::move(messages)), std::move(info),
+                                             name, options);
   }
   if (first->encoding != "evt3") {
     return fail(ErrorCode::kUnsupported, cat(name, ": ", header_text(topics[chosen].name)),

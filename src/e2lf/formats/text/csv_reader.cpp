@@ -233,7 +233,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char*
   info.format = !options.format.empty() || !info.table ? format : is_seconds ? "txt" : "csv";
   E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->path()));
   auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
-  return make_block_reader(std::move(lines), std::move(info), name, options, std::move(triggers));
+  return std::make_unique<RecordingReader>(std::move(lines), std::move(info), name, options, std::move(triggers));
 }
 
 }  // namespace
