@@ -55,13 +55,12 @@ class HalLog final : public std::streambuf {
 
 /// Redirects the output of the HAL from stderr, and limits the memory of its USB plugin, which has no limit by default.
 void prepare_hal() {
-  static const bool is_prepared = [] {
+  static std::once_flag once;
+  std::call_once(once, [] {
     static auto* const log = new std::ostream(new HalLog);  // the HAL's threads may outlive static objects
     Metavision::setLogStream(*log);
     ::setenv("MV_PSEE_PLUGIN_DATA_TRANSFER_BUFFER_POOL_BYTE_SIZE", "134217728", /*overwrite=*/0);
-    return true;
-  }();
-  static_cast<void>(is_prepared);
+  });
 }
 
 std::string hal_encoding(const std::string& encoding) {

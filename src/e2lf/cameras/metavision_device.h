@@ -7,8 +7,7 @@
 #include <string>
 
 #include "e2lf/base/result.h"
-#include "e2lf/recordings/live/camera.h"
-#include "e2lf/recordings/recording.h"
+#include "e2lf/cameras/cameras.h"
 
 // The parts of metavision_camera.cpp. Only for builds that found the vendor's open HAL.
 namespace e2lf::cameras {

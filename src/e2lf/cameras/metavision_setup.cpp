@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Compiled only where the vendor's open HAL is found.
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
 #include <ctime>
 #include <map>
@@ -107,10 +106,6 @@ Result<void> switch_off(Filter* filter, const char* name) {
   return refuses(cat("to switch off its ", name, "; leave the setting out"));
 }
 
-std::string enabled_text(bool is_on) {
-  return is_on ? "on" : "off";
-}
-
 std::string regions_text(const Metavision::I_ROI& roi) {
   if (!roi.is_enabled()) return "all";
   std::vector<std::string> windows;
@@ -141,10 +136,10 @@ std::vector<std::pair<std::string, std::string>> settings_of(Metavision::Device&
   if (const auto* const roi = device.get_facility<Metavision::I_ROI>())
     settings.emplace_back("regions", regions_text(*roi));
   if (const auto* const filter = device.get_facility<Metavision::I_AntiFlickerModule>()) {
-    settings.emplace_back("anti_flicker", enabled_text(filter->is_enabled()));
+    settings.emplace_back("anti_flicker", filter->is_enabled() ? "on" : "off");
   }
   if (const auto* const filter = device.get_facility<Metavision::I_EventTrailFilterModule>()) {
-    settings.emplace_back("event_trail_filter", enabled_text(filter->is_enabled()));
+    settings.emplace_back("event_trail_filter", filter->is_enabled() ? "on" : "off");
   }
   return settings;
 }
@@ -166,13 +161,6 @@ std::pair<int, int> bias_range(const Biases& biases, const std::string& name) {
     (void)read_range(biases, &Biases::get_bias_info, name, range);
   }
   return range;
-}
-
-std::optional<int64_t> number_of(const std::string& text) {
-  int64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
 }
 
 std::string evt_version(const std::string& format) {
@@ -257,7 +245,7 @@ Result<void> change_device(Metavision::Device& device, const std::string& name, 
     }
     return roi->enable(false) ? Result<void>() : refuses("to use its whole sensor; start it again");
   }
-  const auto number = number_of(value);
+  const auto number = parse_number<int64_t>(value);
   if (name == "max-event-rate") {
     if (!number || *number < 0 || *number > UINT32_MAX) return refuses(cat("\"", value, "\" events/s; give a number"));
     return limit_events(device.get_facility<Metavision::I_ErcModule>(), static_cast<uint32_t>(*number));

@@ -2,7 +2,6 @@
 // Replays recordings as a camera; declared in cameras.h.
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::cameras {
 namespace {
@@ -68,8 +68,11 @@ constexpr uint32_t kMostSteps = 64;
 /// continues, and its TIME_HIGH words are shifted. The source must then be seekable.
 class RawReplay final : public TimedCamera {
  public:
-  RawReplay(SourcePtr source, const ReplayAddress& replay)
-      : TimedCamera(replay.speed), source_(std::move(source)), repeats_(replay.repeat - 1) {}
+  RawReplay(SourcePtr source, size_t header_bytes, const ReplayAddress& replay)
+      : TimedCamera(replay.speed),
+        source_(std::move(source)),
+        header_bytes_(header_bytes),
+        repeats_(replay.repeat - 1) {}
 
   Result<bool> read(std::vector<uint8_t>& bytes) override {
     if (is_stopped()) return false;
@@ -92,11 +95,9 @@ class RawReplay final : public TimedCamera {
 
  private:
   Result<bool> read_header(std::vector<uint8_t>& bytes) {
-    E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source_->fetch(kDetectBytes));
-    E2LF_ASSIGN_OR_RETURN(const RawHeader header, parse_raw_header(head, true, source_->name()));
-    bytes.assign(head.begin(), head.begin() + static_cast<ptrdiff_t>(header.num_bytes));
-    source_->consume(header.num_bytes);
-    words_begin_ = source_->position();
+    E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source_->fetch(header_bytes_));
+    bytes.assign(head.begin(), head.begin() + static_cast<ptrdiff_t>(header_bytes_));
+    source_->consume(header_bytes_);
     return true;
   }
 
@@ -105,7 +106,7 @@ class RawReplay final : public TimedCamera {
     --repeats_;
     moved_ = static_cast<uint16_t>(moved_ + time_high_ + 1 - first_high_);
     time_high_ = static_cast<uint16_t>(kTimeHighBits | ((first_high_ - 1U) & evt3::kPayloadMask));
-    return source_->seek(words_begin_);
+    return source_->seek(header_bytes_);
   }
 
   void move_time(std::vector<uint8_t>& bytes) const {
@@ -153,21 +154,13 @@ class RawReplay final : public TimedCamera {
   static constexpr uint16_t kTimeHighBits = evt3::kTimeHigh << 12;
 
   SourcePtr source_;
+  size_t header_bytes_;
   uint64_t repeats_;       ///< number of remaining repetitions
   bool is_header_ = true;  ///< whether the header is delivered next
-  uint64_t words_begin_ = 0;
   uint16_t time_high_ = kUnknown, first_high_ = 0;
   uint16_t moved_ = 0;  ///< shift of TIME_HIGH
   int64_t high_us_ = 0, low_us_ = 0;
 };
-
-/// Returns true if a source begins with the header of a RAW recording in EVT3.
-Result<bool> is_evt3_recording(ByteSource& source) {
-  E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source.fetch(kDetectBytes));
-  if (!is_raw_header(head)) return false;
-  const auto header = parse_raw_header(head, true, source.name());
-  return header && header->info.format == "evt3";
-}
 
 /// Events are delivered in intervals of this length, like the buffers of a camera.
 constexpr int64_t kStretchUs = 1000;
@@ -241,10 +234,8 @@ class ReplayCamera final : public TimedCamera {
 
 template <typename T>
 std::optional<T> number_in(std::string_view text, T least, T most) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool is_number = error == std::errc() && end == text.data() + text.size();
-  return is_number && value >= least && value <= most ? std::optional(value) : std::nullopt;
+  const auto value = parse_number<T>(text);
+  return value && *value >= least && *value <= most ? value : std::nullopt;
 }
 
 /// Parses FILE or FILE?speed=S&repeat=N. A file that has the whole text as its name is meant.
@@ -277,8 +268,11 @@ Result<CameraPtr> open_replay_camera(const std::string& address) {
   E2LF_ASSIGN_OR_RETURN(const ReplayAddress replayed, parse_replay_address(address));
   const std::string& path = replayed.path;
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
-  E2LF_ASSIGN_OR_RETURN(const bool is_evt3, is_evt3_recording(*source));
-  if (is_evt3) return CameraPtr(std::make_unique<RawReplay>(std::move(source), replayed));
+  E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> head, source->fetch(kDetectBytes));
+  const auto header = parse_raw_header(head, true, path);
+  if (header && header->info.format == "evt3") {
+    return CameraPtr(std::make_unique<RawReplay>(std::move(source), header->num_bytes, replayed));
+  }
   if (replayed.repeat > 1) {
     return fail(ErrorCode::kUnsupported, path,
                 "only RAW recordings in EVT3 are replayed several times; make one with e2lf convert");

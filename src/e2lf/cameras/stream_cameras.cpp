@@ -4,7 +4,6 @@
 #include <arpa/inet.h>
 #include <atomic>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -17,6 +16,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::cameras {
 namespace {
@@ -88,28 +88,17 @@ Result<void> wait_for_bytes(int descriptor, const std::string& address) {
   return {};
 }
 
-constexpr std::string_view kTcpScheme = "tcp://";
-
-Result<sockaddr_in> parse_address(const std::string& name) {
-  const Error malformed{ErrorCode::kInvalidValue, "not a TCP address; write tcp://127.0.0.1:PORT", name};
-  const size_t colon = name.rfind(':');
-  if (!name.starts_with(kTcpScheme) || colon <= kTcpScheme.size()) return malformed;
-  uint16_t port = 0;
-  const char* end = name.data() + name.size();
-  const auto parsed = std::from_chars(name.data() + colon + 1, end, port);
+/// Connects to a sender, e.g. 127.0.0.1:5000, and returns the descriptor.
+Result<int> connect_tcp(const std::string& host_and_port, const std::string& name) {
+  const size_t colon = std::min(host_and_port.rfind(':'), host_and_port.size());
+  const auto port =
+      parse_number<uint16_t>(std::string_view(host_and_port).substr(std::min(colon + 1, host_and_port.size())));
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  const std::string host = name.substr(kTcpScheme.size(), colon - kTcpScheme.size());
-  if (parsed.ec != std::errc() || parsed.ptr != end || ::inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
-    return malformed;
+  address.sin_port = htons(port.value_or(0));
+  if (!port || ::inet_pton(AF_INET, host_and_port.substr(0, colon).c_str(), &address.sin_addr) != 1) {
+    return fail(ErrorCode::kInvalidValue, name, "not a TCP address; write tcp://127.0.0.1:PORT");
   }
-  return address;
-}
-
-/// Connects to a sender, e.g. tcp://127.0.0.1:5000, and returns the descriptor.
-Result<int> connect_tcp(const std::string& name) {
-  E2LF_ASSIGN_OR_RETURN(const sockaddr_in address, parse_address(name));
   const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0 || ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     const std::string reason = std::strerror(errno);
@@ -140,7 +129,7 @@ Result<CameraPtr> open_pipe_camera(const std::string& address) {
 
 Result<CameraPtr> open_tcp_camera(const std::string& address) {
   const std::string name = "tcp://" + address;
-  E2LF_ASSIGN_OR_RETURN(const int descriptor, connect_tcp(name));
+  E2LF_ASSIGN_OR_RETURN(const int descriptor, connect_tcp(address, name));
   return CameraPtr(std::make_unique<DescriptorCamera>(descriptor, /*owned=*/true, name));
 }
 

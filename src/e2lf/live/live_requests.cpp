@@ -2,11 +2,11 @@
 #include "e2lf/live/live_requests.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_files.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::live {
 namespace {
@@ -15,12 +15,9 @@ template <typename T>
 std::optional<T> number(const Parameters& parameters, const std::string& name) {
   const auto found = parameters.find(name);
   if (found == parameters.end()) return std::nullopt;
-  const std::string& text = found->second;
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  const auto value = recordings::parse_number<T>(found->second);
   if constexpr (std::is_floating_point_v<T>) {
-    if (!std::isfinite(value)) return std::nullopt;
+    if (value && !std::isfinite(*value)) return std::nullopt;
   }
   return value;
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <optional>
 #include <string_view>
 
@@ -21,9 +20,9 @@ std::optional<Trigger> parse_line(std::string_view line) {
   int64_t values[3] = {};
   for (int i = 0; i < 3; ++i) {
     const size_t comma = i < 2 ? std::min(line.find(','), line.size()) : line.size();
-    const std::string_view word = trimmed(line.substr(0, comma), kTriggerBlanks);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), values[i]);
-    if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+    const auto value = parse_number<int64_t>(trimmed(line.substr(0, comma), kTriggerBlanks));
+    if (!value) return std::nullopt;
+    values[i] = *value;
     line.remove_prefix(std::min(line.size(), comma + 1));
   }
   if (values[1] < 0 || values[1] > UINT16_MAX) return std::nullopt;

@@ -2,7 +2,6 @@
 #include "e2lf/recordings/io/header_text.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 
 #include "e2lf/base/text.h"
@@ -98,10 +97,8 @@ std::optional<PercentHeader> parse_percent_header(std::string_view text, bool en
 }
 
 std::optional<size_t> parse_side(std::string_view text, size_t most) {
-  size_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool is_number = error == std::errc() && end == text.data() + text.size();
-  return is_number && value >= 1 && value <= most ? std::optional(value) : std::nullopt;
+  const auto value = parse_number<size_t>(text);
+  return value && *value >= 1 && *value <= most ? value : std::nullopt;
 }
 
 std::optional<std::pair<size_t, size_t>> parse_geometry(std::string_view text, size_t most) {
