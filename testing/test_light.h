@@ -16,10 +16,8 @@ namespace e2lf::streams {
 class TestLight {
  public:
   /// The pixels begin in the steady state for the light of the first call of show() or ramp().
-  explicit TestLight(const StreamOptions& options, size_t height = 1, size_t width = 1, bool uses_reference = false)
-      : size_(height * width), stream_(EventStream::create(options, height, width).value()) {
-    if (uses_reference) stream_.use_reference();
-  }
+  explicit TestLight(const StreamOptions& options, size_t height = 1, size_t width = 1)
+      : size_(height * width), stream_(EventStream::create(options, height, width).value()) {}
 
   /// Shows a pattern with uniform light, to which the light jumps.
   void show(float light, int64_t duration_us) { show(std::vector<float>(size_, light), duration_us); }

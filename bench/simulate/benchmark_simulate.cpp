@@ -5,6 +5,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "e2lf/base/isa.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/event_model.h"
@@ -140,9 +141,11 @@ Result<StreamBenchmark> benchmark_stream(const streams::StreamOptions& options, 
   const ThreadCap one(1);
   E2LF_ASSIGN_OR_RETURN(streams::EventStream one_thread, stream());
   result.one_thread_events_per_s = measure(std::move(one_thread), images, processor_s, result.events);
+  E2LF_RETURN_IF_ERROR(set_max_isa("scalar"));
   E2LF_ASSIGN_OR_RETURN(streams::EventStream reference, stream());
-  reference.use_reference();
   result.reference_events_per_s = measure(std::move(reference), images, processor_s, result.events);
+  E2LF_RETURN_IF_ERROR(set_max_isa(""));
+  E2LF_RETURN_IF_ERROR(apply_isa_cap());
   return result;
 }
 

@@ -62,7 +62,7 @@ class SpreadCycle {
     } else {
       add_unused_burst(pattern.sign, start_us);
     }
-    add_trigger(start_us);
+    add_pulse(start_us, options_.trigger_channel, options_.trigger_width_us, result_.batch.triggers);
   }
 
   int64_t jitter() {
@@ -98,14 +98,6 @@ class SpreadCycle {
     }
   }
 
-  void add_trigger(int64_t start_us) {
-    if (!options_.trigger_channel) return;
-    result_.batch.triggers.push_back({start_us, *options_.trigger_channel, 1});
-    if (options_.trigger_width_us > 0) {
-      result_.batch.triggers.push_back({start_us + options_.trigger_width_us, *options_.trigger_channel, 0});
-    }
-  }
-
   void add_noise(int64_t end_us) {
     if (options_.noise_hz <= 0) return;
     const double seconds = static_cast<double>(end_us - begin_us_) * 1e-6;
@@ -134,6 +126,13 @@ class SpreadCycle {
 };
 
 }  // namespace
+
+void add_pulse(int64_t t_us, std::optional<uint16_t> channel, int64_t width_us,
+               std::vector<recordings::Trigger>& triggers) {
+  if (!channel) return;
+  triggers.push_back({t_us, *channel, 1});
+  if (width_us > 0) triggers.push_back({t_us + width_us, *channel, 0});
+}
 
 SynthesisedCycle synthesise_cycle(const capture::EventImages& images, uint64_t number,
                                   const SynthesisOptions& options) {

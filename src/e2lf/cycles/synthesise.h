@@ -25,6 +25,11 @@ struct SynthesisOptions {
   uint64_t seed = 1;
 };
 
+/// Adds the rising edge of a trigger at t_us, and the falling one after `width_us`, if that is not 0. An absent channel
+/// has no triggers.
+void add_pulse(int64_t t_us, std::optional<uint16_t> channel, int64_t width_us,
+               std::vector<recordings::Trigger>& triggers);
+
 /// A synthesised cycle with the times at which its patterns began, as ground truth.
 struct SynthesisedCycle {
   recordings::EventBatch batch;

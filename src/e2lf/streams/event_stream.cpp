@@ -13,6 +13,7 @@ void SinglePixels::advance(const LightSegment& segment, std::vector<std::vector<
   for_parts(count_, [&](size_t part, size_t begin, size_t end) {
     follow(segment, begin, end, PixelEventSink(parts[part], segment.end_us - segment.begin_us));
   });
+  ++segment_number_;
 }
 
 void ReadoutQueue::pass(recordings::EventColumns& events, size_t begin) {
@@ -26,10 +27,7 @@ void ReadoutQueue::pass(recordings::EventColumns& events, size_t begin) {
       continue;
     }
     free_us_ = leaves_us + interval_us_;
-    events.x[kept] = events.x[i];
-    events.y[kept] = events.y[i];
-    events.p[kept] = events.p[i];
-    events.t[kept++] = static_cast<int64_t>(leaves_us);
+    events.set(kept++, {events.x[i], events.y[i], events.p[i], static_cast<int64_t>(leaves_us)});
   }
   events.resize(kept);
 }
@@ -53,7 +51,7 @@ std::unique_ptr<StreamPixels> EventStream::make_pixels(const LightSegment& first
     case StreamModel::kV2e:
       return make_v2e_pixels(options_, first);
     case StreamModel::kPixel:
-      return uses_reference_ ? make_reference_physical_pixels(options_, first) : make_physical_pixels(options_, first);
+      return make_physical_pixels(options_, first);
     case StreamModel::kQuantised:
     case StreamModel::kReferenceAware:
       break;

@@ -53,16 +53,12 @@ class EventStream {
     return readout_.lost();
   }  ///< number of events lost to the readout limit
 
-  /// Uses the scalar reference implementation if there is one. It must be called before the first segment.
-  void use_reference() { uses_reference_ = true; }
-
  private:
   EventStream(const StreamOptions& options, size_t height, size_t width);
   [[nodiscard]] std::unique_ptr<StreamPixels> make_pixels(const LightSegment& first) const;
 
   StreamOptions options_;
   size_t height_, width_;
-  bool uses_reference_ = false;
   int64_t now_us_ = 0;
   std::unique_ptr<StreamPixels> pixels_;
   std::vector<std::vector<PixelEvent>> parts_;

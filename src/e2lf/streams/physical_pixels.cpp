@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "e2lf/base/isa.h"
 #include "e2lf/base/rng.h"
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/pixel_model.h"
@@ -70,8 +71,6 @@ struct StrayEvent {
   StrayEffect effect;
 };
 
-using NodesFunction = void (*)(const ReceptorSegment&, const ReceptorBlock&, size_t);
-
 /// The memory of the arrays of a ReceptorBlock.
 struct BlockStorage {
   std::vector<double> from = std::vector<double>(kReceptorBlock), to = from, start = from;
@@ -88,8 +87,8 @@ struct Stretch {
 
 class PhysicalPixels : public SinglePixels {
  public:
-  PhysicalPixels(const StreamOptions& options, const LightSegment& first, NodesFunction nodes)
-      : SinglePixels(first.from.size()), options_(options), nodes_(nodes), pixels_(count()) {
+  PhysicalPixels(const StreamOptions& options, const LightSegment& first)
+      : SinglePixels(first.from.size()), options_(options), pixels_(count()) {
     for (size_t i = 0; i < count(); ++i) {
       PhysicalPixel& pixel = pixels_[i];
       pixel.thresholds = sensor::draw_thresholds(constants(), options.map_seed, i);
@@ -108,7 +107,6 @@ class PhysicalPixels : public SinglePixels {
   void advance(const LightSegment& segment, std::vector<std::vector<PixelEvent>>& parts) override {
     SinglePixels::advance(segment, parts);
     was_black_ = segment.is_black;
-    ++segment_;
   }
 
  private:
@@ -268,7 +266,7 @@ class PhysicalPixels : public SinglePixels {
     const PixelDefects& defects = options_.defects;
     const double shot_hz = defects.shot_rate_hz / exposure, hot_hz = pixels_[i].is_hot ? defects.hot_rate_hz : 0.0;
     if (shot_hz + hot_hz > 0) {
-      DrawSequence draws(options_.seed, sensor::kDefectStream + segment_, i);
+      DrawSequence draws(options_.seed, sensor::kDefectStream + segment_number(), i);
       const double duration_s = stretch.receptor.duration_s;
       for (double t = draws.wait(shot_hz + hot_hz); t < duration_s; t += draws.wait(shot_hz + hot_hz)) {
         const double kind = draws.uniform() * (shot_hz + hot_hz);
@@ -276,10 +274,8 @@ class PhysicalPixels : public SinglePixels {
                           kind < hot_hz ? StrayEffect::kNone : StrayEffect::kReset});
       }
     }
-    if (strays.size() > 1) {
-      std::sort(strays.begin(), strays.end(),
-                [](const StrayEvent& a, const StrayEvent& b) { return a.time_s < b.time_s; });
-    }
+    std::sort(strays.begin(), strays.end(),
+              [](const StrayEvent& a, const StrayEvent& b) { return a.time_s < b.time_s; });
   }
 
   /// Draws at most one event of each sign per pattern, at any time in it, and none in black, as in the closed form.
@@ -296,8 +292,8 @@ class PhysicalPixels : public SinglePixels {
   }
 
   StreamOptions options_;
-  NodesFunction nodes_;
-  uint64_t segment_ = 0;
+  void (*nodes_)(const ReceptorSegment&, const ReceptorBlock&,
+                 size_t) = current_isa() == "scalar" ? reference_receptor_nodes : receptor_nodes;
   bool was_black_ = false;  ///< in the previous segment
   std::vector<PhysicalPixel> pixels_;
 };
@@ -305,11 +301,7 @@ class PhysicalPixels : public SinglePixels {
 }  // namespace
 
 std::unique_ptr<StreamPixels> make_physical_pixels(const StreamOptions& options, const LightSegment& first) {
-  return std::make_unique<PhysicalPixels>(options, first, &receptor_nodes);
-}
-
-std::unique_ptr<StreamPixels> make_reference_physical_pixels(const StreamOptions& options, const LightSegment& first) {
-  return std::make_unique<PhysicalPixels>(options, first, &reference_receptor_nodes);
+  return std::make_unique<PhysicalPixels>(options, first);
 }
 
 }  // namespace e2lf::streams

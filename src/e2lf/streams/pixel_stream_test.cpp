@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "e2lf/base/isa.h"
 #include "testing/pixel_levels.h"
 #include "testing/test_light.h"
 
@@ -13,13 +14,17 @@ using enum capture::PixelConstant;
 constexpr double kDarkLevel = 0.01;
 
 /// What the fast nodes and the reference must both do.
-class PixelStream : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(FastAndReference, PixelStream, testing::Bool());
+class PixelStream : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override { ASSERT_TRUE(set_max_isa(GetParam())); }
+  void TearDown() override { ASSERT_TRUE(set_max_isa("")); }
+};
+INSTANTIATE_TEST_SUITE_P(FastAndReference, PixelStream, testing::Values("", "scalar"));
 
 TEST_P(PixelStream, IsEquations9And10ExactlyWithoutLagAndMismatch) {
   constexpr size_t kHeight = 50, kWidth = 60, kPatterns = 5;
   const auto options = ideal_pixels();
-  TestLight light(options, kHeight, kWidth, GetParam());
+  TestLight light(options, kHeight, kWidth);
   const CounterRng rng(1, 0);
   std::vector<double> reference(kHeight * kWidth, std::log(kDarkLevel));
   std::vector<int> expected, found((kPatterns - 1) * kHeight * kWidth);
@@ -49,7 +54,7 @@ TEST_P(PixelStream, AStepIsPassedWhenPhotoreceptorAndAmplifierHaveFollowed) {
   auto options = ideal_pixels(static_cast<float>(kThreshold));
   options.pixel[kReceptorRate] = static_cast<float>(kReceptor);
   options.pixel[kAmplifierRate] = static_cast<float>(kAmplifier);
-  TestLight light(options, 1, 1, GetParam());
+  TestLight light(options, 1, 1);
   light.show(0.0F, 1000);
   light.show(static_cast<float>(kLight), 12000);
   const double exposure = kLight / kDarkLevel + 1;
@@ -70,7 +75,7 @@ TEST_P(PixelStream, ARampFollowsThePhotoreceptorsDifferentialEquation) {
   constexpr double kReceptor = 30.0, kThreshold = 0.02, kRiseS = 0.004;
   auto options = ideal_pixels(static_cast<float>(kThreshold));
   options.pixel[kReceptorRate] = static_cast<float>(kReceptor);
-  TestLight light(options, 1, 1, GetParam());
+  TestLight light(options, 1, 1);
   light.show(0.0F, 1000);
   light.ramp(0.0F, 0.5F, 4000);
   light.ramp(0.5F, 0.05F, 4000);
@@ -90,7 +95,7 @@ TEST_P(PixelStream, ARampFollowsThePhotoreceptorsDifferentialEquation) {
 }
 
 TEST_P(PixelStream, ASinusoidIsCrossedAtItsArcsines) {
-  TestLight light(ideal_pixels(), 1, 1, GetParam());
+  TestLight light(ideal_pixels(), 1, 1);
   constexpr double kHz = 50.0;
   light.follow([](double t) { return light_of_log(-2.0 + std::sin(2 * std::numbers::pi * kHz * t)); }, 19200, 20);
   ASSERT_EQ(light.events().size(), 11U);
@@ -109,7 +114,7 @@ void rise(TestLight& light, double per_s, int64_t duration_us) {
 TEST_P(PixelStream, ABlindPixelStartsFromTheLevelItHasAfterwards) {
   auto options = ideal_pixels();
   options.defects.refractory_us = 50000;
-  TestLight light(options, 1, 1, GetParam());
+  TestLight light(options, 1, 1);
   rise(light, 3.0, 1590000);  // a threshold in 100 ms, then 50 ms of nothing
   ASSERT_EQ(light.events().size(), 10U);
   for (size_t i = 0; i < 10; ++i) {
@@ -120,7 +125,7 @@ TEST_P(PixelStream, ABlindPixelStartsFromTheLevelItHasAfterwards) {
 TEST_P(PixelStream, ABlindPixelLosesTheRestOfAStep) {
   auto options = ideal_pixels();
   options.defects.refractory_us = 500;
-  TestLight light(options, 1, 1, GetParam());
+  TestLight light(options, 1, 1);
   light.show(0.0F, 1000);
   light.show(0.5F, 10000);
   EXPECT_EQ(light.events().size(), 1U);
@@ -129,7 +134,7 @@ TEST_P(PixelStream, ABlindPixelLosesTheRestOfAStep) {
 TEST_P(PixelStream, ALeakMakesEventsAtItsRate) {
   auto options = ideal_pixels();
   options.defects.leak_rate_hz = 2;
-  TestLight light(options, 10, 10, GetParam());
+  TestLight light(options, 10, 10);
   for (int second = 0; second < 10; ++second) light.show(0.3F, 1000100);
   ASSERT_EQ(light.events().size(), 2000U);
   EXPECT_EQ(light.num_on(), 2000U);
@@ -140,7 +145,7 @@ TEST_P(PixelStream, ShotEventsAreRarerInLightAndOfBothSigns) {
   constexpr double kHz = 5.0, kSeconds = 10.0, kPixels = 2500;
   auto options = ideal_pixels();
   options.defects.shot_rate_hz = kHz;
-  TestLight dark(options, 50, 50, GetParam()), lit(options, 50, 50, GetParam());
+  TestLight dark(options, 50, 50), lit(options, 50, 50);
   for (int second = 0; second < 10; ++second) {
     dark.show(0.0F, 1000000);
     lit.show(0.04F, 1000000);
@@ -162,7 +167,7 @@ TEST_P(PixelStream, HotPixelsFireAllTheTimeAndStayTheSame) {
   options.defects.hot_share = 0.02;
   options.defects.hot_rate_hz = 400;
   options.map_seed = 3;
-  TestLight light(options, 100, 100, GetParam());
+  TestLight light(options, 100, 100);
   light.show(0.5F, 500000);
   light.show(0.5F, 500000);
   std::vector<int> first(10000), second(10000);
@@ -184,7 +189,7 @@ TEST_P(PixelStream, ThresholdsDifferFromPixelToPixelAsStated) {
   auto options = ideal_pixels();
   options.pixel[kMismatch] = 0.08F;
   options.pixel[kMismatchEach] = 0.06F;
-  TestLight light(options, kSide, kSide, GetParam());
+  TestLight light(options, kSide, kSide);
   light.show(0.1F, 1000);
   light.ramp(0.1F, 0.35F, 1000000);
   const auto thresholds = first_thresholds(
@@ -201,12 +206,14 @@ TEST(PixelStreamNodes, TheFastOnesMakeTheEventsOfTheReference) {
   options.defects = {.refractory_us = 100, .leak_rate_hz = 1, .shot_rate_hz = 10, .hot_share = 0.01};
   std::vector<float> bright(61 * 77);
   for (size_t i = 0; i < bright.size(); ++i) bright[i] = static_cast<float>(i) / 4697.0F;
-  TestLight fast(options, 61, 77, false), reference(options, 61, 77, true);
+  TestLight fast(options, 61, 77), reference(options, 61, 77);
   for (TestLight* light : {&fast, &reference}) {
+    ASSERT_TRUE(set_max_isa(light == &reference ? "scalar" : ""));
     light->show(0.0F, 15000);
     light->show(bright, 10000);
     light->ramp(0.5F, 0.02F, 10000);
   }
+  ASSERT_TRUE(set_max_isa(""));
   ASSERT_EQ(fast.events().size(), reference.events().size());
   size_t different = 0;
   for (size_t i = 0; i < fast.events().size(); ++i) different += fast.events()[i] == reference.events()[i] ? 0 : 1;
@@ -217,7 +224,7 @@ TEST_P(PixelStream, AgreesWithTheOtherFormsOfThePhysicalPixel) {
   constexpr float kThreshold = 0.01F;
   auto options = ideal_pixels(kThreshold);
   options.pixel = capture::lagging_camera(kThreshold).pixel;
-  TestLight light(options, 1, 1, GetParam());
+  TestLight light(options, 1, 1);
   light.show(static_cast<float>(capture::kInverseLight), 1000);
   const auto levels = capture::pixel_levels(options.pixel);
   for (size_t n = 0; n < 4; ++n) {

@@ -25,11 +25,6 @@ class EsimPixels : public SinglePixels {
     for (size_t i = 0; i < count(); ++i) pixels_[i].reference = pixels_[i].level = log_of(first.from[i]);
   }
 
-  void advance(const LightSegment& segment, std::vector<std::vector<PixelEvent>>& parts) override {
-    SinglePixels::advance(segment, parts);
-    ++segment_;
-  }
-
  private:
   void follow(const LightSegment& segment, size_t begin, size_t end, PixelEventSink events) override {
     const auto duration_us = static_cast<double>(segment.end_us - segment.begin_us);
@@ -45,7 +40,7 @@ class EsimPixels : public SinglePixels {
   [[nodiscard]] std::array<float, 2> thresholds_of(size_t i) const {
     const auto& constants = options_.constants;
     if (constants.sigma_z == 0) return {constants.tau, constants.tau};
-    const auto words = CounterRng(options_.seed, sensor::kSegmentStream + segment_).bits(i);
+    const auto words = CounterRng(options_.seed, sensor::kSegmentStream + segment_number()).bits(i);
     const auto [first, second] = sensor::normals_of(words[0], words[1]);
     return {std::max(constants.tau + constants.sigma_z * first, sensor::kMinThreshold),
             std::max(constants.tau + constants.sigma_z * second, sensor::kMinThreshold)};
@@ -78,7 +73,6 @@ class EsimPixels : public SinglePixels {
   }
 
   StreamOptions options_;
-  uint64_t segment_ = 0;
   std::vector<EsimPixel> pixels_;
 };
 

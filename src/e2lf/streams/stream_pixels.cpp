@@ -158,10 +158,8 @@ void append_in_time(const std::vector<std::vector<PixelEvent>>& parts, const Lig
   for (const auto& part : parts) count += part.size();
   columns.resize(place + count);
   const auto put = [&](size_t at, PixelEvent event) {
-    columns.x[at] = static_cast<uint16_t>(event.pixel() % width);
-    columns.y[at] = static_cast<uint16_t>(event.pixel() / width);
-    columns.p[at] = static_cast<uint8_t>(event.is_on());
-    columns.t[at] = segment.begin_us + event.offset_us();
+    columns.set(at, {static_cast<uint16_t>(event.pixel() % width), static_cast<uint16_t>(event.pixel() / width),
+                     static_cast<uint8_t>(event.is_on()), segment.begin_us + event.offset_us()});
   };
   const int64_t duration_us = segment.end_us - segment.begin_us;
   if (duration_us <= kLongestTable) {

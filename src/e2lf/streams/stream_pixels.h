@@ -164,22 +164,23 @@ class SinglePixels : public StreamPixels {
  protected:
   explicit SinglePixels(size_t count) : count_(count) {}
   [[nodiscard]] size_t count() const { return count_; }
+  /// Returns the number of segments before this one.
+  [[nodiscard]] uint64_t segment_number() const { return segment_number_; }
 
   /// Follows the pixels [begin, end) of one part.
   virtual void follow(const LightSegment& segment, size_t begin, size_t end, PixelEventSink events) = 0;
 
  private:
   size_t count_;
+  uint64_t segment_number_ = 0;
 };
 
-/// Make pixels in the steady state for the light of `first`.
+/// Make pixels in the steady state for the light of `first`. Under the cap "scalar" of base/isa.h, physical pixels use
+/// the plain arithmetic of the C library, as the reference for the fast ones.
 [[nodiscard]] std::unique_ptr<StreamPixels> make_step_pixels(const StreamOptions& options, const LightSegment& first);
 [[nodiscard]] std::unique_ptr<StreamPixels> make_esim_pixels(const StreamOptions& options, const LightSegment& first);
 [[nodiscard]] std::unique_ptr<StreamPixels> make_v2e_pixels(const StreamOptions& options, const LightSegment& first);
 [[nodiscard]] std::unique_ptr<StreamPixels> make_physical_pixels(const StreamOptions& options,
                                                                  const LightSegment& first);
-/// Makes the same pixels with plain scalar arithmetic of the C library, as the reference for the fast ones.
-[[nodiscard]] std::unique_ptr<StreamPixels> make_reference_physical_pixels(const StreamOptions& options,
-                                                                           const LightSegment& first);
 
 }  // namespace e2lf::streams

@@ -7,6 +7,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/capture/patterns/codes.h"
+#include "e2lf/cycles/synthesise.h"
 #include "e2lf/sensor/coded_intensity.h"
 
 namespace e2lf::streams {
@@ -116,7 +117,7 @@ Result<recordings::EventBatch> VirtualRig::play_cycle() {
   late_.clear();
   const size_t first = options_.schedule.first_of_cycle();
   const auto show_pattern = [&](size_t i) {
-    add_trigger(batch);
+    cycles::add_pulse(now_us_, options_.trigger_channel, options_.trigger_width_us, batch.triggers);
     return show(shown_[i], now_us_ + options_.schedule.patterns[i].interval_us(), batch.events);
   };
   for (size_t i = 0; i < first && pattern_ < first; ++i) E2LF_RETURN_IF_ERROR(show_pattern(i));
@@ -147,14 +148,6 @@ capture::EventImages VirtualRig::sum_windows(const recordings::EventBatch& batch
     }
   }
   return images;
-}
-
-void VirtualRig::add_trigger(recordings::EventBatch& batch) const {
-  if (!options_.trigger_channel) return;
-  batch.triggers.push_back({now_us_, *options_.trigger_channel, 1});
-  if (options_.trigger_width_us > 0) {
-    batch.triggers.push_back({now_us_ + options_.trigger_width_us, *options_.trigger_channel, 0});
-  }
 }
 
 /// Shows one pattern, from stop to stop; a stop is a knot of the scene or the end of the rise.

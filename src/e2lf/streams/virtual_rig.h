@@ -91,7 +91,6 @@ class VirtualRig {
   [[nodiscard]] bool is_rising(int64_t pattern_begin_us) const;
   void light_at(int64_t t_us, ShownPattern shown, std::vector<float>& light);
   void light_of_rise(int64_t t_us, int64_t pattern_begin_us, ShownPattern shown, std::vector<float>& light);
-  void add_trigger(recordings::EventBatch& batch) const;
 
   RigOptions options_;
   std::vector<ShownPattern> shown_;
