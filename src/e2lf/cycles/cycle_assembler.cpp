@@ -64,20 +64,6 @@ int64_t evidence_window_us(const Schedule& schedule) {
 
 }  // namespace
 
-const char* cycle_fault_name(CycleFault fault) {
-  switch (fault) {
-    case CycleFault::kMissing:
-      return "missing";
-    case CycleFault::kDoubled:
-      return "doubled";
-    case CycleFault::kLost:
-      return "lost";
-    case CycleFault::kPartial:
-      return "partial";
-  }
-  E2LF_REQUIRE(false, "a fault without a name");
-}
-
 CycleAssembler::CycleAssembler(const CycleOptions& options, size_t width, size_t height)
     : options_(options),
       width_(width),

@@ -79,46 +79,9 @@ class CycleReader::Impl {
         tracker_(tracked_schedule(options), tracker_options(options)),
         assembler_(options, reader_->info().width, reader_->info().height) {}
 
-  Result<std::optional<Cycle>> next() {
-    for (;;) {
-      if (auto cycle = assembler_.take()) {
-        cycle->known_us = last_us_;
-        cycle->arrival = reader_->arrival();
-        saturated_ += cycle->saturated;
-        if (cycle->saturated > 0 && reader_->options().policy == recordings::DecodePolicy::kStrict) {
-          return recordings::saturation_error(cycle->saturated, cat(reader_->name(), ": cycle ", cycle->number));
-        }
-        return cycle;
-      }
-      if (has_ended_) return std::optional<Cycle>();
-      E2LF_RETURN_IF_ERROR(advance());
-    }
-  }
-
-  void read_whole_every(uint64_t cycles) {
-    const bool can_skip = options_.source == CycleSource::kTriggers && !options_.one_trigger_per_cycle;
-    assembler_.make_whole_every(can_skip ? cycles : 1);
-    if (cycles == 1 && has_skipped_) reader_->skip_events(0, 0);
-  }
-
-  CycleReport report() const {
-    CycleReport report = assembler_.report();
-    report.marks = marks_;
-    report.unassigned_marks = tracker_.unassigned_marks();
-    report.has_assumed_first = tracker_.has_assumed_first();
-    return report;
-  }
-
-  recordings::DecodeSummary summary() const {
-    recordings::DecodeSummary summary = reader_->summary();
-    summary.saturated += saturated_;
-    return summary;
-  }
-
-  const recordings::RecordingReader& recording() const { return *reader_; }
-  const CycleOptions& options() const { return options_; }
-
  private:
+  friend class CycleReader;
+
   /// Returns the next batch, first those that were read in advance and then from the recording.
   Result<bool> read_batch() {
     if (beginning_.empty()) return reader_->read(batch_, kBatchEvents);
@@ -135,8 +98,7 @@ class CycleReader::Impl {
       for (uint8_t& p : batch_.events.p) p = p != 0 ? 0 : 1;
     }
     if (options_.on_batch) options_.on_batch(batch_);
-    if (!batch_.events.empty()) last_us_ = std::max(last_us_, batch_.events.t.back());
-    if (!batch_.triggers.empty()) last_us_ = std::max(last_us_, batch_.triggers.back().t);
+    last_us_ = std::max(last_us_, batch_.last_us());
     found_.clear();
     int64_t known_us = last_us_;
     switch (options_.source) {
@@ -308,23 +270,46 @@ CycleReader::~CycleReader() = default;
 
 void CycleReader::read_whole_every(uint64_t cycles) {
   E2LF_REQUIRE(cycles > 0, "cycles are read as a whole now and then");
-  impl_->read_whole_every(cycles);
+  const bool can_skip = source() == CycleSource::kTriggers && !options().one_trigger_per_cycle;
+  impl_->assembler_.make_whole_every(can_skip ? cycles : 1);
+  if (cycles == 1 && impl_->has_skipped_) impl_->reader_->skip_events(0, 0);
 }
 
 Result<std::optional<Cycle>> CycleReader::next() {
-  return impl_->next();
+  for (;;) {
+    if (auto cycle = impl_->assembler_.take()) {
+      cycle->known_us = impl_->last_us_;
+      cycle->arrival = recording().arrival();
+      impl_->saturated_ += cycle->saturated;
+      if (cycle->saturated > 0 && recording().options().policy == recordings::DecodePolicy::kStrict) {
+        return recordings::saturation_error(cycle->saturated, cat(recording().name(), ": cycle ", cycle->number));
+      }
+      return cycle;
+    }
+    if (impl_->has_ended_) return std::optional<Cycle>();
+    E2LF_RETURN_IF_ERROR(impl_->advance());
+  }
 }
+
 CycleReport CycleReader::report() const {
-  return impl_->report();
+  CycleReport report = impl_->assembler_.report();
+  report.marks = impl_->marks_;
+  report.unassigned_marks = impl_->tracker_.unassigned_marks();
+  report.has_assumed_first = impl_->tracker_.has_assumed_first();
+  return report;
 }
+
 recordings::DecodeSummary CycleReader::summary() const {
-  return impl_->summary();
+  recordings::DecodeSummary summary = recording().summary();
+  summary.saturated += impl_->saturated_;
+  return summary;
 }
+
 const CycleOptions& CycleReader::options() const {
-  return impl_->options();
+  return impl_->options_;
 }
 const recordings::RecordingReader& CycleReader::recording() const {
-  return impl_->recording();
+  return *impl_->reader_;
 }
 
 }  // namespace e2lf::cycles

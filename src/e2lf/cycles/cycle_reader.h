@@ -95,7 +95,12 @@ enum class CycleFault {
   kPartial,  ///< the recording begins or ends within it
 };
 inline constexpr size_t kNumCycleFaults = 4;
-[[nodiscard]] const char* cycle_fault_name(CycleFault fault);
+
+/// The names of the faults in reports, in the order of their values.
+inline constexpr Choice<CycleFault> kCycleFaults[kNumCycleFaults] = {{"missing", CycleFault::kMissing},
+                                                                     {"doubled", CycleFault::kDoubled},
+                                                                     {"lost", CycleFault::kLost},
+                                                                     {"partial", CycleFault::kPartial}};
 
 struct DroppedCycle {
   uint64_t number = 0;

@@ -45,10 +45,8 @@ Result<void> WindowReader::take(size_t end, EventWindow& window) {
   window.events.append(batch_.events, event_, end);
   event_ = end;
   if (window.events.size() <= options_.max_events) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("a window from ", window.events.t.front(), " us on holds more than ", options_.max_events,
-                   " events; make windows shorter"),
-               reader_->name()};
+  return fail(ErrorCode::kInvalidValue, reader_->name(), "a window from ", window.events.t.front(),
+              " us on holds more than ", options_.max_events, " events; make windows shorter");
 }
 
 /// Rejects a gap of many windows, which indicates damage or a wrong length of the windows.
@@ -56,10 +54,8 @@ Result<void> WindowReader::check_gap() const {
   const int64_t next_us = batch_.events.t[event_];
   const int64_t windows = (next_us - *begin_us_) / options_.duration_us;
   if (windows <= options_.max_empty) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("there is no event from ", *begin_us_, " to ", next_us, " us, for ", windows,
-                   " windows; make windows longer, or choose a part of the recording"),
-               reader_->name()};
+  return fail(ErrorCode::kInvalidValue, reader_->name(), "there is no event from ", *begin_us_, " to ", next_us,
+              " us, for ", windows, " windows; make windows longer, or choose a part of the recording");
 }
 
 Result<bool> WindowReader::next_by_time(EventWindow& window) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/options.h"
@@ -13,9 +14,7 @@ namespace {
 
 constexpr int64_t kPaperOverheadUs = 592;
 
-const char* sign_name(BurstSign sign) {
-  return sign == BurstSign::kOn ? "on" : sign == BurstSign::kOff ? "off" : "any";
-}
+constexpr Choice<BurstSign> kSigns[] = {{"any", BurstSign::kAny}, {"on", BurstSign::kOn}, {"off", BurstSign::kOff}};
 
 Result<ScheduledPattern> parse_pattern(const Json& json, const std::string& location) {
   ScheduledPattern pattern;
@@ -27,12 +26,8 @@ Result<ScheduledPattern> parse_pattern(const Json& json, const std::string& loca
       .read("image", pattern.image)
       .read("sign", sign);
   E2LF_RETURN_IF_ERROR(reader.finish());
-  for (const BurstSign known : {BurstSign::kAny, BurstSign::kOn, BurstSign::kOff}) {
-    if (sign != sign_name(known)) continue;
-    pattern.sign = known;
-    return pattern;
-  }
-  return Error{ErrorCode::kInvalidValue, cat("sign \"", sign, "\" is unknown; use on, off or any"), location};
+  E2LF_ASSIGN_OR_RETURN(pattern.sign, choice_of(sign, kSigns, "sign", location));
+  return pattern;
 }
 
 }  // namespace
@@ -104,18 +99,15 @@ Result<void> validate(const Schedule& schedule, const std::string& location) {
   for (size_t i = 0; i < schedule.size(); ++i) {
     const ScheduledPattern& pattern = schedule.patterns[(first + i) % schedule.size()];
     if (pattern.duration_us < 1 || pattern.overhead_us < 0) {
-      return Error{ErrorCode::kInvalidValue, cat("pattern \"", pattern.name, "\" is not shown for a positive time"),
-                   location};
+      return fail(ErrorCode::kInvalidValue, location, "pattern \"", pattern.name,
+                  "\" is not shown for a positive time");
     }
     if (pattern.image && *pattern.image != images++) {
-      return Error{ErrorCode::kInvalidValue, "images must be numbered 0, 1, ... in the order of the patterns",
-                   location};
+      return fail(ErrorCode::kInvalidValue, location, "images must be numbered 0, 1, ... in the order of the patterns");
     }
   }
-  if (images == 0) {
-    return Error{ErrorCode::kInvalidValue, "no pattern's events are used; give a pattern an \"image\"", location};
-  }
-  return {};
+  if (images > 0) return {};
+  return fail(ErrorCode::kInvalidValue, location, "no pattern's events are used; give a pattern an \"image\"");
 }
 
 Result<Schedule> parse_schedule(const std::string& text, const std::string& name) {
@@ -133,11 +125,9 @@ Result<Schedule> parse_schedule(const std::string& text, const std::string& name
     E2LF_ASSIGN_OR_RETURN(schedule.codes, capture::codes_from_json(codes, cat(name, ": $.codes")));
   }
   if (patterns.is_array() && !patterns.empty() && patterns[0].is_array()) {
-    return Error{
-        ErrorCode::kInvalidValue,
-        "the file contains patterns, not their times; give it as `codes`, and as `schedule` the schedule.json that "
-        "`e2lf codes render` writes beside the images of the patterns",
-        name};
+    return fail(ErrorCode::kInvalidValue, name,
+                "the file contains patterns, not their times; give it as `codes`, and as `schedule` the schedule.json "
+                "that `e2lf codes render` writes beside the images of the patterns");
   }
   for (size_t i = 0; patterns.is_array() && i < patterns.size(); ++i) {
     E2LF_ASSIGN_OR_RETURN(auto pattern, parse_pattern(patterns[i], cat(name, ": $.patterns[", i, "]")));
@@ -158,7 +148,7 @@ std::string schedule_text(const Schedule& schedule) {
     Json json = {{"name", pattern.name},
                  {"duration_us", pattern.duration_us},
                  {"overhead_us", pattern.overhead_us},
-                 {"sign", sign_name(pattern.sign)}};
+                 {"sign", word_of(pattern.sign, kSigns)}};
     if (pattern.image) json["image"] = *pattern.image;
     patterns.push_back(std::move(json));
   }
@@ -183,10 +173,8 @@ Result<ShownPattern> shown_pattern(std::string name, size_t num_codes) {
     shown.code = number - 1;
     return shown;
   }
-  return Error{ErrorCode::kInvalidValue,
-               cat("the schedule's pattern \"", name, "\" is not one of the codes; call it a1 ... a", num_codes,
-                   ", or inverse a1 ... inverse a", num_codes),
-               ""};
+  return fail(ErrorCode::kInvalidValue, "", "the schedule's pattern \"", name,
+              "\" is not one of the codes; call it a1 ... a", num_codes, ", or inverse a1 ... inverse a", num_codes);
 }
 
 }  // namespace
@@ -198,10 +186,8 @@ Result<std::vector<ShownPattern>> shown_patterns(const Schedule& schedule, size_
   }
   const size_t images = schedule.num_images();
   if (shown.empty() || (images + 1 != num_codes && images != schedule.size())) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the schedule makes ", images, " event images, ", num_codes, " codes make ", num_codes - 1,
-                     "; use a schedule for these codes"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "the schedule makes ", images, " event images, ", num_codes,
+                " codes make ", num_codes - 1, "; use a schedule for these codes");
   }
   return shown;
 }

@@ -16,8 +16,7 @@ std::string dropped_text(const cycles::CycleReport& report) {
   std::string text;
   for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
     if (report.dropped[i] == 0) continue;
-    text +=
-        cat(", ", report.dropped[i], " dropped (", cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i)), ")");
+    text += cat(", ", report.dropped[i], " dropped (", cycles::kCycleFaults[i].word, ")");
   }
   return text;
 }
@@ -41,7 +40,7 @@ Json report_json(const diagnose::RigCheck& rig, const cycles::CycleReader& reade
   const cycles::CycleReport report = reader.report();
   Json dropped = Json::object();
   for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
-    dropped[cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i))] = report.dropped[i];
+    dropped[cycles::kCycleFaults[i].word] = report.dropped[i];
   }
   Json json = {{"complete", report.complete},
                {"dropped", dropped},

@@ -85,7 +85,7 @@ void Statistics::add_field(double latency_s, double reconstruct_s) {
 void Statistics::set_report(const cycles::CycleReport& report, const recordings::DecodeSummary& summary, Json rig) {
   Json dropped = Json::object(), left_out = Json::object();
   for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
-    dropped[cycles::cycle_fault_name(static_cast<cycles::CycleFault>(i))] = report.dropped[i];
+    dropped[cycles::kCycleFaults[i].word] = report.dropped[i];
   }
   for (const recordings::Loss& loss : recordings::losses(summary)) left_out[loss.reason] = loss.count;
   Json json = {{"dropped_cycles", std::move(dropped)},   {"silenced_pixels", report.hot_pixels},
