@@ -2,8 +2,6 @@
 #include "e2lf/live/recorder.h"
 
 #include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <fcntl.h>
 
 #include "e2lf/base/log.h"
@@ -12,27 +10,6 @@
 
 namespace e2lf::live {
 namespace fs = std::filesystem;
-namespace {
-
-/// A sink that counts the bytes it forwards to another sink.
-class CountingSink final : public recordings::ByteSink {
- public:
-  CountingSink(std::unique_ptr<recordings::ByteSink> sink, std::shared_ptr<std::atomic<uint64_t>> bytes)
-      : sink_(std::move(sink)), bytes_(std::move(bytes)) {}
-  Result<void> write(std::span<const uint8_t> bytes) override {
-    E2LF_RETURN_IF_ERROR(sink_->write(bytes));
-    *bytes_ += bytes.size();
-    return {};
-  }
-  Result<void> commit() override { return sink_->commit(); }
-  std::string name() const override { return sink_->name(); }
-
- private:
-  std::unique_ptr<recordings::ByteSink> sink_;
-  std::shared_ptr<std::atomic<uint64_t>> bytes_;
-};
-
-}  // namespace
 
 Recorder::Recorder(fs::path folder, recordings::RecordingInfo info)
     : folder_(std::move(folder)), info_(std::move(info)) {
@@ -47,20 +24,13 @@ Result<void> Recorder::begin() {
   }
   int descriptor = -1;
   do {
-    char name[32];
-    std::snprintf(name, sizeof name, "recording_%03zu.raw", number_++);
-    file_ = folder_ / name;
+    file_ = folder_ / formatted("recording_%03zu.raw", number_++);
     descriptor = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (descriptor < 0 && errno == EEXIST);
-  if (descriptor < 0) {
-    return Error{ErrorCode::kIo, cat("cannot be created (", std::strerror(errno), "); check space and permissions"),
-                 file_.string()};
-  }
-  *bytes_ = 0;
+  if (descriptor < 0) return fail_to("create", file_, errno);
   error_.clear();
   auto sink = recordings::make_descriptor_sink(descriptor, /*owned=*/true, file_.string());
-  E2LF_ASSIGN_OR_RETURN(
-      writer_, recordings::create_recording(std::make_unique<CountingSink>(std::move(sink), bytes_), "evt3", info_));
+  E2LF_ASSIGN_OR_RETURN(writer_, recordings::create_recording(std::move(sink), "evt3", info_));
   return {};
 }
 
@@ -88,18 +58,19 @@ void Recorder::write(const recordings::EventBatch& batch) {
   const Result<void> written = writer_->write(batch);
   if (written) return;
   // The file keeps what was written before; of two errors, the first one states the cause.
-  if (finish()) {
-  }
+  (void)finish();
   error_ = written.error().text();
   log_warning(cat("the recording has ended: ", error_));
 }
 
 Json Recorder::json() const {
   const std::lock_guard lock(mutex_);
+  std::error_code error;
+  const uintmax_t bytes = fs::file_size(file_, error);
   return {{"can_record", !folder_.empty()},
           {"is_recording", writer_ != nullptr},
           {"file", file_.string()},
-          {"bytes", bytes_->load()},
+          {"bytes", error ? 0 : bytes},
           {"error", error_}};
 }
 

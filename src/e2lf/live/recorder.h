@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -21,7 +19,7 @@ class Recorder {
   /// Recordings are written to `folder`, which must exist. If it is empty, begin() fails.
   Recorder(std::filesystem::path folder, recordings::RecordingInfo info);
 
-  /// Starts a recording unless one is in progress. Fails with kInvalidValue (no folder) and kIo.
+  /// Starts a recording unless one is in progress. Fails with kInvalidValue (no folder), kNotFound and kIo.
   [[nodiscard]] Result<void> begin();
   /// Ends the recording if one is in progress. Fails with kIo.
   [[nodiscard]] Result<void> end();
@@ -41,7 +39,6 @@ class Recorder {
   recordings::RecordingInfo info_;
   mutable std::mutex mutex_;
   std::unique_ptr<recordings::RecordingWriter> writer_;
-  std::shared_ptr<std::atomic<uint64_t>> bytes_ = std::make_shared<std::atomic<uint64_t>>(0);
   std::string error_;
   size_t number_ = 0;
 };

@@ -35,6 +35,11 @@ FieldReport report_of(const LiveCycle& cycle, const QualityLevel& level, double 
           seconds_since(cycle.last_event)};
 }
 
+bool is_recent(Clock::rep asked) {
+  constexpr std::chrono::seconds kAskedRecently{1};
+  return Clock::now().time_since_epoch().count() - asked < Clock::duration(kAskedRecently).count();
+}
+
 }  // namespace
 
 Session::Session(std::unique_ptr<LiveReader> reader, std::vector<FieldMaker> makers, SessionOptions options)
@@ -72,10 +77,6 @@ Result<void> Session::wait() {
   return {};
 }
 
-bool Session::has_ended() const {
-  return has_ended_;
-}
-
 void Session::fail(const Error& error) {
   const std::lock_guard lock(settings_mutex_);
   if (!error_) error_ = error;
@@ -96,11 +97,11 @@ void Session::read() {
 void Session::reconstruct(LiveField field) {
   LiveCycle cycle;
   while (slot_.take(cycle)) {
-    if (wants_depth()) {
+    if (has_depth() && is_recent(depth_asked_)) {
       const Result<FieldReport> made = make_depth(cycle);
       if (!made) fail(made.error());
       // A cycle that is shown in both ways counts once.
-      if (!wants_picture()) {
+      if (!is_recent(picture_asked_)) {
         made ? reader_->statistics().add_field(made->latency_s, made->reconstruct_s)
              : reader_->statistics().add_skipped();
         continue;
@@ -127,24 +128,6 @@ void Session::reconstruct(LiveField field) {
     is_last_ = true;
   }
   field_changed_.notify_one();
-}
-
-namespace {
-
-constexpr std::chrono::seconds kAskedRecently{1};
-
-bool is_recent(Clock::rep asked) {
-  return Clock::now().time_since_epoch().count() - asked < Clock::duration(kAskedRecently).count();
-}
-
-}  // namespace
-
-bool Session::wants_depth() const {
-  return has_depth() && is_recent(depth_asked_);
-}
-
-bool Session::wants_picture() const {
-  return is_recent(picture_asked_);
 }
 
 Result<FieldReport> Session::make_depth(const LiveCycle& cycle) {
@@ -249,7 +232,9 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   std::unique_lock lock(settings_mutex_);
   const bool changes = field.level == pace_.level() && pace_.add(field.reconstruct_s, cycle_s);
   const QualityLevel level = pace_.level();
-  if (finds_tone) find_tone(field);
+  // As pipeline::FieldSequence determines the brightness.
+  if (finds_tone && !black_) black_ = recon::auto_black(field.light_field);
+  if (finds_tone && !gain_) gain_ = recon::auto_gain(field.light_field, *black_);
   field.black = black_.value_or(0.0F);
   field.gain = gain_.value_or(1.0F);
   lock.unlock();
@@ -280,10 +265,6 @@ void Session::choose_views(LiveField& field) {
 /// Makes field.views of a cycle.
 Result<void> Session::make_views(const LiveCycle& cycle, bool exactly, LiveField& field) {
   const std::lock_guard lock(maker_mutex_);
-  return make_views_locked(cycle, exactly, field);
-}
-
-Result<void> Session::make_views_locked(const LiveCycle& cycle, bool exactly, LiveField& field) {
   FieldMaker& maker = makers_[field.level.network];
   const size_t side = block_side(field.level.size), samples = cycle.cycles * side * side;
   if (side > 1) sum_blocks(cycle.counts.events, side, sums_.events);
@@ -292,12 +273,6 @@ Result<void> Session::make_views_locked(const LiveCycle& cycle, bool exactly, Li
                                : maker.make(counts, samples, field.views, field.light_field));
   if (!options_.views.is_upright()) lightfield::orient(field.light_field, options_.views);
   return {};
-}
-
-/// Determines the brightness as pipeline::FieldSequence does.
-void Session::find_tone(const LiveField& field) {
-  if (!black_) black_ = recon::auto_black(field.light_field);
-  if (!gain_) gain_ = recon::auto_gain(field.light_field, *black_);
 }
 
 void Session::show() {
@@ -389,8 +364,7 @@ std::optional<float> Session::disparity_at(float x, float y) {
 bool Session::complete() {
   const std::unique_lock idle(maker_mutex_, std::try_to_lock);
   if (!idle.owns_lock()) return false;
-  const Result<void> made =
-      shown_.complete([this](LiveField& field) { return make_views_locked(field.cycle, false, field); });
+  const Result<void> made = shown_.complete([this](LiveField& field) { return make_views(field.cycle, false, field); });
   if (!made) fail(made.error());
   return made.ok();
 }

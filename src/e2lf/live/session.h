@@ -175,7 +175,7 @@ class Session {
   /// Waits until the source has ended or a stop was requested, and until the last light field is shown. Fails as the
   /// source and the network do.
   [[nodiscard]] Result<void> wait();
-  [[nodiscard]] bool has_ended() const;
+  [[nodiscard]] bool has_ended() const { return has_ended_; }
 
   [[nodiscard]] LiveReader& reader() { return *reader_; }
   /// Returns the model of the fastest network, or of network `number`.
@@ -214,23 +214,18 @@ class Session {
   [[nodiscard]] LiveField prepare();
   void show();
   [[nodiscard]] Result<void> make(LiveCycle& cycle, LiveField& field);
-  [[nodiscard]] bool wants_depth() const;
-  [[nodiscard]] bool wants_picture() const;
   [[nodiscard]] Result<FieldReport> make_depth(const LiveCycle& cycle);
   void complete_depth();
   [[nodiscard]] Result<void> make_views(const LiveCycle& cycle, bool exactly, LiveField& field);
-  /// The same if maker_mutex_ is locked already.
-  [[nodiscard]] Result<void> make_views_locked(const LiveCycle& cycle, bool exactly, LiveField& field);
   [[nodiscard]] Pace pace_of(std::optional<PictureSize> size) const;
   void choose_views(LiveField& field);
   [[nodiscard]] bool complete();
-  void find_tone(const LiveField& field);
   void begin_check(const LiveCycle& cycle);
   void join();
   void fail(const Error& error);
 
   std::unique_ptr<LiveReader> reader_;
-  std::mutex maker_mutex_;
+  std::recursive_mutex maker_mutex_;
   std::vector<FieldMaker> makers_;
   capture::Measurement sums_;  ///< sums over blocks of the cycle that is being reconstructed
   SessionOptions options_;
