@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
-#include <filesystem>
 #include <gtest/gtest.h>
 #include <numeric>
 

@@ -12,23 +12,8 @@ namespace {
 
 constexpr std::string_view kTexture = "texture/", kLightField = "lightfield/";
 
-Error misfit(ErrorCode code, const std::string& name, const Tensor& tensor, const std::string& location) {
-  return Error{code,
-               cat("\"", name, "\" is ", tensor.type, " ", shape_text(tensor.shape),
-                   "; pack the data with `e2lf pack` (textures U8 [y, x], light fields U8 [8, 8, y, x])"),
-               location};
-}
-
-bool has_pixels(const Tensor& tensor) {
-  return tensor.num_elements() > 0;
-}
-
-bool is_light_field(const Tensor& tensor) {
-  return tensor.shape.size() == 4 && tensor.shape[0] == 8 && tensor.shape[1] == 8 && has_pixels(tensor);
-}
-
-bool is_texture(const Tensor& tensor) {
-  return tensor.shape.size() == 2 && has_pixels(tensor);
+bool is_light_field(const std::vector<size_t>& shape) {
+  return shape.size() == 4 && shape[0] == 8 && shape[1] == 8;
 }
 
 }  // namespace
@@ -43,11 +28,12 @@ Result<PackedData> sort_packed_data(Safetensors file, const std::string& locatio
   PackedData data;
   for (auto& [name, tensor] : file.tensors) {
     const bool texture = name.starts_with(kTexture);
-    if ((!texture && !name.starts_with(kLightField)) || tensor.type != "U8") {
-      return misfit(ErrorCode::kFormat, name, tensor, location);
-    }
-    if (!(texture ? is_texture(tensor) : is_light_field(tensor))) {
-      return misfit(ErrorCode::kShape, name, tensor, location);
+    const bool is_ours = (texture || name.starts_with(kLightField)) && tensor.type == "U8";
+    const bool has_shape = texture ? tensor.shape.size() == 2 : is_light_field(tensor.shape);
+    if (!is_ours || !has_shape || tensor.num_elements() == 0) {
+      return fail(is_ours ? ErrorCode::kShape : ErrorCode::kFormat, location, "\"", name, "\" is ", tensor.type, " ",
+                  shape_text(tensor.shape),
+                  "; pack the data with `e2lf pack` (textures U8 [y, x], light fields U8 [8, 8, y, x])");
     }
     if (texture) {
       data.textures.push_back({name.substr(kTexture.size()), std::move(tensor)});

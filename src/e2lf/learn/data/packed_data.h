@@ -32,7 +32,6 @@ struct PackedData {
 struct PackOptions {
   std::vector<std::filesystem::path> light_fields = {};  ///< files or folders of any kind that read_light_field() reads
   std::vector<std::filesystem::path> textures = {};  ///< images, or folders that are searched for .png, .jpg and .jpeg
-  bool overwrite = false;
 };
 
 struct PackSummary {
@@ -43,7 +42,7 @@ struct PackSummary {
 /// Packs light fields and photographs into one .safetensors file, 8-bit grey, for training on any machine:
 /// "lightfield/<name>" U8 [8, 8, y, x] and "texture/<folder>/<name>" U8 [y, x], named after the files without their
 /// extensions. If a light field has more than 8x8 views, the central ones are taken. Does not require torch. Fails with
-/// kExists, kInvalidValue (two inputs with the same name, an image smaller than 64x64 px, or nothing to pack) and as
+/// kInvalidValue (two inputs with the same name, an image smaller than 64x64 px, or nothing to pack) and as
 /// the readers do.
 [[nodiscard]] Result<PackSummary> pack(const std::filesystem::path& output, const PackOptions& options,
                                        const ProgressFn& progress = {});

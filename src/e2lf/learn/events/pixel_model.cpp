@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/events/pixel_model.h"
 
-#include <cmath>
 #include <vector>
 
 namespace e2lf::learn {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/kernels/winograd_conv.h"
 
-#include <algorithm>
-#include <vector>
-
 #include <hwy/aligned_allocator.h>
 
 #undef HWY_TARGET_INCLUDE

@@ -45,7 +45,7 @@ torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarTy
   torch::Tensor x;
   for (const Layer& layer : network_.layers) {
     const auto weight = [&](const std::string& part) { return weights.at(layer.name + part).to(compute); };
-    if (is_convolution(layer)) {
+    if (layer.op == Op::kConv || layer.op == Op::kConvTransposed) {
       const torch::Tensor& from = values.at(layer.inputs.front());
       if (input_means != nullptr && layer.op == Op::kConv) {
         (*input_means)[layer.name] = from.detach().mean({0, 2, 3}).to(torch::kFloat);
@@ -239,10 +239,6 @@ torch::Tensor unshuffle(const torch::Tensor& x, int64_t s) {
   const auto b = x.size(0), c = x.size(1), h = x.size(2) / s, w = x.size(3) / s;
   const auto pixels = x.permute({0, 2, 3, 1}).reshape({b, h, s, w, s, c}).permute({0, 1, 3, 5, 2, 4});
   return pixels.reshape({b, h, w, c * s * s}).permute({0, 3, 1, 2});
-}
-
-bool is_convolution(const Layer& layer) {
-  return layer.op == Op::kConv || layer.op == Op::kConvTransposed;
 }
 
 void add_operation(const std::string& name, TorchOperation operation) {

@@ -103,10 +103,7 @@ using TorchOperation = torch::Tensor (*)(const TorchCall& call);
 /// Makes an operation that was added to model::Operation known to training. A name that is taken breaks the contract.
 void add_operation(const std::string& name, TorchOperation operation);
 
-/// Returns true for convolutions and transposed ones, which convolve() computes.
-[[nodiscard]] bool is_convolution(const model::Layer& layer);
-
-/// Returns the function of an operation other than these. A name that is unknown breaks the contract.
+/// Returns the function of an operation other than convolutions. A name that is unknown breaks the contract.
 [[nodiscard]] TorchOperation find_operation(const std::string& name);
 
 }  // namespace e2lf::learn

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The part of Trainer that writes and reads checkpoints.
-#include <cstring>
+#include <charconv>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
@@ -39,16 +39,20 @@ Result<void> take_tensors(const Safetensors& file, const std::string& prefix, co
 
 }  // namespace
 
+std::vector<std::pair<const char*, const NamedTensors*>> Trainer::state() const {
+  return {{"weights/", &network_.parameters()},
+          {"average/", &average_},
+          {"momentum/", &muon_.momenta()},
+          {"first/", &adam_.first_moments()},
+          {"second/", &adam_.second_moments()},
+          {"", &pattern_parameters_},
+          {"first/", &pattern_adam_.first_moments()},
+          {"second/", &pattern_adam_.second_moments()}};
+}
+
 Result<void> Trainer::save_checkpoint(const std::filesystem::path& path) const {
   Safetensors file;
-  add_tensors(file, "weights/", network_.parameters());
-  add_tensors(file, "average/", average_);
-  add_tensors(file, "momentum/", muon_.momenta());
-  add_tensors(file, "first/", adam_.first_moments());
-  add_tensors(file, "second/", adam_.second_moments());
-  add_tensors(file, "", pattern_parameters_);
-  add_tensors(file, "first/", pattern_adam_.first_moments());
-  add_tensors(file, "second/", pattern_adam_.second_moments());
+  for (const auto& [prefix, tensors] : state()) add_tensors(file, prefix, *tensors);
   file.metadata = {{"version", kVersion}, {"step", std::to_string(step_)}, {"config", json_line(to_json(config_))}};
   return write_safetensors(path, file);
 }
@@ -60,17 +64,11 @@ Result<void> Trainer::load_checkpoint(const std::filesystem::path& path) {
     return fail(ErrorCode::kFormat, path, "this is not a training checkpoint of this version; choose another file");
   }
   const std::string location = path.string();
-  E2LF_RETURN_IF_ERROR(take_tensors(file, "weights/", network_.parameters(), location));
-  E2LF_RETURN_IF_ERROR(take_tensors(file, "average/", average_, location));
-  E2LF_RETURN_IF_ERROR(take_tensors(file, "momentum/", muon_.momenta(), location));
-  E2LF_RETURN_IF_ERROR(take_tensors(file, "first/", adam_.first_moments(), location));
-  E2LF_RETURN_IF_ERROR(take_tensors(file, "second/", adam_.second_moments(), location));
-  E2LF_RETURN_IF_ERROR(take_tensors(file, "", pattern_parameters_, location));
-  E2LF_RETURN_IF_ERROR(take_tensors(file, "first/", pattern_adam_.first_moments(), location));
-  E2LF_RETURN_IF_ERROR(take_tensors(file, "second/", pattern_adam_.second_moments(), location));
-  try {
-    step_ = std::stoull(step->second);
-  } catch (const std::exception&) {
+  for (const auto& [prefix, tensors] : state()) {
+    E2LF_RETURN_IF_ERROR(take_tensors(file, prefix, *tensors, location));
+  }
+  const std::string& number = step->second;
+  if (std::from_chars(number.data(), number.data() + number.size(), step_).ec != std::errc()) {
     return fail(ErrorCode::kFormat, location, "the step of this checkpoint is not a number; choose another checkpoint");
   }
   return {};

@@ -5,8 +5,6 @@
 #include <malloc.h>
 #endif
 
-#include <algorithm>
-
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
-#include "e2lf/files/file.h"
 #include "testing/documented_keys.h"
 
 namespace e2lf::learn {

@@ -4,7 +4,7 @@
 #include <arpa/inet.h>
 #include <charconv>
 #include <cstdlib>
-#include <exception>
+#include <stdexcept>
 #include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -35,7 +35,7 @@ std::string first_line(const std::string& text) {
 }
 
 /// Returns the error that describes the failure of a collective call.
-[[maybe_unused]] Error lost(const std::exception& error) {
+Error lost(const std::exception& error) {
   return fail(ErrorCode::kIo, "data-parallel training", "a peer ended or did not respond for ",
               Peers::kPatience.count(),
               " s; `e2lf resume` continues from the last checkpoint, with any number of processes (",
@@ -140,11 +140,11 @@ auto gloo_device(const Meeting& meeting) {
 
 }  // namespace
 
-#ifdef E2LF_C10D
-
 struct Peers::Group {
   Meeting meeting;
+#ifdef E2LF_C10D
   c10::intrusive_ptr<c10d::TCPStore> store;
+#endif
   // Torch 2 splits ProcessGroup from its backends; both have the calls used here.
 #ifdef E2LF_GLOO
   c10::intrusive_ptr<c10d::ProcessGroupGloo> gloo;
@@ -155,21 +155,31 @@ struct Peers::Group {
 
   bool open(torch::Device device);
 
-  /// Calls `work` with the transport in use.
+  /// Calls `work` with the transport in use. Fails with kIo if a peer is lost.
   template <typename Work>
-  void with(const Work& work) {
+  Result<void> with([[maybe_unused]] const Work& work) {
+    try {
 #ifdef E2LF_NCCL
-    if (nccl) return work(*nccl);
+      if (nccl) {
+        work(*nccl);
+        return {};
+      }
 #endif
 #ifdef E2LF_GLOO
-    if (gloo) return work(*gloo);
+      if (gloo) {
+        work(*gloo);
+        return {};
+      }
 #endif
-    throw std::runtime_error("no transport");
+      throw std::runtime_error("no transport");
+    } catch (const std::exception& error) {
+      return lost(error);
+    }
   }
 };
 
 /// Returns false if this build has no transport for the device.
-bool Peers::Group::open(torch::Device device) {
+bool Peers::Group::open([[maybe_unused]] torch::Device device) {
 #ifdef E2LF_NCCL
   if (device.is_cuda()) {
     const auto options = c10d::ProcessGroupNCCL::Options::create();
@@ -193,6 +203,7 @@ Result<Peers> Peers::meet() {
   E2LF_ASSIGN_OR_RETURN(const auto meeting, read_environment());
   Peers peers;
   if (meeting.size == 1) return peers;
+#ifdef E2LF_C10D
   peers.rank_ = meeting.rank;
   peers.size_ = meeting.size;
   peers.group_ = std::make_shared<Group>();
@@ -210,6 +221,10 @@ Result<Peers> Peers::meet() {
                 " s of each other with the same WORLD_SIZE (", first_line(error.what()), ")");
   }
   return peers;
+#else
+  return fail(ErrorCode::kUnsupported, "WORLD_SIZE",
+              "this build trains with one process only; build with torch's distributed part");
+#endif
 }
 
 Result<void> Peers::connect(torch::Device device) {
@@ -225,30 +240,22 @@ Result<void> Peers::connect(torch::Device device) {
 
 Result<void> Peers::sum(const torch::Tensor& tensor) const {
   if (size_ == 1) return {};
-  try {
-    std::vector<torch::Tensor> tensors{tensor};
-    group_->with([&](auto& group) { group.allreduce(tensors)->wait(); });
-  } catch (const std::exception& error) {
-    return lost(error);
-  }
-  return {};
+  std::vector<torch::Tensor> tensors{tensor};
+  return group_->with([&](auto& group) { group.allreduce(tensors)->wait(); });
 }
 
 Result<void> Peers::copy_from_first(const torch::Tensor& tensor) const {
   if (size_ == 1) return {};
-  try {
-    torch::NoGradGuard no_grad;
-    std::vector<torch::Tensor> dense{tensor.contiguous()};  // groups send only contiguous tensors
-    group_->with([&](auto& group) { group.broadcast(dense)->wait(); });
-    auto target = tensor;
-    if (!dense.front().is_same(tensor)) target.copy_(dense.front());
-  } catch (const std::exception& error) {
-    return lost(error);
-  }
+  torch::NoGradGuard no_grad;
+  std::vector<torch::Tensor> dense{tensor.contiguous()};  // groups send only contiguous tensors
+  E2LF_RETURN_IF_ERROR(group_->with([&](auto& group) { group.broadcast(dense)->wait(); }));
+  auto target = tensor;
+  if (!dense.front().is_same(tensor)) target.copy_(dense.front());
   return {};
 }
 
 Result<std::string> Peers::text_from_first(const std::string& text) const {
+#ifdef E2LF_C10D
   if (size_ == 1) return text;
   try {
     if (leads()) group_->store->set("text", std::vector<uint8_t>(text.begin(), text.end()));
@@ -257,35 +264,9 @@ Result<std::string> Peers::text_from_first(const std::string& text) const {
   } catch (const std::exception& error) {
     return lost(error);
   }
-}
-
 #else
-
-struct Peers::Group {};
-
-Result<Peers> Peers::meet() {
-  E2LF_ASSIGN_OR_RETURN(const auto meeting, read_environment());
-  if (meeting.size == 1) return Peers();
-  return fail(ErrorCode::kUnsupported, "WORLD_SIZE",
-              "this build trains with one process only; build with torch's distributed part");
-}
-
-Result<void> Peers::connect(torch::Device) {
-  return {};
-}
-
-Result<void> Peers::sum(const torch::Tensor&) const {
-  return {};
-}
-
-Result<void> Peers::copy_from_first(const torch::Tensor&) const {
-  return {};
-}
-
-Result<std::string> Peers::text_from_first(const std::string& text) const {
   return text;
-}
-
 #endif
+}
 
 }  // namespace e2lf::learn

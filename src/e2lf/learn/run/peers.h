@@ -2,11 +2,9 @@
 #pragma once
 
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <string>
 #include <torch/types.h>
-#include <vector>
 
 #include "e2lf/base/result.h"
 

@@ -28,13 +28,15 @@ Result<void> append_line(const std::filesystem::path& path, const std::string& h
   return {};
 }
 
-/// Returns the lines of a table without its header, or none if there is no such file.
-std::vector<std::string> table_lines(const std::filesystem::path& path) {
-  std::vector<std::string> lines;
+/// Returns the rows of a table with at least `least` cells, without its header; none if there is no such file.
+std::vector<std::vector<std::string>> table_rows(const std::filesystem::path& path, size_t least) {
+  std::vector<std::vector<std::string>> rows;
   std::ifstream in(path);
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  if (!lines.empty()) lines.erase(lines.begin());
-  return lines;
+  std::string line;
+  for (std::getline(in, line); std::getline(in, line);) {
+    if (auto cells = csv_cells(line); cells.size() >= least) rows.push_back(std::move(cells));
+  }
+  return rows;
 }
 
 double number(const std::string& field) {
@@ -43,18 +45,14 @@ double number(const std::string& field) {
 
 Result<void> rewind_table(const std::filesystem::path& path, uint64_t step) {
   std::ifstream in(path);
-  if (!in) return {};
   std::string kept, line;
-  std::getline(in, line);
-  kept = line + '\n';
   bool changed = false;
-  while (std::getline(in, line)) {
-    const bool keep = number(line) <= static_cast<double>(step);
+  for (bool is_header = true; std::getline(in, line); is_header = false) {
+    const bool keep = is_header || number(line) <= static_cast<double>(step);
     if (keep) kept += line + '\n';
     changed = changed || !keep;
   }
-  if (!changed) return {};
-  return write_file(path, kept);
+  return changed ? write_file(path, kept) : Result<void>();
 }
 
 /// The patterns at one point of a run: 8x8 cells in [0, 1] each, row by row, one pattern after another.
@@ -181,23 +179,18 @@ Result<void> RunLog::add(const PatternRow& row) const {
   return append_line(folder_ / kPatterns, "step,samples,cells of pattern 0 row by row then pattern 1 ...", line);
 }
 
-report::Page RunLog::page(const std::string& title, const Json& config) const {
+Result<void> RunLog::draw_curves(const std::string& title, const Json& config) const {
   RunCurves curves;
   curves.loss.name = "of each row";
-  for (const std::string& line : table_lines(folder_ / kSteps)) {
-    const auto field = csv_cells(line);
-    if (field.size() < 7) continue;
+  for (const auto& field : table_rows(folder_ / kSteps, 7)) {
     const double samples = number(field[1]);
     curves.loss.points.push_back({samples, -10 * std::log10(number(field[3]))});
     curves.learning_rate.points.push_back({samples, number(field[4])});
     curves.samples_per_s.points.push_back({samples, number(field[6])});
   }
-  for (const std::string& line : table_lines(folder_ / kScores)) {
-    const auto field = csv_cells(line);
-    if (field.size() < 5) continue;
-    const auto same = [&](const report::Line& curve) { return curve.name == field[2]; };
-    const auto found = std::find_if(curves.psnr_db.begin(), curves.psnr_db.end(), same) - curves.psnr_db.begin();
-    const auto scene = static_cast<size_t>(found);
+  for (const auto& field : table_rows(folder_ / kScores, 5)) {
+    const auto found = std::ranges::find(curves.psnr_db, field[2], &report::Line::name);
+    const auto scene = static_cast<size_t>(found - curves.psnr_db.begin());
     if (scene == curves.psnr_db.size()) {
       curves.psnr_db.push_back({field[2], {}});
       curves.events_per_pixel.push_back({field[2], {}});
@@ -205,17 +198,12 @@ report::Page RunLog::page(const std::string& title, const Json& config) const {
     curves.psnr_db[scene].points.push_back({number(field[1]), number(field[3])});
     curves.events_per_pixel[scene].points.push_back({number(field[1]), number(field[4])});
   }
-  for (const std::string& line : table_lines(folder_ / kPatterns)) {
-    const auto field = csv_cells(line);
-    PatternState state{field.size() > 1 ? number(field[1]) : 0, {}};
+  for (const auto& field : table_rows(folder_ / kPatterns, 2)) {
+    PatternState state{number(field[1]), {}};
     for (size_t i = 2; i < field.size(); ++i) state.cells.push_back(number(field[i]));
     curves.patterns.push_back(std::move(state));
   }
-  return curves_page(title, curves, config);
-}
-
-Result<void> RunLog::draw_curves(const std::string& title, const Json& config) const {
-  return write_file(folder_ / kCurves, page(title, config).html());
+  return write_file(folder_ / kCurves, curves_page(title, curves, config).html());
 }
 
 }  // namespace e2lf::learn

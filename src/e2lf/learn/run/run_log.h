@@ -48,10 +48,7 @@ class RunLog {
   [[nodiscard]] Result<void> add(const ScoreRow& row) const;
   [[nodiscard]] Result<void> add(const PatternRow& row) const;
 
-  /// Returns a page with the content of the tables and the configuration.
-  [[nodiscard]] report::Page page(const std::string& title, const Json& config) const;
-
-  /// Writes the page as curves.html, which is self-contained.
+  /// Draws the content of the tables and the configuration as curves.html, which is self-contained.
   [[nodiscard]] Result<void> draw_curves(const std::string& title, const Json& config) const;
 
  private:

@@ -151,22 +151,13 @@ torch::Tensor Trainer::current_codes() const {
   return patterns_.codes(patterns.scale_begin * std::pow(patterns.scale_end / patterns.scale_begin, progress));
 }
 
-/// Returns all tensors of a checkpoint.
-std::vector<torch::Tensor> Trainer::state() const {
-  std::vector<torch::Tensor> tensors;
-  for (const NamedTensors* part :
-       {&network_.parameters(), &average_, &muon_.momenta(), &adam_.first_moments(), &adam_.second_moments(),
-        &pattern_parameters_, &pattern_adam_.first_moments(), &pattern_adam_.second_moments()}) {
-    for (const auto& [name, tensor] : *part) tensors.push_back(tensor.detach());
-  }
-  return tensors;
-}
-
 Result<void> Trainer::start_together() {
   auto step = torch::tensor({static_cast<int64_t>(step_)}, torch::device(device_));
   E2LF_RETURN_IF_ERROR(peers_.copy_from_first(step));
   step_ = static_cast<uint64_t>(step.item<int64_t>());
-  for (const auto& tensor : state()) E2LF_RETURN_IF_ERROR(peers_.copy_from_first(tensor));
+  for (const auto& [prefix, tensors] : state()) {
+    for (const auto& [name, tensor] : *tensors) E2LF_RETURN_IF_ERROR(peers_.copy_from_first(tensor.detach()));
+  }
   return {};
 }
 
@@ -174,12 +165,6 @@ Result<bool> Trainer::any_peer(bool value) const {
   const auto votes = torch::tensor({value ? 1 : 0}, torch::device(device_));
   E2LF_RETURN_IF_ERROR(peers_.sum(votes));
   return votes.item<int>() > 0;
-}
-
-Result<StepReport> Trainer::average_over_peers(const StepReport& report) const {
-  const auto sums = torch::tensor({report.loss, report.mse}, torch::device(device_).dtype(torch::kDouble));
-  E2LF_RETURN_IF_ERROR(peers_.sum(sums));
-  return StepReport{sums[0].item<double>() / peers_.size(), sums[1].item<double>() / peers_.size(), 0.0};
 }
 
 /// Averages in one message for all.
@@ -226,10 +211,13 @@ Result<StepReport> Trainer::train_step() {
   const auto loss = sample_losses(config_.train, errors, batch.gain).mean();
 
   E2LF_RETURN_IF_ERROR(backward(loss));
-  E2LF_ASSIGN_OR_RETURN(StepReport report, average_over_peers({loss.item<double>(), errors.mean().item<double>()}));
+  const auto means = torch::tensor({loss.item<double>(), errors.mean().item<double>()},
+                                   torch::device(device_).dtype(torch::kDouble));
+  E2LF_RETURN_IF_ERROR(replace_by_peers_mean({{"loss and error", means}}));
   E2LF_RETURN_IF_ERROR(replace_by_peers_mean(input_means));
   centre_gradients(network_.parameters(), input_means);
-  report.gradient_norm = clip_gradients(network_.parameters(), config_.train.clip_norm);
+  const StepReport report{means[0].item<double>(), means[1].item<double>(),
+                          clip_gradients(network_.parameters(), config_.train.clip_norm)};
   if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) return report;
 
   const double rate = learning_rate(config_.train, step_);

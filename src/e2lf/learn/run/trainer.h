@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,11 +63,11 @@ class Trainer {
 
  private:
   Trainer(Config config, Batches batches, NetworkModule network, torch::Device device, const Peers& peers);
-  [[nodiscard]] std::vector<torch::Tensor> state() const;
+  /// Returns all tensors that change between steps, with the prefixes of their names in checkpoints.
+  [[nodiscard]] std::vector<std::pair<const char*, const NamedTensors*>> state() const;
   [[nodiscard]] Result<void> start_together();
   [[nodiscard]] Result<bool> any_peer(bool value) const;
   [[nodiscard]] Result<void> backward(const torch::Tensor& loss);
-  [[nodiscard]] Result<StepReport> average_over_peers(const StepReport& report) const;
   [[nodiscard]] Result<void> replace_by_peers_mean(const NamedTensors& tensors) const;
   [[nodiscard]] bool learning_patterns() const {
     return !fixed_codes_.defined() && step_ < config_.patterns.learn_steps;
