@@ -16,71 +16,54 @@ namespace {
 constexpr double kLeastRowSamples = 300.0;
 constexpr double kLeastDeviation = 1e-6;
 
-/// The sums of a histogram from which moments are computed.
-struct Sums {
-  std::vector<double> mean;
-  std::vector<double> product;  ///< transitions x transitions, of those of the same group
+/// Means over areas, and covariances within each, of transitions of the same group.
+struct MomentSum {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+
+  explicit MomentSum(Eigen::Index transitions)
+      : mean(Eigen::VectorXd::Zero(transitions)), covariance(Eigen::MatrixXd::Zero(transitions, transitions)) {}
 };
 
+/// Adds the moments of a histogram.
 template <typename Value>
-Sums sums_of(std::span<const Value> histogram, size_t transitions) {
-  Sums sums{std::vector<double>(transitions), std::vector<double>(transitions * transitions)};
-  std::vector<double> counts(transitions);
+void add_moments(std::span<const Value> histogram, double weight, MomentSum& to) {
+  const auto transitions = static_cast<size_t>(to.mean.size());
+  MomentSum sums(to.mean.size());  // with means of products
+  Eigen::VectorXd counts(to.mean.size());
   for (const CountGroup& group : count_groups(transitions)) {
     const auto cells = histogram.subspan(group.begin, group.size());
     const double total = std::accumulate(cells.begin(), cells.end(), 0.0);
-    const size_t end = group.first + group.transitions;
+    const auto first = static_cast<Eigen::Index>(group.first), count = static_cast<Eigen::Index>(group.transitions);
     for (size_t cell = 0; cell < cells.size(); ++cell) {
       const double share = cells[cell] / total;
       if (share <= 0.0) continue;
       size_t rest = cell;
-      for (size_t n = end; n-- > group.first; rest /= group.num_counts) {
+      for (Eigen::Index n = first + count; n-- > first; rest /= group.num_counts) {
         counts[n] = group.count_at(rest % group.num_counts);
       }
-      for (size_t n = group.first; n < end; ++n) {
-        sums.mean[n] += share * counts[n];
-        for (size_t m = group.first; m < end; ++m) sums.product[n * transitions + m] += share * counts[n] * counts[m];
-      }
+      const auto of_group = counts.segment(first, count);
+      sums.mean.segment(first, count) += share * of_group;
+      sums.covariance.block(first, first, count, count) += (share * of_group) * of_group.transpose();
     }
   }
-  return sums;
+  to.mean += weight * sums.mean;
+  to.covariance += weight * (sums.covariance - sums.mean * sums.mean.transpose());
 }
 
-/// Accumulates means over areas and covariances within each.
-class MomentSum {
- public:
-  explicit MomentSum(size_t transitions) : mean_(transitions), covariance_(transitions * transitions) {}
-
-  void add(const Sums& sums, double weight) {
-    const size_t count = mean_.size();
-    for (size_t n = 0; n < count; ++n) {
-      mean_[n] += weight * sums.mean[n];
-      for (size_t m = 0; m < count; ++m) {
-        covariance_[n * count + m] += weight * (sums.product[n * count + m] - sums.mean[n] * sums.mean[m]);
+Moments moments_of(const MomentSum& sum) {
+  const Eigen::VectorXd deviation = sum.covariance.diagonal().cwiseMax(kLeastDeviation * kLeastDeviation).cwiseSqrt();
+  Moments result{{sum.mean.begin(), sum.mean.end()}, {deviation.begin(), deviation.end()}, {}};
+  for (const CountGroup& group : count_groups(result.mean.size())) {
+    const auto first = static_cast<Eigen::Index>(group.first), count = static_cast<Eigen::Index>(group.transitions);
+    for (Eigen::Index apart = 1; apart < count; ++apart) {
+      for (Eigen::Index n = first; n + apart < first + count; ++n) {
+        result.correlation.push_back(sum.covariance(n, n + apart) / deviation[n] / deviation[n + apart]);
       }
     }
   }
-
-  [[nodiscard]] Moments moments() const {
-    const size_t count = mean_.size();
-    Moments result{mean_, {}, {}};
-    const auto deviation = [&](size_t n) {
-      return std::sqrt(std::max(covariance_[n * count + n], kLeastDeviation * kLeastDeviation));
-    };
-    for (size_t n = 0; n < count; ++n) result.deviation.push_back(deviation(n));
-    for (const CountGroup& group : count_groups(count)) {
-      for (size_t apart = 1; apart < group.transitions; ++apart) {
-        for (size_t n = group.first; n + apart < group.first + group.transitions; ++n) {
-          result.correlation.push_back(covariance_[n * count + n + apart] / deviation(n) / deviation(n + apart));
-        }
-      }
-    }
-    return result;
-  }
-
- private:
-  std::vector<double> mean_, covariance_;
-};
+  return result;
+}
 
 /// Computes the agreement of several areas together. Standard deviations and correlations are those within areas, each
 /// of which has one brightness.
@@ -89,12 +72,13 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
   const auto groups = static_cast<double>(count_groups(transitions).size());
   Agreement result;
   for (const Area* area : areas) result.samples += area->samples;
-  MomentSum measured(transitions), simulated(transitions);
+  const auto size = static_cast<Eigen::Index>(transitions);
+  MomentSum measured(size), simulated(size);
   std::vector<double> difference(cells), model(cells);
   for (size_t a = 0; a < areas.size(); ++a) {
     const double weight = areas[a]->samples / result.samples;
-    measured.add(sums_of(std::span<const float>(areas[a]->histogram), transitions), weight);
-    simulated.add(sums_of(std::span<const double>(predictions[a]), transitions), weight);
+    add_moments(std::span<const float>(areas[a]->histogram), weight, measured);
+    add_moments(std::span<const double>(predictions[a]), weight, simulated);
     for (size_t cell = 0; cell < cells; ++cell) {
       difference[cell] += weight * (areas[a]->histogram[cell] - predictions[a][cell]);
       model[cell] += weight * predictions[a][cell];
@@ -107,8 +91,8 @@ Agreement agreement_of(const std::vector<const Area*>& areas, const std::vector<
     const double apart = std::min(std::sqrt(2.0 * p * (1.0 - p) / (std::numbers::pi * result.samples)), 2.0 * p);
     result.chance += 0.5 / groups * apart;
   }
-  result.measured = measured.moments();
-  result.simulated = simulated.moments();
+  result.measured = moments_of(measured);
+  result.simulated = moments_of(simulated);
   for (size_t n = 0; n < std::min<size_t>(transitions, 2); ++n) result.brightness += result.measured.mean[n];
   return result;
 }

@@ -8,7 +8,6 @@
 #include <map>
 
 #include "e2lf/base/text.h"
-#include "e2lf/calibrate/count_distribution.h"
 
 namespace e2lf::calibrate {
 namespace {
@@ -22,37 +21,6 @@ constexpr size_t kGroups = 8;
 constexpr double kShareOfOwnError = 0.1;  // the share of the misfit of a row that may be due to the model's own error
 constexpr float kMostUncertainty = 0.95F;
 constexpr size_t kLeastAreas = 4;
-
-/// The flat areas of all scenes, which are found only once.
-class FlatScene {
- public:
-  FlatScene(const std::vector<StillScene>& scenes, const std::vector<PixelState>& states, bool is_even)
-      : scenes_(scenes) {
-    for (const StillScene& scene : scenes) {
-      flat_.push_back(is_even ? even_areas(scene, states) : find_flat_areas(scene, states));
-    }
-  }
-
-  [[nodiscard]] std::vector<Area> areas(const SquareFilter& is_counted) const {
-    std::vector<Area> all;
-    for (size_t c = 0; c < scenes_.size(); ++c) {
-      for (Area& area : collect_areas(scenes_[c], c, flat_[c], is_counted)) all.push_back(std::move(area));
-    }
-    return all;
-  }
-
-  [[nodiscard]] size_t num_pixels() const {
-    size_t sum = 0;
-    for (const FlatAreas& flat : flat_) {
-      sum += static_cast<size_t>(std::count(flat.is_flat.begin(), flat.is_flat.end(), true));
-    }
-    return sum;
-  }
-
- private:
-  const std::vector<StillScene>& scenes_;
-  std::vector<FlatAreas> flat_;
-};
 
 /// Returns the group of squares that is left out together; neighbours are in different groups.
 size_t group_of(size_t square_y, size_t square_x) {
@@ -104,19 +72,15 @@ Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& 
   E2LF_RETURN_IF_ERROR(check_scenes(scenes));
   const size_t transitions = scenes.front().cycles.front().count;
   if (codes.num_patterns != transitions + 1) {
-    return Error{ErrorCode::kShape,
-                 cat(codes.num_patterns, " patterns do not make ", transitions,
-                     " transitions; give the patterns of these events"),
-                 ""};
+    return fail(ErrorCode::kShape, "", codes.num_patterns, " patterns do not make ", transitions,
+                " transitions; give the patterns of these events");
   }
   if (!capture::is_black_first(codes)) {
-    return Error{ErrorCode::kInvalidValue, "a calibration needs patterns that begin with black; use others", ""};
+    return fail(ErrorCode::kInvalidValue, "", "a calibration needs patterns that begin with black; use others");
   }
   if (!start.is_pixel()) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the camera \"", start.name, "\" is of the event model ", start.event_model,
-                     "; start with a camera of the model pixel"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "the camera \"", start.name, "\" is of the event model ",
+                start.event_model, "; start with a camera of the model pixel");
   }
   return {};
 }
@@ -124,15 +88,23 @@ Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& 
 /// Performs one calibration.
 class Calibrator {
  public:
-  Calibrator(const FlatScene& scene, const OpenShares& shares, const capture::SensorProfile& start,
-             const CalibrationOptions& options)
-      : scene_(scene),
-        shares_(shares),
-        start_(start),
-        options_(options),
-        areas_(scene.areas([](size_t, size_t) { return true; })) {}
+  /// Finds the flat areas of all scenes.
+  Calibrator(const std::vector<StillScene>& scenes, const std::vector<PixelState>& states, const OpenShares& shares,
+             const capture::SensorProfile& start, const CalibrationOptions& options)
+      : scenes_(scenes), shares_(shares), start_(start), options_(options) {
+    for (const StillScene& scene : scenes) {
+      flat_.push_back(options.is_even ? even_areas(scene, states) : find_flat_areas(scene, states));
+    }
+    areas_ = areas_where([](size_t, size_t) { return true; });
+  }
 
   [[nodiscard]] const std::vector<Area>& areas() const { return areas_; }
+
+  [[nodiscard]] size_t num_flat_pixels() const {
+    ptrdiff_t sum = 0;
+    for (const FlatAreas& flat : flat_) sum += std::count(flat.is_flat.begin(), flat.is_flat.end(), true);
+    return static_cast<size_t>(sum);
+  }
 
   /// Returns the starting camera, with the brightness of each area that fits it.
   [[nodiscard]] Model first_model() const { return {start_, fit_brightness(start_, shares_, areas_)}; }
@@ -156,7 +128,7 @@ class Calibrator {
     std::vector<Eigen::VectorXd> moves;
     for (size_t group = 0; group < kGroups; ++group) {
       if (options_.progress) options_.progress(300 + 100 * group / kGroups, kParts * 100);
-      const auto areas = scene_.areas([&](size_t y, size_t x) { return group_of(y, x) != group; });
+      const auto areas = areas_where([&](size_t y, size_t x) { return group_of(y, x) != group; });
       if (areas.empty()) continue;
       Model model{whole.camera, {}};
       for (const Area& area : areas) model.brightness.push_back(brightness.at(key_of(area)));
@@ -172,10 +144,19 @@ class Calibrator {
   static constexpr size_t kParts = 4;
 
  private:
-  const FlatScene& scene_;
+  [[nodiscard]] std::vector<Area> areas_where(const SquareFilter& is_counted) const {
+    std::vector<Area> all;
+    for (size_t c = 0; c < scenes_.size(); ++c) {
+      std::ranges::move(collect_areas(scenes_[c], c, flat_[c], is_counted), std::back_inserter(all));
+    }
+    return all;
+  }
+
+  const std::vector<StillScene>& scenes_;
   const OpenShares& shares_;
   const capture::SensorProfile& start_;
   const CalibrationOptions& options_;
+  std::vector<FlatAreas> flat_;
   std::vector<Area> areas_;
 };
 
@@ -279,14 +260,12 @@ Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const captu
                         fit_parameters(shares.of_codes.size() - 1, start, options.held));
   Calibration result;
   result.states = find_bad_pixels(scenes);
-  const FlatScene scene(scenes, result.states, options.is_even);
-  const Calibrator calibrator(scene, shares, start, options);
-  result.flat_pixels = scene.num_pixels();
+  const Calibrator calibrator(scenes, result.states, shares, start, options);
+  result.flat_pixels = calibrator.num_flat_pixels();
   if (calibrator.areas().size() < kLeastAreas) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the scene has too few flat areas (", calibrator.areas().size(), " were found, ", kLeastAreas,
-                     " are needed); record a grey card and give `even`, or record a scene with larger uniform areas"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "the scene has too few flat areas (", calibrator.areas().size(),
+                " were found, ", kLeastAreas,
+                " are needed); record a grey card and give `even`, or record a scene with larger uniform areas");
   }
   const Solution solution = solve(calibrator, all, options.is_even);
   result.camera = solution.camera;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "e2lf/calibrate/count_distribution.h"
 
@@ -29,34 +30,21 @@ Limits limits_of(size_t transition) {
   return transition == 0 ? kFirst : transition == 1 ? kSecond : kLater;
 }
 
-template <typename Function>
-Plane combined(const Plane& a, const Plane& b, const Function& function) {
-  Plane result(a.height, a.width);
-  for (size_t p = 0; p < result.values.size(); ++p) result.values[p] = function(a.values[p], b.values[p]);
-  return result;
-}
-
-Plane minus(const Plane& a, const Plane& b) {
-  return combined(a, b, [](float x, float y) { return x - y; });
-}
-
 /// Computes the variance in a window around each pixel.
 Plane local_variance(const Plane& plane) {
-  const Plane squares = combined(plane, plane, [](float x, float y) { return x * y; });
-  return combined(blurred(squares, kWindowPx), blurred(plane, kWindowPx),
-                  [](float square, float mean) { return std::max(square - mean * mean, 0.0F); });
+  return (blurred(plane.square(), kWindowPx) - blurred(plane, kWindowPx).square()).max(0.0F);
 }
 
 /// Returns the share of the variance of white noise that remains after blurring by kTexturePx, both without the local
 /// mean.
 float white_share() {
-  constexpr size_t kSize = 129;
-  Plane impulse(kSize, kSize);
-  impulse.values[impulse.values.size() / 2] = 1.0F;
-  const Plane residual = minus(impulse, blurred(impulse, kLocalMeanPx));
+  constexpr Eigen::Index kSize = 129;
+  Plane impulse = Plane::Zero(kSize, kSize);
+  impulse(kSize / 2, kSize / 2) = 1.0F;
+  const Plane residual = impulse - blurred(impulse, kLocalMeanPx);
   const auto energy = [](const Plane& plane) {
     double sum = 0.0;
-    for (const float value : plane.values) sum += static_cast<double>(value) * value;
+    for (const float value : plane.reshaped<Eigen::RowMajor>()) sum += static_cast<double>(value) * value;
     return sum;
   };
   return static_cast<float>(energy(blurred(residual, kTexturePx)) / energy(residual));
@@ -66,15 +54,15 @@ float white_share() {
 void exclude_structure(const Plane& counts, const Plane& single_variance, const Limits& limits,
                        std::vector<bool>& is_flat) {
   static const float share_of_noise = white_share();
-  const Plane residual = minus(counts, blurred(counts, kLocalMeanPx));
+  const Plane residual = counts - blurred(counts, kLocalMeanPx);
   const Plane texture = local_variance(blurred(residual, kTexturePx));
   const Plane slope = squared_gradient(blurred(counts, kSlopePx));
   // The variance of one component of the gradient of white noise with variance 1.
   const auto slope_of_noise = static_cast<float>(1.0 / (8.0 * std::numbers::pi * std::pow(kSlopePx, 4.0)));
   for (size_t p = 0; p < is_flat.size(); ++p) {
-    const float variance = single_variance.values[p] + kLeastVariance;
-    if (texture.values[p] > limits.texture * share_of_noise * variance ||
-        slope.values[p] > limits.slope * limits.slope * slope_of_noise * variance) {
+    const float variance = single_variance.data()[p] + kLeastVariance;
+    if (texture.data()[p] > limits.texture * share_of_noise * variance ||
+        slope.data()[p] > limits.slope * limits.slope * slope_of_noise * variance) {
       is_flat[p] = false;
     }
   }
@@ -82,27 +70,28 @@ void exclude_structure(const Plane& counts, const Plane& single_variance, const 
 
 /// Computes the variance of the counts of single cycles around each pixel, which more cycles do not reduce.
 Plane variance_of_cycles(const StillScene& scene, size_t transition, const std::vector<PixelState>& states) {
-  Plane sum(scene.cycles.front().height, scene.cycles.front().width);
+  Plane sum = Plane::Zero(static_cast<Eigen::Index>(scene.cycles.front().height),
+                          static_cast<Eigen::Index>(scene.cycles.front().width));
   constexpr size_t kEnough = 4;
   const size_t taken = std::min(scene.cycles.size(), kEnough);
   for (size_t c = 0; c < taken; ++c) {
     StillScene single{{scene.cycles[c]}};
     const Plane counts = mean_counts(single, states)[transition];
-    const Plane variance = local_variance(minus(counts, blurred(counts, kLocalMeanPx)));
-    for (size_t p = 0; p < sum.values.size(); ++p) sum.values[p] += variance.values[p] / static_cast<float>(taken);
+    sum += local_variance(counts - blurred(counts, kLocalMeanPx)) / static_cast<float>(taken);
   }
   return sum;
 }
 
 size_t cell_of(const Plane& plane, size_t pixel) {
-  const size_t y = pixel / plane.width, x = pixel % plane.width;
-  return y * kFieldRows / plane.height * kFieldColumns + x * kFieldColumns / plane.width;
+  const auto height = static_cast<size_t>(plane.rows()), width = static_cast<size_t>(plane.cols());
+  const size_t y = pixel / width, x = pixel % width;
+  return y * kFieldRows / height * kFieldColumns + x * kFieldColumns / width;
 }
 
 /// Returns all good pixels except those at the edges, with a brightness of 0.
 FlatAreas good_areas(const Plane& like, const std::vector<PixelState>& states) {
-  const size_t height = like.height, width = like.width;
-  FlatAreas areas{std::vector<bool>(height * width), Plane(height, width)};
+  const auto height = static_cast<size_t>(like.rows()), width = static_cast<size_t>(like.cols());
+  FlatAreas areas{std::vector<bool>(height * width), Plane::Zero(like.rows(), like.cols())};
   const size_t margin_y = std::min(kMarginPx, height / 8), margin_x = std::min(kMarginPx, width / 8);
   for (size_t y = margin_y; y < height - margin_y; ++y) {
     for (size_t x = margin_x; x < width - margin_x; ++x) {
@@ -119,9 +108,7 @@ FlatAreas find_flat_areas(const StillScene& scene, const std::vector<PixelState>
   FlatAreas areas = good_areas(counts.front(), states);
   for (size_t n = 0; n < std::min(counts.size(), kExamined); ++n) {
     exclude_structure(counts[n], variance_of_cycles(scene, n, states), limits_of(n), areas.is_flat);
-    if (n >= 2) continue;
-    const Plane mean = blurred(counts[n], kLocalMeanPx);
-    for (size_t p = 0; p < mean.values.size(); ++p) areas.brightness.values[p] += mean.values[p];
+    if (n < 2) areas.brightness += blurred(counts[n], kLocalMeanPx);
   }
   return areas;
 }
@@ -134,33 +121,29 @@ FlatAreas even_areas(const StillScene& scene, const std::vector<PixelState>& sta
     if (!areas.is_flat[p]) continue;
     const size_t cell = cell_of(areas.brightness, p);
     pixels[cell] += 1.0;
-    for (size_t n = 0; n < std::min<size_t>(counts.size(), 2); ++n) sum[cell] += counts[n].values[p];
+    for (size_t n = 0; n < std::min<size_t>(counts.size(), 2); ++n) sum[cell] += counts[n].data()[p];
   }
   for (size_t p = 0; p < areas.is_flat.size(); ++p) {
     const size_t cell = cell_of(areas.brightness, p);
-    areas.brightness.values[p] = static_cast<float>(sum[cell] / std::max(pixels[cell], 1.0));
+    areas.brightness.data()[p] = static_cast<float>(sum[cell] / std::max(pixels[cell], 1.0));
   }
   return areas;
-}
-
-size_t area_key(const FlatAreas& flat, size_t pixel) {
-  const auto row = static_cast<size_t>(std::max((flat.brightness.values[pixel] - kFirstRow) / kRowWidth, 0.0F));
-  return row * kFieldColumns * kFieldRows + cell_of(flat.brightness, pixel);
 }
 
 std::vector<Area> collect_areas(const StillScene& scene, size_t scene_number, const FlatAreas& flat,
                                 const SquareFilter& is_counted) {
   const capture::EventImages& first = scene.cycles.front();
   const std::vector<CountGroup> groups = count_groups(first.count);
-  std::map<size_t, Area> areas;
+  std::map<std::pair<size_t, size_t>, Area> areas;  // by row and cell
   for (size_t p = 0; p < flat.is_flat.size(); ++p) {
     const size_t y = p / first.width, x = p % first.width;
     if (!flat.is_flat[p] || !is_counted(y / kSquarePx, x / kSquarePx)) continue;
-    const size_t key = area_key(flat, p);
-    Area& area = areas[key];
+    const auto row = static_cast<size_t>(std::max((flat.brightness.data()[p] - kFirstRow) / kRowWidth, 0.0F));
+    const size_t cell = cell_of(flat.brightness, p);
+    Area& area = areas[{row, cell}];
     if (area.histogram.empty()) {
-      area.row = key / (kFieldColumns * kFieldRows);
-      area.cell = key % (kFieldColumns * kFieldRows);
+      area.row = row;
+      area.cell = cell;
       area.scene = scene_number;
       area.transitions = first.count;
       area.histogram.resize(histogram_size(first.count));

@@ -52,7 +52,4 @@ using SquareFilter = std::function<bool(size_t square_y, size_t square_x)>;
 [[nodiscard]] std::vector<Area> collect_areas(const StillScene& scene, size_t scene_number, const FlatAreas& flat,
                                               const SquareFilter& is_counted);
 
-/// Returns the area of a pixel in the order of collect_areas(): row * kFieldColumns * kFieldRows + cell.
-[[nodiscard]] size_t area_key(const FlatAreas& flat, size_t pixel);
-
 }  // namespace e2lf::calibrate

@@ -50,7 +50,7 @@ TEST(FlatAreas, AreWhereThereIsWhiteNoiseAlone) {
   EXPECT_GT(flat_share(flat, false), 0.8);
   EXPECT_GT(flat_share(flat, true), 0.8);
   EXPECT_FALSE(flat.is_flat[100]);  // at the edge
-  EXPECT_NEAR(flat.brightness.values[100 * kWidth + 100], 2.0F, 0.15F);
+  EXPECT_NEAR(flat.brightness.data()[100 * kWidth + 100], 2.0F, 0.15F);
 }
 
 TEST(FlatAreas, AreNotWhereTheSceneHasAFineTexture) {

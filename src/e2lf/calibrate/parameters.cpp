@@ -84,7 +84,7 @@ Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const capture::Sen
   for (const Parameter& each : parameters) keys.push_back(each.key);
   for (const std::string& key : held) {
     if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-      return Error{ErrorCode::kInvalidValue, cat("there is no constant \"", key, "\"; ", suggestion(key, keys)), ""};
+      return fail(ErrorCode::kInvalidValue, "", "there is no constant \"", key, "\"; ", suggestion(key, keys));
     }
     std::erase_if(parameters, [&](const Parameter& each) { return each.key == key; });
   }

@@ -36,18 +36,18 @@ size_t mirrored(ptrdiff_t place, size_t size) {
 
 /// Blurs every row and transposes the plane, so that two calls blur in both directions.
 Plane blur_rows_transposed(const Plane& plane, const std::vector<float>& kernel) {
-  Plane result(plane.width, plane.height);
+  Plane result(plane.cols(), plane.rows());
+  const auto height = static_cast<size_t>(plane.rows()), width = static_cast<size_t>(plane.cols());
   const auto radius = static_cast<ptrdiff_t>(kernel.size() / 2);
-  parallel_for(plane.height, 16, [&](size_t begin, size_t end) {
-    std::vector<float> row(plane.width + kernel.size());
+  parallel_for(height, 16, [&](size_t begin, size_t end) {
+    std::vector<float> row(width + kernel.size());
     for (size_t y = begin; y < end; ++y) {
-      const float* source = plane.values.data() + y * plane.width;
-      for (size_t i = 0; i < row.size(); ++i)
-        row[i] = source[mirrored(static_cast<ptrdiff_t>(i) - radius, plane.width)];
-      for (size_t x = 0; x < plane.width; ++x) {
+      const float* source = plane.data() + y * width;
+      for (size_t i = 0; i < row.size(); ++i) row[i] = source[mirrored(static_cast<ptrdiff_t>(i) - radius, width)];
+      for (size_t x = 0; x < width; ++x) {
         float sum = 0.0F;
         for (size_t i = 0; i < kernel.size(); ++i) sum += kernel[i] * row[x + i];
-        result.values[x * plane.height + y] = sum;
+        result.data()[x * height + y] = sum;
       }
     }
   });
@@ -62,15 +62,11 @@ Plane blurred(const Plane& plane, double sigma_px) {
 }
 
 Plane squared_gradient(const Plane& plane) {
-  Plane result(plane.height, plane.width);
-  for (size_t y = 1; y + 1 < plane.height; ++y) {
-    for (size_t x = 1; x + 1 < plane.width; ++x) {
-      const size_t p = y * plane.width + x;
-      const float along_x = 0.5F * (plane.values[p + 1] - plane.values[p - 1]);
-      const float along_y = 0.5F * (plane.values[p + plane.width] - plane.values[p - plane.width]);
-      result.values[p] = along_x * along_x + along_y * along_y;
-    }
-  }
+  Plane result = Plane::Zero(plane.rows(), plane.cols());
+  const Eigen::Index height = plane.rows() - 2, width = plane.cols() - 2;
+  const auto from = [&](Eigen::Index y, Eigen::Index x) { return plane.block(y, x, height, width); };
+  result.block(1, 1, height, width) =
+      (0.5F * (from(1, 2) - from(1, 0))).square() + (0.5F * (from(2, 1) - from(0, 1))).square();
   return result;
 }
 
@@ -171,27 +167,24 @@ std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes) {
 
 Result<void> check_scenes(const std::vector<StillScene>& scenes) {
   if (scenes.empty() || scenes.front().cycles.empty()) {
-    return Error{ErrorCode::kShape, "the calibration needs at least one cycle; give event images or a recording", ""};
+    return fail(ErrorCode::kShape, "", "the calibration needs at least one cycle; give event images or a recording");
   }
   const capture::EventImages& first = scenes.front().cycles.front();
   if (first.count < 1) {
-    return Error{ErrorCode::kShape, "the cycles have no transitions; calibrate with at least two patterns", ""};
+    return fail(ErrorCode::kShape, "", "the cycles have no transitions; calibrate with at least two patterns");
   }
   if (first.height < kLeastSize || first.width < kLeastSize) {
-    return Error{ErrorCode::kShape,
-                 cat("pictures of ", first.width, "x", first.height, " px are too small; give at least ", kLeastSize,
-                     "x", kLeastSize),
-                 ""};
+    return fail(ErrorCode::kShape, "", "pictures of ", first.width, "x", first.height,
+                " px are too small; give at least ", kLeastSize, "x", kLeastSize);
   }
   for (const StillScene& scene : scenes) {
     for (const capture::EventImages& cycle : scene.cycles) {
       if (cycle.count == first.count && cycle.height == first.height && cycle.width == first.width) continue;
-      return Error{ErrorCode::kShape,
-                   "the cycles differ in size or in their number of transitions; give scenes of one camera with the "
-                   "same patterns",
-                   ""};
+      return fail(ErrorCode::kShape, "",
+                  "the cycles differ in size or in their number of transitions; give scenes of one camera with the "
+                  "same patterns");
     }
-    if (scene.cycles.empty()) return Error{ErrorCode::kShape, "a scene contains no cycle; leave it out", ""};
+    if (scene.cycles.empty()) return fail(ErrorCode::kShape, "", "a scene contains no cycle; leave it out");
   }
   return {};
 }
@@ -203,14 +196,14 @@ std::vector<Plane> mean_counts(const StillScene& scene, const std::vector<PixelS
     Plane& plane = planes.emplace_back(sums.height, sums.width);
     const auto mean = [&](size_t p) { return static_cast<float>(counts[p]) / static_cast<float>(sums.cycles); };
     for (size_t p = 0; p < counts.size(); ++p) {
-      plane.values[p] = mean(p);
+      plane.data()[p] = mean(p);
       if (states[p] == PixelState::kGood) continue;
       std::vector<float> around;
       each_neighbour(sums.height, sums.width, p, [&](size_t neighbour) {
         if (states[neighbour] == PixelState::kGood) around.push_back(mean(neighbour));
       });
       if (around.empty()) continue;
-      plane.values[p] = median(std::move(around));
+      plane.data()[p] = median(std::move(around));
     }
   }
   return planes;

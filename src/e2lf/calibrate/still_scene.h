@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "e2lf/base/result.h"
@@ -11,14 +11,8 @@
 
 namespace e2lf::calibrate {
 
-/// An image with one float per pixel, row-major.
-struct Plane {
-  size_t height = 0, width = 0;
-  std::vector<float> values;
-
-  Plane() = default;
-  Plane(size_t height_, size_t width_) : height(height_), width(width_), values(height_ * width_) {}
-};
+/// An image [y, x] with one float per pixel.
+using Plane = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Returns the plane blurred by a Gaussian of `sigma_px`, truncated at four sigma. The plane is mirrored at its edges.
 [[nodiscard]] Plane blurred(const Plane& plane, double sigma_px);

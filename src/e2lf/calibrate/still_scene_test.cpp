@@ -71,7 +71,7 @@ TEST(BadPixels, TakeTheMedianOfTheirNeighboursInMeans) {
   scene.cycles[0].values[130] = 90;
   const auto states = find_bad_pixels({scene});
   EXPECT_EQ(states[130], PixelState::kHot);
-  EXPECT_EQ(mean_counts(scene, states)[0].values[130], 2.0F);
+  EXPECT_EQ(mean_counts(scene, states)[0].data()[130], 2.0F);
 }
 
 TEST(StillScenes, AreRefusedWhereTheyDoNotFit) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"

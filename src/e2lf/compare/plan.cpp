@@ -42,23 +42,6 @@ capture::Codes one_hot_codes() {
   return codes;
 }
 
-/// Hashes each file only once.
-class Hashes {
- public:
-  explicit Hashes(const Surroundings& surroundings) : surroundings_(surroundings) {}
-  Result<std::string> of(const fs::path& path) {
-    const auto known = known_.find(path);
-    if (known != known_.end()) return known->second;
-    E2LF_ASSIGN_OR_RETURN(const std::string hash, surroundings_.hash(path));
-    known_[path] = hash;
-    return hash;
-  }
-
- private:
-  const Surroundings& surroundings_;
-  std::map<fs::path, std::string> known_;
-};
-
 /// Returns the properties of a sensor on which a scan of views depends. Its pixels are those of v2e with the tau of the
 /// sensor, regardless of the event model. Physical pixels and several cycles are rejected.
 Json scan_identity(const Sensor& sensor) {
@@ -71,8 +54,7 @@ Json scan_identity(const Sensor& sensor) {
 /// Makes a plan.
 class Planner {
  public:
-  Planner(const Config& config, const Surroundings& surroundings)
-      : config_(config), surroundings_(surroundings), hashes_(surroundings) {}
+  Planner(const Config& config, const Surroundings& surroundings) : config_(config), surroundings_(surroundings) {}
 
   Result<Plan> make() {
     plan_.name = config_.name.empty() ? "comparison" : config_.name;
@@ -108,6 +90,15 @@ class Planner {
     return path;
   }
 
+  /// Hashes each file only once.
+  Result<std::string> hash_of(const fs::path& path) {
+    std::string& hash = hashes_[path];
+    if (hash.empty()) {
+      E2LF_ASSIGN_OR_RETURN(hash, surroundings_.hash(path));
+    }
+    return hash;
+  }
+
   Result<capture::SensorProfile> read_camera(const std::string& name) {
     E2LF_ASSIGN_OR_RETURN(const fs::path path, surroundings_.locate_camera(name));
     plan_.files.push_back(path);
@@ -123,12 +114,12 @@ class Planner {
     if (is_scan(method)) {
       E2LF_ASSIGN_OR_RETURN(method.model, locate(config.model));
       E2LF_RETURN_IF_ERROR(video::read_video_model(method.model));
-      E2LF_ASSIGN_OR_RETURN(model_hash, hashes_.of(method.model));
+      E2LF_ASSIGN_OR_RETURN(model_hash, hash_of(method.model));
       codes = one_hot_codes();
     } else if (!config.model.empty()) {
       E2LF_ASSIGN_OR_RETURN(method.model, locate(config.model));
       E2LF_ASSIGN_OR_RETURN(model::Model model, pipeline::read_network(method.model));
-      E2LF_ASSIGN_OR_RETURN(model_hash, hashes_.of(method.model));
+      E2LF_ASSIGN_OR_RETURN(model_hash, hash_of(method.model));
       codes = std::move(model.codes);
       is_conditioned = model::is_conditioned_on_camera(model);
       method.measurement = model.measurement();
@@ -230,7 +221,7 @@ class Planner {
     for (Scene& scene : scenes) {
       Json content = scene.rendered_seed ? Json(cat("demo:", *scene.rendered_seed)) : Json();
       if (!scene.rendered_seed) {
-        E2LF_ASSIGN_OR_RETURN(content, hashes_.of(scene.path));
+        E2LF_ASSIGN_OR_RETURN(content, hash_of(scene.path));
       }
       scene.identity = {{"content", content},
                         {"width", group.width},
@@ -294,7 +285,7 @@ class Planner {
 
   const Config& config_;
   const Surroundings& surroundings_;
-  Hashes hashes_;
+  std::map<fs::path, std::string> hashes_;
   Plan plan_;
 };
 

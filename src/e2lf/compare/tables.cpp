@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
@@ -36,23 +35,18 @@ std::span<const Metric> all_metrics() {
   return kMetrics;
 }
 
-std::vector<Metric> metrics_of(const std::vector<std::string>& names) {
-  std::vector<Metric> metrics;
-  for (const Metric& metric : all_metrics()) {
-    if (std::find(names.begin(), names.end(), metric.name) != names.end()) metrics.push_back(metric);
-  }
-  return metrics;
-}
-
 namespace {
 
 using report::Cell;
 using report::Table;
 
-/// Returns the metrics of a plan that are of one kind.
-std::vector<Metric> metrics_of_kind(const Plan& plan, bool is_quality) {
-  std::vector<Metric> metrics = metrics_of(plan.metrics);
-  std::erase_if(metrics, [&](const Metric& metric) { return metric.is_quality != is_quality; });
+/// Returns the metrics of a plan for which a member has this value, in the order of all_metrics().
+std::vector<Metric> metrics_of(const Plan& plan, bool Metric::*member, bool value) {
+  std::vector<Metric> metrics;
+  for (const Metric& metric : all_metrics()) {
+    const bool is_wanted = std::find(plan.metrics.begin(), plan.metrics.end(), metric.name) != plan.metrics.end();
+    if (is_wanted && metric.*member == value) metrics.push_back(metric);
+  }
   return metrics;
 }
 
@@ -139,7 +133,7 @@ std::optional<double> mean_of_groups(const Plan& plan, const Results& results, s
 }
 
 Table quality_table(const Plan& plan, const Results& results, size_t sensor) {
-  const std::vector<Metric> metrics = metrics_of_kind(plan, /*is_quality=*/true);
+  const std::vector<Metric> metrics = metrics_of(plan, &Metric::is_quality, true);
   Table table;
   table.caption = cat(headings_of(metrics), ". ", sensor_text(plan, sensor));
   table.columns = {{"method"}, {"N", true}};
@@ -170,7 +164,7 @@ Table quality_table(const Plan& plan, const Results& results, size_t sensor) {
 }
 
 Table cost_table(const Plan& plan, const Results& results, size_t sensor) {
-  const std::vector<Metric> metrics = metrics_of_kind(plan, /*is_quality=*/false);
+  const std::vector<Metric> metrics = metrics_of(plan, &Metric::is_quality, false);
   Table table;
   table.caption = cat("Cost of a light field. ", sensor_text(plan, sensor));
   table.columns = {{"method"}};
@@ -186,8 +180,7 @@ Table cost_table(const Plan& plan, const Results& results, size_t sensor) {
 }
 
 Table result_table(const Plan& plan, const Results& results) {
-  std::vector<Metric> metrics = metrics_of(plan.metrics);
-  std::erase_if(metrics, [](const Metric& metric) { return !metric.is_repeatable; });
+  const std::vector<Metric> metrics = metrics_of(plan, &Metric::is_repeatable, true);
   Table table;
   table.columns = {{"method"}, {"N", true}, {"sensor"}, {"group"}, {"scene"}, {"seed", true}};
   for (const Metric& metric : metrics) table.columns.push_back({metric.name, true});

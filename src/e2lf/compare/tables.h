@@ -28,9 +28,6 @@ struct Metric {
 /// Returns all metrics.
 [[nodiscard]] std::span<const Metric> all_metrics();
 
-/// Returns the metrics of these names in the order of all_metrics(). Unknown names are ignored.
-[[nodiscard]] std::vector<Metric> metrics_of(const std::vector<std::string>& names);
-
 /// The figures of each job of a plan, as far as they exist.
 using Results = std::vector<std::optional<Json>>;
 

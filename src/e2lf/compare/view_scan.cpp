@@ -32,31 +32,22 @@ Result<streams::EventStream> make_stream(const ScanOptions& options, const light
   return streams::EventStream::create(stream, shape.height, shape.width);
 }
 
-/// Records the events of each view that is shown, by a camera in the steady state for the first one.
-class Scan {
- public:
-  Scan(const lightfield::LightField& scene, const ScanOptions& options, streams::EventStream stream)
-      : scene_(scene), options_(options), stream_(std::move(stream)), light_(scene.shape().view_size()) {}
-
-  recordings::EventColumns show(size_t number, size_t view) {
-    const auto values = std::span(scene_.data()).subspan(view * light_.size(), light_.size());
-    for (size_t i = 0; i < light_.size(); ++i) light_[i] = options_.gain * values[i];
-    streams::LightSegment segment;
-    segment.begin_us = segment.pattern_begin_us = static_cast<int64_t>(number) * options_.view_us;
-    segment.end_us = segment.pattern_end_us = segment.begin_us + options_.view_us;
-    segment.from = segment.to = light_;
-    segment.pattern = number;
-    recordings::EventColumns events;
-    stream_.advance(segment, events);
-    return events;
-  }
-
- private:
-  const lightfield::LightField& scene_;
-  const ScanOptions& options_;
-  streams::EventStream stream_;
-  std::vector<float> light_;
-};
+/// Records the events of a view that is shown, by a camera in the steady state for the first one.
+recordings::EventColumns show(const lightfield::LightField& scene, const ScanOptions& options, size_t number,
+                              size_t view, streams::EventStream& stream) {
+  const size_t size = scene.shape().view_size();
+  const auto values = std::span(scene.data()).subspan(view * size, size);
+  std::vector<float> light(size);
+  for (size_t i = 0; i < size; ++i) light[i] = options.gain * values[i];
+  streams::LightSegment segment;
+  segment.begin_us = segment.pattern_begin_us = static_cast<int64_t>(number) * options.view_us;
+  segment.end_us = segment.pattern_end_us = segment.begin_us + options.view_us;
+  segment.from = segment.to = light;
+  segment.pattern = number;
+  recordings::EventColumns events;
+  stream.advance(segment, events);
+  return events;
+}
 
 }  // namespace
 
@@ -84,7 +75,6 @@ Result<ScanResult> scan_to_light_field(const video::VideoModel& model, const lig
   }
   E2LF_ASSIGN_OR_RETURN(streams::EventStream stream, make_stream(options, shape));
   E2LF_ASSIGN_OR_RETURN(auto video, video::EventVideo::create(model, shape.height, shape.width));
-  Scan scan(scene, options, std::move(stream));
   ScanResult result;
   result.light_field = lightfield::LightField(shape);
   const std::vector<size_t> order = scan_order();
@@ -92,7 +82,7 @@ Result<ScanResult> scan_to_light_field(const video::VideoModel& model, const lig
   size_t num_events = 0;
   for (size_t i = 0; i < order.size(); ++i) {
     if (progress) progress(i, order.size());
-    const recordings::EventColumns events = scan.show(i, order[i]);
+    const recordings::EventColumns events = show(scene, options, i, order[i], stream);
     num_events += events.size();
     if (i == 0) continue;  // nothing has changed yet
     const Clock::time_point begin = Clock::now();

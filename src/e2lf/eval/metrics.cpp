@@ -338,24 +338,18 @@ double ssim(std::span<const float> image_a, std::span<const float> image_b, size
   return sum / static_cast<double>(rows * columns_out);
 }
 
-EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions& options) {
-  E2LF_REQUIRE(options.sensor_events_per_s > 0 && options.sensor_width * options.sensor_height > 0,
-               "the sensor needs pixels and a throughput");
-  E2LF_REQUIRE(options.num_views > 0, "a light field needs views");
-  const auto sensor_pixels = static_cast<double>(options.sensor_width * options.sensor_height);
-  const double events_per_pixel_per_s = options.sensor_events_per_s / sensor_pixels;
-  const auto views = static_cast<double>(options.num_views);
-
-  EventStatistics statistics;
-  statistics.total_events_per_pixel = total_events_per_pixel;
-  statistics.min_measurement_ms = 1e3 * total_events_per_pixel / events_per_pixel_per_s;
-  statistics.bits_per_sensor_pixel = total_events_per_pixel * options.bits_per_event;
-  statistics.bits_per_light_field_pixel = statistics.bits_per_sensor_pixel / views;
-  statistics.events_per_light_field_pixel = total_events_per_pixel / views;
-  return statistics;
+EventStatistics event_cost(double total_events_per_pixel) {
+  constexpr double kEventsPerPixelPerS = 1.066e9 / (1280.0 * 720.0), kBitsPerEvent = 29, kViews = 64;
+  const double bits = total_events_per_pixel * kBitsPerEvent;
+  return {.events_per_pixel = {},
+          .total_events_per_pixel = total_events_per_pixel,
+          .min_measurement_ms = 1e3 * total_events_per_pixel / kEventsPerPixelPerS,
+          .bits_per_sensor_pixel = bits,
+          .bits_per_light_field_pixel = bits / kViews,
+          .events_per_light_field_pixel = total_events_per_pixel / kViews};
 }
 
-EventStatistics event_statistics(const PlanesView<const int16_t>& images, const EventRateOptions& options) {
+EventStatistics event_statistics(const PlanesView<const int16_t>& images) {
   E2LF_REQUIRE(images.size() > 0, "event images need pixels");
   std::vector<double> events_per_pixel;
   for (size_t transition = 0; transition < images.extents[0]; ++transition) {
@@ -363,7 +357,7 @@ EventStatistics event_statistics(const PlanesView<const int16_t>& images, const 
     for_each_value(images[transition], [&](int16_t count) { events += static_cast<uint64_t>(std::abs(int{count})); });
     events_per_pixel.push_back(static_cast<double>(events) / static_cast<double>(images[transition].size()));
   }
-  auto statistics = event_cost(std::accumulate(events_per_pixel.begin(), events_per_pixel.end(), 0.0), options);
+  auto statistics = event_cost(std::accumulate(events_per_pixel.begin(), events_per_pixel.end(), 0.0));
   statistics.events_per_pixel = std::move(events_per_pixel);
   return statistics;
 }

@@ -100,16 +100,8 @@ enum class SsimWindow {
 [[nodiscard]] double ssim(std::span<const float> image_a, std::span<const float> image_b, size_t height, size_t width,
                           SsimWindow window);
 
-/// The properties of a sensor that relate event counts to time and data rate. The defaults are those of the paper: a
-/// Prophesee EVK4, and 29 bits per event in coordinate (COO) form.
-struct EventRateOptions {
-  double sensor_events_per_s = 1.066e9;  ///< throughput of the whole sensor
-  size_t sensor_width = 1280, sensor_height = 720;
-  double bits_per_event = 29;
-  size_t num_views = 64;  ///< views of the light field that the events encode
-};
-
-/// The cost of a measurement in events, time and data.
+/// The cost of a measurement in events, time and data, with the figures of the paper: a Prophesee EVK4 with 1280x720 px
+/// and a throughput of 1.066e9 events/s, 29 bits per event in coordinate (COO) form, and 64 views.
 struct EventStatistics {
   std::vector<double> events_per_pixel;  ///< mean of |E| for each transition
   double total_events_per_pixel = 0;     ///< their sum
@@ -120,12 +112,11 @@ struct EventStatistics {
 };
 
 /// Counts the events of one cycle. An event image holds the sum of signed events, in which ON and OFF events of a pixel
-/// within one transition cancel. The figures are therefore lower bounds for noisy recordings. Images without pixels and
-/// rates that are not positive break the contract.
-[[nodiscard]] EventStatistics event_statistics(const PlanesView<const int16_t>& images,
-                                               const EventRateOptions& options = {});
+/// within one transition cancel. The figures are therefore lower bounds for noisy recordings. Images without pixels
+/// break the contract.
+[[nodiscard]] EventStatistics event_statistics(const PlanesView<const int16_t>& images);
 
 /// Computes time and data rate for a known number of events per pixel. `events_per_pixel` is left empty.
-[[nodiscard]] EventStatistics event_cost(double total_events_per_pixel, const EventRateOptions& options = {});
+[[nodiscard]] EventStatistics event_cost(double total_events_per_pixel);
 
 }  // namespace e2lf::eval

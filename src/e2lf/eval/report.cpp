@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
