@@ -239,7 +239,7 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
   std::vector<fs::path> inputs = options.scenes;
   inputs.insert(inputs.end(), options.models.begin(), options.models.end());
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, output_rules(verb, inputs)));
-  RunRecord record("camera");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {
     return Error{ErrorCode::kInvalidValue,

@@ -201,7 +201,7 @@ int run_simulate(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
     E2LF_ASSIGN_OR_RETURN(const SimulationBenchmark result, benchmark_simulation(options));
-    RunRecord record("simulate");
+    RunRecord record(verb);
     E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera("evk4-lcos", record));
     E2LF_ASSIGN_OR_RETURN(const StreamBenchmark stream,
                           benchmark_stream(streams::camera_stream(camera, 1), options.height, options.width));

@@ -220,7 +220,7 @@ Result<void> bench(const MotionBench& options, const std::vector<fs::path>& repo
   std::vector<fs::path> inputs = options.scenes;
   inputs.insert(inputs.end(), {options.lit, options.whole});
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, output_rules(verb, inputs)));
-  RunRecord record("motion");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit, open_network(options.lit, camera));
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor whole, open_network(options.whole, camera));

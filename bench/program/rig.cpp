@@ -187,7 +187,7 @@ int run_rig(const std::vector<std::string>& arguments) {
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
     if (!model.codes)
       return Error{ErrorCode::kNotFound, "the model contains no patterns; use one that does", path->string()};
-    RunRecord record("rig");
+    RunRecord record(verb);
     E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
     E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, std::move(model)));
     return finish(verb, json, rig_report(json), reports);

@@ -20,8 +20,8 @@ namespace {
 
 using namespace e2lf::cli;  // the list of verbs
 
-const std::vector<VerbEntry>& verbs() {
-  static const std::vector<VerbEntry> list = {
+int run_verb(const std::vector<std::string>& arguments) {
+  const std::vector<VerbEntry> verbs = {
       {"demo", "simulate a scene, reconstruct its light field, measure it", run_demo},
       {"info", "describe a file or folder", run_info},
       {"convert", "convert between event formats, or between light-field formats", run_convert},
@@ -46,7 +46,7 @@ const std::vector<VerbEntry>& verbs() {
       {"codes", "show and render aperture patterns", run_codes},
       {"model", "describe, import, store and export model files", run_model},
   };
-  return list;
+  return run_subverb("", verbs, arguments);
 }
 
 /// Prints the version, the features of this build, and the instruction set that the kernels use on this processor.
@@ -58,10 +58,10 @@ int print_version() {
 int run(const std::vector<std::string>& arguments) {
   const std::string first = arguments.empty() ? "" : arguments.front();
   if (first == "--version" || first == "version") return print_version();
-  if (first != "complete") return run_subverb("", verbs(), arguments);
+  if (first != "complete") return run_verb(arguments);
   // Not in the list of verbs, because only completion.bash uses it.
   set_completing();
-  return run_subverb("", verbs(), {arguments.begin() + 1, arguments.end()});
+  return run_verb({arguments.begin() + 1, arguments.end()});
 }
 
 }  // namespace

@@ -2,9 +2,7 @@
 #include "e2lf/info/describe.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
-#include <memory>
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
@@ -240,8 +238,7 @@ Result<Description> describe_biases(const fs::path& path) {
                      cat("settings of a sensor, for --biases:\n", std::string(content.begin(), content.end()))};
 }
 
-}  // namespace
-
+/// Describes a camera, a schedule, patterns, the record of a run, settings of a training, or biases.
 Result<Description> describe_settings(const fs::path& path) {
   if (path.extension() == ".bias") return describe_biases(path);
   if (path.extension() != ".json") return describe_codes(path);
@@ -252,6 +249,8 @@ Result<Description> describe_settings(const fs::path& path) {
   if (!patterns.is_array()) return describe_keys(json);
   return !patterns.empty() && patterns[0].is_object() ? describe_schedule(path) : describe_codes(path);
 }
+
+}  // namespace
 
 std::string Description::text() const {
   report::Table table = report::facts_table(json);
@@ -294,6 +293,16 @@ Result<Description> describe(const fs::path& path, const DescribeOptions& option
 
 namespace {
 
+/// The size in px of the smallest sensor that contains all events.
+struct Extent {
+  size_t width = 0, height = 0;
+
+  void add(const recordings::EventColumns& events) {
+    for (const uint16_t x : events.x) width = std::max<size_t>(width, x + 1U);
+    for (const uint16_t y : events.y) height = std::max<size_t>(height, y + 1U);
+  }
+};
+
 Json assumptions_json(const recordings::RecordingInfo& info) {
   Json texts = Json::array();
   for (const recordings::Assumption& assumption : info.assumptions) texts.push_back(assumption_text(assumption));
@@ -301,7 +310,7 @@ Json assumptions_json(const recordings::RecordingInfo& info) {
 }
 
 Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
-             const RecordingStatistics& statistics, Json parts) {
+             const diagnose::TriggerInputs& triggers, const Extent& extent, Json parts) {
   const double duration_s = static_cast<double>(summary.last_t_us - summary.first_t_us) * 1e-6;
   Json json = {{"kind", "recording"},
                {"format", info.format},
@@ -313,8 +322,8 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
   const Json left_out = std::move(counts["left_out"]);
   counts.erase("left_out");
   json.update(counts);
-  json["trigger_channels"] = statistics.triggers_json();
-  json["extents"] = {{"width", statistics.width()}, {"height", statistics.height()}};
+  json["trigger_channels"] = diagnose::to_json(triggers);
+  json["extents"] = {{"width", extent.width}, {"height", extent.height}};
   json["assumptions"] = assumptions_json(info);
   json["read_as"] = reading_json(info);
   json["left_out"] = left_out;
@@ -329,14 +338,16 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
   recordings::OpenOptions open = options.recording;
   open.counts_reports = true;
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(path.string(), open));
-  RecordingStatistics statistics;
+  diagnose::TriggerInputs triggers;
+  Extent extent;
   recordings::DecodeSummary summary;
   recordings::EventBatch batch;
   Json parts_json = Json::array();
   for (bool more_parts = true; more_parts;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader->read(batch));
     if (more) {
-      statistics.add(batch);
+      diagnose::add(batch.triggers, triggers);
+      extent.add(batch.events);
       if (options.on_batch) options.on_batch(batch);
       if (options.progress) options.progress(summary.events() + reader->summary().events(), 0);
       continue;
@@ -349,24 +360,9 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
                           {"last_t_us", part.last_t_us}});
     E2LF_ASSIGN_OR_RETURN(more_parts, reader->next_part());
   }
-  Description description{to_json(reader->info(), summary, statistics, std::move(parts_json))};
+  Description description{to_json(reader->info(), summary, triggers, extent, std::move(parts_json))};
   description.failure = summary.live.failure;
   return description;
-}
-
-namespace {
-
-size_t beyond(const recordings::Column<uint16_t>& coordinates, size_t known) {
-  if (coordinates.empty()) return known;
-  return std::max<size_t>(known, size_t{*std::max_element(coordinates.begin(), coordinates.end())} + 1);
-}
-
-}  // namespace
-
-void RecordingStatistics::add(const recordings::EventBatch& batch) {
-  width_ = beyond(batch.events.x, width_);
-  height_ = beyond(batch.events.y, height_);
-  diagnose::add(batch.triggers, triggers_);
 }
 
 }  // namespace e2lf::info

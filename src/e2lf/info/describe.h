@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/diagnose/triggers.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/recordings/event.h"
 #include "e2lf/recordings/recording.h"
-#include "e2lf/report/page.h"
 
 namespace e2lf::info {
 
@@ -50,28 +47,8 @@ struct DescribeOptions {
 [[nodiscard]] Result<Description> describe(FileKind kind, const std::filesystem::path& path,
                                            const DescribeOptions& options);
 
-/// Describes a file of settings: a camera, a schedule, patterns, the record of a run, settings of a training, or
-/// biases.
-[[nodiscard]] Result<Description> describe_settings(const std::filesystem::path& path);
-
 /// Reads a whole recording and describes it: format, sensor, events, triggers, duration, event rate and damage. Needs
 /// constant memory.
 [[nodiscard]] Result<Description> describe_recording(const std::filesystem::path& path, const DescribeOptions& options);
-
-/// Collects statistics of the triggers of a recording and the extent of its events, in constant memory.
-class RecordingStatistics {
- public:
-  void add(const recordings::EventBatch& batch);
-
-  /// Returns the size in px of the smallest sensor that contains all events, or 0 if there are none.
-  [[nodiscard]] size_t width() const { return width_; }
-  [[nodiscard]] size_t height() const { return height_; }
-
-  [[nodiscard]] Json triggers_json() const { return diagnose::to_json(triggers_); }
-
- private:
-  diagnose::TriggerInputs triggers_;
-  size_t width_ = 0, height_ = 0;
-};
 
 }  // namespace e2lf::info

@@ -17,36 +17,30 @@ using info::file_kind, info::FileKind, info::other_kind_error;
 void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views) {
   const char* const group = kLightFieldOptions;
   if (has_views) {
-    app.add_option("--views", flags.views, "number of central views to read per axis; 0 = all")
+    app.add_option("--views", flags.read.views_y.count, "number of central views to read per axis; 0 = all")
         ->check(whole_number(0, 65535))
         ->group(group);
   }
-  app.add_option("--step", flags.step, "read every N-th view, which multiplies the disparity by N")
+  app.add_option("--step", flags.read.views_y.step, "read every N-th view, which multiplies the disparity by N")
       ->check(whole_number(1, 65535))
       ->group(group);
-  app.add_option("--white", flags.white, "stored value that is white, e.g. 255; default: the largest of the type")
+  app.add_option("--white", flags.read.white, "stored value that is white, e.g. 255; default: the largest of the type")
       ->check(positive_number())
       ->group(group);
-  app.add_option("--view-columns", flags.view_columns,
+  app.add_option("--view-columns", flags.read.view_columns,
                  "number of views in a row of the grid, if views are numbered consecutively (input_Cam000.png ...); "
                  "default: detected")
       ->check(whole_number(1, 10000))
       ->group(group);
-  app.add_option("--lenslet-views", flags.lenslet_views,
+  app.add_option("--lenslet-views", flags.read.lenslet_views,
                  "number of views per axis below a microlens, for mosaics that do not state it")
       ->check(whole_number(1, 1000))
       ->group(group);
 }
 
 lightfield::ReadOptions read_options(const LightFieldFlags& flags) {
-  lightfield::ReadOptions options;
-  for (lightfield::AxisViews* views : {&options.views_y, &options.views_x}) {
-    views->count = flags.views;
-    views->step = flags.step;
-  }
-  options.white = flags.white;
-  options.view_columns = flags.view_columns;
-  options.lenslet_views = flags.lenslet_views;
+  lightfield::ReadOptions options = flags.read;
+  options.views_x = options.views_y;
   options.orientation = flags.orientation.value();
   return options;
 }
@@ -78,16 +72,10 @@ Result<lightfield::LightField> load_scene(const fs::path& path, const SceneOptio
   return read_with_progress(path, read, is_quiet);
 }
 
-Error no_light_field_error(const fs::path& path) {
-  const auto kind = file_kind(path);
-  if (!kind) return kind.error();
-  return other_kind_error(path, *kind, "a light field");
-}
-
 Result<lightfield::LightField> load_to_show(const fs::path& path, const LightFieldFlags& flags, bool is_quiet,
                                             const std::vector<float>& disparities) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
-  if (kind != FileKind::kLightField) return no_light_field_error(path);
+  if (kind != FileKind::kLightField) return other_kind_error(path, kind, "a light field");
   E2LF_ASSIGN_OR_RETURN(lightfield::LightField light_field,
                         read_with_progress(path, unchanged_options(flags), is_quiet));
   const auto [width, height] = std::pair(light_field.shape().width, light_field.shape().height);

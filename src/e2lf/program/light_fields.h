@@ -17,11 +17,8 @@ inline constexpr const char* kLightFieldOptions = "Light fields";
 
 /// The flags of verbs that read a light field.
 struct LightFieldFlags {
-  size_t views = 8, step = 1;  ///< number of views per axis (0 = all), and the step between them
-  float white = 0.0F;          ///< stored value that corresponds to 1; 0 = the largest of the type
-  size_t view_columns = 0;     ///< number of columns of the grid if views are numbered consecutively; 0 = detected
-  size_t lenslet_views = 0;    ///< views per axis of a lenslet mosaic; 0 = as its name states
-  OrientationFlags orientation = {};
+  lightfield::ReadOptions read = {{.count = 0, .first = {}}, {}};  ///< views_y is for both axes; by default, all views
+  OrientationFlags orientation = {};                               ///< replaces that of `read`
 };
 
 /// Declares --step, --white, --view-columns and --lenslet-views, and also --views if the verb can use any number of
@@ -54,8 +51,5 @@ struct SceneOptions {
 [[nodiscard]] Result<lightfield::LightField> load_to_show(const std::filesystem::path& path,
                                                           const LightFieldFlags& flags, bool is_quiet,
                                                           const std::vector<float>& disparities = {});
-
-/// Returns the error of a verb that accepts only light fields.
-[[nodiscard]] Error no_light_field_error(const std::filesystem::path& path);
 
 }  // namespace e2lf::program

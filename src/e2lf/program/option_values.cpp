@@ -14,28 +14,16 @@ namespace e2lf::program {
 namespace {
 
 template <typename T>
-bool is_number(const std::string& text) {
+std::string check_whole(std::string& text) {
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
-/// 010 would be read as octal.
-void strip_zeros(std::string& digits) {
-  const size_t begin = digits.starts_with('-');
-  const size_t first = std::min(digits.find_first_not_of('0', begin), digits.size() - 1);
-  if (first > begin) digits.erase(begin, first - begin);
-}
-
-std::string check_unsigned(std::string& text) {
-  if (!is_number<uint64_t>(text)) return cat("\"", text, "\" is not a whole number from 0 to ", UINT64_MAX);
-  strip_zeros(text);
-  return {};
-}
-
-std::string check_signed(std::string& text) {
-  if (!is_number<int64_t>(text)) return cat("\"", text, "\" is not a whole number of 64 bits");
-  strip_zeros(text);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    return cat("\"", text, "\" is not a whole number",
+               std::is_signed_v<T> ? std::string(" of 64 bits") : cat(" from 0 to ", UINT64_MAX));
+  }
+  // 010 would be read as octal.
+  const size_t begin = text.starts_with('-'), first = std::min(text.find_first_not_of('0', begin), text.size() - 1);
+  if (first > begin) text.erase(begin, first - begin);
   return {};
 }
 
@@ -46,19 +34,15 @@ std::string check_float(std::string& text) {
   return is_whole_text && std::isfinite(value) ? std::string() : cat("\"", text, "\" is not a number");
 }
 
-CLI::Validator quiet_validator(std::string (*check)(std::string&)) {
-  return {check, ""};
-}
-
 }  // namespace
 
 void check_numbers(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     const std::string type = option->get_type_name();
     // The name of the type is followed by those of its other checks. A transformation runs before the checks.
-    if (type.starts_with("UINT")) option->transform(quiet_validator(check_unsigned));
-    if (type.starts_with("INT")) option->transform(quiet_validator(check_signed));
-    if (type.starts_with("FLOAT")) option->transform(quiet_validator(check_float));
+    if (type.starts_with("UINT")) option->transform(CLI::Validator(check_whole<uint64_t>, ""));
+    if (type.starts_with("INT")) option->transform(CLI::Validator(check_whole<int64_t>, ""));
+    if (type.starts_with("FLOAT")) option->transform(CLI::Validator(check_float, ""));
   }
 }
 
@@ -104,6 +88,8 @@ std::vector<std::string> values_of(const CLI::Option& option) {
   return words;
 }
 
+}  // namespace
+
 std::vector<std::string> flags_of(const CLI::App& app) {
   std::vector<std::string> flags;
   for (const CLI::Option* option : app.get_options()) {
@@ -112,6 +98,8 @@ std::vector<std::string> flags_of(const CLI::App& app) {
   }
   return flags;
 }
+
+namespace {
 
 /// Returns what may stand in place of `current` behind `previous`; nothing if that is a file.
 std::vector<std::string> candidates(const CLI::App& app, const std::string& previous, const std::string& current) {

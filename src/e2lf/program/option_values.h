@@ -53,6 +53,9 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const 
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
                         const std::vector<std::string>& choices, const std::string& help);
 
+/// Returns all flags, e.g. "-m" and "--model".
+[[nodiscard]] std::vector<std::string> flags_of(const CLI::App& app);
+
 /// Declares that neither of two options can be given without the other.
 inline void add_pair(CLI::Option* first, CLI::Option* second) {
   first->needs(second);

@@ -1,28 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/program/report_output.h"
 
-#include <fstream>
 #include <vector>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/program/sibling_program.h"
 #include "e2lf/program/verb.h"
 
 namespace e2lf::program {
 namespace fs = std::filesystem;
-namespace {
-
-/// Returns the command line as it was typed, as far as possible.
-std::string command_line() {
-  std::ifstream in("/proc/self/cmdline", std::ios::binary);
-  std::vector<std::string> words;
-  for (std::string word; std::getline(in, word, '\0');) words.push_back(shell_word(word));
-  if (!words.empty()) words.front() = "e2lf";
-  return join(words, " ");
-}
-
-}  // namespace
-
 void add_report_option(CLI::App& app, std::vector<fs::path>& names) {
   const auto check = [](std::string& text) {
     const auto format = report::file_format_of(text);
@@ -56,8 +43,11 @@ Result<void> ReportOutput::write(const report::Page& page) {
 }
 
 report::Page verb_page(const std::string& title) {
+  // The command line as it was typed, as far as possible.
+  std::string command = "e2lf";
+  for (const std::string& word : own_arguments()) command += " " + shell_word(word);
   report::Page page(title);
-  page.code(command_line());
+  page.code(command);
   return page;
 }
 

@@ -38,7 +38,7 @@ void warn_of_other_inputs(const Json& inputs, const Json& earlier_run) {
 
 }  // namespace
 
-RunRecord::RunRecord(std::string verb, const std::vector<fs::path>& inputs) : verb_(std::move(verb)) {
+RunRecord::RunRecord(const Verb& verb, const std::vector<fs::path>& inputs) : verb_(&verb) {
   for (const fs::path& input : inputs) add_input(input);
 }
 
@@ -58,41 +58,41 @@ void RunRecord::end_step(const std::string& name) {
   step_begin_ = now;
 }
 
-Json RunRecord::json_so_far(const Verb& verb) const {
+Json RunRecord::json_so_far() const {
   Json record;
   record["written_by"] = "e2lf";
-  record["verb"] = verb_;
+  record["verb"] = verb_->name();
   record["version"] = info::kVersion;
   std::error_code ignored;
   record["folder"] = fs::current_path(ignored).string();
-  record["options"] = verb.resolved_options();
+  record["options"] = verb_->resolved_options();
   record["options"].update(resolved_);
-  record["seed"] = verb.common().seed;
+  record["seed"] = verb_->common().seed;
   record["threads"] = num_threads();
   record["complete"] = false;
   return record;
 }
 
-Result<Json> RunRecord::json(const Verb& verb) const {
-  Json record = json_so_far(verb);
+Result<Json> RunRecord::json() const {
+  Json record = json_so_far();
   record.erase("complete");
   record["inputs"] = Json::array();
   for (const Input& input : inputs_) {
     std::string hash = input.sha256;
     if (hash.empty()) {
-      ProgressBar bar("hash " + input.path.filename().string(), verb.common().quiet);
+      ProgressBar bar("hash " + input.path.filename().string(), verb_->common().quiet);
       E2LF_ASSIGN_OR_RETURN(hash, sha256_of(input.path, bar.callback()));
     }
     record["inputs"].push_back({{"path", input.path.string()}, {"sha256", hash}});
   }
-  warn_of_other_inputs(record["inputs"], verb.earlier_run());
+  warn_of_other_inputs(record["inputs"], verb_->earlier_run());
   record["timings_s"] = timings_s_;
   if (!notes_.empty()) record["notes"] = notes_;
   return record;
 }
 
-Result<void> RunRecord::write(const fs::path& path, const Verb& verb) const {
-  E2LF_ASSIGN_OR_RETURN(const Json record, json(verb));
+Result<void> RunRecord::write(const fs::path& path) const {
+  E2LF_ASSIGN_OR_RETURN(const Json record, json());
   return write_file(path, json_text(record));
 }
 
@@ -111,13 +111,13 @@ Result<ResultFolder> open_output_folder(const fs::path& named, const Verb& verb,
   return open_result_folder(named, output_rules(verb, inputs));
 }
 
-Result<void> commit(OutputFile& output, const RunRecord& record, const Verb& verb) {
-  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+Result<void> commit(OutputFile& output, const RunRecord& record) {
+  if (!output.is_stream()) E2LF_RETURN_IF_ERROR(record.write(output.record_path()));
   return output.commit();
 }
 
-Result<void> commit(ResultFolder& folder, const RunRecord& record, const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+Result<void> commit(ResultFolder& folder, const RunRecord& record) {
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json());
   return folder.commit(std::move(about));
 }
 

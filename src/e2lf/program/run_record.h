@@ -20,7 +20,7 @@ namespace e2lf::program {
 /// run.json beside the results, so that any result can be reproduced.
 class RunRecord {
  public:
-  explicit RunRecord(std::string verb, const std::vector<std::filesystem::path>& inputs = {});
+  explicit RunRecord(const Verb& verb, const std::vector<std::filesystem::path>& inputs = {});
 
   /// Adds an input file, or every file of an input folder. Other inputs (a pipe, a camera) have no hash and are
   /// omitted.
@@ -42,17 +42,17 @@ class RunRecord {
 
   /// Returns the record, which ResultFolder writes as run.json. Reads the inputs, and warns of those that have changed
   /// since the run that is repeated.
-  [[nodiscard]] Result<Json> json(const Verb& verb) const;
+  [[nodiscard]] Result<Json> json() const;
 
   /// Returns the record of a result that is not complete, without inputs and results.
-  [[nodiscard]] Json json_so_far(const Verb& verb) const;
+  [[nodiscard]] Json json_so_far() const;
 
   /// Writes the record beside a single file, to OutputFile::record_path().
-  [[nodiscard]] Result<void> write(const std::filesystem::path& path, const Verb& verb) const;
+  [[nodiscard]] Result<void> write(const std::filesystem::path& path) const;
 
  private:
   using Clock = std::chrono::steady_clock;
-  std::string verb_;
+  const Verb* verb_;
   struct Input {
     std::filesystem::path path;
     std::string sha256;  ///< empty if it was not read yet
@@ -76,7 +76,7 @@ class RunRecord {
 
 /// Complete the result of a run with its record and move both to their place. A stream has no record. Fail as
 /// RunRecord::json() and the result's own commit() do.
-[[nodiscard]] Result<void> commit(OutputFile& output, const RunRecord& record, const Verb& verb);
-[[nodiscard]] Result<void> commit(ResultFolder& folder, const RunRecord& record, const Verb& verb);
+[[nodiscard]] Result<void> commit(OutputFile& output, const RunRecord& record);
+[[nodiscard]] Result<void> commit(ResultFolder& folder, const RunRecord& record);
 
 }  // namespace e2lf::program

@@ -21,7 +21,8 @@ fs::path self() {
   return fs::read_symlink("/proc/self/exe", error);
 }
 
-/// Returns the arguments after the name of the program.
+}  // namespace
+
 std::vector<std::string> own_arguments() {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
   std::vector<std::string> arguments;
@@ -29,8 +30,6 @@ std::vector<std::string> own_arguments() {
   if (!arguments.empty()) arguments.erase(arguments.begin());
   return arguments;
 }
-
-}  // namespace
 
 Error continue_as(const std::string& name, std::vector<std::string> arguments, const std::string& remedy) {
   const std::string program = (self().parent_path() / name).string();

@@ -8,6 +8,9 @@
 
 namespace e2lf::program {
 
+/// Returns the arguments of this process after the name of the program.
+[[nodiscard]] std::vector<std::string> own_arguments();
+
 /// Replaces this process by the program of this name in the same folder. Returns only if it is missing, with
 /// kMissingDependency and the reason, followed by `remedy`.
 [[nodiscard]] Error continue_as(const std::string& name, std::vector<std::string> arguments, const std::string& remedy);

@@ -81,11 +81,6 @@ std::vector<std::string> long_flags(const CLI::App& app) {
   return names;
 }
 
-std::vector<std::string> with_dashes(std::vector<std::string> names) {
-  for (std::string& name : names) name.insert(0, "--");
-  return names;
-}
-
 /// Returns a message with the missing argument, its meaning, and an example of a complete command.
 std::optional<std::string> missing_argument(const CLI::App& app, const std::string& example) {
   for (const CLI::Option* option : app.get_options()) {
@@ -109,12 +104,10 @@ std::optional<std::string> dashed_file(const std::vector<std::string>& arguments
 /// Returns a message about the first argument that looks like a long flag but is none.
 std::optional<std::string> unknown_argument(const CLI::App& app, const std::vector<std::string>& arguments) {
   if (auto file = dashed_file(arguments)) return file;
-  const std::vector<std::string> known = long_flags(app);
   for (const std::string& argument : arguments) {
-    if (!argument.starts_with("--")) continue;
-    const std::string name = argument.substr(2, argument.find('=') - 2);
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    return cat("there is no option --", name, "; ", suggestion(cat("--", name), with_dashes(known), ""));
+    const std::string flag = argument.substr(0, argument.find('='));
+    if (!flag.starts_with("--") || app.get_option_no_throw(flag) != nullptr) continue;
+    return cat("there is no option ", flag, "; ", suggestion(flag, flags_of(app), ""));
   }
   return std::nullopt;
 }
@@ -157,13 +150,12 @@ Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI
                                                    const std::string& location) {
   if (!config.is_object())
     return fail(ErrorCode::kFormat, location, "the configuration is not an object; write { ... }");
-  const std::vector<std::string> known = long_flags(app);
   std::vector<std::string> flags;
   for (const auto& [key, value] : config.items()) {
     std::string name = key;
     std::replace(name.begin(), name.end(), '_', '-');
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      return fail(ErrorCode::kInvalidValue, location, "unknown key \"", key, "\"; ", suggestion(name, known));
+    if (app.get_option_no_throw("--" + name) == nullptr) {
+      return fail(ErrorCode::kInvalidValue, location, "unknown key \"", key, "\"; ", suggestion(name, long_flags(app)));
     }
     for (const Json& one : value.is_array() ? value : Json::array({value})) {
       if (one.is_boolean()) {

@@ -51,6 +51,7 @@ class Verb {
  public:
   Verb(std::string name, const std::string& summary, const std::string& example);
 
+  [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] CLI::App& app() { return app_; }
   [[nodiscard]] const CommonOptions& common() const { return common_; }
 

@@ -4,13 +4,21 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <fstream>
 #include <zlib.h>
 
 #include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/model/summary.h"
+#include "e2lf/report/page.h"
 #include "e2lf/report/table.h"
+
+// These symbols are defined in page_bytes.S.
+extern "C" {
+extern const char kPageBegin[] asm("e2lf_view_page_begin");
+extern const char kPageEnd[] asm("e2lf_view_page_end");
+}
 
 namespace e2lf::view {
 namespace {
@@ -81,23 +89,22 @@ void Document::add_disparity(size_t item, const std::vector<lightfield::Image>& 
                              const std::vector<lightfield::Image>& confidences) {
   Json& field = items_.at(item);
   lightfield::Image all;
-  Json parts = Json::array();
   for (const lightfield::Image& map : maps) {
     E2LF_REQUIRE(field["height"] == map.height && field["width"] == map.width, "a map has the size of the views");
     all.pixels.insert(all.pixels.end(), map.pixels.begin(), map.pixels.end());
-    parts.push_back(add_part(counts_part(thousandths(map))));
   }
   const depth::DisparityRange range = depth::shown_range(all);
+  const auto add_parts = [&](const std::vector<lightfield::Image>& images) {
+    Json parts = Json::array();
+    for (const lightfield::Image& image : images) parts.push_back(add_part(counts_part(thousandths(image))));
+    return parts;
+  };
   field["disparity"] = {{"view", {view_y, view_x}},
                         {"range", {json_number(range.least), json_number(range.most)}},
-                        {"maps", std::move(parts)}};
+                        {"maps", add_parts(maps)}};
   if (confidences.empty()) return;
   E2LF_REQUIRE(confidences.size() == maps.size(), "each map has its confidences");
-  parts = Json::array();
-  for (const lightfield::Image& confidence : confidences) {
-    parts.push_back(add_part(counts_part(thousandths(confidence))));
-  }
-  field["disparity"]["confidences"] = std::move(parts);
+  field["disparity"]["confidences"] = add_parts(confidences);
 }
 
 void Document::add_event_images(const std::string& name, const std::vector<capture::EventImages>& cycles,
@@ -135,16 +142,9 @@ void Document::add_comparison(size_t first, size_t second, const std::vector<Qua
 std::string Document::description() const {
   Json json = {{"format", "e2lf-view"}, {"version", 1}, {"items", items_}, {"comparisons", comparisons_}};
   if (is_growing_) json["is_growing"] = true;
+  // The text must not contain "</script>", which would end the element.
   std::string text;
-  // File names may contain any bytes; those that are not valid UTF-8 are replaced. The text must not contain
-  // "</script>", which would end the element.
-  for (const char letter : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
-    if (letter == '<') {
-      text += "\\u003c";
-    } else {
-      text += letter;
-    }
-  }
+  for (const char letter : json_line(json)) text += letter == '<' ? "\\u003c" : std::string(1, letter);
   return text;
 }
 
@@ -166,6 +166,28 @@ Quality quality_of(const lightfield::LightField& truth, const lightfield::LightF
   for (float& value : toned.data()) value = (value - quality.tone.black) * quality.tone.gain;
   quality.toned_psnr_db = eval::psnr_of_views(truth, toned);
   return quality;
+}
+
+std::string_view empty_page() {
+  return {kPageBegin, kPageEnd};
+}
+
+Result<void> write_page(const std::filesystem::path& path, const Document& document, const ProgressFn& progress) {
+  const std::string_view page = empty_page();
+  constexpr std::string_view kPlace = "<!--e2lf-data-->";
+  const size_t place = page.find(kPlace);
+  E2LF_REQUIRE(place != std::string_view::npos, "the page has a place for data");
+  std::ofstream out(path, std::ios::binary);
+  out << page.substr(0, place) << "<script type=\"application/json\" id=\"e2lf-document\">" << document.description()
+      << "</script>\n";
+  for (size_t number = 0; number < document.parts().size(); ++number) {
+    E2LF_ASSIGN_OR_RETURN(const std::vector<uint8_t> bytes, document.parts()[number]());
+    out << "<script type=\"text/plain\" id=\"e2lf-part-" << number << "\">" << report::base64(bytes) << "</script>\n";
+    if (progress) progress(number + 1, document.parts().size());
+  }
+  out << page.substr(place + kPlace.size());
+  if (!out.flush()) return Error{ErrorCode::kIo, "cannot write; check space and permissions", path.string()};
+  return {};
 }
 
 }  // namespace e2lf::view

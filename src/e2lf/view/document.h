@@ -2,13 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
@@ -82,5 +85,13 @@ class Document {
 
 /// Returns a part that holds these counts as int16, little-endian, deflated (zlib).
 [[nodiscard]] Part counts_part(std::span<const int16_t> counts);
+
+/// Returns the viewer page, a single HTML file without data, as built from viewer/.
+[[nodiscard]] std::string_view empty_page();
+
+/// Writes the page with the document embedded, as one file that opens without a server. The parts are stored in base64,
+/// which adds a third to their size. Fails as the parts do, and with kIo.
+[[nodiscard]] Result<void> write_page(const std::filesystem::path& path, const Document& document,
+                                      const ProgressFn& progress = {});
 
 }  // namespace e2lf::view

@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include "e2lf/view/page.h"
-
 namespace e2lf::view {
 namespace {
 

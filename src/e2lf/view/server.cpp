@@ -18,34 +18,17 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/view/page.h"
 
 namespace e2lf::view {
-
-/// A server of httplib whose connections end at a stop, and none of which keeps the others waiting: each has its own
-/// thread, and a request must arrive within a few seconds, however slowly its bytes come.
-class ConnectionServer : public httplib::Server {
- public:
-  ConnectionServer();
-
-  /// Ends listening and all connections. It may be called from any thread.
-  void stop_all();
-
-  static constexpr int kRequestMs = 3'000;        ///< longest time for a request to arrive, and between two of them
-  static constexpr int kSilenceMs = 5'000;        ///< longest time in which a client accepts no byte of an answer
-  static constexpr int kMostConnections = 500;    ///< further ones are closed
-  static constexpr size_t kMostRequests = 1'000;  ///< of one connection
-
- private:
-  bool process_and_close_socket(socket_t socket) override;
-
-  std::atomic<bool> is_over_ = false;
-  std::atomic<int> connections_ = 0;
-};
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr int kRequestMs = 3'000;        // longest time for a request to arrive, and between two of them
+constexpr int kSilenceMs = 5'000;        // longest time in which a client accepts no byte of an answer
+constexpr int kMostConnections = 500;    // further ones are closed
+constexpr size_t kMostRequests = 1'000;  // of one connection
 
 /// One connection, whose waiting ends at a stop or at the deadline of the request.
 class Connection : public httplib::Stream {
@@ -54,7 +37,7 @@ class Connection : public httplib::Stream {
 
   /// Waits for the first byte of the next request, and sets the deadline for all of it.
   bool begin_request() {
-    deadline_ = Clock::now() + std::chrono::milliseconds(ConnectionServer::kRequestMs);
+    deadline_ = Clock::now() + std::chrono::milliseconds(kRequestMs);
     return begin_ < end_ || wait_for(POLLIN, deadline_);
   }
 
@@ -73,7 +56,7 @@ class Connection : public httplib::Stream {
   }
 
   ssize_t write(const char* data, size_t size) override {
-    if (!wait_for(POLLOUT, Clock::now() + std::chrono::milliseconds(ConnectionServer::kSilenceMs))) return -1;
+    if (!wait_for(POLLOUT, Clock::now() + std::chrono::milliseconds(kSilenceMs))) return -1;
     return ::send(socket_, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
   }
 
@@ -121,31 +104,37 @@ class ThreadPerConnection : public httplib::TaskQueue {
   std::list<Thread> threads_;
 };
 
-}  // namespace
-
-ConnectionServer::ConnectionServer() {
-  new_task_queue = [] { return new ThreadPerConnection(); };
-}
-
-void ConnectionServer::stop_all() {
-  is_over_ = true;
-  stop();
-}
-
-bool ConnectionServer::process_and_close_socket(socket_t socket) {
-  bool is_good = connections_++ < kMostConnections, is_closed = !is_good;
-  Connection connection(socket, is_over_);
-  for (size_t request = 1; !is_closed && is_good && connection.begin_request(); ++request) {
-    is_good = process_request(connection, request == kMostRequests, is_closed, nullptr);
-    if (request == kMostRequests) break;
+/// A server of httplib whose connections end at a stop, and none of which keeps the others waiting: each has its own
+/// thread, and a request must arrive within a few seconds, however slowly its bytes come.
+class ConnectionServer : public httplib::Server {
+ public:
+  ConnectionServer() {
+    new_task_queue = [] { return new ThreadPerConnection(); };
   }
-  --connections_;
-  ::shutdown(socket, SHUT_RDWR);
-  ::close(socket);
-  return is_good;
-}
 
-namespace {
+  /// Ends listening and all connections. It may be called from any thread.
+  void stop_all() {
+    is_over_ = true;
+    stop();
+  }
+
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    bool is_good = connections_++ < kMostConnections, is_closed = !is_good;
+    Connection connection(socket, is_over_);
+    for (size_t request = 1; !is_closed && is_good && connection.begin_request(); ++request) {
+      is_good = process_request(connection, request == kMostRequests, is_closed, nullptr);
+      if (request == kMostRequests) break;
+    }
+    --connections_;
+    ::shutdown(socket, SHUT_RDWR);
+    ::close(socket);
+    return is_good;
+  }
+
+  std::atomic<bool> is_over_ = false;
+  std::atomic<int> connections_ = 0;
+};
 
 constexpr const char* kHost = "127.0.0.1";
 constexpr std::chrono::milliseconds kStopPoll{100};
@@ -184,12 +173,9 @@ void refuse(httplib::Response& response, int status, const char* text) {
   response.set_content(text, "text/plain");
 }
 
-}  // namespace
-
-class Server::Impl {
+class DocumentServer : public Server {
  public:
-  Impl(Document document, std::string secret, Answerer answerer)
-      : secret_(std::move(secret)), answerer_(std::move(answerer)) {
+  DocumentServer(Document document, Answerer answerer) : answerer_(std::move(answerer)) {
     replace(std::move(document));
     server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       answer(request, response);
@@ -213,18 +199,18 @@ class Server::Impl {
     return {};
   }
 
-  void replace(Document document) {
+  void replace(Document document) final {
     std::string description = document.description();
     const std::lock_guard lock(mutex_);
     const uint64_t version = shown_ ? shown_->version + 1 : 0;
     shown_ = std::make_shared<const Shown>(Shown{version, std::move(description), std::move(document)});
   }
 
-  void end() { has_ended_ = true; }
+  void end() override { has_ended_ = true; }
 
-  [[nodiscard]] std::string url() const { return cat("http://", kHost, ":", port_, "/", secret_, "/"); }
+  [[nodiscard]] std::string url() const override { return cat("http://", kHost, ":", port_, "/", secret_, "/"); }
 
-  Result<void> run() {
+  Result<void> run() override {
     std::thread stopper([this] {
       while (!stop_requested() && !has_ended_) std::this_thread::sleep_for(kStopPoll);
       server_.stop_all();
@@ -305,7 +291,7 @@ class Server::Impl {
     return true;
   }
 
-  std::string secret_;
+  const std::string secret_ = random_secret();
   Answerer answerer_;
   mutable std::mutex mutex_;
   std::shared_ptr<const Shown> shown_;
@@ -314,31 +300,12 @@ class Server::Impl {
   ConnectionServer server_;
 };
 
-Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Server::Server(Server&&) noexcept = default;
-Server& Server::operator=(Server&&) noexcept = default;
-Server::~Server() = default;
+}  // namespace
 
-Result<Server> Server::create(Document document, uint16_t port, Answerer answerer) {
-  auto impl = std::make_unique<Impl>(std::move(document), random_secret(), std::move(answerer));
-  E2LF_RETURN_IF_ERROR(impl->bind(port));
-  return Server(std::move(impl));
-}
-
-std::string Server::url() const {
-  return impl_->url();
-}
-
-void Server::replace(Document document) {
-  impl_->replace(std::move(document));
-}
-
-void Server::end() {
-  impl_->end();
-}
-
-Result<void> Server::run() {
-  return impl_->run();
+Result<std::unique_ptr<Server>> Server::create(Document document, uint16_t port, Answerer answerer) {
+  auto server = std::make_unique<DocumentServer>(std::move(document), std::move(answerer));
+  E2LF_RETURN_IF_ERROR(server->bind(port));
+  return std::unique_ptr<Server>(std::move(server));
 }
 
 }  // namespace e2lf::view

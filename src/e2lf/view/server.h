@@ -35,30 +35,21 @@ class Server {
  public:
   /// Binds the port; 0 selects any free one. `answerer` receives commands and the requests that the document does not
   /// answer; without it, commands are refused. Fails with kIo if the port is in use.
-  [[nodiscard]] static Result<Server> create(Document document, uint16_t port, Answerer answerer = {});
-
-  Server(Server&&) noexcept;
-  Server& operator=(Server&&) noexcept;
-  ~Server();
+  [[nodiscard]] static Result<std::unique_ptr<Server>> create(Document document, uint16_t port, Answerer answerer = {});
+  virtual ~Server() = default;
 
   /// Shows another document from now on. Requests for parts of the previous one that have already begun are
-  /// completed. It may be called
-  /// from any thread.
-  void replace(Document document);
+  /// completed. It may be called from any thread.
+  virtual void replace(Document document) = 0;
 
   /// Returns the address of the page: http://127.0.0.1:<port>/<secret>/
-  [[nodiscard]] std::string url() const;
+  [[nodiscard]] virtual std::string url() const = 0;
 
   /// Answers requests until stop_requested() or end(). Fails with kIo.
-  [[nodiscard]] Result<void> run();
+  [[nodiscard]] virtual Result<void> run() = 0;
 
   /// Ends run() soon afterwards. It may be called from any thread.
-  void end();
-
- private:
-  class Impl;
-  explicit Server(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  virtual void end() = 0;
 };
 
 }  // namespace e2lf::view

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/flags/cycle_options.h"
 
-#include <algorithm>
-#include <cstdio>
-
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/info/file_kind.h"
@@ -139,7 +136,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   add_recording_options(app, flags.recording, group);
 }
 
-Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags, const CycleObserver& observer) {
+Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags) {
   E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags.recording));
   E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(input.string(), open));
   say_assumptions(*reader);
@@ -151,8 +148,6 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   E2LF_ASSIGN_OR_RETURN(options.schedule, pipeline::choose_schedule(choice, input, reader->info()));
   if (const auto chosen = pipeline::choose_source(options, flags.origin_us); !chosen)
     return by_flag(chosen.error(), {});
-  options.on_batch = observer.on_batch;
-  options.on_mark = observer.on_mark;
   return cycles::CycleReader::open(std::move(reader), options);
 }
 
@@ -182,9 +177,9 @@ Result<pipeline::CycleInput> open_cycle_input(const fs::path& input, const Cycle
   };
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(input));
   if (kind == FileKind::kRecording) {
-    E2LF_ASSIGN_OR_RETURN(
-        cycles::CycleReader reader,
-        open_cycles(input, flags, {.on_batch = [&rig](const recordings::EventBatch& batch) { rig.add(batch); }}));
+    CycleFlags observed = flags;
+    observed.options.on_batch = [&rig](const recordings::EventBatch& batch) { rig.add(batch); };
+    E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(input, observed));
     return by_flag(pipeline::CycleInput::create(std::move(reader), std::move(options)), input);
   }
   if (kind != FileKind::kEventImages && kind != FileKind::kImages) {

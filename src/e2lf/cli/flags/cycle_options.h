@@ -4,11 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verbs.h"
@@ -49,18 +46,12 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::stri
 
 /// The flags of the verbs that divide a recording into pattern cycles.
 struct CycleFlags {
-  cycles::CycleOptions options;     ///< without the schedule
+  cycles::CycleOptions options;     ///< without the schedule; its callbacks are those of the caller
   pipeline::ScheduleChoice choice;  ///< without the schedule
   std::filesystem::path schedule;
   std::optional<int64_t> origin_us;
   uint64_t max_cycles = 0;  ///< 0 = all
   RecordingFlags recording;
-};
-
-/// Callbacks for the batches that a reader of cycles reads and the marks that it finds; see cycles::CycleOptions.
-struct CycleObserver {
-  std::function<void(const recordings::EventBatch&)> on_batch = {};
-  std::function<void(const cycles::Mark&)> on_mark = {};
 };
 
 /// The help group of the options that only apply to recordings.
@@ -72,8 +63,7 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 /// Opens a recording (a path, "-" for standard input, or the name of a camera) and divides it into cycles. The source
 /// "auto" selects triggers if the recording begins with some, and bursts otherwise. Fails with kInvalidValue if the
 /// schedule is the only source of times and --origin-us is missing.
-[[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
-                                                      const CycleObserver& observer = {});
+[[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags);
 
 /// Opens event images, another measurement, or a recording, which is passed to `rig`. Fails as
 /// CycleInput::create() does, and with kInvalidValue if flags for recordings are given for a measurement.

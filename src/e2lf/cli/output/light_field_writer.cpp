@@ -32,10 +32,6 @@ Result<void> write_reconstruction(const fs::path& folder, lightfield::LightField
   return lightfield::write_png(folder / "epi.png", lightfield::epi_picture(light_field, cut));
 }
 
-capture::Orientation stored_views(const std::string& format, const capture::Orientation& views) {
-  return format == "npy" ? views : capture::Orientation{};
-}
-
 std::string cycle_name(size_t cycle) {
   return formatted("cycle_%05zu", cycle);
 }
@@ -77,7 +73,8 @@ Result<void> LightFieldWriter::process(const pipeline::CycleImages& cycle, const
 
 Json LightFieldWriter::notes() const {
   if (!options_.views) return Json::object();
-  return {{"views", lightfield::views_note(*options_.views, stored_views(options_.format, *options_.views))}};
+  const capture::Orientation stored = options_.format == "npy" ? *options_.views : capture::Orientation{};
+  return {{"views", lightfield::views_note(*options_.views, stored)}};
 }
 
 Result<Json> LightFieldWriter::check_field(const LightField& field, const capture::Measurement& used, bool is_of_lit,

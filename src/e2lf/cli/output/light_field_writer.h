@@ -23,9 +23,6 @@ namespace e2lf::cli {
                                                 lightfield::LightField& light_field, const std::string& format,
                                                 const capture::Orientation& views, const ProgressFn& progress);
 
-/// Returns the orientation of the views in the files of write_reconstruction().
-[[nodiscard]] capture::Orientation stored_views(const std::string& format, const capture::Orientation& views);
-
 /// Returns the name of the folder of a cycle: cycle_00000, cycle_00001, ...
 [[nodiscard]] std::string cycle_name(size_t cycle);
 

@@ -12,18 +12,10 @@
 #include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_requests.h"
 #include "e2lf/terminal/progress_bar.h"
-#include "e2lf/view/page.h"
+#include "e2lf/view/document.h"
 #include "e2lf/view/server.h"
 
 namespace e2lf::cli {
-
-bool has_viewer() {
-  return true;
-}
-
-Result<void> require_viewer() {
-  return {};
-}
 
 Result<void> write_comparison_page(const std::filesystem::path& path, const Shown& truth, const Shown& reconstruction,
                                    const std::optional<depth::DisparityError>& error) {
@@ -72,10 +64,8 @@ class ServedLivePage : public LivePage {
   }
 
   Result<void> start(uint16_t port) {
-    E2LF_ASSIGN_OR_RETURN(view::Server server, view::Server::create(document(), port, [this](const auto& question) {
-                            return answer(question);
-                          }));
-    server_.emplace(std::move(server));
+    E2LF_ASSIGN_OR_RETURN(
+        server_, view::Server::create(document(), port, [this](const auto& question) { return answer(question); }));
     serving_ = std::thread([this] { result_ = server_->run(); });
     return {};
   }
@@ -217,7 +207,7 @@ class ServedLivePage : public LivePage {
   Kept quick_, fine_;
   bool is_refining_ = false;
   std::string refining_error_;
-  std::optional<view::Server> server_;
+  std::unique_ptr<view::Server> server_;
   Result<void> result_;
   std::thread serving_, refining_;
 };

@@ -18,10 +18,14 @@
 /// What other verbs show in the viewer. In a build without it, these functions fail with kMissingDependency.
 namespace e2lf::cli {
 
-/// Returns true if this build includes `e2lf view`.
-[[nodiscard]] bool has_viewer();
-/// Fails without it, so that verbs say so before they open anything.
-[[nodiscard]] Result<void> require_viewer();
+/// Whether this build includes `e2lf view`.
+#ifdef E2LF_NO_VIEWER
+inline constexpr bool kHasViewer = false;
+#else
+inline constexpr bool kHasViewer = true;
+#endif
+/// Returns the error of what needs it, so that verbs fail before they open anything.
+[[nodiscard]] Error no_viewer_error();
 
 /// A light field, with the disparities of its middle view.
 struct Shown {

@@ -34,10 +34,8 @@ struct AccumulateArguments {
 /// Collects the data for the plot of a recording while it is divided into cycles.
 class CyclePlot {
  public:
-  [[nodiscard]] CycleObserver observer() {
-    return {.on_batch = [this](const recordings::EventBatch& batch) { rate_.add(batch); },
-            .on_mark = [this](const cycles::Mark& mark) { keep(found_.marks, mark); }};
-  }
+  void add(const recordings::EventBatch& batch) { rate_.add(batch); }
+  void add(const cycles::Mark& mark) { keep(found_.marks, mark); }
   void add(const cycles::Cycle& cycle) {
     keep(found_.cycles, FoundCycle{cycle.number, cycle.confidence, cycle.slices});
   }
@@ -56,16 +54,15 @@ class CyclePlot {
   FoundCycles found_;
 };
 
-/// Returns an observer that updates the progress bar, the check of the rig and, unless it is null, the plot.
-CycleObserver observer(ProgressBar& bar, diagnose::RigCheck& rig, CyclePlot* plot) {
-  CycleObserver all = plot != nullptr ? plot->observer() : CycleObserver();
-  all.on_batch = [&, events = size_t{0}, of_plot = all.on_batch](const recordings::EventBatch& batch) mutable {
+/// Lets the progress bar, the check of the rig and, unless it is null, the plot see what is read.
+void observe(cycles::CycleOptions& options, ProgressBar& bar, diagnose::RigCheck& rig, CyclePlot* plot) {
+  options.on_batch = [&, plot, events = size_t{0}](const recordings::EventBatch& batch) mutable {
     events += batch.events.size();
     rig.add(batch);
     bar.update(events, 0);
-    if (of_plot) of_plot(batch);
+    if (plot != nullptr) plot->add(batch);
   };
-  return all;
+  if (plot != nullptr) options.on_mark = [plot](const cycles::Mark& mark) { plot->add(mark); };
 }
 
 /// Stores the setup of the recording with its event images. Patterns that do not match the schedule are left out.
@@ -159,7 +156,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   OutputRules rules = output_rules(verb, {arguments.input, arguments.cycles.schedule, arguments.codes});
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
-  RunRecord record("accumulate");
+  RunRecord record(verb);
   CyclePlot plot;
   std::optional<capture::EventImages> first;  // for the report
   PlacesCheck places;
@@ -171,9 +168,9 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     E2LF_ASSIGN_OR_RETURN(codes, pipeline::read_patterns(arguments.codes));
     record.add_input(arguments.codes);
   }
-  E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader,
-                        open_cycles(arguments.input, wanted_cycles(arguments.cycles, {.codes = codes}),
-                                    observer(bar, rig, reports.is_wanted() ? &plot : nullptr)));
+  CycleFlags flags = wanted_cycles(arguments.cycles, {.codes = codes});
+  observe(flags.options, bar, rig, reports.is_wanted() ? &plot : nullptr);
+  E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(arguments.input, flags));
   E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader, codes));
   setup.views = arguments.orientation.after(setup.views);
@@ -224,7 +221,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   record.note(reading_notes(arguments.input, reader.recording().info()));
   if (setup.views) record.note("views", capture::orientation_name(*setup.views));
   record.add_input(arguments.input);
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(output, record));
   Json json = report_json(rig, reader);
   json["findings"] = diagnose::to_json(findings);
   json.update(found);

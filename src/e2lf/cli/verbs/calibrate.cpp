@@ -3,7 +3,6 @@
 #include "e2lf/calibrate/calibrate.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <optional>
 
 #include "e2lf/base/log.h"
@@ -115,7 +114,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   std::vector<fs::path> inputs = arguments.inputs;
   inputs.insert(inputs.end(), {arguments.codes.codes, arguments.codes.model, arguments.camera});
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, inputs, ".json"));
-  RunRecord record("calibrate");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(capture::SensorProfile start, load_camera(arguments.camera, record));
   std::vector<Source> sources;
   for (const fs::path& path : arguments.inputs) {
@@ -140,13 +139,9 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   const Json report = calibrate::report_json(calibration);
   record.note("report", report);
   E2LF_RETURN_IF_ERROR(write_file(output.path(), calibrate::camera_json(calibration).dump(2) + "\n"));
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
-  if (common.json) {
-    std::printf("%s\n", report.dump(2).c_str());
-  } else if (!common.quiet) {
-    std::printf("%s", calibrate::report_text(calibration).c_str());
-    print_next_step(next_step(arguments), common);
-  }
+  E2LF_RETURN_IF_ERROR(commit(output, record));
+  print_result(common, report, calibrate::report_text(calibration));
+  print_next_step(next_step(arguments), common);
   return {};
 }
 

@@ -60,7 +60,7 @@ Result<void> list_cameras(const CommonOptions& common) {
 class CameraCheck {
  public:
   void add(const recordings::EventBatch& batch) {
-    statistics_.add(batch);
+    diagnose::add(batch.triggers, inputs_);
     events_ += batch.events.size();
     for (const int64_t t_us : batch.events.t) {
       if (last_us_) longest_pause_us_ = std::max(longest_pause_us_, t_us - *last_us_);
@@ -73,7 +73,7 @@ class CameraCheck {
 
   [[nodiscard]] Json json(const recordings::RecordingReader& reader, double seconds) const {
     const recordings::DecodeSummary summary = reader.summary();
-    Json channels = statistics_.triggers_json();
+    Json channels = diagnose::to_json(inputs_);
     for (Json& channel : channels) {
       channel["rising_per_s"] = channel["rising"].get<double>() / seconds;
       channel["falling_per_s"] = channel["falling"].get<double>() / seconds;
@@ -113,7 +113,7 @@ class CameraCheck {
   }
 
  private:
-  RecordingStatistics statistics_;
+  diagnose::TriggerInputs inputs_;
   uint64_t events_ = 0, triggers_ = 0;
   std::optional<int64_t> last_us_;
   int64_t longest_pause_us_ = 0;
@@ -283,7 +283,7 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
     }
     if (!reader) log_warning(cat(arguments.output.string(), ": ", reader.error().message));
     record.end_step("record");
-    const auto written = record.write(output.record_path(), verb);
+    const auto written = record.write(output.record_path());
     if (!written) log_warning(cat("the record of the run was not written: ", written.error().text()));
     E2LF_RETURN_IF_ERROR(output.commit());
     if (!bias_file.empty()) E2LF_RETURN_IF_ERROR(write_file(bias_file, biases));
@@ -314,7 +314,7 @@ Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
   if (!output.is_stream() && recordings::is_camera_name(arguments.input.string())) {
     E2LF_RETURN_IF_ERROR(bias_place(arguments, verb.common().overwrite));
   }
-  RunRecord record("record");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(const auto sink, recordings::open_file_sink(output.path()));
   E2LF_ASSIGN_OR_RETURN(const auto source, recordings::open_live_bytes(arguments.input.string(), arguments.camera));
   const auto begin = std::chrono::steady_clock::now();

@@ -48,7 +48,7 @@ int run_codes_show(const std::vector<std::string>& arguments) {
   add_codes_options(verb.app(), source);
   verb.app().add_option("-o,--output", output, "also write the patterns to this file (.json, .npy, .npz), for --codes");
   return verb.run(arguments, [&]() -> Result<void> {
-    RunRecord record("codes show");
+    RunRecord record(verb);
     E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(source, record));
     if (!output.empty()) {
       E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, {source.model, source.codes}));
@@ -133,7 +133,7 @@ Result<void> check_depth(const RenderArguments& arguments, const capture::Codes&
 }
 
 Result<void> render(const RenderArguments& arguments, const Verb& verb) {
-  RunRecord record("codes render");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(DisplaySequence sequence, display_sequence(arguments.display, record));
   E2LF_RETURN_IF_ERROR(check_depth(arguments, sequence.codes));
   const std::vector<NamedFrame> frames = named_frames(sequence);
@@ -145,7 +145,7 @@ Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(capture::write_codes(folder.path() / "codes.json", sequence.codes));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder.path() / "contact_sheet.png", sheet_of(frames)));
   record.end_step("render");
-  E2LF_RETURN_IF_ERROR(commit(folder, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(folder, record));
   if (!verb.common().quiet) {
     std::printf("%zu frames of %zux%zu px in %s: look at contact_sheet.png; schedule.json is for --schedule\n",
                 frames.size(), frames.front().picture.width, frames.front().picture.height, arguments.output.c_str());

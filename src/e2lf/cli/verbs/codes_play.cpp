@@ -277,7 +277,7 @@ cycles::Schedule shown_schedule(const Player& player, cycles::Schedule schedule)
 }
 
 Result<void> play(PlayArguments arguments, const Verb& verb) {
-  RunRecord record("codes play");
+  RunRecord record(verb);
   const CodesSource& source = arguments.display.codes;
   E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {source.model, source.codes}));
   E2LF_ASSIGN_OR_RETURN(const std::unique_ptr<Screen> screen, Screen::open(arguments.screen));
@@ -306,7 +306,7 @@ Result<void> play(PlayArguments arguments, const Verb& verb) {
                      {"refreshes", player.refreshes()},
                      {"missed_refreshes", player.missed()}};
   record.note("shown", json);
-  E2LF_RETURN_IF_ERROR(commit(folder, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(folder, record));
   if (player.missed() > 0) {
     log_warning(cat(player.missed(),
                     " refreshes were missed, so that patterns were shown for too long; flips.csv lists "

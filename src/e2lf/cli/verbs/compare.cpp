@@ -137,13 +137,13 @@ Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(find_device(arguments.device));
   E2LF_ASSIGN_OR_RETURN(const compare::Shard shard, parse_shard(arguments.shard));
   E2LF_ASSIGN_OR_RETURN(const compare::Config config, configuration(arguments, verb));
-  RunRecord record("compare");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(const compare::Plan plan, compare::make_plan(config, surroundings_of(arguments)));
   std::vector<fs::path> inputs = plan.files;
   inputs.push_back(arguments.config);
   inputs.insert(inputs.end(), arguments.merged.begin(), arguments.merged.end());
   GrowingFolder folder{"compare", {std::begin(compare::kTableFiles), std::end(compare::kTableFiles)}};
-  E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far(verb)));
+  E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far()));
   record.end_step("plan");
   const compare::ResultStore store(folder.path());
   E2LF_RETURN_IF_ERROR(take_over(arguments, plan, store));
@@ -161,7 +161,7 @@ Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
   for (const fs::path& file : plan.files) record.add_input(file);
   record.note("new_results", new_results);
   record.note("results", results.size());
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json());
   E2LF_RETURN_IF_ERROR(folder.write_record(std::move(about)));
   tell(arguments, plan, results, new_results, verb);
   return {};

@@ -2,8 +2,6 @@
 // e2lf convert: between event formats, between formats of event images, or between light-field formats
 #include "e2lf/recordings/convert.h"
 
-#include <cctype>
-
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
@@ -28,7 +26,7 @@ struct ConvertArguments {
   std::string format;
   bool shift_time = false, invert_polarity = false, colour = false;
   RecordingFlags recording;
-  LightFieldFlags light_field{.views = 0};
+  LightFieldFlags light_field;
 };
 
 Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& verb) {
@@ -45,19 +43,19 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   } else {
     E2LF_ASSIGN_OR_RETURN(file, open_output(arguments.output, verb, {arguments.input}));
   }
-  RunRecord record("convert", {arguments.input});
+  RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field,
                         read_with_progress(arguments.input, read, common.quiet));
   ProgressBar bar("write", common.quiet);
   if (folder) {
     E2LF_RETURN_IF_ERROR(lightfield::write_views(folder->path(), light_field, write.format, bar.callback()));
     record.end_step("convert");
-    E2LF_RETURN_IF_ERROR(commit(*folder, record, verb));
+    E2LF_RETURN_IF_ERROR(commit(*folder, record));
   } else {
     bar.update(0, 1);
     E2LF_RETURN_IF_ERROR(lightfield::write_light_field(file->path(), light_field, write));
     record.end_step("convert");
-    E2LF_RETURN_IF_ERROR(commit(*file, record, verb));
+    E2LF_RETURN_IF_ERROR(commit(*file, record));
   }
   hide_progress();
   const lightfield::Shape& shape = light_field.shape();
@@ -70,7 +68,7 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
 /// Writes the record of a converted recording, with the patterns and the camera of the input, and with the orientation
 /// of the views changed by `given`.
 Result<void> write_record(RunRecord& record, const fs::path& input, const OrientationFlags& given,
-                          const recordings::RecordingReader& reader, const OutputFile& output, const Verb& verb) {
+                          const recordings::RecordingReader& reader, const OutputFile& output) {
   record.add_input(input);
   record.note("left_out", losses_json(reader.summary()));
   record.note("live", live_json(reader.summary()));
@@ -79,7 +77,7 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::recorded_setup(input, reader.info()));
   setup.views = given.after(setup.views);
   record.note(pipeline::setup_notes(setup, output.path()));
-  return record.write(output.record_path(), verb);
+  return record.write(output.record_path());
 }
 
 /// The part of a recording that is written to one file.
@@ -110,7 +108,7 @@ Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recor
 /// Converts the recording up to its end, or up to where the clock starts again.
 Result<void> convert_part(const ConvertArguments& arguments, recordings::RecordingReader& reader, ConvertedPart& part,
                           const Verb& verb) {
-  RunRecord record("convert");
+  RunRecord record(verb);
   ProgressBar bar("convert", verb.common().quiet, "events");
   E2LF_ASSIGN_OR_RETURN(part.report, recordings::convert_recording(reader, part.output.path(),
                                                                    {.format = arguments.format,
@@ -120,7 +118,7 @@ Result<void> convert_part(const ConvertArguments& arguments, recordings::Recordi
   record.end_step("convert");
   return part.output.is_stream()
              ? Result<void>{}
-             : write_record(record, arguments.input, arguments.light_field.orientation, reader, part.output, verb);
+             : write_record(record, arguments.input, arguments.light_field.orientation, reader, part.output);
 }
 
 Json part_json(const ConvertedPart& part) {
@@ -200,14 +198,14 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
   const CommonOptions& common = verb.common();
   E2LF_RETURN_IF_ERROR(require_npz(arguments));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
-  RunRecord record("convert", {arguments.input});
+  RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
   if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {
     file.setup.views = given.after(file.setup.views);
   }
   E2LF_RETURN_IF_ERROR(capture::write_event_images(output.path(), file));
   record.end_step("convert");
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(output, record));
   const capture::EventImages& first = file.cycles.front();
   print_result(
       common,

@@ -64,9 +64,9 @@ std::string result_text(const DemoArguments& arguments, const pipeline::OpenedMe
              method.network ? "network " + method.network->model().name
                             : "closed-form inversion (no trained model is bundled)",
              "\n", report::table_text(eval::quality_table({&row, 1})), "\nin ", arguments.output.string(), ":\n",
-             has_viewer() ? "  index.html         open it in a browser: the scene beside its reconstruction, parallax, "
-                            "refocusing, EPI\n"
-                          : "",
+             kHasViewer ? "  index.html         open it in a browser: the scene beside its reconstruction, parallax, "
+                          "refocusing, EPI\n"
+                        : "",
              "  scene/             the true light field, 8x8 views, and its disparities\n"
              "  events.npz         what the camera records of it (look at events.png)\n"
              "  recon/             the reconstructed light field: views, contact_sheet.png, epi.png\n"
@@ -77,7 +77,7 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   const auto model = arguments.model.empty() ? bundled_file(kModel) : arguments.model;
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb, {model.value_or("")}));
-  RunRecord record("demo");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_method(model, record));
   E2LF_ASSIGN_OR_RETURN(const recon::Method reconstruct, method.ready());
   const lightfield::Shape shape{8, 8, arguments.height, arguments.width, 1};
@@ -121,13 +121,13 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   fs::create_directory(folder / "recon", ignored);
   E2LF_RETURN_IF_ERROR(write_reconstruction(folder / "recon", light_field, "png", {}, {}));
   E2LF_RETURN_IF_ERROR(write_refocused(folder, light_field));
-  if (has_viewer()) {
+  if (kHasViewer) {
     E2LF_RETURN_IF_ERROR(
         write_comparison_page(folder / "index.html", {scene, disparity}, {light_field, found}, row.disparity));
   }
   record.end_step("write");
   record.note("quality", eval::to_json(row));
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(output, record));
   print_result(common, eval::to_json(row), result_text(arguments, method, row));
   return {};
 }

@@ -144,7 +144,7 @@ Result<void> to_file(const DisparityOutput& output, const DisparitySource& sourc
   share(output, result->map, shared);
   E2LF_RETURN_IF_ERROR(write_one(file.path(), output.output.extension().string(), output, *result, shared));
   record.note("maps", Json::array({json_of(*result, shared)}));
-  E2LF_RETURN_IF_ERROR(commit(file, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(file, record));
   print_maps(output, verb.common(), Json::array({json_of(*result, shared)}));
   return {};
 }
@@ -169,12 +169,12 @@ Result<void> to_folder(const DisparityOutput& output, const DisparitySource& sou
     E2LF_RETURN_IF_ERROR(write_all(part, output, **result, shared));
     if (output.is_one) break;
     E2LF_RETURN_IF_ERROR(folder.commit_part((*result)->name, {{"map", maps.back()}}));
-    if (maps.size() == 1) E2LF_RETURN_IF_ERROR(folder.commit(record.json_so_far(verb)));
+    if (maps.size() == 1) E2LF_RETURN_IF_ERROR(folder.commit(record.json_so_far()));
   }
   if (maps.empty()) return no_map_error(output);
   record.end_step("estimate");
   record.note("maps", maps);
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json());
   E2LF_RETURN_IF_ERROR(output.is_one ? folder.commit(std::move(about)) : folder.update_record(std::move(about)));
   print_maps(output, verb.common(), maps);
   return {};
@@ -196,7 +196,7 @@ struct DepthArguments {
   fs::path lens;
   std::optional<float> least, most;
   std::optional<size_t> view_row, view_column;
-  LightFieldFlags light_field{.views = 0};
+  LightFieldFlags light_field;
   MethodFlags method;
   size_t cycles_per_map = 1;
   CycleFlags cycles;
@@ -248,7 +248,7 @@ Result<void> from_light_fields(DepthArguments& arguments, bool are_cycles, const
   E2LF_RETURN_IF_ERROR(refuse(verb, kOfEvents, "only applies to events, not to light fields; leave it out"));
   const fs::path& input = arguments.output.input;
   arguments.output.is_one = !are_cycles;
-  RunRecord record("depth", {input});
+  RunRecord record(verb, {input});
   const std::vector<fs::path> paths = are_cycles ? lightfield::cycle_folders(input) : std::vector{input};
   const auto source = [&, next = size_t{0}]() mutable -> Result<std::optional<DisparityResult>> {
     if (next == paths.size()) return std::optional<DisparityResult>();
@@ -263,7 +263,7 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
                                          "--white",         "--view-columns", "--lenslet-views"};
   E2LF_RETURN_IF_ERROR(refuse(verb, kOfLightFields, "only applies to light fields, not to events; leave it out"));
   const fs::path& path = arguments.output.input;
-  RunRecord record("depth");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
   choice.algorithm = "depth";
   diagnose::RigCheck rig;
@@ -315,7 +315,7 @@ Result<void> run(DepthArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(input));
   if (kind == FileKind::kRecording || kind == FileKind::kEventImages) return from_events(arguments, verb);
   const bool are_cycles = kind == FileKind::kCycles && !is_disparity_file(arguments.output.output);
-  if (kind != FileKind::kLightField && !are_cycles) return no_light_field_error(input);
+  if (kind != FileKind::kLightField && !are_cycles) return other_kind_error(input, kind, "a light field");
   return from_light_fields(arguments, are_cycles, verb);
 }
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // e2lf eval: comparison of a reconstruction with the ground truth
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -266,7 +264,7 @@ Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   std::vector<Compared> all;
   for (const Candidate& candidate : candidates) {
     E2LF_ASSIGN_OR_RETURN(lightfield::LightField field,
-                          read_with_progress(candidate.path, unchanged_options({.views = 0}), quiet));
+                          read_with_progress(candidate.path, unchanged_options({}), quiet));
     if (all.empty()) {
       E2LF_ASSIGN_OR_RETURN(truth, read_truth(arguments, field.shape(), quiet));
     }

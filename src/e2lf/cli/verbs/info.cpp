@@ -24,7 +24,7 @@ struct InfoArguments {
   fs::path path;
   std::vector<fs::path> reports;
   RecordingFlags recording;
-  LightFieldFlags light_field{.views = 0};
+  LightFieldFlags light_field;
 };
 
 void print(const Description& found, const CommonOptions& common) {

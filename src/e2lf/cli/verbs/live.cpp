@@ -44,10 +44,12 @@ class Deadline {
  public:
   explicit Deadline(double seconds) {
     if (seconds <= 0) return;
-    thread_ = std::thread([this, seconds] {
-      std::unique_lock lock(mutex_);
-      changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return is_over_; });
-      if (is_over_ || stop_requested()) return;
+    thread_ = std::jthread([this, seconds](const std::stop_token& is_over) {
+      std::mutex mutex;
+      std::unique_lock lock(mutex);
+      std::condition_variable_any().wait_for(lock, is_over, std::chrono::duration<double>(seconds),
+                                             [] { return false; });
+      if (is_over.stop_requested() || stop_requested()) return;
       has_passed_ = true;
       request_stop(SIGTERM);
     });
@@ -55,20 +57,13 @@ class Deadline {
   Deadline(const Deadline&) = delete;
   Deadline& operator=(const Deadline&) = delete;
   ~Deadline() {
-    {
-      const std::lock_guard lock(mutex_);
-      is_over_ = true;
-    }
-    changed_.notify_all();
-    if (thread_.joinable()) thread_.join();
+    thread_ = {};
     if (has_passed_) request_stop(0);
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool is_over_ = false, has_passed_ = false;
-  std::thread thread_;
+  bool has_passed_ = false;
+  std::jthread thread_;
 };
 
 /// The parts from which a session is created.
@@ -139,9 +134,10 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   Instrument instrument;
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
   choice.prefers_fast = true;
-  const CycleFlags flags = wanted_cycles(arguments.cycles, choice);
+  CycleFlags flags = wanted_cycles(arguments.cycles, choice);
   const live::OpenCycles open = [&](const auto& on_batch) {
-    return open_cycles(arguments.source, flags, {.on_batch = on_batch, .on_mark = {}});
+    flags.options.on_batch = on_batch;
+    return open_cycles(arguments.source, flags);
   };
   E2LF_ASSIGN_OR_RETURN(
       instrument.reader,
@@ -217,12 +213,12 @@ void print_totals(const Json& totals, const CommonOptions& common) {
 }
 
 /// Writes the last light field.
-Result<void> write_last(live::Session& session, OutputFile& output, const RunRecord& record, const Verb& verb) {
+Result<void> write_last(live::Session& session, OutputFile& output, const RunRecord& record) {
   const auto last = session.freeze();
   if (!last) return {};
   E2LF_RETURN_IF_ERROR(
       lightfield::write_light_field(output.path(), last->light_field, {.format = lightfield::LightFieldFormat::kNpy}));
-  E2LF_RETURN_IF_ERROR(record.write(output.record_path(), verb));
+  E2LF_RETURN_IF_ERROR(record.write(output.record_path()));
   return output.commit();
 }
 
@@ -265,14 +261,14 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
     return no_cycle_error(arguments.source, session.reader().rig(), cycles);
   }
 
-  if (last != nullptr) E2LF_RETURN_IF_ERROR(write_last(session, *last, record, verb));
+  if (last != nullptr) E2LF_RETURN_IF_ERROR(write_last(session, *last, record));
   const Json recording = session.reader().recorder().json();
   if (recording["error"] == "") return {};
   return fail(ErrorCode::kIo, "", "the recording is incomplete: ", recording["error"].get<std::string>());
 }
 
 Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
-  if (!arguments.has_no_page) E2LF_RETURN_IF_ERROR(require_viewer());
+  if (!arguments.has_no_page && !kHasViewer) return no_viewer_error();
   E2LF_RETURN_IF_ERROR(find_device(arguments.method.device));
   if (!is_live(arguments.source)) {
     return fail(ErrorCode::kInvalidValue, arguments.source,
@@ -281,14 +277,14 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
   if (arguments.records && arguments.output.empty()) {
     return fail(ErrorCode::kInvalidValue, "--record", "recordings require a folder; set it with -o");
   }
-  RunRecord record("live");
+  RunRecord record(verb);
   const CodesSource& codes = arguments.method.codes;
   const std::vector<fs::path> inputs = {
       arguments.source,        codes.model,          codes.codes,          arguments.cycles.schedule,
       arguments.method.camera, arguments.fine_model, arguments.depth_model};
   GrowingFolder folder("live", {});
   if (!arguments.output.empty()) {
-    E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far(verb)));
+    E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far()));
   }
   std::optional<OutputFile> last;
   if (!arguments.last.empty()) {
@@ -303,7 +299,7 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
     ran = run_session(arguments, std::move(*instrument), verb, record, last ? &*last : nullptr);
   }
   if (arguments.output.empty()) return ran;
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json());
   const Result<void> written = folder.write_record(std::move(about));
   if (!ran) folder.withdraw();
   return ran ? written : ran;

@@ -5,41 +5,30 @@
 #include "e2lf/cli/verbs.h"
 
 namespace e2lf::cli {
-#ifdef E2LF_NO_VIEWER
-namespace {
 
-Error no_viewer() {
+Error no_viewer_error() {
   return fail(ErrorCode::kMissingDependency, "",
               "this build has no viewer; install npm and libcpp-httplib-dev, configure and build again");
 }
 
-}  // namespace
-
-bool has_viewer() {
-  return false;
-}
-
-Result<void> require_viewer() {
-  return no_viewer();
-}
-
+#ifdef E2LF_NO_VIEWER
 Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const Shown& /*truth*/,
                                    const Shown& /*reconstruction*/,
                                    const std::optional<depth::DisparityError>& /*error*/) {
-  return no_viewer();
+  return no_viewer_error();
 }
 
 Result<std::unique_ptr<LivePage>> start_live_page(live::Session& /*session*/, FineMethod /*fine*/,
                                                   std::shared_ptr<recordings::RunningCamera> /*camera*/,
                                                   uint16_t /*port*/) {
-  return no_viewer();
+  return no_viewer_error();
 }
 
 int run_view(const std::vector<std::string>& arguments) {
   Verb verb("view", "Show light fields, events, recordings and models in a browser. This build has no viewer.",
             "./run e2lf view out/demo/recon");
   verb.app().allow_extras();
-  return verb.run(arguments, []() -> Result<void> { return no_viewer(); });
+  return verb.run(arguments, []() -> Result<void> { return no_viewer_error(); });
 }
 #endif
 

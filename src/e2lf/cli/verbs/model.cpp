@@ -12,7 +12,6 @@
 #include "e2lf/info/file_kind.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/onnx/onnx_export.h"
-#include "e2lf/model/summary.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/option_values.h"
@@ -39,12 +38,12 @@ template <typename Read, typename Write>
 Result<void> import_weights(const std::vector<fs::path>& inputs, const fs::path& output, const Verb& verb,
                             const Read& read, const Write& write) {
   E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, inputs, ".safetensors"));
-  RunRecord record("model import", inputs);
+  RunRecord record(verb, inputs);
   E2LF_ASSIGN_OR_RETURN(const auto model, read());
   E2LF_RETURN_IF_ERROR(write(file.path(), model));
   record.end_step("import");
   if (inputs.size() == 1) record.resolve("as", model.name);
-  E2LF_RETURN_IF_ERROR(commit(file, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(file, record));
   if (!verb.common().quiet) std::printf("%s: %s\n", output.c_str(), model.name.c_str());
   return {};
 }
@@ -105,7 +104,7 @@ Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step
                              const Write& write) {
   E2LF_ASSIGN_OR_RETURN(OutputFile file,
                         open_output(arguments.output, verb, {arguments.input, arguments.camera}, ending));
-  RunRecord record(cat("model ", step), {arguments.input});
+  RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.input));
   if (!arguments.camera.empty()) {
     if (!model::is_conditioned_on_camera(model)) {
@@ -115,7 +114,7 @@ Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step
   }
   E2LF_RETURN_IF_ERROR(write(file.path(), model));
   record.end_step(step);
-  E2LF_RETURN_IF_ERROR(commit(file, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(file, record));
   return model;
 }
 

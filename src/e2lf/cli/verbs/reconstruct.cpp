@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf reconstruct: reconstructs light fields from event images or a recording
 #include <algorithm>
-#include <cstdio>
 #include <optional>
 
 #include "e2lf/base/log.h"
@@ -37,7 +36,7 @@ struct ReconstructArguments {
 /// so that an input without cycles replaces nothing, or with --strict at the end, when it is known that no data were
 /// left out.
 Result<void> process_cycles(pipeline::CycleInput& input, LightFieldWriter& writer, ResultFolder& output,
-                            const RunRecord& record, const ReconstructArguments& arguments, const Verb& verb) {
+                            const RunRecord& record, const ReconstructArguments& arguments) {
   const bool is_strict = arguments.cycles.recording.is_strict;
   while (writer.cycles().empty() || !stop_requested()) {
     E2LF_ASSIGN_OR_RETURN(const std::optional<pipeline::CycleImages> images, input.next());
@@ -51,7 +50,7 @@ Result<void> process_cycles(pipeline::CycleInput& input, LightFieldWriter& write
     E2LF_RETURN_IF_ERROR(writer.process(*images, folder));
     const Json& cycle = writer.cycles().back();
     if (!is_all) E2LF_RETURN_IF_ERROR(output.commit_part(name, {{"cycle", cycle}, {"notes", writer.notes()}}));
-    if (first && !is_all && !is_strict) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far(verb)));
+    if (first && !is_all && !is_strict) E2LF_RETURN_IF_ERROR(output.commit(record.json_so_far()));
     if (is_all) return {};
   }
   return {};
@@ -92,7 +91,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb,
                                                                 {arguments.input, flags.codes.model, flags.codes.codes,
                                                                  arguments.cycles.schedule, flags.camera}));
-  RunRecord record("reconstruct");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(flags, record));
   choice.algorithm = arguments.method;
   choice.lit_where_moving = arguments.cycles.choice.transitions == "auto";
@@ -136,8 +135,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
                            .cycles_per_field = arguments.cycles_per_field,
                            .is_confirmed = !diagnose::has_doubt(recorded)},
                           std::move(sequence));
-  const bool is_strict = arguments.cycles.recording.is_strict;
-  E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments, verb));
+  E2LF_RETURN_IF_ERROR(process_cycles(input, writer, output, record, arguments));
   warn_of_losses(arguments.input, input.summary());
   verb.note_failed_input(input.summary().live.failure);
   if (!writer.cycles().empty()) log_check(arguments.input, writer.cycles().front());
@@ -160,9 +158,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   record.resolve("black", json_number(writer.tone().black.value_or(0.0F)));
   record.note("cycles", writer.cycles());
   record.add_input(arguments.input);
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json(verb));
-  E2LF_RETURN_IF_ERROR(input.has_one_field() || is_strict ? output.commit(std::move(about))
-                                                          : output.update_record(std::move(about)));
+  E2LF_ASSIGN_OR_RETURN(Json about, record.json());
+  const bool is_at_end = input.has_one_field() || arguments.cycles.recording.is_strict;
+  E2LF_RETURN_IF_ERROR(is_at_end ? output.commit(std::move(about)) : output.update_record(std::move(about)));
   print_light_fields(arguments, common, input, writer.cycles());
   return {};
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The verbs that render a light field: refocus, epi and animate.
-#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -29,7 +28,7 @@ struct RefocusArguments {
   std::vector<float> disparities;
   std::optional<float> radius;  ///< of a round aperture, in view steps; empty = all views
   lightfield::RoundAperture aperture;
-  LightFieldFlags light_field{.views = 0};
+  LightFieldFlags light_field;
 };
 
 Result<lightfield::Aperture> aperture_of(const RefocusArguments& arguments, const lightfield::Shape& shape) {
@@ -47,7 +46,7 @@ Result<lightfield::Aperture> aperture_of(const RefocusArguments& arguments, cons
 Result<void> refocus(const RefocusArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
-  RunRecord record("refocus", {arguments.input});
+  RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet, arguments.disparities));
   E2LF_ASSIGN_OR_RETURN(const lightfield::Aperture aperture, aperture_of(arguments, light_field.shape()));
@@ -57,7 +56,7 @@ Result<void> refocus(const RefocusArguments& arguments, const Verb& verb) {
   }
   record.end_step("refocus");
   E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), lightfield::side_by_side(pictures)));
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(output, record));
   if (!common.quiet) {
     std::printf("%s of %zux%zu px in %s\n", counted(pictures.size(), "image").c_str(), pictures.front().width,
                 pictures.front().height, arguments.output.c_str());
@@ -100,7 +99,7 @@ namespace {
 struct EpiArguments {
   fs::path input, output;
   std::optional<size_t> row, column, view;
-  LightFieldFlags light_field{.views = 0};
+  LightFieldFlags light_field;
 };
 
 /// Takes a place that is given. Fails if there are not that many.
@@ -137,13 +136,13 @@ Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
     return fail(ErrorCode::kInvalidValue, "", "--view selects the views of a single cut; give --row or --column");
   }
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
-  RunRecord record("epi", {arguments.input});
+  RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet));
   E2LF_ASSIGN_OR_RETURN(const Image picture, cut(arguments, light_field));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(output.path(), picture));
   record.end_step("epi");
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(output, record));
   if (!common.quiet) std::printf("%zux%zu px in %s\n", picture.width, picture.height, arguments.output.c_str());
   return {};
 }
@@ -176,7 +175,7 @@ struct AnimateArguments {
   size_t frames = 48;
   float still = 0;
   std::optional<float> from, to;
-  LightFieldFlags light_field{.views = 0};
+  LightFieldFlags light_field;
 };
 
 /// Estimates the range of disparities in the scene, for a sweep of the focus.
@@ -228,14 +227,14 @@ Result<void> animate(const AnimateArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
   E2LF_RETURN_IF_ERROR(located(film::check_film_support(), arguments.output));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
-  RunRecord record("animate", {arguments.input});
+  RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet,
                                      {arguments.still, arguments.from.value_or(0), arguments.to.value_or(0)}));
   E2LF_ASSIGN_OR_RETURN(const FrameFn frame_at, frame_maker(arguments, light_field, record));
   E2LF_RETURN_IF_ERROR(write_film(output.path(), format, arguments, frame_at, common.quiet));
   record.end_step("animate");
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(output, record));
   if (!common.quiet) std::printf("%zu frames in %s\n", arguments.frames, arguments.output.c_str());
   return {};
 }

@@ -310,7 +310,7 @@ std::string next_step(const SimulateArguments& arguments, const Setup& setup) {
 Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_events(arguments, verb));
-  RunRecord record("simulate");
+  RunRecord record(verb);
   if (!arguments.input.empty()) record.add_input(arguments.input);
   E2LF_ASSIGN_OR_RETURN(const Setup setup, read_setup(arguments, record));
   const bool by_events = is_stream(arguments, setup);
@@ -345,7 +345,7 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   }
   if (!output.is_stream() && !setup.as_images) record.note(pipeline::setup_notes(setup.recorded, output.path()));
   record.end_step("simulate");
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(output, record));
   print_measurement(first, common);
   if (!output.is_stream()) print_next_step(next_step(arguments, setup), common);
   return {};

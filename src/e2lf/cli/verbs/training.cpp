@@ -65,12 +65,12 @@ int run_pack(const std::vector<std::string>& arguments) {
     std::vector<fs::path> inputs = options.light_fields;
     inputs.insert(inputs.end(), options.textures.begin(), options.textures.end());
     E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, inputs, ".safetensors"));
-    RunRecord record("pack", inputs);
+    RunRecord record(verb, inputs);
     ProgressBar bar("pack", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(file.path(), options, bar.callback()));
     hide_progress();
     record.end_step("pack");
-    E2LF_RETURN_IF_ERROR(commit(file, record, verb));
+    E2LF_RETURN_IF_ERROR(commit(file, record));
     print_result(verb.common(),
                  {{"light_fields", summary.light_fields}, {"textures", summary.textures}, {"bytes", summary.bytes}},
                  formatted("packed %zu light fields and %zu photographs, %.0f MB\n", summary.light_fields,

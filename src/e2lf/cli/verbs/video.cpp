@@ -185,7 +185,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   cycles::WindowOptions options = window_options(arguments);
   E2LF_ASSIGN_OR_RETURN(ResultFolder output,
                         open_output_folder(arguments.output, verb, {arguments.input, arguments.model}));
-  RunRecord record("video");
+  RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(auto reader, open_input(arguments));
   E2LF_ASSIGN_OR_RETURN(FrameMaker maker, make_frame_maker(arguments, reader->info(), record));
   if (options.kind == cycles::WindowKind::kTime) record.resolve("window-us", options.duration_us);
@@ -203,7 +203,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   record.note("video", json);
   record.note("read_as", reading_json(windows.recording().info()));
   record.add_input(arguments.input);
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(output, record));
   json["output"] = arguments.output.string();
   print_result(common, json,
                cat(report.frames, " frames of ", report.events, " events in ", arguments.output.string(),

@@ -11,7 +11,6 @@
 #include "e2lf/depth/matching_cost.h"
 #include "e2lf/depth/true_disparity.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/npy.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"
@@ -21,7 +20,7 @@
 #include "e2lf/program/run_record.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
-#include "e2lf/view/page.h"
+#include "e2lf/view/document.h"
 #include "e2lf/view/recording_item.h"
 #include "e2lf/view/server.h"
 
@@ -35,7 +34,7 @@ struct ViewArguments {
   fs::path page, disparity;
   uint16_t port = 0;
   size_t frames = 200;
-  LightFieldFlags light_field{.views = 0};
+  LightFieldFlags light_field;
   CycleFlags cycles;
 };
 
@@ -234,9 +233,9 @@ class DocumentMaker {
     };
     // Frames show the polarity of the recording; with --invert-polarity, the events of cycles have the other one.
     const auto open_its_cycles = [&](const auto& on_batch) {
-      CycleObserver observer;
-      if (!flags.options.invert_polarity) observer.on_batch = on_batch;
-      return open_cycles(path, flags, observer);
+      CycleFlags observed = flags;
+      if (!flags.options.invert_polarity) observed.options.on_batch = on_batch;
+      return open_cycles(path, observed);
     };
     return view::add_recording(document_, name_of(path), {open, open_its_cycles}, arguments_.frames);
   }
@@ -246,8 +245,8 @@ class DocumentMaker {
     const auto file = depth::find_true_disparity(first.path);
     const lightfield::Shape shape = first.cycles->shape();
     const bool is_single = first.cycles->size() == 1 && second.cycles->size() == 1;
-    const LightFieldFlags& flags = arguments_.light_field;
-    const bool are_all_views = flags.views == 0 && flags.step == 1 && flags.orientation.value().is_upright();
+    const lightfield::ReadOptions read = read_options(arguments_.light_field);
+    const bool are_all_views = read.views_y.count == 0 && read.views_y.step == 1 && read.orientation.is_upright();
     if (!file || !is_single || !are_all_views || !arguments_.disparity.empty() ||
         !depth::has_comparable_disparity(shape)) {
       return {};
@@ -299,7 +298,7 @@ Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
   std::vector<fs::path> inputs = arguments.things;
   if (!arguments.disparity.empty()) inputs.push_back(arguments.disparity);
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.page, verb, inputs, ".html"));
-  RunRecord record("view", inputs);
+  RunRecord record(verb, inputs);
   E2LF_ASSIGN_OR_RETURN(const view::Document document, make_document(arguments, common.quiet));
   record.end_step("read");
   {
@@ -307,21 +306,21 @@ Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
     E2LF_RETURN_IF_ERROR(view::write_page(output.path(), document, bar.callback()));
   }
   record.end_step("write");
-  E2LF_RETURN_IF_ERROR(commit(output, record, verb));
+  E2LF_RETURN_IF_ERROR(commit(output, record));
   if (!common.quiet) std::printf("%s: open it in a browser\n", arguments.page.c_str());
   return {};
 }
 
 Result<void> serve(const ViewArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(view::Document document, make_document(arguments, verb.common().quiet));
-  E2LF_ASSIGN_OR_RETURN(view::Server server, view::Server::create(std::move(document), arguments.port));
+  E2LF_ASSIGN_OR_RETURN(const auto server, view::Server::create(std::move(document), arguments.port));
   if (verb.common().json) {
-    std::printf("%s\n", Json{{"url", server.url()}}.dump().c_str());
+    std::printf("%s\n", Json{{"url", server->url()}}.dump().c_str());
   } else {
-    std::printf("open %s in a browser; press Ctrl-C to end\n", server.url().c_str());
+    std::printf("open %s in a browser; press Ctrl-C to end\n", server->url().c_str());
   }
   std::fflush(stdout);
-  return server.run();
+  return server->run();
 }
 
 }  // namespace
