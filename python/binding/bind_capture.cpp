@@ -149,10 +149,10 @@ void write_event_images(const fs::path& path, const std::vector<py::array>& cycl
   std::vector<LentImages> all;
   for (const py::array& images : cycles) all.push_back(event_images_of(images, "cycles"));
   write_output(path, overwrite, [&](const fs::path& place) -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(place));
-    writer.keep(setup);
-    for (const auto& images : all) E2LF_RETURN_IF_ERROR(writer.add(owned(*images)));
-    return writer.finish();
+    E2LF_ASSIGN_OR_RETURN(const auto writer, capture::EventImageWriter::create(place));
+    writer->keep(setup);
+    for (const auto& images : all) E2LF_RETURN_IF_ERROR(writer->add(owned(*images)));
+    return writer->finish();
   });
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/result.h"
@@ -155,16 +156,29 @@ void ZipWriter::add(const std::string& name, std::span<const uint8_t> bytes, boo
                       .crc = static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())),
                       .packed = data.size(),
                       .size = bytes.size(),
-                      .offset = archive_.size()});
+                      .offset = taken_ + archive_.size()});
   const std::vector<uint8_t> header = zip::local_header(members_.back());
   archive_.insert(archive_.end(), header.begin(), header.end());
   archive_.insert(archive_.end(), data.begin(), data.end());
 }
 
+uint64_t ZipWriter::add_written(zip::Member member) {
+  E2LF_REQUIRE(archive_.empty(), "what precedes the member is taken first");
+  member.offset = taken_;
+  taken_ += zip::local_header(member).size() + member.packed;
+  members_.push_back(std::move(member));
+  return members_.back().offset;
+}
+
+std::vector<uint8_t> ZipWriter::take() {
+  taken_ += archive_.size();
+  return std::exchange(archive_, {});
+}
+
 std::vector<uint8_t> ZipWriter::finish() {
-  const std::vector<uint8_t> directory = zip::directory(members_, archive_.size());
+  const std::vector<uint8_t> directory = zip::directory(members_, taken_ + archive_.size());
   archive_.insert(archive_.end(), directory.begin(), directory.end());
-  return std::move(archive_);
+  return take();
 }
 
 namespace {
@@ -235,13 +249,9 @@ Result<Directory> find_directory(const Archive& archive) {
   return directory;
 }
 
-struct EntrySizes {
-  uint64_t size, compressed, offset;
-};
-
-/// Replaces the fields of a directory entry that are marked as 64-bit by the values of its zip64 extra field.
-Result<void> read_extra64(const Archive& archive, uint64_t begin, uint64_t end, EntrySizes& sizes) {
-  uint64_t* const wanted[] = {&sizes.size, &sizes.compressed, &sizes.offset};
+/// Replaces the numbers of an entry that are marked as 64-bit by the values of its zip64 extra field.
+Result<void> read_extra64(const Archive& archive, uint64_t begin, uint64_t end, ZipEntry& entry) {
+  uint64_t* const wanted[] = {&entry.size, &entry.packed, &entry.offset};
   if (std::none_of(std::begin(wanted), std::end(wanted), [](uint64_t* value) { return *value == zip::kIn64; })) {
     return {};
   }
@@ -264,39 +274,45 @@ Result<void> read_extra64(const Archive& archive, uint64_t begin, uint64_t end, 
   return archive.damaged(begin, "a zip64 field is missing");
 }
 
+/// Reads the fields at `position` that the local header and the directory share (put_common()), and then the name and
+/// the sizes, which begin at `name_begin`. Returns their end, which is at most `limit`.
+Result<uint64_t> read_common(const Archive& archive, uint64_t position, uint64_t name_begin, uint64_t limit,
+                             ZipEntry& entry) {
+  const uint64_t name_end = name_begin + archive.get<uint16_t>(position + 22);
+  const uint64_t extra_end = name_end + archive.get<uint16_t>(position + 24);
+  if (extra_end > limit) return archive.damaged(position, "the header of an entry is too long");
+  const auto name = archive.bytes.subspan(name_begin, name_end - name_begin);
+  entry.name.assign(name.begin(), name.end());
+  entry.method = archive.get<uint16_t>(position + 4);
+  entry.crc = archive.get<uint32_t>(position + 10);
+  entry.packed = archive.get<uint32_t>(position + 14);
+  entry.size = archive.get<uint32_t>(position + 18);
+  E2LF_RETURN_IF_ERROR(read_extra64(archive, name_end, extra_end, entry));
+  return extra_end;
+}
+
 /// Reads the directory entry at `position` and advances past it.
 Result<ZipEntry> read_entry(const Archive& archive, uint64_t& position, uint64_t directory_end) {
-  if (position + zip::kDirectoryEntrySize > directory_end || archive.get<uint32_t>(position) != zip::kDirectoryEntry) {
-    return archive.damaged(position, "a directory entry is damaged");
+  const uint64_t begin = position, name_begin = begin + zip::kDirectoryEntrySize;
+  if (name_begin > directory_end || archive.get<uint32_t>(begin) != zip::kDirectoryEntry) {
+    return archive.damaged(begin, "a directory entry is damaged");
   }
-  const uint64_t name_begin = position + zip::kDirectoryEntrySize;
-  const uint64_t name_end = name_begin + archive.get<uint16_t>(position + 28);
-  const uint64_t extra_end = name_end + archive.get<uint16_t>(position + 30);
-  const uint64_t entry_end = extra_end + archive.get<uint16_t>(position + 32);
-  if (entry_end > directory_end) return archive.damaged(position, "a directory entry is too long");
-
   ZipEntry entry;
-  entry.name.assign(archive.bytes.begin() + static_cast<ptrdiff_t>(name_begin),
-                    archive.bytes.begin() + static_cast<ptrdiff_t>(name_end));
-  entry.method = archive.get<uint16_t>(position + 10);
-  entry.crc = archive.get<uint32_t>(position + 16);
-  if ((archive.get<uint16_t>(position + 8) & 1U) != 0) {
+  entry.offset = archive.get<uint32_t>(begin + 42);
+  E2LF_ASSIGN_OR_RETURN(position, read_common(archive, begin + 6, name_begin, directory_end, entry));
+  position += archive.get<uint16_t>(begin + 32);
+  if (position > directory_end) return archive.damaged(begin, "a directory entry is too long");
+  if ((archive.get<uint16_t>(begin + 8) & 1U) != 0) {
     return fail(ErrorCode::kUnsupported, archive.name, "\"", entry.name,
                 "\" is encrypted; store it without a password");
   }
-  EntrySizes sizes{archive.get<uint32_t>(position + 24), archive.get<uint32_t>(position + 20),
-                   archive.get<uint32_t>(position + 42)};
-  E2LF_RETURN_IF_ERROR(read_extra64(archive, name_end, extra_end, sizes));
-  entry.size = sizes.size;
-
-  if (!archive.is(sizes.offset, zip::kLocalHeaderSize, zip::kLocalHeader)) {
-    return archive.damaged(sizes.offset, "an entry has no header");
+  if (!archive.is(entry.offset, zip::kLocalHeaderSize, zip::kLocalHeader)) {
+    return archive.damaged(entry.offset, "an entry has no header");
   }
-  const uint64_t data = sizes.offset + zip::kLocalHeaderSize + archive.get<uint16_t>(sizes.offset + 26) +
-                        archive.get<uint16_t>(sizes.offset + 28);
-  if (!archive.has(data, sizes.compressed)) return archive.truncated(data, cat("\"", entry.name, "\""));
-  entry.compressed = archive.bytes.subspan(data, sizes.compressed);
-  position = entry_end;
+  const uint64_t data = entry.offset + zip::kLocalHeaderSize + archive.get<uint16_t>(entry.offset + 26) +
+                        archive.get<uint16_t>(entry.offset + 28);
+  if (!archive.has(data, entry.packed)) return archive.truncated(data, cat("\"", entry.name, "\""));
+  entry.compressed = archive.bytes.subspan(data, entry.packed);
   return entry;
 }
 
@@ -304,27 +320,21 @@ Result<ZipEntry> read_entry(const Archive& archive, uint64_t& position, uint64_t
 std::vector<ZipEntry> read_unfinished(const Archive& archive) {
   std::vector<ZipEntry> entries;
   for (uint64_t position = 0; archive.is(position, zip::kLocalHeaderSize, zip::kLocalHeader);) {
-    const uint64_t name = position + zip::kLocalHeaderSize, extra = name + archive.get<uint16_t>(position + 26);
-    const uint64_t data = extra + archive.get<uint16_t>(position + 28);
-    EntrySizes sizes{archive.get<uint32_t>(position + 22), archive.get<uint32_t>(position + 18), 0};
-    if (!archive.has(name, data - name) || !read_extra64(archive, extra, data, sizes)) break;
     ZipEntry entry;
-    entry.method = archive.get<uint16_t>(position + 8);
-    entry.crc = archive.get<uint32_t>(position + 14);
-    const auto text = archive.bytes.subspan(name, extra - name);
-    entry.name.assign(text.begin(), text.end());
-    entry.is_unfinished = sizes.size == 0 && entry.method == zip::kDeflated;
+    const Result<uint64_t> data =
+        read_common(archive, position + 4, position + zip::kLocalHeaderSize, archive.bytes.size(), entry);
+    if (!data) break;
+    entry.compressed = archive.bytes.subspan(*data);
+    entry.is_unfinished = entry.size == 0 && entry.method == zip::kDeflated;
     if (entry.is_unfinished) {
       entry.size = UINT64_MAX - 1;
-      entry.compressed = archive.bytes.subspan(data);
       entries.push_back(std::move(entry));
       return entries;
     }
-    if (!archive.has(data, sizes.compressed)) break;
-    entry.size = sizes.size;
-    entry.compressed = archive.bytes.subspan(data, sizes.compressed);
+    if (entry.packed > entry.compressed.size()) break;
+    entry.compressed = entry.compressed.first(entry.packed);
+    position = *data + entry.packed;
     entries.push_back(std::move(entry));
-    position = data + sizes.compressed;
   }
   return {};
 }

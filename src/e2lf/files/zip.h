@@ -54,12 +54,8 @@ class Deflater {
 
 namespace e2lf {
 
-/// One file of a zip archive as its directory lists it. `compressed` points into the archive.
-struct ZipEntry {
-  std::string name;
-  uint16_t method = 0;  ///< 0 = stored, 8 = deflated
-  uint32_t crc = 0;
-  uint64_t size = 0;  ///< decompressed size, as claimed
+/// One file of a zip archive as its directory lists it; `size` is claimed. `compressed` points into the archive.
+struct ZipEntry : zip::Member {
   std::span<const uint8_t> compressed;
   bool is_unfinished = false;  ///< whether the archive was not finished and ends within this file
 };
@@ -77,15 +73,21 @@ struct ZipEntry {
 [[nodiscard]] Result<std::vector<uint8_t>> unpack_zip_entry(const ZipEntry& entry, const std::string& location,
                                                             size_t most = std::numeric_limits<size_t>::max());
 
-/// Builds an archive in memory.
+/// Builds an archive in memory, of which the caller may take the beginning at any time.
 class ZipWriter {
  public:
   void add(const std::string& name, std::span<const uint8_t> bytes, bool compress);
+  /// Lists a member that the caller writes itself after what was taken, and returns its offset.
+  uint64_t add_written(zip::Member member);
+
+  /// Returns the bytes of the archive that were not taken yet; finish() adds the directory.
+  [[nodiscard]] std::vector<uint8_t> take();
   [[nodiscard]] std::vector<uint8_t> finish();
 
  private:
   std::vector<zip::Member> members_;
-  std::vector<uint8_t> archive_;
+  std::vector<uint8_t> archive_;  ///< from byte `taken_` on
+  uint64_t taken_ = 0;
 };
 
 }  // namespace e2lf

@@ -51,11 +51,9 @@ AVPixelFormat pixels_of(FilmFormat format, bool has_colour) {
   return has_colour ? AV_PIX_FMT_RGB8 : AV_PIX_FMT_GRAY8;
 }
 
-}  // namespace
-
-struct FilmFile::Impl {
+struct FfmpegFilm final : FilmFile {
   std::string name;
-  size_t width = 0, height = 0, channels = 1;  ///< of the frames given
+  size_t width, height, channels;  ///< of the frames given
   AVFormatContext* container = nullptr;
   AVCodecContext* encoder = nullptr;
   AVStream* stream = nullptr;
@@ -64,10 +62,11 @@ struct FilmFile::Impl {
   AVPacket* packet = nullptr;
   int64_t frames = 0;  ///< added so far
 
-  Impl() = default;
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-  ~Impl() {
+  FfmpegFilm(std::string name_, const Image& first)
+      : name(std::move(name_)), width(first.width), height(first.height), channels(first.channels) {}
+  FfmpegFilm(const FfmpegFilm&) = delete;
+  FfmpegFilm& operator=(const FfmpegFilm&) = delete;
+  ~FfmpegFilm() override {
     av_packet_free(&packet);
     av_frame_free(&frame);
     sws_freeContext(converter);
@@ -85,7 +84,7 @@ struct FilmFile::Impl {
                  name};
   }
 
-  Result<void> open(const FilmOptions& options, const Image& first) {
+  Result<void> open(const FilmOptions& options) {
     const Recipe recipe = recipe_of(options.format);
     const AVCodec* const codec = encoder_of(recipe);
     if (codec == nullptr) {
@@ -101,7 +100,7 @@ struct FilmFile::Impl {
     if (encoder == nullptr || stream == nullptr || frame == nullptr || packet == nullptr) {
       return check(AVERROR(ENOMEM), "begin");
     }
-    set_up(options, recipe, first.channels == 3);
+    set_up(options, recipe);
     E2LF_RETURN_IF_ERROR(check(avcodec_open2(encoder, codec, nullptr), "open the encoder"));
     E2LF_RETURN_IF_ERROR(
         check(avcodec_parameters_from_context(stream->codecpar, encoder), "describe the film in its file"));
@@ -110,13 +109,13 @@ struct FilmFile::Impl {
     return make_converter();
   }
 
-  void set_up(const FilmOptions& options, const Recipe& recipe, bool has_colour) const {
+  void set_up(const FilmOptions& options, const Recipe& recipe) const {
     const bool is_even = options.format != FilmFormat::kGif;
     encoder->width = static_cast<int>(is_even ? width & ~size_t{1} : width);
     encoder->height = static_cast<int>(is_even ? height & ~size_t{1} : height);
     encoder->time_base = {1, options.frames_per_s};
     encoder->framerate = {options.frames_per_s, 1};
-    encoder->pix_fmt = pixels_of(options.format, has_colour);
+    encoder->pix_fmt = pixels_of(options.format, channels == 3);
     // The same frames give the same file, so it contains no version.
     encoder->flags |= AV_CODEC_FLAG_BITEXACT;
     container->flags |= AVFMT_FLAG_BITEXACT;
@@ -151,49 +150,43 @@ struct FilmFile::Impl {
       E2LF_RETURN_IF_ERROR(check(av_interleaved_write_frame(container, packet), "write", ErrorCode::kIo));
     }
   }
+
+  Result<void> add(const Image& image) override {
+    E2LF_REQUIRE(image.width == width && image.height == height && image.channels == channels,
+                 "all frames have one size");
+    const lightfield::ByteImage bytes = lightfield::to_bytes(image);
+    E2LF_RETURN_IF_ERROR(check(av_frame_make_writable(frame), "hold a picture"));
+    const uint8_t* const source = bytes.pixels.data();
+    const int stride = static_cast<int>(width * channels);
+    sws_scale(converter, &source, &stride, 0, encoder->height, frame->data, frame->linesize);
+    frame->pts = frames++;
+    return encode(frame);
+  }
+
+  Result<void> finish() override {
+    E2LF_RETURN_IF_ERROR(encode(nullptr));
+    E2LF_RETURN_IF_ERROR(check(av_write_trailer(container), "write", ErrorCode::kIo));
+    return check(avio_closep(&container->pb), "write", ErrorCode::kIo);
+  }
 };
+
+}  // namespace
 
 Result<void> check_film_support() {
   return {};
 }
 
-FilmFile::FilmFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-FilmFile::FilmFile(FilmFile&&) noexcept = default;
-FilmFile& FilmFile::operator=(FilmFile&&) noexcept = default;
-FilmFile::~FilmFile() = default;
-
-Result<FilmFile> FilmFile::create(const std::filesystem::path& path, const FilmOptions& options, const Image& first) {
+Result<std::unique_ptr<FilmFile>> FilmFile::create(const std::filesystem::path& path, const FilmOptions& options,
+                                                   const Image& first) {
   E2LF_REQUIRE(options.frames_per_s >= 1 && options.frames_per_s <= 100, "the frame rate must be 1 to 100 Hz");
   if (first.width < 2 || first.height < 2 || first.width > 16384 || first.height > 16384) {
     return fail(ErrorCode::kUnsupported, path, "a film cannot have ", first.width, "x", first.height,
                 " px; use 2 to 16384 px in each direction");
   }
   av_log_set_level(AV_LOG_QUIET);
-  auto impl = std::make_unique<Impl>();
-  impl->name = path.string();
-  impl->width = first.width;
-  impl->height = first.height;
-  impl->channels = first.channels;
-  E2LF_RETURN_IF_ERROR(impl->open(options, first));
-  return FilmFile(std::move(impl));
-}
-
-Result<void> FilmFile::add(const Image& image) {
-  E2LF_REQUIRE(image.width == impl_->width && image.height == impl_->height && image.channels == impl_->channels,
-               "all frames have one size");
-  const lightfield::ByteImage bytes = lightfield::to_bytes(image);
-  E2LF_RETURN_IF_ERROR(impl_->check(av_frame_make_writable(impl_->frame), "hold a picture"));
-  const uint8_t* const source = bytes.pixels.data();
-  const int stride = static_cast<int>(image.width * image.channels);
-  sws_scale(impl_->converter, &source, &stride, 0, impl_->encoder->height, impl_->frame->data, impl_->frame->linesize);
-  impl_->frame->pts = impl_->frames++;
-  return impl_->encode(impl_->frame);
-}
-
-Result<void> FilmFile::finish() {
-  E2LF_RETURN_IF_ERROR(impl_->encode(nullptr));
-  E2LF_RETURN_IF_ERROR(impl_->check(av_write_trailer(impl_->container), "write", ErrorCode::kIo));
-  return impl_->check(avio_closep(&impl_->container->pb), "write", ErrorCode::kIo);
+  auto film = std::make_unique<FfmpegFilm>(path.string(), first);
+  E2LF_RETURN_IF_ERROR(film->open(options));
+  return std::unique_ptr<FilmFile>(std::move(film));
 }
 
 }  // namespace e2lf::film

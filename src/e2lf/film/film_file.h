@@ -41,22 +41,15 @@ class FilmFile {
   /// Creates the film. The first frame determines the size and whether there is colour. Fails with kMissingDependency
   /// (a build without the libraries, or libraries without an encoder), kUnsupported (sides outside of 2 to 16384 px),
   /// kIo and kInternal.
-  [[nodiscard]] static Result<FilmFile> create(const std::filesystem::path& path, const FilmOptions& options,
+  [[nodiscard]] static Result<std::unique_ptr<FilmFile>> create(const std::filesystem::path& path, const FilmOptions& options,
                                                const lightfield::Image& first);
-  FilmFile(FilmFile&& other) noexcept;
-  FilmFile& operator=(FilmFile&& other) noexcept;
-  ~FilmFile();
+  virtual ~FilmFile() = default;
 
   /// Adds a frame. Another size breaks the contract. Fails with kIo and kInternal.
-  [[nodiscard]] Result<void> add(const lightfield::Image& frame);
+  [[nodiscard]] virtual Result<void> add(const lightfield::Image& frame) = 0;
 
   /// Finishes the file; no frames may be added afterwards. Fails as add() does.
-  [[nodiscard]] Result<void> finish();
-
- private:
-  struct Impl;
-  explicit FilmFile(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  [[nodiscard]] virtual Result<void> finish() = 0;
 };
 
 }  // namespace e2lf::film

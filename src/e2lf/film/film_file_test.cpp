@@ -23,9 +23,9 @@ Image frame(size_t number, size_t channels) {
 
 Result<void> write(const std::filesystem::path& path, size_t frames, size_t channels) {
   E2LF_ASSIGN_OR_RETURN(const FilmFormat format, film_format_of(path));
-  E2LF_ASSIGN_OR_RETURN(FilmFile film, FilmFile::create(path, {format, 10}, frame(0, channels)));
-  for (size_t i = 0; i < frames; ++i) E2LF_RETURN_IF_ERROR(film.add(frame(i, channels)));
-  return film.finish();
+  E2LF_ASSIGN_OR_RETURN(const auto film, FilmFile::create(path, {format, 10}, frame(0, channels)));
+  for (size_t i = 0; i < frames; ++i) E2LF_RETURN_IF_ERROR(film->add(frame(i, channels)));
+  return film->finish();
 }
 
 class Film : public testing::Test {

@@ -5,30 +5,16 @@
 
 namespace e2lf::film {
 
-struct FilmFile::Impl {};
-
 Result<void> check_film_support() {
   return fail(ErrorCode::kMissingDependency, "",
               "this build cannot write films; install libavcodec-dev, libavformat-dev, libavutil-dev "
               "and libswscale-dev and build again");
 }
 
-Result<FilmFile> FilmFile::create(const std::filesystem::path& /*path*/, const FilmOptions& /*options*/,
-                                  const lightfield::Image& /*first*/) {
+Result<std::unique_ptr<FilmFile>> FilmFile::create(const std::filesystem::path& /*path*/,
+                                                   const FilmOptions& /*options*/,
+                                                   const lightfield::Image& /*first*/) {
   return check_film_support().error();
-}
-
-FilmFile::FilmFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-FilmFile::FilmFile(FilmFile&&) noexcept = default;
-FilmFile& FilmFile::operator=(FilmFile&&) noexcept = default;
-FilmFile::~FilmFile() = default;
-
-Result<void> FilmFile::add(const lightfield::Image& /*frame*/) {
-  return {};
-}
-
-Result<void> FilmFile::finish() {
-  return {};
 }
 
 }  // namespace e2lf::film

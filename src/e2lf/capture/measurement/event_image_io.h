@@ -53,26 +53,20 @@ using MeasurementFile = CyclesFile<Measurement>;
 class EventImageWriter {
  public:
   /// Starts writing to a temporary file beside `path`. Fails with kIo.
-  [[nodiscard]] static Result<EventImageWriter> create(const std::filesystem::path& path);
-  EventImageWriter(EventImageWriter&&) noexcept;
-  ~EventImageWriter();
+  [[nodiscard]] static Result<std::unique_ptr<EventImageWriter>> create(const std::filesystem::path& path);
+  virtual ~EventImageWriter() = default;
 
   /// Stores the setup of the events in the file. Must be called before the first cycle is added.
-  void keep(const RecordedSetup& setup);
+  virtual void keep(const RecordedSetup& setup) = 0;
 
   /// Appends a cycle. All cycles must have the shape of the first one. Fails with kIo.
-  [[nodiscard]] Result<void> add(const EventImages& images);
+  [[nodiscard]] virtual Result<void> add(const EventImages& images) = 0;
 
-  [[nodiscard]] uint64_t cycles() const;
+  [[nodiscard]] virtual uint64_t cycles() const = 0;
 
   /// Adds the findings of the whole recording (RecordedSetup::findings), completes the file and moves it to its path.
   /// Fails with kIo, and with kInvalidValue if no cycle was added.
-  [[nodiscard]] Result<void> finish(const std::string& findings = "");
-
- private:
-  class Impl;
-  explicit EventImageWriter(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  [[nodiscard]] virtual Result<void> finish(const std::string& findings = "") = 0;
 };
 
 /// Writes an .npz file with `events` int16 [cycles, N-1, y, x] and the setup; see setup_to_arrays(). All cycles

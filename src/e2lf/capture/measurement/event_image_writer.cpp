@@ -19,10 +19,6 @@ namespace {
 
 constexpr size_t kHeaderSize = 128;  ///< of the .npy member: its size is known first, its shape last
 
-zip::Member events_member() {
-  return {.name = "events.npy", .method = zip::kDeflated};
-}
-
 /// Returns the .npy header with its text padded to a fixed size, as numpy also pads it.
 std::vector<uint8_t> npy_header(uint64_t cycles, const EventImages& shape) {
   NpyArray array;
@@ -50,25 +46,22 @@ std::vector<uint8_t> stored_block(const std::vector<uint8_t>& header) {
   return bytes;
 }
 
-}  // namespace
-
-class EventImageWriter::Impl {
+class NpzEventImageWriter final : public EventImageWriter {
  public:
-  Impl(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
-
-  void keep(const RecordedSetup& setup) {
-    E2LF_REQUIRE(cycles_ == 0, "the setup must be stored before the first cycle");
-    setup_to_arrays(setup, known_);
-  }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-  ~Impl() {
+  NpzEventImageWriter(AtomicFile file, std::FILE* stream) : file_(std::move(file)), stream_(stream) {}
+  NpzEventImageWriter(const NpzEventImageWriter&) = delete;
+  NpzEventImageWriter& operator=(const NpzEventImageWriter&) = delete;
+  ~NpzEventImageWriter() override {
     if (stream_ != nullptr) std::fclose(stream_);
   }
 
-  Result<void> add(const EventImages& images) {
+  void keep(const RecordedSetup& setup) override {
+    E2LF_REQUIRE(cycles_ == 0, "the setup must be stored before the first cycle");
+    setup_to_arrays(setup, known_);
+  }
+
+  Result<void> add(const EventImages& images) override {
     if (cycles_ == 0) {
-      shape_ = EventImages();
       shape_.count = images.count;
       shape_.height = images.height;
       shape_.width = images.width;
@@ -83,7 +76,9 @@ class EventImageWriter::Impl {
     return std::fflush(stream_) == 0 ? Result<void>() : io_error();
   }
 
-  Result<void> finish(const std::string& findings) {
+  [[nodiscard]] uint64_t cycles() const override { return cycles_; }
+
+  Result<void> finish(const std::string& findings) override {
     if (cycles_ == 0) {
       return fail(ErrorCode::kInvalidValue, file_.target().string(),
                   "no complete pattern cycle was found; check the schedule and its source");
@@ -91,58 +86,35 @@ class EventImageWriter::Impl {
     E2LF_RETURN_IF_ERROR(pack({}, Z_FINISH));
     const std::vector<uint8_t> header = npy_header(cycles_, shape_);
     const auto header_crc = crc32_z(0, header.data(), header.size());
-    zip::Member events = events_member();
-    events.crc = static_cast<uint32_t>(crc32_combine(header_crc, data_crc_, static_cast<z_off_t>(data_size_)));
-    events.size = header.size() + data_size_;
-    events.packed = stored_block(header).size() + packed_size_;
-    events.offset = end_of_members();
-    const std::vector<uint8_t> local = zip::local_header(events);
-    members_.push_back(events);
-    if (!findings.empty()) E2LF_RETURN_IF_ERROR(write_known("findings.npy", text_to_npy(findings)));
-    E2LF_RETURN_IF_ERROR(write(zip::directory(members_, end_of_members())));
-    if (std::fseek(stream_, static_cast<long>(events.offset), SEEK_SET) != 0) return io_error();  // NOLINT: C's type
-    E2LF_RETURN_IF_ERROR(write(local));
+    events_.crc = static_cast<uint32_t>(crc32_combine(header_crc, data_crc_, static_cast<z_off_t>(events_.size)));
+    events_.size += header.size();
+    events_.packed += stored_block(header).size();
+    const uint64_t offset = archive_.add_written(events_);
+    if (!findings.empty()) archive_.add("findings.npy", encode_npy(text_to_npy(findings)), /*compress=*/false);
+    E2LF_RETURN_IF_ERROR(write(archive_.finish()));
+    if (std::fseek(stream_, static_cast<long>(offset), SEEK_SET) != 0) return io_error();  // NOLINT: C's type
+    E2LF_RETURN_IF_ERROR(write(zip::local_header(events_)));
     E2LF_RETURN_IF_ERROR(write(stored_block(header)));
     const int closed = std::fclose(std::exchange(stream_, nullptr));
     if (closed != 0) return io_error();
     return file_.commit();
   }
 
-  [[nodiscard]] uint64_t cycles() const { return cycles_; }
-
  private:
+  /// Writes the setup and begins the member of the events.
   Result<void> begin() {
-    for (const auto& [name, array] : known_) E2LF_RETURN_IF_ERROR(write_known(name + ".npy", array));
-    E2LF_RETURN_IF_ERROR(write(zip::local_header(events_member())));
+    for (const auto& [name, array] : known_) archive_.add(name + ".npy", encode_npy(array), /*compress=*/false);
+    E2LF_RETURN_IF_ERROR(write(archive_.take()));
+    E2LF_RETURN_IF_ERROR(write(zip::local_header(events_)));
     return write(stored_block(npy_header(0, shape_)));
-  }
-
-  /// Writes codes, camera, views or findings, uncompressed.
-  Result<void> write_known(const std::string& name, const NpyArray& array) {
-    const std::vector<uint8_t> bytes = encode_npy(array);
-    const zip::Member member{.name = name,
-                             .method = zip::kStored,
-                             .crc = static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())),
-                             .packed = bytes.size(),
-                             .size = bytes.size(),
-                             .offset = end_of_members()};
-    members_.push_back(member);
-    E2LF_RETURN_IF_ERROR(write(zip::local_header(member)));
-    return write(bytes);
-  }
-
-  [[nodiscard]] uint64_t end_of_members() const {
-    uint64_t end = 0;
-    for (const zip::Member& member : members_) end += zip::local_header(member).size() + member.packed;
-    return end;
   }
 
   Result<void> pack(std::span<const uint8_t> bytes, int flush) {
     // zlib would treat a null pointer as a request for the initial value.
     if (!bytes.empty()) data_crc_ = crc32_z(data_crc_, bytes.data(), bytes.size());
-    data_size_ += bytes.size();
+    events_.size += bytes.size();
     return deflater_.add(bytes, flush, [this](std::span<const uint8_t> packed) {
-      packed_size_ += packed.size();
+      events_.packed += packed.size();
       return write(packed);
     });
   }
@@ -158,44 +130,28 @@ class EventImageWriter::Impl {
   std::FILE* stream_;
   zip::Deflater deflater_{1};  ///< the fastest level: event images are mostly small numbers, and recordings are long
   EventImages shape_;          ///< without counts
-  uint64_t cycles_ = 0, data_size_ = 0, packed_size_ = 0;
+  uint64_t cycles_ = 0;
   uLong data_crc_ = 0;
-  NpzArrays known_;                   ///< the setup
-  std::vector<zip::Member> members_;  ///< the complete ones
+  zip::Member events_{.name = "events.npy", .method = zip::kDeflated};  ///< with sizes that grow
+  NpzArrays known_;                                                     ///< the setup
+  ZipWriter archive_;                                                   ///< without the events
 };
 
-EventImageWriter::EventImageWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-EventImageWriter::EventImageWriter(EventImageWriter&&) noexcept = default;
-EventImageWriter::~EventImageWriter() = default;
+}  // namespace
 
-Result<EventImageWriter> EventImageWriter::create(const fs::path& path) {
+Result<std::unique_ptr<EventImageWriter>> EventImageWriter::create(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::create(path));
   std::FILE* stream = std::fopen(file.path().c_str(), "wb");
-  if (stream == nullptr) {
-    return fail_to("write", path, errno);
-  }
-  return EventImageWriter(std::make_unique<Impl>(std::move(file), stream));
-}
-
-void EventImageWriter::keep(const RecordedSetup& setup) {
-  impl_->keep(setup);
-}
-Result<void> EventImageWriter::add(const EventImages& images) {
-  return impl_->add(images);
-}
-uint64_t EventImageWriter::cycles() const {
-  return impl_->cycles();
-}
-Result<void> EventImageWriter::finish(const std::string& findings) {
-  return impl_->finish(findings);
+  if (stream == nullptr) return fail_to("write", path, errno);
+  return std::unique_ptr<EventImageWriter>(std::make_unique<NpzEventImageWriter>(std::move(file), stream));
 }
 
 Result<void> write_event_images(const fs::path& path, const EventImageFile& file) {
   E2LF_REQUIRE(!file.cycles.empty(), "writing event images needs at least one cycle");
-  E2LF_ASSIGN_OR_RETURN(EventImageWriter writer, EventImageWriter::create(path));
-  writer.keep(file.setup);
-  for (const EventImages& cycle : file.cycles) E2LF_RETURN_IF_ERROR(writer.add(cycle));
-  return writer.finish();
+  E2LF_ASSIGN_OR_RETURN(const auto writer, EventImageWriter::create(path));
+  writer->keep(file.setup);
+  for (const EventImages& cycle : file.cycles) E2LF_RETURN_IF_ERROR(writer->add(cycle));
+  return writer->finish();
 }
 
 }  // namespace e2lf::capture

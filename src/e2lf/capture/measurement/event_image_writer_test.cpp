@@ -42,9 +42,9 @@ TEST(EventImageWriter, WritesWhatReadEventImagesReads) {
   fs::remove(path);
   auto writer = EventImageWriter::create(path);
   ASSERT_TRUE(writer) << writer.error().text();
-  for (uint64_t cycle = 0; cycle < 5; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
+  for (uint64_t cycle = 0; cycle < 5; ++cycle) ASSERT_TRUE((*writer)->add(random_images(cycle)));
   EXPECT_FALSE(fs::exists(path));
-  const auto finished = writer->finish();
+  const auto finished = (*writer)->finish();
   ASSERT_TRUE(finished) << finished.error().text();
   const auto file = read_event_images(path);
   ASSERT_TRUE(file) << file.error().text();
@@ -57,9 +57,9 @@ TEST(EventImageWriter, KeepsThePatternsBesideTheEvents) {
   const fs::path path = test_path("event_image_writer_codes.npz");
   auto writer = EventImageWriter::create(path);
   ASSERT_TRUE(writer) << writer.error().text();
-  writer->keep(test_setup());
-  ASSERT_TRUE(writer->add(random_images(1)));
-  ASSERT_TRUE(writer->finish());
+  (*writer)->keep(test_setup());
+  ASSERT_TRUE((*writer)->add(random_images(1)));
+  ASSERT_TRUE((*writer)->finish());
   const auto file = read_event_images(path);
   ASSERT_TRUE(file) << file.error().text();
   EXPECT_EQ(file->cycles.at(0), random_images(1));
@@ -72,7 +72,7 @@ TEST(EventImageWriter, LeavesNothingBehindWithoutFinish) {
   {
     auto writer = EventImageWriter::create(folder / "a.npz");
     ASSERT_TRUE(writer);
-    ASSERT_TRUE(writer->add(random_images(1)));
+    ASSERT_TRUE((*writer)->add(random_images(1)));
   }
   EXPECT_TRUE(fs::is_empty(folder));
   fs::remove_all(folder);
@@ -81,7 +81,7 @@ TEST(EventImageWriter, LeavesNothingBehindWithoutFinish) {
 TEST(EventImageWriter, RefusesAFileWithoutCycles) {
   auto writer = EventImageWriter::create(test_path("event_image_writer_none.npz"));
   ASSERT_TRUE(writer);
-  EXPECT_EQ(writer->finish().error().code, ErrorCode::kInvalidValue);
+  EXPECT_EQ((*writer)->finish().error().code, ErrorCode::kInvalidValue);
 }
 
 TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRead) {
@@ -89,8 +89,8 @@ TEST(EventImageWriter, WholeCyclesOfAnUnfinishedFileAreRead) {
   fs::remove_all(folder);
   auto writer = EventImageWriter::create(folder / "a.npz");
   ASSERT_TRUE(writer);
-  writer->keep(test_setup());
-  for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE(writer->add(random_images(cycle)));
+  (*writer)->keep(test_setup());
+  for (uint64_t cycle = 0; cycle < 4; ++cycle) ASSERT_TRUE((*writer)->add(random_images(cycle)));
   const auto bytes = read_file(fs::directory_iterator(folder)->path()).value();
   for (const size_t cut : {size_t{0}, size_t{100}, bytes.size() / 2}) {
     const fs::path path = folder / "cut.npz";

@@ -171,19 +171,19 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   CycleFlags flags = wanted_cycles(arguments.cycles, {.codes = codes});
   observe(flags.options, bar, rig, reports.is_wanted() ? &plot : nullptr);
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(arguments.input, flags));
-  E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter writer, capture::EventImageWriter::create(output.path()));
+  E2LF_ASSIGN_OR_RETURN(const auto writer, capture::EventImageWriter::create(output.path()));
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader, codes));
   setup.views = arguments.orientation.after(setup.views);
   LiveLog live_log;
   Json cycles = Json::array();
-  while (arguments.cycles.max_cycles == 0 || writer.cycles() < arguments.cycles.max_cycles) {
+  while (arguments.cycles.max_cycles == 0 || writer->cycles() < arguments.cycles.max_cycles) {
     E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> cycle, reader.next());
     if (!cycle) break;
     cycle->confidence = rig.add(*cycle, reader.options());
     if (reports.is_wanted() && !first) first = cycle->images;
-    if (writer.cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.count, writer);
+    if (writer->cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.count, *writer);
     places.add(cycle->images);
-    E2LF_RETURN_IF_ERROR(writer.add(cycle->images));
+    E2LF_RETURN_IF_ERROR(writer->add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
     if (cycle->arrival) {
       const double latency_s = pipeline::behind_s(*cycle) + seconds_since(*cycle->arrival);
@@ -209,11 +209,11 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     E2LF_ASSIGN_OR_RETURN(const report::Page page, cycles_page(arguments.input, facts, cycles, plot, first));
     E2LF_RETURN_IF_ERROR(reports.write(page));
   }
-  if (writer.cycles() == 0) return no_cycle_error(arguments.input, rig, reader);
+  if (writer->cycles() == 0) return no_cycle_error(arguments.input, rig, reader);
   diagnose::Findings findings = rig.findings(reader);
   if (auto other = places.judge(setup, findings)) findings.push_back(std::move(*other));
   diagnose::log_findings(arguments.input.string(), findings);
-  E2LF_RETURN_IF_ERROR(writer.finish(diagnose::to_text(findings)));
+  E2LF_RETURN_IF_ERROR(writer->finish(diagnose::to_text(findings)));
   record.resolve("source", word_of(reader.source(), kCycleSources));
   record.note("cycles", report_json(rig, reader));
   const Json found = {{"left_out", losses_json(summary)}, {"live", live_json(summary)}, {"each", std::move(cycles)}};

@@ -213,13 +213,13 @@ Result<void> write_film(const fs::path& file, film::FilmFormat format, const Ani
                         const FrameFn& frame_at, bool is_quiet) {
   ProgressBar bar("animate", is_quiet);
   const Image first = frame_at(0);
-  E2LF_ASSIGN_OR_RETURN(film::FilmFile film, film::FilmFile::create(file, {format, kFramesPerS}, first));
-  E2LF_RETURN_IF_ERROR(film.add(first));
+  E2LF_ASSIGN_OR_RETURN(const auto film, film::FilmFile::create(file, {format, kFramesPerS}, first));
+  E2LF_RETURN_IF_ERROR(film->add(first));
   for (size_t frame = 1; frame < arguments.frames; ++frame) {
-    E2LF_RETURN_IF_ERROR(film.add(frame_at(frame)));
+    E2LF_RETURN_IF_ERROR(film->add(frame_at(frame)));
     bar.update(frame, arguments.frames);
   }
-  return film.finish();
+  return film->finish();
 }
 
 Result<void> animate(const AnimateArguments& arguments, const Verb& verb) {

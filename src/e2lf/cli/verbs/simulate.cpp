@@ -216,9 +216,8 @@ class SimulatedFile {
       file.measurements_path_ = place;
       file.measurements_.setup = setup.recorded;
     } else if (setup.as_images) {
-      E2LF_ASSIGN_OR_RETURN(capture::EventImageWriter images, capture::EventImageWriter::create(place));
-      images.keep(setup.recorded);
-      file.images_.emplace(std::move(images));
+      E2LF_ASSIGN_OR_RETURN(file.images_, capture::EventImageWriter::create(place));
+      file.images_->keep(setup.recorded);
     } else {
       recordings::RecordingInfo info;
       info.height = scene.height;
@@ -247,7 +246,7 @@ class SimulatedFile {
 
  private:
   std::unique_ptr<recordings::RecordingWriter> recording_;
-  std::optional<capture::EventImageWriter> images_;
+  std::unique_ptr<capture::EventImageWriter> images_;
   capture::MeasurementFile measurements_;
   fs::path measurements_path_;
 };
