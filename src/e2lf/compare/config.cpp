@@ -8,12 +8,12 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/compare/tables.h"
-#include "e2lf/files/fields.h"
+#include "e2lf/files/options.h"
 
 namespace e2lf::compare {
 namespace {
 
-// The keys of a configuration, which docs/compare.md describes; see files/fields.h.
+// The keys of a configuration, which docs/compare.md describes; see files/options.h.
 
 template <typename AnyConfig, typename Visitor>
 void visit_config(AnyConfig& config, Visitor& visit) {
@@ -134,7 +134,7 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
     return fail(ErrorCode::kFormat, location, "the configuration is not a JSON object; enclose it in { }");
   Config config;
   const std::string root = location + ": $";
-  FieldReader reader(json, root);
+  OptionReader reader(json, root);
   visit_config(config, reader);
   E2LF_RETURN_IF_ERROR(reader.finish());
   E2LF_RETURN_IF_ERROR(check(config, root));

@@ -154,10 +154,8 @@ TEST(PointCloud, IsInMetresWithACalibratedLens) {
   // Points of a plane z = 0.5 + 0.2 x in metres, seen by the view right of the calibrated one and above it.
   Lens lens{.width = 40,
             .height = 30,
-            .focal_x_px = 50,
-            .focal_y_px = 52,
-            .centre_x_px = 19,
-            .centre_y_px = 15.5,
+            .focal_px = {50, 52},
+            .centre_px = {19, 15.5},
             .distortion = {-0.2, 0.05, 0.001, -0.002, 0.01},
             .baseline_m = 0.003,
             .focus_m = 0.6};
@@ -189,10 +187,8 @@ TEST(PointCloud, IsInMetresWithACalibratedLens) {
 TEST(Lens, InvertsTheDistortion) {
   const Lens lens{.width = 40,
                   .height = 30,
-                  .focal_x_px = 50,
-                  .focal_y_px = 52,
-                  .centre_x_px = 19,
-                  .centre_y_px = 15.5,
+                  .focal_px = {50, 52},
+                  .centre_px = {19, 15.5},
                   .distortion = {-0.2, 0.05, 0.001, -0.002, 0.01},
                   .baseline_m = 0.003,
                   .focus_m = 0.6};

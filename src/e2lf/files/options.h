@@ -11,9 +11,18 @@
 #include <utility>
 #include <vector>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+
+/// A structure declares its fields once, in a function that passes each of them to a visitor. OptionReader reads them
+/// from JSON, and FieldWriter writes them. A visitor is called as visit(key, field), visit.choice(key, field, choices)
+/// for an enum, visit.section(key, fields) for a nested object, and visit.list(key, items, fields) for a list of
+/// objects. E2LF_VISIT(object, visit, name, ...) visits members of an object under their own names.
+#define E2LF_VISIT(object, visit, ...) \
+  [](auto& of, auto& with) { NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(E2LF_VISIT_MEMBER, __VA_ARGS__)) }(object, visit)
+#define E2LF_VISIT_MEMBER(name) with(#name, of.name);
 
 namespace e2lf {
 
@@ -53,6 +62,41 @@ class OptionReader {
   template <typename T>
   OptionReader& read(const std::string& key, std::optional<T>& field) {
     return convert<T>(key, [&](T value) { field = std::move(value); });
+  }
+
+  template <typename T>
+  void operator()(const char* key, T& field) {
+    read(key, field);
+  }
+  /// An unknown word is an error of kind `unknown`.
+  template <typename Enum, size_t kCount>
+  void choice(const char* key, Enum& field, const Choice<Enum> (&choices)[kCount],
+              ErrorCode unknown = ErrorCode::kInvalidValue) {
+    std::string word = word_of(field, choices);
+    read(key, word);
+    const auto chosen = choice_of(word, choices, key);
+    if (chosen) field = *chosen;
+    if (!chosen) note(Error{unknown, chosen.error().message, child_location(key)});
+  }
+  template <typename Fields>
+  void section(const char* key, const Fields& fields) {
+    OptionReader inner(child(key), child_location(key));
+    fields(inner);
+    note(inner.finish());
+  }
+  template <typename Item, typename Fields>
+  void list(const char* key, std::vector<Item>& items, const Fields& fields) {
+    const Json& array = child(key);
+    if (array.is_null()) return;
+    if (!array.is_array()) {
+      return note(Error{ErrorCode::kFormat, "expected a list; write [{ ... }, ...]", child_location(key)});
+    }
+    items.clear();
+    for (size_t i = 0; i < array.size(); ++i) {
+      OptionReader inner(array[i], cat(child_location(key), "[", i, "]"));
+      fields(items.emplace_back(), inner);
+      note(inner.finish());
+    }
   }
 
   /// Returns the nested object under `key`, to be read by another reader, or null if it is absent.
@@ -109,11 +153,57 @@ class OptionReader {
     }
   }
   void fail(const std::string& key, const char* kind);
+  void note(const Result<void>& result) {
+    if (!result && !error_) error_ = result.error();
+  }
 
   const Json* object_;
   std::string location_;
   std::vector<std::string> known_;
   std::optional<Error> error_;
+};
+
+/// Writes every field. Numbers in float32 are written as json_number() does.
+class FieldWriter {
+ public:
+  template <typename Field>
+  void operator()(const char* key, const Field& field) {
+    json_[key] = json_of(field);
+  }
+  template <typename Enum, size_t kCount>
+  void choice(const char* key, const Enum& field, const Choice<Enum> (&choices)[kCount], ErrorCode /*unknown*/ = {}) {
+    json_[key] = word_of(field, choices);
+  }
+  template <typename Fields>
+  void section(const char* key, const Fields& fields) {
+    FieldWriter inner;
+    fields(inner);
+    json_[key] = std::move(inner.json_);
+  }
+  template <typename Item, typename Fields>
+  void list(const char* key, const std::vector<Item>& items, const Fields& fields) {
+    json_[key] = Json::array();
+    for (const Item& item : items) {
+      FieldWriter inner;
+      fields(item, inner);
+      json_[key].push_back(std::move(inner.json_));
+    }
+  }
+
+  [[nodiscard]] Json json() && { return std::move(json_); }
+
+ private:
+  template <typename Field>
+  static Json json_of(const Field& field) {
+    return field;
+  }
+  template <typename Field>
+  static Json json_of(const std::optional<Field>& field) {
+    return field ? json_of(*field) : Json();
+  }
+  static Json json_of(float field) { return json_number(field); }
+
+  Json json_ = Json::object();
 };
 
 /// Returns a number as JSON, or null if it is not finite, which JSON cannot express.

@@ -152,38 +152,18 @@ bool is_of_light_fields(const Json& measurement) {
   return measurement.is_string() && (measurement == "" || capture::measurement_from_name(measurement));
 }
 
-Result<InputGroup> group_from_json(const Json& json, const std::string& location) {
-  InputGroup group;
-  std::string kind;
-  OptionReader reader(json, location);
-  reader.read("kind", kind).read("scale", group.scale);
-  E2LF_RETURN_IF_ERROR(reader.finish());
-  const auto known = choice_of(kind, kInputKinds, "input");
-  if (!known) return fail(ErrorCode::kUnsupported, reader.child_location("kind"), known.error().message);
-  group.kind = *known;
-  return group;
-}
-
-Result<std::vector<InputGroup>> input_from_json(const Json& json, const std::string& location) {
-  if (!json.is_array()) return fail(ErrorCode::kFormat, location, "expected a list of inputs");
-  std::vector<InputGroup> groups;
-  for (size_t i = 0; i < json.size(); ++i) {
-    E2LF_ASSIGN_OR_RETURN(const InputGroup group, group_from_json(json[i], cat(location, "[", i, "]")));
-    groups.push_back(group);
-  }
-  return groups;
-}
-
-Result<capture::SensorConstants> constants_from_json(const Json& json, const std::string& location) {
-  capture::SensorConstants constants;
-  OptionReader reader(json, location);
-  reader.read("eps", constants.eps)
-      .read("tau", constants.tau)
-      .read("sigma_w", constants.sigma_w)
-      .read("sigma_z", constants.sigma_z)
-      .read("sigma_i", constants.sigma_i);
-  E2LF_RETURN_IF_ERROR(reader.finish());
-  return constants;
+/// The fields of the header that are plain. `has_images` adds the constant of intensity images.
+template <typename AnyModel, typename Visitor>
+void visit_header(AnyModel& model, Visitor& visit, bool has_images) {
+  E2LF_VISIT(model, visit, name, num_patterns, views_y, views_x, event_model, black_first);
+  visit.section("constants", [&](auto& inner) {
+    E2LF_VISIT(model.constants, inner, eps, tau, sigma_w, sigma_z);
+    if (has_images) inner("sigma_i", model.constants.sigma_i);
+  });
+  visit.list("input", model.input, [](auto& group, auto& inner) {
+    inner.choice("kind", group.kind, kInputKinds, ErrorCode::kUnsupported);
+    inner("scale", group.scale);
+  });
 }
 
 /// Checks that the measurement stated in the file agrees with its input.
@@ -270,31 +250,16 @@ bool is_conditioned_on_camera(const Model& model) {
 }
 
 Json header_to_json(const Model& model) {
-  Json input = Json::array();
-  for (const InputGroup& group : model.input) {
-    input.push_back({{"kind", word_of(group.kind, kInputKinds)}, {"scale", json_number(group.scale)}});
-  }
-  Json header = {{"format_version", kFormatVersion},
-                 {"name", model.name},
-                 {"num_patterns", model.num_patterns},
-                 {"views_y", model.views_y},
-                 {"views_x", model.views_x},
-                 {"event_model", model.event_model},
-                 {"black_first", model.black_first},
-                 {"constants",
-                  {{"eps", json_number(model.constants.eps)},
-                   {"tau", json_number(model.constants.tau)},
-                   {"sigma_w", json_number(model.constants.sigma_w)},
-                   {"sigma_z", json_number(model.constants.sigma_z)}}},
-                 {"input", std::move(input)},
-                 {"network", to_json(model.network)},
-                 {"provenance", model.provenance}};
-  // Older files do not state the measurement, which is then event images.
   const capture::MeasurementKind measurement = model.measurement();
-  if (measurement != capture::MeasurementKind::kEventImages) {
-    header[kMeasurement] = capture::measurement_name(measurement);
-    header["constants"]["sigma_i"] = json_number(model.constants.sigma_i);
-  }
+  const bool has_images = measurement != capture::MeasurementKind::kEventImages;
+  FieldWriter writer;
+  writer("format_version", kFormatVersion);
+  visit_header(model, writer, has_images);
+  writer("network", to_json(model.network));
+  writer("provenance", model.provenance);
+  Json header = std::move(writer).json();
+  // Older files do not state the measurement, which is then event images.
+  if (has_images) header[kMeasurement] = capture::measurement_name(measurement);
   if (model.camera) header["camera"] = capture::to_json(*model.camera);
   const auto& [bfloat16_db, int16_db] = model.precision_loss;
   if (bfloat16_db) header["precision_loss"]["bfloat16_db"] = *bfloat16_db;
@@ -306,33 +271,20 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_kind(json, "", location));
   Model model;
   OptionReader reader(json, location);
-  reader.read("name", model.name)
-      .read("num_patterns", model.num_patterns)
-      .read("views_y", model.views_y)
-      .read("views_x", model.views_x)
-      .read("event_model", model.event_model)
-      .read("black_first", model.black_first);
+  visit_header(model, reader, /*has_images=*/true);
   std::string measurement = capture::measurement_name(capture::MeasurementKind::kEventImages);
   reader.read(kMeasurement, measurement);
   (void)reader.child("format_version");
-  const Json& constants = reader.child("constants");
-  const Json& input = reader.child("input");
   const Json& network = reader.child("network");
   const Json& provenance = reader.child("provenance");
   const Json& camera = reader.child("camera");
-  const Json& precision_loss = reader.child("precision_loss");
+  reader.section("precision_loss",
+                 [&](OptionReader& losses) { E2LF_VISIT(model.precision_loss, losses, bfloat16_db, int16_db); });
   E2LF_RETURN_IF_ERROR(reader.finish());
-  E2LF_ASSIGN_OR_RETURN(model.constants, constants_from_json(constants, reader.child_location("constants")));
-  E2LF_ASSIGN_OR_RETURN(model.input, input_from_json(input, reader.child_location("input")));
   E2LF_RETURN_IF_ERROR(check_measurement(model, measurement, reader));
   E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
   if (!camera.is_null()) {
     E2LF_ASSIGN_OR_RETURN(model.camera, capture::camera_from_json(camera, reader.child_location("camera")));
-  }
-  if (!precision_loss.is_null()) {
-    OptionReader losses(precision_loss, reader.child_location("precision_loss"));
-    losses.read("bfloat16_db", model.precision_loss.bfloat16_db).read("int16_db", model.precision_loss.int16_db);
-    E2LF_RETURN_IF_ERROR(losses.finish());
   }
   if (!provenance.is_null()) model.provenance = provenance;
   return model;

@@ -50,14 +50,7 @@ Result<Layer> layer_from_json(const Json& json, const std::string& location) {
   Layer layer;
   layer.op.clear();
   OptionReader reader(json, location);
-  reader.read("name", layer.name)
-      .read("op", layer.op)
-      .read("inputs", layer.inputs)
-      .read("out_channels", layer.out_channels)
-      .read("kernel", layer.kernel)
-      .read("stride", layer.stride)
-      .read("residual", layer.residual)
-      .read("relu", layer.relu);
+  E2LF_VISIT(layer, reader, name, op, inputs, out_channels, kernel, stride, residual, relu);
   const Operation* operation = find_operation(layer.op);
   if (operation == nullptr) {
     return fail(ErrorCode::kUnsupported, reader.child_location("op"), "unknown operation \"", layer.op,

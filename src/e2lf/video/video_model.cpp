@@ -20,46 +20,32 @@ using model::infer_shapes, model::kFormatVersion, model::kMetadataKey, model::kV
 
 namespace {
 
-constexpr Choice<FrameTone> kTones[] = {{"none", FrameTone::kNone},
-                                        {"robust", FrameTone::kRobust},
-                                        {"standard", FrameTone::kStandard},
-                                        {"exp-robust", FrameTone::kExpRobust}};
-
 constexpr size_t kMaxPadMultiple = 1024;
+
+/// The fields of the header that are plain.
+template <typename AnyModel, typename Visitor>
+void visit_header(AnyModel& model, Visitor& visit) {
+  E2LF_VISIT(model, visit, name, bins, normalises_voxels, pad_multiple);
+  visit.choice("tone", model.tone, kFrameTones, ErrorCode::kUnsupported);
+}
 
 Result<VideoModel> header_from(const Json& json, const std::string& location) {
   add_operations();
   E2LF_RETURN_IF_ERROR(model::check_kind(json, kVoxelGrid, location));
   VideoModel model;
-  std::string tone;
   OptionReader reader(json, location);
-  reader.read("name", model.name)
-      .read("bins", model.bins)
-      .read("normalises_voxels", model.normalises_voxels)
-      .read("pad_multiple", model.pad_multiple)
-      .read("tone", tone);
+  visit_header(model, reader);
   (void)reader.child("format_version");
   (void)reader.child("measurement");
   const Json& network = reader.child("network");
   const Json& provenance = reader.child("provenance");
   E2LF_RETURN_IF_ERROR(reader.finish());
-  const auto known_tone = tone_from_name(tone);
-  if (!known_tone) return fail(ErrorCode::kUnsupported, reader.child_location("tone"), known_tone.error().message);
-  model.tone = *known_tone;
   E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
   if (!provenance.is_null()) model.provenance = provenance;
   return model;
 }
 
 }  // namespace
-
-const char* tone_name(FrameTone tone) {
-  return word_of(tone, kTones);
-}
-
-Result<FrameTone> tone_from_name(const std::string& name) {
-  return choice_of(name, kTones, "tone");
-}
 
 Result<void> validate(const VideoModel& model, const std::string& location) {
   add_operations();
@@ -95,15 +81,13 @@ Result<void> validate(const VideoModel& model, const std::string& location) {
 }
 
 Json video_header_to_json(const VideoModel& model) {
-  return {{"format_version", kFormatVersion},
-          {"measurement", kVoxelGrid},
-          {"name", model.name},
-          {"bins", model.bins},
-          {"normalises_voxels", model.normalises_voxels},
-          {"pad_multiple", model.pad_multiple},
-          {"tone", tone_name(model.tone)},
-          {"network", model::to_json(model.network)},
-          {"provenance", model.provenance}};
+  FieldWriter writer;
+  writer("format_version", kFormatVersion);
+  writer("measurement", kVoxelGrid);
+  visit_header(model, writer);
+  writer("network", model::to_json(model.network));
+  writer("provenance", model.provenance);
+  return std::move(writer).json();
 }
 
 Result<VideoModel> decode_video_model(std::span<const uint8_t> bytes, const std::string& file) {
@@ -140,17 +124,14 @@ Json summary_json(const VideoModel& model) {
 
 namespace {
 
-/// The position of the rows of planes within larger planes.
-struct Frame {
-  size_t height, width;  ///< of the inner planes
-  size_t outer_height, outer_width;
-
-  [[nodiscard]] size_t top() const { return (outer_height - height + 1) / 2; }
-  [[nodiscard]] size_t left() const { return (outer_width - width + 1) / 2; }
-  [[nodiscard]] size_t outer_row(size_t plane, size_t y) const {
-    return (plane * outer_height + top() + y) * outer_width + left();
-  }
-};
+/// Returns the part of planes [plane, y, x] that images of the sensor's size take, in their middle.
+template <typename T>
+PlanesView<T> middle_of(const PlanesView<T>& planes, size_t height, size_t width) {
+  PlanesView<T> middle = planes;
+  middle.extents = {planes.extents[0], height, width};
+  middle.data += (planes.extents[1] - height + 1) / 2 * planes.extents[2] + (planes.extents[2] - width + 1) / 2;
+  return middle;
+}
 
 size_t padded_to(size_t size_px, size_t multiple_px) {
   return (size_px + multiple_px - 1) / multiple_px * multiple_px;
@@ -178,21 +159,15 @@ Result<std::vector<float>> EventVideo::next(capture::VoxelGrid grid) {
   E2LF_REQUIRE(grid.count == model_.bins && grid.height == height_ && grid.width == width_,
                "the grid has another size");
   if (model_.normalises_voxels) capture::normalise_nonzero(grid.values);
-  const Frame frame{height_, width_, padded_height_, padded_width_};
   const bool is_padded = padded_height_ != height_ || padded_width_ != width_;
   if (is_padded) {
-    std::vector<float> padded(grid.count * padded_height_ * padded_width_);
-    for (size_t row = 0; row < grid.count * height_; ++row) {
-      std::copy_n(&grid.values[row * width_], width_, &padded[frame.outer_row(row / height_, row % height_)]);
-    }
-    grid.values = std::move(padded);
+    capture::VoxelGrid padded(grid.count, padded_height_, padded_width_);
+    copy_values(PlanesView<const float>(grid), middle_of<float>(padded, height_, width_));
+    grid = std::move(padded);
   }
-  std::vector<float> output(padded_height_ * padded_width_);
-  E2LF_RETURN_IF_ERROR(engine_.run_frame(grid.values, padded_height_, padded_width_, state_, output));
-  if (!is_padded) return output;
-  std::vector<float> picture(height_ * width_);
-  for (size_t y = 0; y < height_; ++y) std::copy_n(&output[frame.outer_row(0, y)], width_, &picture[y * width_]);
-  return picture;
+  Planes<float> output(1, padded_height_, padded_width_);
+  E2LF_RETURN_IF_ERROR(engine_.run_frame(grid.values, padded_height_, padded_width_, state_, output.values));
+  return is_padded ? owned(middle_of<float>(output, height_, width_)).values : std::move(output.values);
 }
 
 namespace {

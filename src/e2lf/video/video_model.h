@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/engine/engine.h"
@@ -24,9 +25,11 @@ enum class FrameTone {
   kExpRobust,  ///< exp(I), then kRobust
 };
 
-/// Converts between a tone and its name in model files: "none", "robust", "standard" or "exp-robust".
-[[nodiscard]] const char* tone_name(FrameTone tone);
-[[nodiscard]] Result<FrameTone> tone_from_name(const std::string& name);
+/// The names of the tones in model files and options.
+inline constexpr Choice<FrameTone> kFrameTones[] = {{"none", FrameTone::kNone},
+                                                    {"robust", FrameTone::kRobust},
+                                                    {"standard", FrameTone::kStandard},
+                                                    {"exp-robust", FrameTone::kExpRobust}};
 
 inline constexpr size_t kMaxBins = 1024;  ///< largest number of bins of a model
 

@@ -102,9 +102,9 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
   E2LF_ASSIGN_OR_RETURN(video::VideoModel model, video::decode_video_model(bytes, arguments.model.string()));
   video::FrameTone tone = model.tone;
   if (arguments.tone != "auto") {
-    E2LF_ASSIGN_OR_RETURN(tone, video::tone_from_name(arguments.tone));
+    E2LF_ASSIGN_OR_RETURN(tone, choice_of(arguments.tone, video::kFrameTones, "tone"));
   }
-  record.resolve("tone", video::tone_name(tone));
+  record.resolve("tone", word_of(tone, video::kFrameTones));
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
   E2LF_ASSIGN_OR_RETURN(video::EventVideo video,
                         video::EventVideo::create(std::move(model), info.height, info.width, {.precision = precision}));

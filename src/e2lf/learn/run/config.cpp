@@ -4,13 +4,13 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/fields.h"
+#include "e2lf/files/options.h"
 #include "e2lf/model/unet.h"
 
 namespace e2lf::learn {
 namespace {
 
-// The fields of a configuration, which docs/training.md describes; see files/fields.h.
+// The fields of a configuration, which docs/training.md describes; see files/options.h.
 
 template <typename AnyConfig, typename Visitor>
 void visit_fields(AnyConfig& config, Visitor& visit) {
@@ -112,7 +112,7 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
   const Json& patterns = json.is_object() && json.contains("patterns") ? json["patterns"] : Json();
   const bool is_black_first = !patterns.is_object() || patterns.value("black_first", Json(true)) != Json(false);
   if (!is_black_first) std::erase_if(config.input, is_intensity);
-  FieldReader reader(json, location);
+  OptionReader reader(json, location);
   visit_fields(config, reader);
   E2LF_RETURN_IF_ERROR(reader.finish());
   if (!is_black_first && std::any_of(config.input.begin(), config.input.end(), is_intensity)) {
