@@ -6,6 +6,13 @@
 
 namespace e2lf::lightfield {
 
+/// Returns the depth of a disparity, the inverse of disparity_at_depth(). Disparities of disparity_at_infinity_px and
+/// more break the contract.
+inline float depth_at_disparity(const SceneCamera& camera, float disparity_px) {
+  E2LF_REQUIRE(disparity_px < camera.disparity_at_infinity_px, "nothing is farther away than infinity");
+  return camera.focus_depth / (1 - disparity_px / camera.disparity_at_infinity_px);
+}
+
 /// Returns a single evenly lit plane that faces the camera at this disparity (px per view step) and fills every view.
 /// Its noise texture has high contrast and detail from a quarter of the picture down to two or three pixels, at any
 /// size (16 px wide or more). All views are shifted copies of each other. Disparities of 4 and more break the contract.

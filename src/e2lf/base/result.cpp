@@ -1,34 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/base/result.h"
 
+#include "e2lf/base/choice.h"
+
 namespace e2lf {
 
 const char* error_code_name(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kNotFound:
-      return "not_found";
-    case ErrorCode::kExists:
-      return "exists";
-    case ErrorCode::kFormat:
-      return "format";
-    case ErrorCode::kTruncated:
-      return "truncated";
-    case ErrorCode::kUnsupported:
-      return "unsupported";
-    case ErrorCode::kInvalidValue:
-      return "invalid_value";
-    case ErrorCode::kShape:
-      return "shape";
-    case ErrorCode::kIo:
-      return "io";
-    case ErrorCode::kMissingDependency:
-      return "missing_dependency";
-    case ErrorCode::kCancelled:
-      return "cancelled";
-    case ErrorCode::kInternal:
-      return "internal";
-  }
-  return "internal";
+  using enum ErrorCode;
+  constexpr Choice<ErrorCode> kNames[] = {{"not_found", kNotFound},
+                                          {"exists", kExists},
+                                          {"format", kFormat},
+                                          {"truncated", kTruncated},
+                                          {"unsupported", kUnsupported},
+                                          {"invalid_value", kInvalidValue},
+                                          {"shape", kShape},
+                                          {"io", kIo},
+                                          {"missing_dependency", kMissingDependency},
+                                          {"cancelled", kCancelled},
+                                          {"internal", kInternal}};
+  return word_of(code, kNames);
 }
 
 std::string Error::text() const {

@@ -26,16 +26,6 @@ constexpr size_t kMostLabels = 256;
 constexpr double kUsualConfidence = 0.45;
 constexpr uint64_t kMostBytes = uint64_t{8} << 30;
 
-LightField grey_light_field(const LightField& colour) {
-  Shape shape = colour.shape();
-  shape.channels = 1;
-  LightField grey(shape);
-  const auto from = colour.data();
-  const auto to = grey.data();
-  for (size_t i = 0; i < to.size(); ++i) to[i] = lightfield::grey_of(from[3 * i], from[3 * i + 1], from[3 * i + 2]);
-  return grey;
-}
-
 /// Shrinks every view by a whole factor. The remainder at the right and bottom is cut off.
 LightField shrunk(const LightField& light_field, size_t factor) {
   Shape shape = light_field.shape();
@@ -212,7 +202,7 @@ Result<DisparityMap> estimate_disparity(const LightField& light_field, const Dis
                                         const ProgressFn& progress) {
   const ViewIndex view = options.view.value_or(middle_view(light_field.shape()));
   E2LF_RETURN_IF_ERROR(check(light_field.shape(), view, options));
-  if (light_field.shape().channels != 1) return estimate_disparity(grey_light_field(light_field), options, progress);
+  if (light_field.shape().channels != 1) return estimate_disparity(lightfield::to_grey(light_field), options, progress);
 
   std::optional<DisparityRange> range = options.range;
   if (!range) {

@@ -21,8 +21,7 @@ constexpr float kLeastConfidence = 0.2F;
 constexpr int kLeastOverlapPx = 2, kMostOverlapPx = 64;
 
 Image grey_view(const LightField& light_field, size_t view_y, size_t view_x) {
-  const Image picture = lightfield::view_image(light_field, view_y, view_x);
-  return picture.channels == 1 ? picture : lightfield::to_grey(picture);
+  return lightfield::to_grey(lightfield::view_image(light_field, view_y, view_x));
 }
 
 /// Samples bilinearly; NaN outside of the picture.

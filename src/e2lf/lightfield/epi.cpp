@@ -22,20 +22,6 @@ void set_pixel(Image& canvas, size_t y, size_t x, const Colour& colour) {
   std::copy(colour.begin(), colour.end(), canvas.pixels.begin() + static_cast<ptrdiff_t>((y * canvas.width + x) * 3));
 }
 
-/// Draws an image into a box, which may be larger, by repeating pixels. Grey is converted to colour, and values are
-/// clamped.
-void paste(Image& canvas, const Image& image, const Box& box) {
-  for (size_t y = 0; y < box.height; ++y) {
-    for (size_t x = 0; x < box.width; ++x) {
-      const size_t from_y = y * image.height / box.height, from_x = x * image.width / box.width;
-      const float* pixel = image.pixels.data() + (from_y * image.width + from_x) * image.channels;
-      Colour colour;
-      for (size_t c = 0; c < 3; ++c) colour[c] = std::clamp(pixel[image.channels == 3 ? c : 0], 0.0F, 1.0F);
-      set_pixel(canvas, box.y + y, box.x + x, colour);
-    }
-  }
-}
-
 void frame(Image& canvas, const Box& box, const Colour& colour) {
   for (size_t x = box.x; x < box.x + box.width; ++x) {
     set_pixel(canvas, box.y, x, colour);
@@ -96,9 +82,10 @@ Image epi_picture(const LightFieldView& light_field, const EpiPictureOptions& op
   const Box beside_box{0, shape.width + options.gap_px, shape.height, shape.views_y * options.px_per_view};
   Image canvas(beside_box.x + beside_box.width, below_box.y + below_box.height, 3);
   std::fill(canvas.pixels.begin(), canvas.pixels.end(), 1.0F);
-  paste(canvas, view, {0, 0, shape.height, shape.width});
-  paste(canvas, below, below_box);
-  paste(canvas, beside, beside_box);
+  paste(view, 0, 0, canvas);
+  paste(enlarged(below, options.px_per_view, 1), below_box.y, below_box.x, canvas);
+  paste(enlarged(beside, 1, options.px_per_view), beside_box.y, beside_box.x, canvas);
+  for (float& value : canvas.pixels) value = std::clamp(value, 0.0F, 1.0F);
 
   for (size_t x = 0; x < shape.width; ++x) set_pixel(canvas, options.y, x, kRowColour);
   for (size_t y = 0; y < shape.height; ++y) set_pixel(canvas, y, options.x, kColumnColour);

@@ -166,11 +166,6 @@ float disparity_at_depth(const SceneCamera& camera, float z) {
   return camera.disparity_at_infinity_px * (1 - camera.focus_depth / z);
 }
 
-float depth_at_disparity(const SceneCamera& camera, float disparity_px) {
-  E2LF_REQUIRE(disparity_px < camera.disparity_at_infinity_px, "nothing is farther away than infinity");
-  return camera.focus_depth / (1 - disparity_px / camera.disparity_at_infinity_px);
-}
-
 Image render_view(const Scene& scene, const ViewRequest& request) {
   return render_in_runs(scene, request, &ViewRenderer::render_grey);
 }

@@ -86,10 +86,6 @@ struct Scene {
 /// Returns the disparity at depth z: disparity_at_infinity_px * (1 - focus_depth / z). It is smaller for nearer points.
 [[nodiscard]] float disparity_at_depth(const SceneCamera& camera, float z);
 
-/// Returns the depth of a disparity, the inverse of disparity_at_depth(). Disparities of disparity_at_infinity_px and
-/// more break the contract.
-[[nodiscard]] float depth_at_disparity(const SceneCamera& camera, float disparity_px);
-
 /// One picture to render. The position of the pinhole is in view steps from the middle of the aperture: view (r, c) of
 /// a grid is at y = r - (views_y - 1) / 2, x = c - (views_x - 1) / 2.
 struct ViewRequest {

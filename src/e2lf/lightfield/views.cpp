@@ -41,6 +41,20 @@ Image view_image(const LightFieldView& light_field, size_t view_y, size_t view_x
   return image;
 }
 
+LightField to_grey(const LightFieldView& colour) {
+  Shape shape = shape_of(colour);
+  E2LF_REQUIRE(shape.channels == 3, "a light field in colour");
+  shape.channels = 1;
+  LightField grey = LightField::unset(shape);
+  std::vector<float> scratch;
+  const float* pixel = colour.values(scratch).data();
+  for (float& value : grey.data()) {
+    value = grey_of(pixel[0], pixel[1], pixel[2]);
+    pixel += 3;
+  }
+  return grey;
+}
+
 namespace fs = std::filesystem;
 using capture::Orientation;
 

@@ -25,6 +25,9 @@ struct CropRegion {
 /// Returns one view as an image. A view that does not exist breaks the contract.
 [[nodiscard]] Image view_image(const LightFieldView& light_field, size_t view_y, size_t view_x);
 
+/// Returns the light field in grey; see grey_of(). It must be in colour.
+[[nodiscard]] LightField to_grey(const LightFieldView& colour);
+
 /// Reorders the views in place according to capture::Orientation. Applying it twice restores the order. With kTurned,
 /// every disparity changes its sign.
 void orient(const LightFieldOutput& light_field, const capture::Orientation& orientation);

@@ -149,7 +149,8 @@ namespace {
 constexpr const char* kMeasurement = "measurement";
 
 bool is_of_light_fields(const Json& measurement) {
-  return measurement.is_string() && (measurement == "" || capture::measurement_from_name(measurement));
+  return measurement.is_string() &&
+         (measurement == "" || choice_of(measurement.get<std::string>(), capture::kMeasurementKinds));
 }
 
 /// The fields of the header that are plain. `has_images` adds the constant of intensity images.

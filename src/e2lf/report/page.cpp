@@ -141,25 +141,12 @@ namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
 
-bool continues(char c) {
-  return (static_cast<uint8_t>(c) & 0xC0U) == 0x80U;
-}
-
 /// Returns the size in bytes of the character at the beginning of `text`, or 0 if it is not one that XML allows.
-size_t character_length(std::string_view text) {
-  const auto lead = static_cast<uint8_t>(text[0]);
-  if (lead < 0x20) return lead == '\t' || lead == '\n' || lead == '\r' ? 1 : 0;
-  if (lead < 0x80) return lead == 0x7F ? 0 : 1;
-  const size_t length = lead >= 0xF0 && lead < 0xF5 ? 4 : lead >= 0xE0 ? 3 : 2;
-  if (lead < 0xC2 || lead >= 0xF5 || text.size() < length) return 0;
-  uint32_t code = lead & (0xFFU >> (length + 1));
-  for (size_t i = 1; i < length; ++i) {
-    if (!continues(text[i])) return 0;
-    code = code << 6 | (static_cast<uint8_t>(text[i]) & 0x3FU);
-  }
-  const bool is_long = code >= (length == 2 ? 0x80U : length == 3 ? 0x800U : 0x10000U);
-  const bool is_surrogate = code >= 0xD800 && code < 0xE000;
-  return is_long && !is_surrogate && code != 0xFFFE && code != 0xFFFF && code <= 0x10FFFF ? length : 0;
+size_t xml_character_size(std::string_view text) {
+  const auto first = static_cast<uint8_t>(text[0]);
+  const bool is_control = (first < 0x20 && first != '\t' && first != '\n' && first != '\r') || first == 0x7F;
+  const bool is_refused = is_control || text.starts_with("\xEF\xBF\xBE") || text.starts_with("\xEF\xBF\xBF");
+  return is_refused ? 0 : character_size(text);
 }
 
 using Replacement = std::pair<char, const char*>;
@@ -186,7 +173,7 @@ constexpr Replacement kLatex[] = {{'&', "\\&"},
 std::string replaced(std::string_view text, std::span<const Replacement> replacements) {
   std::string result;
   while (!text.empty()) {
-    const size_t length = character_length(text);
+    const size_t length = xml_character_size(text);
     const auto found = std::ranges::find(replacements, text[0], &Replacement::first);
     if (length == 0) {
       result += kReplacement;
@@ -211,7 +198,8 @@ std::string latex_escaped(std::string_view text) {
 }
 
 size_t num_characters(std::string_view text) {
-  return static_cast<size_t>(std::count_if(text.begin(), text.end(), [](char c) { return !continues(c); }));
+  return static_cast<size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<uint8_t>(c) & 0xC0U) != 0x80U; }));
 }
 
 std::string base64(std::span<const uint8_t> bytes) {

@@ -4,29 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/choice.h"
-
 namespace e2lf::capture {
-namespace {
-
-constexpr Choice<MeasurementKind> kKinds[] = {{"event-images", MeasurementKind::kEventImages},
-                                              {"coded-images", MeasurementKind::kCodedImages},
-                                              {"hybrid", MeasurementKind::kHybrid},
-                                              {"lens-array", MeasurementKind::kLensArray}};
-
-}  // namespace
-
-const char* measurement_name(MeasurementKind kind) {
-  return word_of(kind, kKinds);
-}
-
-Result<MeasurementKind> measurement_from_name(const std::string& name) {
-  return choice_of(name, kKinds, "measurement");
-}
-
-bool has_events(MeasurementKind kind) {
-  return kind == MeasurementKind::kEventImages || kind == MeasurementKind::kHybrid;
-}
 
 size_t num_images(MeasurementKind kind, size_t num_patterns) {
   switch (kind) {

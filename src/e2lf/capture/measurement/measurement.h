@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/strided_view.h"
 
@@ -51,11 +52,19 @@ enum class MeasurementKind {
                ///< pixel (view_y, view_x) below it is the mean of that view over the area of the lens
 };
 
-/// Returns or parses "event-images", "coded-images", "hybrid" and "lens-array". Parsing fails with kInvalidValue.
-[[nodiscard]] const char* measurement_name(MeasurementKind kind);
-[[nodiscard]] Result<MeasurementKind> measurement_from_name(const std::string& name);
+/// The names of the measurements in files and options.
+inline constexpr Choice<MeasurementKind> kMeasurementKinds[] = {{"event-images", MeasurementKind::kEventImages},
+                                                                {"coded-images", MeasurementKind::kCodedImages},
+                                                                {"hybrid", MeasurementKind::kHybrid},
+                                                                {"lens-array", MeasurementKind::kLensArray}};
 
-[[nodiscard]] bool has_events(MeasurementKind kind);
+[[nodiscard]] constexpr const char* measurement_name(MeasurementKind kind) {
+  return word_of(kind, kMeasurementKinds);
+}
+
+[[nodiscard]] constexpr bool has_events(MeasurementKind kind) {
+  return kind == MeasurementKind::kEventImages || kind == MeasurementKind::kHybrid;
+}
 /// Returns the number of intensity images for N patterns, or 0 for a kind without any.
 [[nodiscard]] size_t num_images(MeasurementKind kind, size_t num_patterns);
 

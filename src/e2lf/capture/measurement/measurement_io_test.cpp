@@ -85,9 +85,9 @@ TEST(MeasurementFile, RefusesArraysThatDoNotFit) {
 TEST(MeasurementKind, NamesGoBothWays) {
   for (const auto kind : {MeasurementKind::kEventImages, MeasurementKind::kCodedImages, MeasurementKind::kHybrid,
                           MeasurementKind::kLensArray}) {
-    EXPECT_EQ(measurement_from_name(measurement_name(kind)).value(), kind);
+    EXPECT_EQ(choice_of(measurement_name(kind), kMeasurementKinds).value(), kind);
   }
-  EXPECT_THAT(measurement_from_name("spikes").error().message, HasSubstr("lens-array"));
+  EXPECT_THAT(choice_of("spikes", kMeasurementKinds).error().message, HasSubstr("lens-array"));
 }
 
 }  // namespace

@@ -119,7 +119,8 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
   if (views) setup.scene.flags.orientation = {false, views->flip_x, views->flip_y};
   if (!arguments.event_model.empty()) event_model = arguments.event_model;
   if (!arguments.measurement.empty()) {
-    E2LF_ASSIGN_OR_RETURN(setup.known.measurement, capture::measurement_from_name(arguments.measurement));
+    E2LF_ASSIGN_OR_RETURN(setup.known.measurement,
+                          choice_of(arguments.measurement, capture::kMeasurementKinds, "measurement"));
   }
   record.resolve("measurement", capture::measurement_name(setup.known.measurement));
   constants = {.eps = arguments.eps.value_or(constants.eps),

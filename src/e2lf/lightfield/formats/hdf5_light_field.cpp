@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Reads and writes light fields in HDF5 files; declared in readers.h.
-#include <span>
+#include <iterator>
 #include <vector>
 
 #include "e2lf/base/text.h"
@@ -10,6 +10,7 @@
 #include "e2lf/hdf5/library.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/readers.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::lightfield {
 namespace {
@@ -127,27 +128,6 @@ std::string extents_text(const std::vector<hsize_t>& extents) {
   return shape_text({extents.begin(), extents.end()});
 }
 
-/// Writes one float32 data set with these extents as an HDF5 file that appears either whole or not at all. Fails with
-/// kIo, and with kInternal if HDF5 fails.
-Result<void> write_set(const std::filesystem::path& path, const std::string& name, const std::vector<hsize_t>& extents,
-                       std::span<const float> values) {
-  const hdf5::LibraryLock lock;
-  E2LF_ASSIGN_OR_RETURN(AtomicFile target, AtomicFile::create(path));
-  E2LF_ASSIGN_OR_RETURN(hdf5::CheckedFile file, hdf5::CheckedFile::create(target.path(), path.string()));
-  {
-    const Handle space(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), H5Sclose);
-    const Handle set(
-        H5Dcreate2(file.get(), name.c_str(), H5T_IEEE_F32LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-        H5Dclose);
-    if (!set.valid() || H5Dwrite(set.get(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
-      return fail(ErrorCode::kInternal, path, "HDF5 could not encode ", name, " (", hdf5::last_reason(),
-                  "); write npy instead");
-    }
-  }
-  E2LF_RETURN_IF_ERROR(file.close());
-  return target.commit();
-}
-
 }  // namespace
 
 bool hdf5_has_light_field(const std::filesystem::path& path) {
@@ -191,16 +171,24 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
 
 Result<void> write_hdf5(const std::filesystem::path& path, const LightFieldView& light_field) {
   const Shape shape = shape_of(light_field);
+  if (shape.channels != 1) return write_hdf5(path, to_grey(light_field));
   std::vector<float> scratch;
   const auto values = light_field.values(scratch);
-  const std::vector<hsize_t> extents = {shape.num_views(), shape.height, shape.width};
-  if (shape.channels == 1) return write_set(path, "LF_y", extents, values);
-  std::vector<float> grey(shape.num_views() * shape.height * shape.width);
-  for (size_t i = 0; i < grey.size(); ++i) {
-    const float* pixel = values.data() + 3 * i;
-    grey[i] = grey_of(pixel[0], pixel[1], pixel[2]);
+  const hsize_t extents[] = {shape.num_views(), shape.height, shape.width};
+  const hdf5::LibraryLock lock;
+  E2LF_ASSIGN_OR_RETURN(AtomicFile target, AtomicFile::create(path));
+  E2LF_ASSIGN_OR_RETURN(hdf5::CheckedFile file, hdf5::CheckedFile::create(target.path(), path.string()));
+  {
+    const Handle space(H5Screate_simple(std::size(extents), extents, nullptr), H5Sclose);
+    const Handle set(H5Dcreate2(file.get(), "LF_y", H5T_IEEE_F32LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Dclose);
+    if (!set.valid() || H5Dwrite(set.get(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+      return fail(ErrorCode::kInternal, path, "HDF5 could not encode LF_y (", hdf5::last_reason(),
+                  "); write npy instead");
+    }
   }
-  return write_set(path, "LF_y", extents, grey);
+  E2LF_RETURN_IF_ERROR(file.close());
+  return target.commit();
 }
 
 }  // namespace e2lf::lightfield
