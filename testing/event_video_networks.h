@@ -42,17 +42,11 @@ class Chain {
   [[nodiscard]] const std::string& last() const { return last_; }
 
   void conv(const std::string& name, size_t channels, size_t kernel, size_t stride = 1) {
-    add({.name = name,
-         .inputs = {},
-         .out_channels = channels,
-         .kernel = kernel,
-         .stride = stride,
-         .residual = {},
-         .relu = true});
+    add({.name = name, .inputs = {}, .out_channels = channels, .kernel = kernel, .stride = stride, .relu = true});
   }
 
   void cell(const std::string& name, const char* op, size_t channels) {
-    add({.name = name, .op = op, .inputs = {}, .out_channels = channels, .kernel = 3, .residual = {}});
+    add({.name = name, .op = op, .inputs = {}, .out_channels = channels, .kernel = 3});
   }
 
   void residual_block(const std::string& name, size_t channels) {
@@ -62,7 +56,7 @@ class Chain {
   }
 
   void plus(const std::string& name, const std::string& other) {
-    network_.layers.push_back({.name = name, .op = Op::kAdd, .inputs = {last_, other}, .residual = {}});
+    network_.layers.push_back({.name = name, .op = Op::kAdd, .inputs = {last_, other}});
     last_ = name;
   }
 
@@ -103,11 +97,11 @@ inline void decode(Chain& chain, size_t channels, std::vector<std::string> skips
     channels /= 2;
     chain.plus(cat("join", i), skips.back());
     skips.pop_back();
-    chain.add({.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {}, .stride = 2, .residual = {}});
+    chain.add({.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {}, .stride = 2});
     chain.conv(cat("decoder", i), channels, 5);
   }
   chain.plus("join", skips.back());
-  chain.add({.name = "picture", .inputs = {}, .out_channels = 1, .residual = {}});
+  chain.add({.name = "picture", .inputs = {}, .out_channels = 1});
 }
 
 /// Adds the transformers of ET-Net, which follow the encoders.
@@ -126,7 +120,7 @@ class Transformers {
       relate(scale, maps[scale], maps[scale == 0 ? 0 : scale - 1]);
       maps.push_back(chain_.last());
     }
-    chain_.put({.name = "mean", .op = Op::kMean, .inputs = maps, .residual = {}});
+    chain_.put({.name = "mean", .op = Op::kMean, .inputs = maps});
   }
 
  private:
@@ -135,10 +129,9 @@ class Transformers {
     if (scale > 0) {
       const size_t size = size_t{1} << scale;
       x = cat("split", scale);
-      chain_.put(
-          {.name = x, .inputs = {input}, .out_channels = channels_, .kernel = size, .stride = size, .residual = {}});
+      chain_.put({.name = x, .inputs = {input}, .out_channels = channels_, .kernel = size, .stride = size});
     }
-    chain_.put({.name = cat("place", scale), .op = Op::kPositionCode, .inputs = {x}, .residual = {}});
+    chain_.put({.name = cat("place", scale), .op = Op::kPositionCode, .inputs = {x}});
     for (size_t i = 0; i < options_.self_layers; ++i) {
       const std::string name = cat("self", scale, "_", i), last = chain_.last();
       look_around(name, last);
@@ -160,7 +153,7 @@ class Transformers {
   }
 
   void norm(const std::string& name, const std::string& input) {
-    chain_.put({.name = name, .op = Op::kLayerNorm, .inputs = {input}, .residual = {}});
+    chain_.put({.name = name, .op = Op::kLayerNorm, .inputs = {input}});
   }
 
   void linear(const std::string& name, const std::string& input, size_t channels, const std::string& sum = "") {
@@ -178,19 +171,14 @@ class Transformers {
     chain_.put({.name = name + "_look",
                 .op = Op::kAttention,
                 .inputs = parts,
-                .attributes = {{"heads", {static_cast<double>(options_.heads)}}},
-                .residual = {}});
+                .attributes = {{"heads", {static_cast<double>(options_.heads)}}}});
     linear(name, name + "_look", channels_, sum);
   }
 
   void feed_forward(const std::string& name, const char* norm_name) {
     const std::string x = chain_.last();
     norm(name + norm_name, x);
-    chain_.put({.name = name + "_wide",
-                .inputs = {name + norm_name},
-                .out_channels = options_.wide,
-                .residual = {},
-                .relu = true});
+    chain_.put({.name = name + "_wide", .inputs = {name + norm_name}, .out_channels = options_.wide, .relu = true});
     linear(name, name + "_wide", channels_, x);
   }
 
@@ -213,7 +201,7 @@ inline model::Network firenet(size_t bins = 5, size_t channels = 16) {
     chain.cell(cat("cell", number), Op::kConvGru, channels);
     chain.residual_block(cat("block", number), channels);
   }
-  chain.add({.name = "picture", .inputs = {}, .out_channels = 1, .residual = {}});
+  chain.add({.name = "picture", .inputs = {}, .out_channels = 1});
   return chain.take();
 }
 
@@ -227,7 +215,7 @@ inline model::Network event_unet(const EventUnetOptions& options = {}) {
   const size_t channels = options.channels << options.encoders;
   for (size_t i = 0; i < options.blocks; ++i) chain.residual_block(cat("block", i), channels);
   decode(chain, channels, std::move(skips));
-  if (options.ends_in_sigmoid) chain.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {}, .residual = {}});
+  if (options.ends_in_sigmoid) chain.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {}});
   return chain.take();
 }
 
@@ -239,7 +227,7 @@ inline model::Network event_transformer(const EventTransformerOptions& options =
   std::vector<std::string> skips = encode(chain, options.channels, options.encoders);
   Transformers(chain, options).add(skips);
   decode(chain, options.channels << options.encoders, std::move(skips));
-  chain.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {}, .residual = {}});
+  chain.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {}});
   return chain.take();
 }
 

@@ -147,11 +147,10 @@ void bind_pictures(py::module_& module) {
       "contact_sheet",
       [](const py::array& light_field, Whole<size_t> max_width) {
         const auto field = light_field_of(light_field, "light_field");
-        const lightfield::ContactSheetOptions options{.max_width = max_width};
-        if (max_width < lightfield::shape_of(*field).views_x * (1 + options.separator_px)) {
+        if (max_width < lightfield::shape_of(*field).views_x * (1 + lightfield::kSheetGapPx)) {
           throw py::value_error("max_width is too small for one pixel per view");
         }
-        return picture([&] { return lightfield::contact_sheet(*field, options); });
+        return picture([&] { return lightfield::contact_sheet(*field, max_width); });
       },
       py::arg("light_field"), py::kw_only(), py::arg("max_width") = 1600,
       "Returns all views in one image, float32 [y, x] or [y, x, 3].\n\n"

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <string_view>
 
+#include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/lightfield/views.h"
 
@@ -45,16 +45,13 @@ void fill(Image& canvas, size_t top, size_t left, size_t side, float value) {
 }
 
 void write_number(Image& canvas, size_t top, size_t left, size_t times, float number) {
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "%.2f", double{number});
-  for (const char* character = text.data(); *character != 0; ++character, left += (kGlyphWidth + 1) * times) {
-    const auto* const glyph =
-        std::find_if(kGlyphs.begin(), kGlyphs.end(), [&](const Glyph& each) { return each.character == *character; });
-    if (glyph == kGlyphs.end()) continue;
+  for (const char character : formatted("%.2f", double{number})) {
+    const auto* const glyph = std::ranges::find(kGlyphs, character, &Glyph::character);
     for (size_t i = 0; i < glyph->ink.size(); ++i) {
       if (glyph->ink[i] != '#') continue;
       fill(canvas, top + i / kGlyphWidth * times, left + i % kGlyphWidth * times, times, 0.0F);
     }
+    left += (kGlyphWidth + 1) * times;
   }
 }
 

@@ -33,26 +33,14 @@ int16_t step(const int16_t* own, const int16_t* before, int16_t least_before, in
 /// The paths of one direction for a row of pixels.
 class PathRow {
  public:
-  PathRow(size_t width, size_t labels)
-      : stride_(labels + 2), costs_(width * stride_, kNever), least_(width, 0), labels_(labels) {}
+  PathRow(size_t width, size_t labels) : stride_(labels + 2), costs_(width * stride_, kNever), least_(width, 0) {}
   [[nodiscard]] int16_t* costs(size_t x) { return costs_.data() + x * stride_ + 1; }
   [[nodiscard]] int16_t& least(size_t x) { return least_[x]; }
-  void begin(size_t x, const int16_t* own, int16_t* sum) {
-    int16_t least = kNever;
-    int16_t* const path = costs(x);
-    for (size_t i = 0; i < labels_; ++i) {
-      path[i] = own[i];
-      least = std::min(least, own[i]);
-      sum[i] = static_cast<int16_t>(sum[i] + own[i]);
-    }
-    least_[x] = least;
-  }
 
  private:
   size_t stride_;
   std::vector<int16_t> costs_;
   std::vector<int16_t> least_;
-  size_t labels_;
 };
 
 /// Computes the four directions that come from the preceding pixels in reading order, or in the opposite order. Each
@@ -66,7 +54,10 @@ class Pass {
         is_forward_(is_forward),
         along_(volume.width, volume.labels.count),
         across_(3, along_),
-        across_before_(across_) {}
+        across_before_(across_),
+        outside_(1, volume.labels.count) {
+    std::fill_n(outside_.costs(0), volume.labels.count, int16_t{0});
+  }
 
   /// Adds the costs of all paths to `sums`.
   void run(std::vector<int16_t>& sums) {
@@ -93,15 +84,15 @@ class Pass {
   };
 
   /// Extends the path that comes from the pixel at the offset (by_y, by_x), or begins one at the border.
-  void advance(PathRow& now, PathRow& before, const Pixel& pixel, ptrdiff_t by_y, ptrdiff_t by_x, int16_t* sum) const {
+  void advance(PathRow& now, PathRow& before, const Pixel& pixel, ptrdiff_t by_y, ptrdiff_t by_x, int16_t* sum) {
     const auto from_y = static_cast<ptrdiff_t>(pixel.y) + by_y, from_x = static_cast<ptrdiff_t>(pixel.x) + by_x;
     const int16_t* const own = volume_.at(pixel.y, pixel.x);
-    if (from_y < 0 || from_y >= static_cast<ptrdiff_t>(volume_.height) || from_x < 0 ||
-        from_x >= static_cast<ptrdiff_t>(volume_.width)) {
-      return now.begin(pixel.x, own, sum);
-    }
-    const Pixel from{static_cast<size_t>(from_y), static_cast<size_t>(from_x)};
-    now.least(pixel.x) = step(own, before.costs(from.x), before.least(from.x), change_.one_label, jump(pixel, from),
+    const bool is_outside = from_y < 0 || from_y >= static_cast<ptrdiff_t>(volume_.height) || from_x < 0 ||
+                            from_x >= static_cast<ptrdiff_t>(volume_.width);
+    const Pixel from = is_outside ? pixel : Pixel{static_cast<size_t>(from_y), static_cast<size_t>(from_x)};
+    PathRow& previous = is_outside ? outside_ : before;
+    const size_t place = is_outside ? 0 : from.x;
+    now.least(pixel.x) = step(own, previous.costs(place), previous.least(place), change_.one_label, jump(pixel, from),
                               volume_.labels.count, now.costs(pixel.x), sum);
   }
 
@@ -118,6 +109,7 @@ class Pass {
   bool is_forward_;
   PathRow along_;
   std::vector<PathRow> across_, across_before_;
+  PathRow outside_;  ///< from which paths begin: no costs
 };
 
 }  // namespace

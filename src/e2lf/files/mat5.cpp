@@ -85,6 +85,14 @@ std::span<const uint8_t> content_of(const Element& element, std::vector<uint8_t>
   return std::span(preview).subspan(std::min(preview.size(), kTagBytes));
 }
 
+/// The numpy codes of numbers by their type and by their class, and "" for other types and classes.
+constexpr const char* kTypeCodes[] = {"", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "", "f8"};
+constexpr const char* kClassCodes[] = {"", "", "", "", "", "", "f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4"};
+
+std::string code_of(std::span<const char* const> codes, uint32_t number) {
+  return number < codes.size() ? codes[number] : "";
+}
+
 /// The parts of a matrix element that precede its samples.
 struct MatrixHead {
   MatArray array;
@@ -97,7 +105,7 @@ std::optional<MatrixHead> take_head(std::span<const uint8_t>& rest) {
   const auto flags = take_element(rest);
   if (!is_whole(flags) || flags->data.size() < 4) return std::nullopt;
   const uint32_t word = load32(flags->data);
-  head.array.array_class = static_cast<uint8_t>(word & 0xFF);
+  head.array.class_type = code_of(kClassCodes, word & 0xFF);
   head.array.complex = (word & 0x800) != 0;
   head.array.logical = (word & 0x200) != 0;
   const auto extents = take_element(rest);
@@ -142,7 +150,7 @@ Result<std::vector<uint8_t>> inflate_variable(const Element& element, std::span<
 Result<MatArray> finish_array(MatArray array, std::span<const uint8_t> rest, const std::string& location) {
   const auto samples = take_element(rest);
   if (!is_whole(samples)) return truncated(location);
-  array.storage = samples->type;
+  array.type = code_of(kTypeCodes, samples->type);
   array.data = samples->data;
   return array;
 }
@@ -159,16 +167,6 @@ Result<MatArray> open_compressed(const Element& element, std::span<const uint8_t
 }
 
 }  // namespace
-
-const char* numpy_code(uint32_t storage) {
-  constexpr const char* kCodes[] = {"", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "", "f8"};
-  return storage < std::size(kCodes) ? kCodes[storage] : "";
-}
-
-const char* numpy_code_of_class(uint8_t array_class) {
-  constexpr const char* kCodes[] = {"", "", "", "", "", "", "f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4"};
-  return array_class < std::size(kCodes) ? kCodes[array_class] : "";
-}
 
 Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name, uint64_t max_bytes,
                                 const std::string& location) {

@@ -12,21 +12,15 @@
 
 namespace e2lf {
 
-/// Returns the numpy type code ("i2", "f8") of a storage type (MAT-File Format, version 5, table "Data Types"), or an
-/// empty one for other types.
-[[nodiscard]] const char* numpy_code(uint32_t storage);
-
-/// Returns the code of the numbers of a MATLAB class ("Array Types"): floating-point numbers and integers of 8 to 32
-/// bits. It is empty for other classes. The numbers may be stored as a smaller type if all values fit.
-[[nodiscard]] const char* numpy_code_of_class(uint8_t array_class);
-
 /// A numeric array of a MATLAB file older than version 7.3, in column-major order.
 struct MatArray {
-  uint8_t array_class = 0;  ///< see numpy_code_of_class()
+  /// The numpy code ("i2", "f8") of the MATLAB class (MAT-File Format, version 5, table "Array Types"), of
+  /// floating-point numbers and integers of 8 to 32 bits; empty for others.
+  std::string class_type;
   bool complex = false;
   bool logical = false;  ///< true if the uint8 array is a logical one, whose values are true (1) and false (0)
   std::vector<size_t> extents;
-  uint32_t storage = 0;           ///< see numpy_code()
+  std::string type;  ///< the code of the stored numbers ("Data Types"), which may be smaller if all of them fit
   std::span<const uint8_t> data;  ///< little-endian; points into `inflated` or into the bytes of the file
   std::vector<uint8_t> inflated;  ///< holds the variable if the file compresses it
 };

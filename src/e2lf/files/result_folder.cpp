@@ -159,9 +159,7 @@ Result<void> write_record(const fs::path& folder, const Json& record) {
 
 std::string new_run() {
   std::random_device device;
-  char text[17];
-  std::snprintf(text, sizeof text, "%08x%08x", device(), device());
-  return text;
+  return formatted("%08x%08x", device(), device());
 }
 
 }  // namespace

@@ -22,11 +22,7 @@ class Sha256 {
     unsigned int length = 0;
     EVP_DigestFinal_ex(context_.get(), digest, &length);
     std::string text;
-    for (const unsigned char byte : std::span(digest, length)) {
-      constexpr char kDigits[] = "0123456789abcdef";
-      text += kDigits[byte >> 4];
-      text += kDigits[byte & 15];
-    }
+    for (const unsigned char byte : std::span(digest, length)) text += formatted("%02x", byte);
     return text;
   }
 

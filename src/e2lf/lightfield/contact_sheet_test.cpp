@@ -34,23 +34,22 @@ TEST(ContactSheet, PutsViewsInTheOrderOfTheAperture) {
   for (size_t view = 0; view < 6; ++view) {
     for (float& value : light_field.view(view / 3, view % 3)) value = 0.1F * static_cast<float>(view);
   }
-  const Image sheet = contact_sheet(light_field, {.max_width = 100, .separator_px = 1, .separator_value = 1});
-  ASSERT_EQ(sheet.width, 17U);
-  ASSERT_EQ(sheet.height, 9U);
+  const Image sheet = contact_sheet(light_field, 100);
+  ASSERT_EQ(sheet.width, 19U);
+  ASSERT_EQ(sheet.height, 10U);
   for (size_t view = 0; view < 6; ++view) {
-    EXPECT_FLOAT_EQ(sheet.pixels[(view / 3 * 5 + 3) * 17 + view % 3 * 6 + 4], 0.1F * static_cast<float>(view));
+    EXPECT_FLOAT_EQ(sheet.pixels[(view / 3 * 6 + 3) * 19 + view % 3 * 7 + 4], 0.1F * static_cast<float>(view));
   }
   EXPECT_EQ(sheet.pixels[5], 1.0F);
-  EXPECT_EQ(sheet.pixels[4 * 17], 1.0F);
+  EXPECT_EQ(sheet.pixels[4 * 19], 1.0F);
 }
 
 TEST(ContactSheet, FitsTheWidth) {
   const LightField light_field({8, 8, 30, 40, 3});
-  const Image sheet = contact_sheet(light_field, {.max_width = 174, .separator_px = 2, .separator_value = 1});
+  const Image sheet = contact_sheet(light_field, 174);
   EXPECT_EQ(sheet.width, 174U);
   EXPECT_EQ(sheet.height, 8U * 15 + 7 * 2);
-  EXPECT_THROW((void)contact_sheet(light_field, {.max_width = 21, .separator_px = 2, .separator_value = 1}),
-               ContractError);
+  EXPECT_THROW((void)contact_sheet(light_field, 21), ContractError);
 }
 
 }  // namespace

@@ -143,21 +143,21 @@ Image shrink(const Image& image, size_t width, size_t height) {
   return small;
 }
 
-Image contact_sheet(const LightFieldView& light_field, const ContactSheetOptions& options) {
+Image contact_sheet(const LightFieldView& light_field, size_t max_width) {
   const Shape shape = shape_of(light_field);
-  const size_t gap = options.separator_px;
   E2LF_REQUIRE(shape.size() > 0, "a contact sheet needs views");
-  E2LF_REQUIRE(options.max_width >= shape.views_x + gap * (shape.views_x - 1), "the sheet is too narrow for its views");
-  const size_t width = std::min(shape.width, (options.max_width - gap * (shape.views_x - 1)) / shape.views_x);
+  E2LF_REQUIRE(max_width >= shape.views_x + kSheetGapPx * (shape.views_x - 1), "the sheet is too narrow for its views");
+  const size_t width = std::min(shape.width, (max_width - kSheetGapPx * (shape.views_x - 1)) / shape.views_x);
   const size_t height = std::max<size_t>(1, (shape.height * width + shape.width / 2) / shape.width);
 
-  Image sheet(shape.views_x * (width + gap) - gap, shape.views_y * (height + gap) - gap, shape.channels);
-  std::fill(sheet.pixels.begin(), sheet.pixels.end(), options.separator_value);
+  Image sheet(shape.views_x * (width + kSheetGapPx) - kSheetGapPx, shape.views_y * (height + kSheetGapPx) - kSheetGapPx,
+              shape.channels);
+  std::fill(sheet.pixels.begin(), sheet.pixels.end(), 1.0F);
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
       const Image small = shrink(view_image(light_field, view_y, view_x), width, height);
-      paste(small, view_y * (height + gap), view_x * (width + gap), sheet);
+      paste(small, view_y * (height + kSheetGapPx), view_x * (width + kSheetGapPx), sheet);
     }
   });
   return sheet;

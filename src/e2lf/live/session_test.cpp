@@ -227,7 +227,7 @@ recon::Reconstructor depth_network() {
   model.name = "known";
   model.num_patterns = 4;
   model.input = {{model::InputKind::kCounts, 0.125F}};
-  model.network = {3, {{.name = "out", .inputs = {"input"}, .out_channels = 2, .residual = {}}}};
+  model.network = {3, {{.name = "out", .inputs = {"input"}, .out_channels = 2}}};
   model.weights = {{"out.weight", {4, 0, 0, 0, 0, 0}}, {"out.bias", {1, -3}}};
   return recon::Reconstructor::create(model).value();
 }

@@ -128,7 +128,7 @@ std::vector<WeightShape> weights_of(const Operation& operation, const Layer& lay
 }
 
 Layer conv(const std::string& name, const std::string& input, size_t out_channels, size_t kernel) {
-  return {.name = name, .inputs = {input}, .out_channels = out_channels, .kernel = kernel, .residual = {}};
+  return {.name = name, .inputs = {input}, .out_channels = out_channels, .kernel = kernel};
 }
 
 }  // namespace

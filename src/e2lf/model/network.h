@@ -42,8 +42,8 @@ struct Layer {
   size_t kernel = 1;
   size_t stride = 1;
   std::map<std::string, std::vector<double>> attributes = {};  ///< further properties by name: one number or a list
-  std::string residual;  ///< kConv: a tensor of the shape of the output, added before the activation; "" = none
-  bool relu = false;     ///< applies ReLU at the end
+  std::string residual = {};  ///< kConv: a tensor of the shape of the output, added before the activation; "" = none
+  bool relu = false;          ///< applies ReLU at the end
 
   /// Returns an attribute that is a whole number: `otherwise` if it is absent, 0 if it is another value.
   [[nodiscard]] size_t integer(const std::string& attribute, size_t otherwise) const;

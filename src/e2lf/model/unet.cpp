@@ -14,12 +14,7 @@ class Builder {
 
   std::string conv(const std::string& name, const std::string& input, size_t channels, size_t kernel = 3,
                    size_t stride = 1) {
-    return add({.name = name,
-                .inputs = {input},
-                .out_channels = channels,
-                .kernel = kernel,
-                .stride = stride,
-                .residual = {}});
+    return add({.name = name, .inputs = {input}, .out_channels = channels, .kernel = kernel, .stride = stride});
   }
 
   /// Adds `count` blocks of conv-ReLU-conv with skip connections.
@@ -49,10 +44,10 @@ class Builder {
 void add_head(Builder& build, std::string x, const UnetOptions& options) {
   build.conv("head", x, 4 * options.head_width);
   build.last().relu = true;
-  x = build.add({.name = "shuffle", .op = Op::kPixelShuffle, .inputs = {"head"}, .stride = 2, .residual = {}});
+  x = build.add({.name = "shuffle", .op = Op::kPixelShuffle, .inputs = {"head"}, .stride = 2});
   if (options.head_blocks > 0) {
     const std::string detail = build.conv("detail", "input", options.head_width);
-    x = build.add({.name = "head_join", .op = Op::kAdd, .inputs = {x, detail}, .residual = {}});
+    x = build.add({.name = "head_join", .op = Op::kAdd, .inputs = {x, detail}});
     x = build.residual_blocks("full", x, options.head_width, options.head_blocks);
   }
   const std::string skip = build.conv("skip", "input", options.output_channels, 1);
@@ -67,8 +62,7 @@ void add_light_head(Builder& build, const std::string& x, const UnetOptions& opt
              .inputs = {x},
              .out_channels = options.output_channels,
              .kernel = 2,
-             .stride = 2,
-             .residual = {}});
+             .stride = 2});
 }
 
 }  // namespace
@@ -80,8 +74,8 @@ Network unet(const UnetOptions& options) {
   network.input_channels = options.input_channels;
   Builder build(network);
 
-  std::string x = build.add(
-      {.name = "unshuffle", .op = Op::kPixelUnshuffle, .inputs = {"input"}, .kernel = 1, .stride = 2, .residual = {}});
+  std::string x =
+      build.add({.name = "unshuffle", .op = Op::kPixelUnshuffle, .inputs = {"input"}, .kernel = 1, .stride = 2});
   x = build.conv("stem", x, widths[0]);
   std::vector<std::string> skips;
   const size_t last = widths.size() - 1;
@@ -97,9 +91,8 @@ Network unet(const UnetOptions& options) {
                    .inputs = {x},
                    .out_channels = widths[level],
                    .kernel = 2,
-                   .stride = 2,
-                   .residual = {}});
-    x = build.add({.name = cat("up", level, "_join"), .op = Op::kAdd, .inputs = {x, skips[level]}, .residual = {}});
+                   .stride = 2});
+    x = build.add({.name = cat("up", level, "_join"), .op = Op::kAdd, .inputs = {x, skips[level]}});
     x = build.residual_blocks(cat("up", level), x, widths[level], options.blocks[level]);
   }
 

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <iomanip>
 #include <iterator>
-#include <sstream>
 #include <utility>
 
 #include "e2lf/base/result.h"
@@ -14,18 +12,6 @@
 #include "e2lf/report/page.h"
 
 namespace e2lf::report {
-namespace {
-
-/// The multiples of a step in a range. A multiple that is outside by a billionth of a step counts as inside, because
-/// decimal steps are not exact as doubles.
-struct Multiples {
-  double first, last;
-  Multiples(double low, double high, double step)
-      : first(std::ceil(low / step - 1e-9)), last(std::floor(high / step + 1e-9)) {}
-  [[nodiscard]] double count() const { return std::max(last - first + 1, 0.0); }
-};
-
-}  // namespace
 
 Ticks round_ticks(double low, double high, size_t most) {
   E2LF_REQUIRE(std::isfinite(low) && std::isfinite(high) && low < high && most >= 2, "an axis needs a range");
@@ -35,19 +21,19 @@ Ticks round_ticks(double low, double high, size_t most) {
     for (const double factor : {1.0, 2.0, 5.0}) {
       Ticks ticks;
       ticks.step = factor * std::pow(10.0, exponent);
-      const Multiples multiples(low, high, ticks.step);
-      if (multiples.count() > static_cast<double>(most)) continue;
+      // A multiple that is outside by a billionth of a step counts as inside, because decimal steps are not exact as
+      // doubles.
+      const double first = std::ceil(low / ticks.step - 1e-9), last = std::floor(high / ticks.step + 1e-9);
+      if (last - first + 1 > static_cast<double>(most)) continue;
       ticks.decimals = std::max(-exponent, 0);
-      for (double i = multiples.first; i <= multiples.last; ++i) ticks.values.push_back(i * ticks.step);
+      for (double i = first; i <= last; ++i) ticks.values.push_back(i * ticks.step);
       return ticks;
     }
   }
 }
 
 std::string tick_text(double value, int decimals) {
-  std::ostringstream out;
-  out << std::fixed << std::setprecision(decimals) << value;
-  std::string text = std::move(out).str();
+  std::string text = formatted("%.*f", decimals, value);
   if (text.find_first_not_of("-0.") == std::string::npos && text.starts_with('-')) text.erase(0, 1);
   return text;
 }

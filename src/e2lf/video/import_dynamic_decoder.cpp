@@ -45,8 +45,7 @@ std::string add_quarter(CheckpointImporter& importer, const std::string& name, c
     float* taps = &weight[(c * channels + c) * kSize * kSize];
     for (const size_t middle : {5, 6, 9, 10}) taps[middle] = 0.25F;
   }
-  const Layer layer{
-      .name = name, .inputs = {input}, .out_channels = channels, .kernel = kSize, .stride = kSize, .residual = {}};
+  const Layer layer{.name = name, .inputs = {input}, .out_channels = channels, .kernel = kSize, .stride = kSize};
   return importer.add(layer, std::move(weight), std::vector<float>(channels));
 }
 
@@ -61,7 +60,7 @@ std::string add_filters(CheckpointImporter& importer, const std::string& name, c
       weight[i * in + filter * bases.count + k] = bases.values[k * bases.taps() + tap];
     }
   }
-  return importer.add({.name = name, .inputs = {coefficients}, .out_channels = out, .residual = {}}, std::move(weight),
+  return importer.add({.name = name, .inputs = {coefficients}, .out_channels = out}, std::move(weight),
                       std::vector<float>(out));
 }
 
@@ -82,8 +81,8 @@ Result<std::string> add_mix(CheckpointImporter& importer, const std::string& nam
     const size_t channel = i % in / filters, filter = i % filters;
     weight[i / in * in + filter * channels + channel] = from[i];
   }
-  return importer.add({.name = name, .inputs = {input}, .out_channels = out, .residual = {}, .relu = true},
-                      std::move(weight), std::move(bias));
+  return importer.add({.name = name, .inputs = {input}, .out_channels = out, .relu = true}, std::move(weight),
+                      std::move(bias));
 }
 
 }  // namespace
@@ -95,7 +94,7 @@ bool is_dynamic_decoder(const CheckpointImporter& importer, const std::string& k
 Result<std::string> import_dynamic_decoder(CheckpointImporter& importer, const std::string& name,
                                            const std::string& key, const std::string& input) {
   const auto layer = [](const std::string& layer_name, const char* op, std::vector<std::string> inputs) {
-    return Layer{.name = layer_name, .op = op, .inputs = std::move(inputs), .residual = {}};
+    return Layer{.name = layer_name, .op = op, .inputs = std::move(inputs)};
   };
   E2LF_ASSIGN_OR_RETURN(const size_t bins, importer.bins());
   if (bins > kMaxBins) {
@@ -157,16 +156,14 @@ Result<std::string> add_attention(CheckpointImporter& importer, const std::strin
   for (const char* part : {"_query", "_key", "_value"}) {
     const auto first = static_cast<ptrdiff_t>(inputs.size() * channels), count = static_cast<ptrdiff_t>(channels);
     const auto rows = weight.begin() + first * count;
-    const Layer layer{
-        .name = name + part, .inputs = {inputs.empty() ? queries : memory}, .out_channels = channels, .residual = {}};
+    const Layer layer{.name = name + part, .inputs = {inputs.empty() ? queries : memory}, .out_channels = channels};
     inputs.push_back(
         importer.add(layer, {rows, rows + count * count}, {bias.begin() + first, bias.begin() + first + count}));
   }
   const std::string look = importer.add({.name = name + "_look",
                                          .op = Op::kAttention,
                                          .inputs = inputs,
-                                         .attributes = {{"heads", {static_cast<double>(kHeads)}}},
-                                         .residual = {}});
+                                         .attributes = {{"heads", {static_cast<double>(kHeads)}}}});
   return importer.linear({.name = name, .inputs = {look}, .residual = sum}, key + ".out_proj");
 }
 
@@ -174,7 +171,7 @@ Result<std::string> add_attention(CheckpointImporter& importer, const std::strin
 Result<std::string> add_feed_forward(CheckpointImporter& importer, const std::string& name, const std::string& key,
                                      const std::string& norm, const std::string& x) {
   E2LF_ASSIGN_OR_RETURN(const std::string even, importer.layer_norm(cat(name, "_", norm), cat(key, ".", norm), x));
-  Layer wide{.name = name + "_wide", .inputs = {even}, .residual = {}, .relu = true};
+  Layer wide{.name = name + "_wide", .inputs = {even}, .relu = true};
   E2LF_ASSIGN_OR_RETURN(const std::string inner, importer.linear(std::move(wide), key + ".linear1"));
   return importer.linear({.name = name, .inputs = {inner}, .residual = x}, key + ".linear2");
 }
@@ -187,8 +184,7 @@ Result<std::string> add_self(CheckpointImporter& importer, const std::string& na
 }
 
 Result<std::string> add_encoder(CheckpointImporter& importer, size_t scale, const std::string& input) {
-  std::string x =
-      importer.add({.name = cat("place", scale), .op = Op::kPositionCode, .inputs = {input}, .residual = {}});
+  std::string x = importer.add({.name = cat("place", scale), .op = Op::kPositionCode, .inputs = {input}});
   for (size_t i = 0; has_layer(importer, encoder_key(scale, i)); ++i) {
     const std::string name = cat("self", scale, "_", i), key = encoder_key(scale, i);
     E2LF_ASSIGN_OR_RETURN(x, add_self(importer, name, key, x));
@@ -242,13 +238,13 @@ Result<std::string> import_transformers(CheckpointImporter& importer, const std:
   for (size_t scale = 0; scale < cells.size() && has_layer(importer, encoder_key(scale, 0)); ++scale) {
     std::string x = cells[cells.size() - 1 - scale];
     if (scale > 0) {
-      Layer split{.name = cat("split", scale), .inputs = {x}, .stride = size_t{1} << scale, .residual = {}};
+      Layer split{.name = cat("split", scale), .inputs = {x}, .stride = size_t{1} << scale};
       E2LF_ASSIGN_OR_RETURN(x, importer.conv(std::move(split), cat("split", scale)));
     }
     E2LF_ASSIGN_OR_RETURN(x, add_encoder(importer, scale, x));
     encoded.push_back(x);
   }
-  Layer mean{.name = "mean", .op = Op::kMean, .inputs = encoded, .residual = {}};
+  Layer mean{.name = "mean", .op = Op::kMean, .inputs = encoded};
   for (size_t scale = 0; scale < encoded.size(); ++scale) {
     const std::string& memory = encoded[scale == 0 ? 0 : scale - 1];
     E2LF_ASSIGN_OR_RETURN(std::string x, add_decoder(importer, scale, encoded[scale], memory));

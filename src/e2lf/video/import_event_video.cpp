@@ -58,15 +58,14 @@ Result<std::string> CheckpointImporter::layer_norm(const std::string& name, cons
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> extents, shape(key + ".weight", 1));
   E2LF_ASSIGN_OR_RETURN(std::vector<float> weight, values(key + ".weight", extents[0]));
   E2LF_ASSIGN_OR_RETURN(std::vector<float> bias, values(key + ".bias", extents[0]));
-  return add({.name = name, .op = Op::kLayerNorm, .inputs = {input}, .residual = {}}, std::move(weight),
-             std::move(bias));
+  return add({.name = name, .op = Op::kLayerNorm, .inputs = {input}}, std::move(weight), std::move(bias));
 }
 
 Result<std::string> CheckpointImporter::cell(const std::string& name, const std::string& key,
                                              const std::string& input) {
   const bool is_lstm = has(key + ".Gates.weight");
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find(key + (is_lstm ? ".Gates.weight" : ".out_gate.weight")));
-  Layer layer{.name = name, .op = is_lstm ? Op::kConvLstm : Op::kConvGru, .inputs = {input}, .residual = {}};
+  Layer layer{.name = name, .op = is_lstm ? Op::kConvLstm : Op::kConvGru, .inputs = {input}};
   if (tensor->shape.size() == 4) {
     layer.out_channels = tensor->shape[0] / (is_lstm ? 4 : 1);
     layer.kernel = tensor->shape[2];
@@ -85,14 +84,14 @@ Result<std::string> CheckpointImporter::cell(const std::string& name, const std:
 
 Result<std::string> CheckpointImporter::residual_block(const std::string& name, const std::string& key,
                                                        const std::string& input) {
-  Layer first{.name = name + "a", .inputs = {input}, .residual = {}, .relu = true};
+  Layer first{.name = name + "a", .inputs = {input}, .relu = true};
   E2LF_ASSIGN_OR_RETURN(const std::string inner, conv(std::move(first), key + ".conv1", key + ".bn1"));
   Layer second{.name = name + "b", .inputs = {inner}, .residual = input, .relu = true};
   return conv(std::move(second), key + ".conv2", key + ".bn2");
 }
 
 Result<std::string> CheckpointImporter::picture(const std::string& input) {
-  const Layer layer{.name = "picture", .inputs = {input}, .residual = {}};
+  const Layer layer{.name = "picture", .inputs = {input}};
   E2LF_ASSIGN_OR_RETURN(std::string name, conv(layer, "pred.conv2d", "pred.norm_layer"));
   Layer& added = network_.layers.back();
   std::vector<float>& weight = weights_["picture.weight"];
@@ -194,7 +193,7 @@ constexpr const char* kLastConv = "pred.conv2d.weight";
 /// Imports head, cell, block, cell, block and output convolution. `keys` name the first five.
 Result<void> import_firenet(CheckpointImporter& importer, const std::vector<std::string>& keys) {
   importer.set_head(keys[0] + ".weight");
-  Layer head{.name = "head", .inputs = {"input"}, .residual = {}, .relu = true};
+  Layer head{.name = "head", .inputs = {"input"}, .relu = true};
   E2LF_ASSIGN_OR_RETURN(std::string x, importer.conv(std::move(head), keys[0]));
   E2LF_ASSIGN_OR_RETURN(x, importer.cell("cell1", keys[1], x));
   E2LF_ASSIGN_OR_RETURN(x, importer.residual_block("block1", keys[2], x));
@@ -210,7 +209,7 @@ Result<void> import_firenet(CheckpointImporter& importer, const std::vector<std:
 Result<void> import_unet(CheckpointImporter& importer, const std::string& encoder, const std::string& decoder) {
   importer.set_head("head.conv2d.weight");
   const auto conv_layer = [](const std::string& name, const std::string& input, size_t stride = 1) {
-    return Layer{.name = name, .inputs = {input}, .stride = stride, .residual = {}, .relu = true};
+    return Layer{.name = name, .inputs = {input}, .stride = stride, .relu = true};
   };
   E2LF_ASSIGN_OR_RETURN(std::string x, importer.conv(conv_layer("head", "input"), "head.conv2d", "head.norm_layer"));
   std::vector<std::string> skips = {x};
@@ -230,7 +229,7 @@ Result<void> import_unet(CheckpointImporter& importer, const std::string& encode
   const auto sum = [&](const std::string& name) {
     const std::string skip = skips.back();
     skips.pop_back();
-    return importer.add({.name = name, .op = Op::kAdd, .inputs = {x, skip}, .residual = {}});
+    return importer.add({.name = name, .op = Op::kAdd, .inputs = {x, skip}});
   };
   for (size_t i = 0; skips.size() > 1; ++i) {
     const std::string key = cat(decoder, i);
@@ -240,8 +239,7 @@ Result<void> import_unet(CheckpointImporter& importer, const std::string& encode
           "its decoders are transposed convolutions, which are not supported; give a network that resizes first");
     }
     x = sum(cat("join", i));
-    x = importer.add(
-        {.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {x}, .stride = 2, .residual = {}});
+    x = importer.add({.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {x}, .stride = 2});
     if (is_dynamic_decoder(importer, key)) {
       E2LF_ASSIGN_OR_RETURN(x, import_dynamic_decoder(importer, cat("decoder", i), key, x));
       continue;
@@ -325,7 +323,7 @@ Result<VideoModel> import_event_video(const std::filesystem::path& path, const s
     E2LF_RETURN_IF_ERROR(import_firenet(importer, {"head.conv2d", "G1", "R1", "G2", "R2"}));
   }
   if (conventions.ends_in_sigmoid) {
-    importer.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {"picture"}, .residual = {}});
+    importer.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {"picture"}});
   }
   VideoModel model;
   E2LF_RETURN_IF_ERROR(importer.finish(model));

@@ -12,17 +12,19 @@
 
 namespace e2lf::capture {
 
+namespace {
+
+constexpr Choice<Orientation> kOrientations[] = {
+    {"upright", {}}, {"turned", kTurned}, {"flipped-x", {true, false}}, {"flipped-y", {false, true}}};
+
+}  // namespace
+
 const char* orientation_name(const Orientation& orientation) {
-  if (orientation == kTurned) return "turned";
-  return orientation.flip_x ? "flipped-x" : orientation.flip_y ? "flipped-y" : "upright";
+  return word_of(orientation, kOrientations);
 }
 
 Result<Orientation> orientation_from_name(const std::string& name, const std::string& location) {
-  for (const Orientation& known : {Orientation{}, kTurned, Orientation{true, false}, Orientation{false, true}}) {
-    if (name == orientation_name(known)) return known;
-  }
-  return fail(ErrorCode::kInvalidValue, location, "\"", name,
-              "\" is not an orientation of views; use upright, turned, flipped-x or flipped-y");
+  return choice_of(name, kOrientations, "orientation of views", location);
 }
 
 namespace {

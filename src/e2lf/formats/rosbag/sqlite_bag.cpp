@@ -28,14 +28,13 @@ using Statement = std::unique_ptr<sqlite3_stmt, Closer>;
 
 /// Returns the path as a URI, in which special characters are escaped.
 std::string uri_of(const std::filesystem::path& path) {
-  constexpr const char* kDigits = "0123456789ABCDEF";
   std::string uri = "file:";
   for (const char c : std::filesystem::absolute(path).string()) {
     const auto byte = static_cast<unsigned char>(c);
     if (std::isalnum(byte) != 0 || c == '/' || c == '.' || c == '_' || c == '-') {
       uri += c;
     } else {
-      uri += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+      uri += formatted("%%%02X", byte);
     }
   }
   // A recorder that was killed left the last messages in a journal, which only a writable database reads.

@@ -88,8 +88,7 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   }
   if (!found) return found.error();
   const MatArray& variable = *found;
-  const std::string_view class_type = numpy_code_of_class(variable.array_class);
-  if (class_type.empty() || variable.complex) {
+  if (variable.class_type.empty() || variable.complex) {
     return fail(ErrorCode::kUnsupported, location,
                 "not of class double, single, logical or integers of 8 to 32 bits, or complex; convert it");
   }
@@ -100,9 +99,9 @@ Result<LightField> read_mat(const std::filesystem::path& path, const ReadOptions
   StoredArray array;
   array.shape = {extents[0], extents[1], extents[2], extents[3], extents.size() == 5 ? extents[4] : 1};
   array.strides = matlab_uvhwc_strides(array.shape);
-  array.white = variable.logical ? 1.0F : white_of_type(class_type);
+  array.white = variable.logical ? 1.0F : white_of_type(variable.class_type);
   // MATLAB stores numbers as a smaller type than that of their class if all of them fit.
-  array.type = numpy_code(variable.storage);
+  array.type = variable.type;
   E2LF_RETURN_IF_ERROR(check_memory(array.shape, element_size(array.type), options, location));
   array.bytes = variable.data;
   if (array.type.empty() || array.bytes.size() != array.num_bytes()) {

@@ -35,11 +35,6 @@ bool take_prefix(std::string_view& text, std::string_view prefix) {
   return true;
 }
 
-std::string padded(size_t number, size_t digits) {
-  const std::string text = std::to_string(number);
-  return std::string(digits - std::min(digits, text.size()), '0') + text;
-}
-
 }  // namespace
 
 bool is_image_name(const std::filesystem::path& file) {
@@ -86,15 +81,16 @@ std::optional<PairName> parse_pair_name(const std::filesystem::path& file) {
 }
 
 std::string view_name(LightFieldKind kind, size_t row, size_t column) {
-  if (kind == LightFieldKind::kHciFolder) return cat("input_Cam", padded(kHciColumns * row + column, 3), ".png");
-  if (kind == LightFieldKind::kStanfordFolder) return cat("out_", padded(row, 2), "_", padded(column, 2), "_*.png");
-  return cat(padded(row, 2), "_", padded(column, 2), ".png");
+  if (kind == LightFieldKind::kHciFolder) return formatted("input_Cam%03zu.png", kHciColumns * row + column);
+  if (kind == LightFieldKind::kStanfordFolder) return formatted("out_%02zu_%02zu_*.png", row, column);
+  return formatted("%02zu_%02zu.png", row, column);
 }
 
 std::string numbered_view_name(const std::filesystem::path& like, size_t number) {
   const std::string stem = like.stem().string();
-  const size_t digits = stem.size() - std::string_view("input_Cam").size();
-  return cat(stem.substr(0, stem.size() - digits), padded(number, digits), like.extension().string());
+  const size_t words = std::string_view("input_Cam").size();
+  return cat(stem.substr(0, words), formatted("%0*zu", static_cast<int>(stem.size() - words), number),
+             like.extension().string());
 }
 
 namespace {
@@ -103,16 +99,6 @@ namespace {
 struct FlatGrid {
   size_t first = 0, columns = 1;
 };
-
-/// Finds the grid of views with these numbers, which must be sorted and distinct, with at least one: that of the stated
-/// number of columns, or a square one, in which some views may be missing. Fails with kInvalidValue.
-Result<FlatGrid> find_flat_grid(const std::vector<size_t>& numbers, size_t columns, const fs::path& folder) {
-  const size_t first = numbers.front(), last = numbers.back();
-  if (columns == 0) columns = views_per_axis(last - first + 1);
-  if (columns > 0) return FlatGrid{first, columns};
-  return fail(ErrorCode::kInvalidValue, folder, numbers.size(), " views are numbered consecutively from ", first,
-              " to ", last, ", which is not a square grid; give the number of view columns, or copy the missing views");
-}
 
 /// The numbers of rows or columns from the first to the last, which are `step` apart, since only every second view may
 /// have been kept.
@@ -134,11 +120,17 @@ struct FolderGrid {
   FlatGrid flat;  ///< of views that are numbered consecutively
 };
 
-/// Assigns rows and columns to views that are numbered consecutively.
+/// Assigns rows and columns to views that are numbered consecutively, by the stated number of columns, or else in a
+/// square grid, in which some views may be missing. Fails with kInvalidValue.
 Result<void> place_in_rows(const ViewFiles& views, size_t columns, const fs::path& folder, FolderGrid& grid) {
-  std::vector<size_t> numbers;
-  for (const auto& [number, file] : views.files) numbers.push_back(number.second);
-  E2LF_ASSIGN_OR_RETURN(grid.flat, find_flat_grid(numbers, columns, folder));
+  const size_t first = views.files.begin()->first.second, last = views.files.rbegin()->first.second;
+  if (columns == 0) columns = views_per_axis(last - first + 1);
+  if (columns == 0) {
+    return fail(ErrorCode::kInvalidValue, folder, views.files.size(), " views are numbered consecutively from ", first,
+                " to ", last,
+                ", which is not a square grid; give the number of view columns, or copy the missing views");
+  }
+  grid.flat = {first, columns};
   for (const auto& [number, file] : views.files) {
     const size_t at = number.second - grid.flat.first;
     grid.files[{at / grid.flat.columns, at % grid.flat.columns}] = file;
