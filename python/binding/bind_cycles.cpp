@@ -272,7 +272,7 @@ void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cy
   capture::RecordedSetup setup;
   if (codes) setup.codes = codes_of(*codes, "codes");
   if (camera != nullptr) setup.camera = *camera;
-  info.header = pipeline::header_of(setup);
+  info.header = capture::setup_to_header(setup);
   for (const auto& each : images) {
     if (each->extents == std::array{options.schedule.num_images(), info.height, info.width}) continue;
     throw ResultError({ErrorCode::kShape,

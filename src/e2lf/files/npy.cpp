@@ -250,12 +250,6 @@ std::vector<uint8_t> fortran_to_c(const NpyArray& array, const std::vector<uint8
   return ordered;
 }
 
-template <typename T>
-std::string npy_code() {
-  const char kind = std::is_floating_point_v<T> ? 'f' : std::is_signed_v<T> ? 'i' : 'u';
-  return cat(kind, sizeof(T));
-}
-
 }  // namespace
 
 size_t NpyArray::num_elements() const {
@@ -271,28 +265,6 @@ Result<std::vector<int32_t>> NpyArray::to_int32(const std::string& name) const {
   if (!fields.empty()) return records_error(name);
   return elements_to_int32(type, bytes, name);
 }
-
-template <typename T>
-NpyArray make_npy(std::vector<size_t> shape, std::span<const T> values) {
-  NpyArray array;
-  array.type = npy_code<T>();
-  array.item_size = sizeof(T);
-  array.shape = std::move(shape);
-  E2LF_REQUIRE(array.num_elements() == values.size(), "the shape does not fit the values");
-  const auto bytes = std::as_bytes(values);
-  array.bytes.resize(bytes.size());
-  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::byte*>(array.bytes.data()));
-  return array;
-}
-
-template NpyArray make_npy(std::vector<size_t>, std::span<const float>);
-template NpyArray make_npy(std::vector<size_t>, std::span<const double>);
-template NpyArray make_npy(std::vector<size_t>, std::span<const uint8_t>);
-template NpyArray make_npy(std::vector<size_t>, std::span<const int8_t>);
-template NpyArray make_npy(std::vector<size_t>, std::span<const int16_t>);
-template NpyArray make_npy(std::vector<size_t>, std::span<const uint16_t>);
-template NpyArray make_npy(std::vector<size_t>, std::span<const int32_t>);
-template NpyArray make_npy(std::vector<size_t>, std::span<const int64_t>);
 
 Result<NpyArray> decode_npy(std::span<const uint8_t> bytes, const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(bytes, name));

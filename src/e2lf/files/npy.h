@@ -6,6 +6,8 @@
 #include <map>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "e2lf/base/result.h"
@@ -36,9 +38,16 @@ struct NpyArray {
   [[nodiscard]] Result<std::vector<int32_t>> to_int32(const std::string& name) const;
 };
 
-/// Makes an array of that shape. T is float, double, uint8_t, int8_t, int16_t, uint16_t, int32_t or int64_t.
+/// Makes an array of that shape. T is a type of numbers of C++.
 template <typename T>
-[[nodiscard]] NpyArray make_npy(std::vector<size_t> shape, std::span<const T> values);
+[[nodiscard]] NpyArray make_npy(std::vector<size_t> shape, std::span<const T> values) {
+  const auto* const bytes = reinterpret_cast<const uint8_t*>(values.data());
+  const char kind = std::is_floating_point_v<T> ? 'f' : std::is_signed_v<T> ? 'i' : 'u';
+  NpyArray array{
+      kind + std::to_string(sizeof(T)), {}, sizeof(T), std::move(shape), {bytes, bytes + values.size_bytes()}};
+  E2LF_REQUIRE(array.num_elements() == values.size(), "the shape does not fit the values");
+  return array;
+}
 
 /// The number of bytes that contain the header of nearly every file.
 inline constexpr size_t kNpyHeadBytes = size_t{64} << 10;

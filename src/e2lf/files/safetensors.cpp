@@ -138,9 +138,9 @@ Result<std::vector<float>> Tensor::to_float(const std::string& name) const {
 }
 
 Tensor make_tensor(std::vector<size_t> shape, std::span<const float> values) {
-  Tensor tensor{"F32", std::move(shape), std::vector<uint8_t>(values.size_bytes())};
+  const auto* const bytes = reinterpret_cast<const uint8_t*>(values.data());
+  Tensor tensor{"F32", std::move(shape), {bytes, bytes + values.size_bytes()}};
   E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
-  if (!values.empty()) std::memcpy(tensor.bytes.data(), values.data(), values.size_bytes());
   return tensor;
 }
 

@@ -14,148 +14,131 @@ namespace {
 constexpr size_t kMaxPatterns = 1024;
 constexpr size_t kMaxViews = 255;
 
-/// Checks a model field by field. Each function names the field that it rejects.
-class ModelCheck {
- public:
-  ModelCheck(const Model& model, const std::string& location) : model_(model), location_(location) {}
+Error refuse(const std::string& location, const std::string& field, const std::string& message,
+             ErrorCode code = ErrorCode::kInvalidValue) {
+  return {code, message, cat(location, ": ", field)};
+}
 
-  [[nodiscard]] Result<void> run() const {
-    E2LF_RETURN_IF_ERROR(check_sizes());
-    E2LF_RETURN_IF_ERROR(check_sensor());
-    E2LF_RETURN_IF_ERROR(check_input());
-    E2LF_RETURN_IF_ERROR(check_network());
-    E2LF_RETURN_IF_ERROR(check_codes());
-    E2LF_RETURN_IF_ERROR(validate_weights(model_.network, model_.weights, location_));
-    if (!model_.provenance.is_object())
-      return refuse("provenance", "the provenance is not a JSON object; enclose it in { }");
-    return {};
+// Each function checks some fields of a model, and names the one that it rejects.
+
+Result<void> check_sizes(const Model& model, const std::string& location) {
+  const auto measurement = measurement_of(model.input);
+  if (!measurement) return refuse(location, "input", measurement.error().message);
+  // Events need a transition between two patterns.
+  const size_t least = capture::has_events(*measurement) ? 2 : 1;
+  if (model.num_patterns < least || model.num_patterns > kMaxPatterns) {
+    return refuse(location, "num_patterns",
+                  cat("the model has ", model.num_patterns, " patterns; use ", least, " to ", kMaxPatterns));
   }
-
- private:
-  [[nodiscard]] Error refuse(const std::string& field, const std::string& message,
-                             ErrorCode code = ErrorCode::kInvalidValue) const {
-    return {code, message, cat(location_, ": ", field)};
+  if (*measurement == capture::MeasurementKind::kLensArray && model.num_patterns != 1) {
+    return refuse(location, "num_patterns", "a lens array requires an open aperture; state one pattern");
   }
-
-  [[nodiscard]] Result<void> check_sizes() const {
-    const auto measurement = measurement_of(model_.input);
-    if (!measurement) return refuse("input", measurement.error().message);
-    // Events need a transition between two patterns.
-    const size_t least = capture::has_events(*measurement) ? 2 : 1;
-    if (model_.num_patterns < least || model_.num_patterns > kMaxPatterns) {
-      return refuse("num_patterns",
-                    cat("the model has ", model_.num_patterns, " patterns; use ", least, " to ", kMaxPatterns));
-    }
-    if (*measurement == capture::MeasurementKind::kLensArray && model_.num_patterns != 1) {
-      return refuse("num_patterns", "a lens array requires an open aperture; state one pattern");
-    }
-    for (const auto& [field, views] : {std::pair("views_y", model_.views_y), std::pair("views_x", model_.views_x)}) {
-      if (views < 1 || views > kMaxViews)
-        return refuse(field, cat("the model has ", views, " views per axis; use 1 to ", kMaxViews));
-    }
-    return {};
+  for (const auto& [field, views] : {std::pair("views_y", model.views_y), std::pair("views_x", model.views_x)}) {
+    if (views < 1 || views > kMaxViews)
+      return refuse(location, field, cat("the model has ", views, " views per axis; use 1 to ", kMaxViews));
   }
+  return {};
+}
 
-  [[nodiscard]] Result<void> check_sensor() const {
-    const auto known = choice_of(model_.event_model, capture::kEventModels, "event model");
-    if (!known) return refuse("event_model", known.error().message);
-    const capture::SensorConstants& constants = model_.constants;
-    const auto positive = [](float value) { return std::isfinite(value) && value > 0.0F; };
-    if (!positive(constants.eps)) return refuse("constants.eps", cat(constants.eps, " is not above zero; correct it"));
-    if (!positive(constants.tau)) return refuse("constants.tau", cat(constants.tau, " is not above zero; correct it"));
-    for (const auto& [field, sigma] : {std::pair("sigma_w", constants.sigma_w), std::pair("sigma_z", constants.sigma_z),
-                                       std::pair("sigma_i", constants.sigma_i)}) {
-      if (!std::isfinite(sigma) || sigma < 0.0F) {
-        return refuse(cat("constants.", field), cat(sigma, " is not a standard deviation; use zero or more"));
-      }
+Result<void> check_sensor(const Model& model, const std::string& location) {
+  const auto known = choice_of(model.event_model, capture::kEventModels, "event model");
+  if (!known) return refuse(location, "event_model", known.error().message);
+  const capture::SensorConstants& constants = model.constants;
+  const auto positive = [](float value) { return std::isfinite(value) && value > 0.0F; };
+  if (!positive(constants.eps))
+    return refuse(location, "constants.eps", cat(constants.eps, " is not above zero; correct it"));
+  if (!positive(constants.tau))
+    return refuse(location, "constants.tau", cat(constants.tau, " is not above zero; correct it"));
+  for (const auto& [field, sigma] : {std::pair("sigma_w", constants.sigma_w), std::pair("sigma_z", constants.sigma_z),
+                                     std::pair("sigma_i", constants.sigma_i)}) {
+    if (!std::isfinite(sigma) || sigma < 0.0F) {
+      return refuse(location, cat("constants.", field), cat(sigma, " is not a standard deviation; use zero or more"));
     }
-    return {};
   }
+  return {};
+}
 
-  [[nodiscard]] Result<void> check_input() const {
-    if (model_.input.empty()) return refuse("input", "the network has no input; give at least one group");
-    for (size_t i = 0; i < model_.input.size(); ++i) {
-      const float scale = model_.input[i].scale;
-      if (!std::isfinite(scale) || scale == 0.0F) {
-        return refuse(cat("input[", i, "].scale"), cat(scale, " is not a scale; use a finite number other than zero"));
-      }
+Result<void> check_input(const Model& model, const std::string& location) {
+  if (model.input.empty()) return refuse(location, "input", "the network has no input; give at least one group");
+  for (size_t i = 0; i < model.input.size(); ++i) {
+    const float scale = model.input[i].scale;
+    if (!std::isfinite(scale) || scale == 0.0F) {
+      return refuse(location, cat("input[", i, "].scale"),
+                    cat(scale, " is not a scale; use a finite number other than zero"));
     }
-    return {};
   }
+  return {};
+}
 
-  [[nodiscard]] Result<void> check_network() const {
-    const auto shapes = infer_shapes(model_.network);
-    if (!shapes) return refuse(cat("network: ", shapes.error().location), shapes.error().message, shapes.error().code);
-    if (is_recurrent(model_.network)) {
-      return refuse("network",
-                    "a layer depends on the previous frame, but light fields are independent; use other "
-                    "layers, or a model of frames",
-                    ErrorCode::kUnsupported);
-    }
-    const size_t inputs = num_input_channels(model_.input, model_.num_patterns);
-    if (model_.network.input_channels != inputs) {
-      return refuse("network.input_channels",
-                    cat("the network has ", model_.network.input_channels, " input channels, but ", model_.input.size(),
-                        " input groups for ", model_.num_patterns, " patterns have ", inputs, "; make them equal"),
-                    ErrorCode::kShape);
-    }
-    const LayerShape output = shapes->back();
-    const size_t views = model_.views_y * model_.views_x;
-    if ((output.channels != views && !is_depth_network(model_)) || output.scale != 1) {
-      return refuse("network",
-                    cat("the last layer has ", output.channels, " channels at scale ", output.scale, ", not ", views,
-                        " views, or a disparity and its scale, at scale 1; correct the last layer"),
-                    ErrorCode::kShape);
-    }
-    return {};
+Result<void> check_network(const Model& model, const std::string& location) {
+  const auto shapes = infer_shapes(model.network);
+  if (!shapes)
+    return refuse(location, cat("network: ", shapes.error().location), shapes.error().message, shapes.error().code);
+  if (is_recurrent(model.network)) {
+    return refuse(location, "network",
+                  "a layer depends on the previous frame, but light fields are independent; use other "
+                  "layers, or a model of frames",
+                  ErrorCode::kUnsupported);
   }
-
-  [[nodiscard]] Result<void> check_codes() const {
-    if (!model_.codes) return {};
-    const capture::Codes& codes = *model_.codes;
-    E2LF_RETURN_IF_ERROR(capture::validate(codes, cat(location_, ": aperture.codes")));
-    const std::vector<size_t> found = {codes.num_patterns, codes.views_y, codes.views_x};
-    const std::vector<size_t> expected = {model_.num_patterns, model_.views_y, model_.views_x};
-    if (found != expected) {
-      return refuse("aperture.codes",
-                    cat("the codes have shape ", shape_text(found), ", but the model requires ", shape_text(expected),
-                        "; give the patterns of this model"),
-                    ErrorCode::kShape);
-    }
-    if (model_.black_first != capture::is_black_first(codes)) {
-      return refuse("black_first",
-                    cat("black_first is ", model_.black_first ? "true" : "false", ", but the first pattern is ",
-                        model_.black_first ? "not " : "", "black; make them agree"));
-    }
-    return {};
+  const size_t inputs = num_input_channels(model.input, model.num_patterns);
+  if (model.network.input_channels != inputs) {
+    return refuse(location, "network.input_channels",
+                  cat("the network has ", model.network.input_channels, " input channels, but ", model.input.size(),
+                      " input groups for ", model.num_patterns, " patterns have ", inputs, "; make them equal"),
+                  ErrorCode::kShape);
   }
+  const LayerShape output = shapes->back();
+  const size_t views = model.views_y * model.views_x;
+  if ((output.channels != views && !is_depth_network(model)) || output.scale != 1) {
+    return refuse(location, "network",
+                  cat("the last layer has ", output.channels, " channels at scale ", output.scale, ", not ", views,
+                      " views, or a disparity and its scale, at scale 1; correct the last layer"),
+                  ErrorCode::kShape);
+  }
+  return {};
+}
 
-  const Model& model_;
-  const std::string& location_;
-};
+Result<void> check_codes(const Model& model, const std::string& location) {
+  if (!model.codes) return {};
+  const capture::Codes& codes = *model.codes;
+  E2LF_RETURN_IF_ERROR(capture::validate(codes, cat(location, ": aperture.codes")));
+  const std::vector<size_t> found = {codes.num_patterns, codes.views_y, codes.views_x};
+  const std::vector<size_t> expected = {model.num_patterns, model.views_y, model.views_x};
+  if (found != expected) {
+    return refuse(location, "aperture.codes",
+                  cat("the codes have shape ", shape_text(found), ", but the model requires ", shape_text(expected),
+                      "; give the patterns of this model"),
+                  ErrorCode::kShape);
+  }
+  if (model.black_first != capture::is_black_first(codes)) {
+    return refuse(location, "black_first",
+                  cat("black_first is ", model.black_first ? "true" : "false", ", but the first pattern is ",
+                      model.black_first ? "not " : "", "black; make them agree"));
+  }
+  return {};
+}
 
 }  // namespace
 
 Result<void> validate_weights(const Network& network, const Weights& weights, const std::string& location) {
-  const auto refuse = [&](const std::string& tensor, const std::string& message, ErrorCode code) {
-    return Error{code, message, cat(location, ": ", tensor)};
-  };
   const std::vector<WeightShape> wanted = weight_shapes(network);
   for (const WeightShape& tensor : wanted) {
     const auto found = weights.find(tensor.name);
     if (found == weights.end()) {
-      return refuse(tensor.name, "the weights are missing; give one tensor for each layer", ErrorCode::kNotFound);
+      return refuse(location, tensor.name, "the weights are missing; give one tensor for each layer",
+                    ErrorCode::kNotFound);
     }
     const std::vector<float>& values = found->second;
     if (values.size() != tensor.size()) {
-      return refuse(tensor.name,
+      return refuse(location, tensor.name,
                     cat("there are ", values.size(), " weights, but the shape ", shape_text(tensor.shape), " requires ",
                         tensor.size(), "; give the weights of this network"),
                     ErrorCode::kShape);
     }
     const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
     if (bad != values.end()) {
-      return refuse(tensor.name, cat("weight ", bad - values.begin(), " is ", *bad, "; train or import it again"),
+      return refuse(location, tensor.name,
+                    cat("weight ", bad - values.begin(), " is ", *bad, "; train or import it again"),
                     ErrorCode::kInvalidValue);
     }
   }
@@ -164,11 +147,17 @@ Result<void> validate_weights(const Network& network, const Weights& weights, co
   };
   const auto extra = std::find_if(weights.begin(), weights.end(), is_extra);
   if (extra == weights.end()) return {};
-  return refuse(extra->first, "the weights belong to no layer of the network; remove them", ErrorCode::kFormat);
+  return refuse(location, extra->first, "the weights belong to no layer of the network; remove them",
+                ErrorCode::kFormat);
 }
 
 Result<void> validate(const Model& model, const std::string& location) {
-  return ModelCheck(model, location).run();
+  for (const auto check : {check_sizes, check_sensor, check_input, check_network, check_codes}) {
+    E2LF_RETURN_IF_ERROR(check(model, location));
+  }
+  E2LF_RETURN_IF_ERROR(validate_weights(model.network, model.weights, location));
+  if (model.provenance.is_object()) return {};
+  return refuse(location, "provenance", "the provenance is not a JSON object; enclose it in { }");
 }
 
 bool is_depth_network(const Model& model) {

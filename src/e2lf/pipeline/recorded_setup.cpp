@@ -92,17 +92,6 @@ std::optional<Json> note_beside(const fs::path& named, const char* key) {
 
 }  // namespace
 
-capture::HeaderLines header_of(const capture::RecordedSetup& setup) {
-  capture::HeaderLines header;
-  if (setup.codes) header = capture::codes_to_header(*setup.codes);
-  const auto add = [&](capture::HeaderLines lines) {
-    std::move(lines.begin(), lines.end(), std::back_inserter(header));
-  };
-  if (setup.camera) add(capture::camera_to_header(*setup.camera));
-  if (setup.has_own_views()) add(capture::views_to_header(*setup.views));
-  return header;
-}
-
 Json setup_notes(const capture::RecordedSetup& setup, const fs::path& recording) {
   Json notes = Json::object();
   if (setup.codes) notes[kCodesNote] = with_size(capture::codes_to_json(*setup.codes), recording);
@@ -114,27 +103,19 @@ Json setup_notes(const capture::RecordedSetup& setup, const fs::path& recording)
 }
 
 Result<capture::RecordedSetup> recorded_setup(const fs::path& recording, const recordings::RecordingInfo& info) {
-  capture::RecordedSetup setup;
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, capture::setup_from_header(info.header, recording.string()));
   const std::string beside = record_path_beside(recording).string();
-  E2LF_ASSIGN_OR_RETURN(setup.codes, capture::codes_from_header(info.header, recording.string()));
-  if (!setup.codes) {
-    if (const auto note = note_beside(recording, kCodesNote)) {
-      E2LF_ASSIGN_OR_RETURN(setup.codes, capture::codes_from_json(*note, beside));
-    }
+  if (const auto note = note_beside(recording, kCodesNote); note && !setup.codes) {
+    E2LF_ASSIGN_OR_RETURN(setup.codes, capture::codes_from_json(*note, beside));
   }
-  E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_header(info.header, recording.string()));
-  if (!setup.camera) {
-    if (const auto note = note_beside(recording, kCameraNote)) {
-      E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_json(*note, beside));
-    }
+  if (const auto note = note_beside(recording, kCameraNote); note && !setup.camera) {
+    E2LF_ASSIGN_OR_RETURN(setup.camera, capture::camera_from_json(*note, beside));
+    if (!setup.views) setup.views = setup.camera->views;
   }
   // The record takes precedence: with `e2lf convert --turn-views` it differs from the header, which is copied.
   if (const auto note = note_beside(recording, kViewsNote)) {
     E2LF_ASSIGN_OR_RETURN(setup.views, capture::orientation_from_name(note->value("views", ""), beside));
-  } else {
-    E2LF_ASSIGN_OR_RETURN(setup.views, capture::views_from_header(info.header, recording.string()));
   }
-  if (!setup.views && setup.camera) setup.views = setup.camera->views;
   return setup;
 }
 

@@ -52,15 +52,12 @@ struct KnownCodes {
 /// kNotFound if the model contains none.
 [[nodiscard]] Result<capture::Codes> read_patterns(const std::filesystem::path& path);
 
-/// Formats the setup as header lines of a recording.
-[[nodiscard]] capture::HeaderLines header_of(const capture::RecordedSetup& setup);
-
 /// Returns the notes that store the setup in the run record of a recording that was just written, for formats whose
 /// header has no place for it.
 [[nodiscard]] Json setup_notes(const capture::RecordedSetup& setup, const std::filesystem::path& recording);
 
 /// Reads the setup of a recording from its header, or else from the run record beside it if the record describes a
-/// recording of this size. Fails as capture::codes_from_header() and camera_from_header() do.
+/// recording of this size. Fails as capture::setup_from_header() does.
 [[nodiscard]] Result<capture::RecordedSetup> recorded_setup(const std::filesystem::path& recording,
                                                             const recordings::RecordingInfo& info);
 

@@ -34,26 +34,25 @@ Result<std::string> text_from_npy(const NpyArray& array, const char* what, const
   return fail(ErrorCode::kShape, location, what, " is not text; write it as an array of bytes, or leave it out");
 }
 
-HeaderLines camera_to_header(const SensorProfile& camera) {
-  return {{kCameraKey, json_line(to_json(camera))}};
+HeaderLines setup_to_header(const RecordedSetup& setup) {
+  HeaderLines header;
+  if (setup.codes) header = codes_to_header(*setup.codes);
+  if (setup.camera) header.emplace_back(kCameraKey, json_line(to_json(*setup.camera)));
+  if (setup.has_own_views()) header.emplace_back(kViewsKey, orientation_name(*setup.views));
+  return header;
 }
 
-Result<std::optional<SensorProfile>> camera_from_header(const HeaderLines& header, const std::string& location) {
-  const std::string* const line = find_line(header, kCameraKey);
-  if (line == nullptr) return std::optional<SensorProfile>();
-  E2LF_ASSIGN_OR_RETURN(SensorProfile camera, camera_from_text(*line, cat(location, ": ", kCameraKey)));
-  return std::optional(std::move(camera));
-}
-
-HeaderLines views_to_header(const Orientation& views) {
-  return {{kViewsKey, orientation_name(views)}};
-}
-
-Result<std::optional<Orientation>> views_from_header(const HeaderLines& header, const std::string& location) {
-  const std::string* const line = find_line(header, kViewsKey);
-  if (line == nullptr) return std::optional<Orientation>();
-  E2LF_ASSIGN_OR_RETURN(const Orientation views, orientation_from_name(*line, cat(location, ": ", kViewsKey)));
-  return std::optional(views);
+Result<RecordedSetup> setup_from_header(const HeaderLines& header, const std::string& location) {
+  RecordedSetup setup;
+  E2LF_ASSIGN_OR_RETURN(setup.codes, codes_from_header(header, location));
+  if (const std::string* const line = find_line(header, kCameraKey)) {
+    E2LF_ASSIGN_OR_RETURN(setup.camera, camera_from_text(*line, cat(location, ": ", kCameraKey)));
+    setup.views = setup.camera->views;
+  }
+  if (const std::string* const line = find_line(header, kViewsKey)) {
+    E2LF_ASSIGN_OR_RETURN(setup.views, orientation_from_name(*line, cat(location, ": ", kViewsKey)));
+  }
+  return setup;
 }
 
 void setup_to_arrays(const RecordedSetup& setup, NpzArrays& arrays) {

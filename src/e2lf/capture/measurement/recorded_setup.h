@@ -11,20 +11,6 @@
 
 namespace e2lf::capture {
 
-/// Formats the sensor profile as a header line of a recording: the key "e2lf_camera", and the camera file as one line
-/// of JSON.
-[[nodiscard]] HeaderLines camera_to_header(const SensorProfile& camera);
-
-/// Reads the sensor profile from the lines of a header. Returns nothing if there is none. Fails with kFormat and as
-/// camera_from_json() does.
-[[nodiscard]] Result<std::optional<SensorProfile>> camera_from_header(const HeaderLines& header,
-                                                                      const std::string& location);
-
-/// The same functions for the orientation of the views: a header line "e2lf_views turned".
-[[nodiscard]] HeaderLines views_to_header(const Orientation& views);
-[[nodiscard]] Result<std::optional<Orientation>> views_from_header(const HeaderLines& header,
-                                                                   const std::string& location);
-
 /// The setup with which measurements were recorded, as far as it is known.
 struct RecordedSetup {
   std::optional<Codes> codes = {};
@@ -35,6 +21,14 @@ struct RecordedSetup {
   /// Returns true if the orientation is known and is not that of the camera.
   [[nodiscard]] bool has_own_views() const { return views && !(camera && camera->views == views); }
 };
+
+/// Formats the setup as header lines of a recording: the patterns (codes_to_header()), "e2lf_camera" with the camera
+/// file as one line of JSON, and "e2lf_views turned" if the camera does not state them.
+[[nodiscard]] HeaderLines setup_to_header(const RecordedSetup& setup);
+
+/// Returns the setup that the lines of a header state. Fails as codes_from_header(), camera_from_json() and
+/// orientation_from_name() do; `location` is the file.
+[[nodiscard]] Result<RecordedSetup> setup_from_header(const HeaderLines& header, const std::string& location);
 
 /// Adds the setup to the arrays of a file: `codes` [N, view_y, view_x], and as bytes of text (see text_to_npy())
 /// `camera`, the camera file as one line of JSON, `views` if the camera does not state them, and `findings`.

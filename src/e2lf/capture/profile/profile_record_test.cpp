@@ -23,17 +23,17 @@ void expect_same(const SensorProfile& a, const SensorProfile& b) {
 }
 
 TEST(CameraRecord, ComesBackFromAHeaderAmongOtherLines) {
-  HeaderLines header = camera_to_header(test_camera());
+  HeaderLines header = setup_to_header({.camera = test_camera()});
   header.insert(header.begin(), {"date", "2026-01-01 00:00:00"});
-  const auto camera = camera_from_header(header, "r.raw");
-  ASSERT_TRUE(camera) << camera.error().text();
-  ASSERT_TRUE(camera->has_value());
-  expect_same(**camera, test_camera());
-  EXPECT_FALSE(camera_from_header({{"date", "today"}}, "r.raw")->has_value());
+  const auto setup = setup_from_header(header, "r.raw");
+  ASSERT_TRUE(setup) << setup.error().text();
+  ASSERT_TRUE(setup->camera);
+  expect_same(*setup->camera, test_camera());
+  EXPECT_FALSE(setup_from_header({{"date", "today"}}, "r.raw")->camera);
 }
 
 TEST(CameraRecord, ALineOfTheHeaderIsShortEnoughForReadersOfRaw) {
-  EXPECT_LT(camera_to_header(test_camera()).front().second.size(), 3000U);
+  EXPECT_LT(setup_to_header({.camera = test_camera()}).front().second.size(), 3000U);
 }
 
 TEST(CameraRecord, ComesBackFromAnArrayWithTheViews) {
@@ -46,18 +46,18 @@ TEST(CameraRecord, ComesBackFromAnArrayWithTheViews) {
 }
 
 TEST(CameraRecord, RefusesWhatIsNoCameraWithItsPlace) {
-  const auto text = camera_from_header({{"e2lf_camera", "{\"name\": 3}"}}, "r.raw");
+  const auto text = setup_from_header({{"e2lf_camera", "{\"name\": 3}"}}, "r.raw");
   EXPECT_EQ(text.error().location.rfind("r.raw: e2lf_camera", 0), 0U) << text.error().location;
   const std::vector<float> numbers = {1.0F, 2.0F};
   EXPECT_EQ(setup_from_arrays({{"camera", make_npy<float>({2}, numbers)}}, "e.npz").error().code, ErrorCode::kShape);
 }
 
 TEST(ViewsRecord, ComesBackFromAHeader) {
-  const HeaderLines header = views_to_header(kTurned);
+  const HeaderLines header = setup_to_header({.views = kTurned});
   ASSERT_EQ(header, (HeaderLines{{"e2lf_views", "turned"}}));
-  EXPECT_EQ(views_from_header(header, "x").value(), kTurned);
-  EXPECT_FALSE(views_from_header({{"width", "4"}}, "x").value().has_value());
-  EXPECT_FALSE(views_from_header({{"e2lf_views", "sideways"}}, "x").ok());
+  EXPECT_EQ(setup_from_header(header, "x")->views, kTurned);
+  EXPECT_FALSE(setup_from_header({{"width", "4"}}, "x")->views);
+  EXPECT_FALSE(setup_from_header({{"e2lf_views", "sideways"}}, "x").ok());
 }
 
 TEST(CameraRecord, KeepsHowTheViewsComeOut) {

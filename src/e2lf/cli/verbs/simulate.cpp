@@ -223,7 +223,7 @@ class SimulatedFile {
       recordings::RecordingInfo info;
       info.height = scene.height;
       info.width = scene.width;
-      info.header = pipeline::header_of(setup.recorded);
+      info.header = capture::setup_to_header(setup.recorded);
       E2LF_ASSIGN_OR_RETURN(file.recording_, recordings::create_recording(place, "", info));
       if (!arguments.no_triggers && !file.recording_->holds_triggers()) {
         log_warning(cat(arguments.output.string(), ": this format cannot hold triggers, so they are left out; write ",
