@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/onnx/onnx_export.h"
 
-#include <array>
 #include <cmath>
 #include <map>
 #include <span>
@@ -102,8 +101,10 @@ std::string onnx_refusal(const Network& network) {
   return "";
 }
 
-std::string add_onnx_layers(OnnxGraph& graph, const Network& network, const Weights& weights,
-                            const std::string& input) {
+namespace {
+
+/// Adds the layers of a network, with all its weights. Returns the name of the output of the last layer.
+std::string add_layers(OnnxGraph& graph, const Network& network, const Weights& weights, const std::string& input) {
   for (const WeightShape& tensor : weight_shapes(network)) {
     graph.add_constant("weights/" + tensor.name, tensor.shape, weights.at(tensor.name));
   }
@@ -129,23 +130,45 @@ std::string add_onnx_layers(OnnxGraph& graph, const Network& network, const Weig
   return result;
 }
 
-namespace {
+/// A spatial size inside a graph: the names of int64 tensors [2] = (y, x).
+struct OnnxSize {
+  std::string given;   ///< name of the event images
+  std::string padded;  ///< a multiple of what the network needs
+};
 
-using Integers = std::vector<int64_t>;
-
-/// Makes the input planes of one model. Tensors that several groups need are made only once.
+/// Makes the input planes [batch, channel, y, x] of a model from the event images `events` [batch, N-1, y, x] and the
+/// input "traits". Tensors that several groups need are made only once.
 class InputForms {
  public:
-  InputForms(OnnxGraph& graph, size_t transitions, const capture::SensorConstants& constants, std::string events)
-      : graph_(graph), transitions_(transitions), constants_(constants), events_(std::move(events)) {}
+  InputForms(OnnxGraph& graph, const Model& model, const capture::SensorConstants& constants, std::string events,
+             OnnxSize size)
+      : graph_(graph), model_(model), constants_(constants), events_(std::move(events)), size_(std::move(size)) {}
 
-  /// Returns C_k, the cumulative counts.
-  const std::string& cumulative() {
-    if (cumulative_.empty()) {
-      const std::string axis = graph_.add_constant("input/channel_axis", Integers{1});
-      cumulative_ = graph_.add_node("CumSum", {events_, axis}, "input/cumulative");
+  std::string planes() {
+    std::vector<std::string> planes;
+    for (const InputGroup& group : model_.input) {
+      const std::string& form = form_of(group.kind);
+      const size_t number = planes.size();
+      const std::string scale = graph_.add_constant(cat("input/scale", number), group.scale);
+      planes.push_back(graph_.add_node("Mul", {form, scale}, cat("input/group", number)));
     }
-    return cumulative_;
+    return graph_.add_node("Concat", planes, "input/planes", {{"axis", int64_t{1}}});
+  }
+
+ private:
+  const std::string& form_of(InputKind kind) {
+    std::string& form = made_[kind];
+    if (form.empty()) form = make(kind);
+    return form;
+  }
+
+  std::string make(InputKind kind) {
+    if (kind == InputKind::kCounts) return events_;
+    if (kind == InputKind::kIntensity) return intensity();
+    if (kind == InputKind::kCamera) return camera_planes();
+    E2LF_REQUIRE(kind == InputKind::kCumulative, "an exported model takes event images alone");
+    const std::string axis = graph_.add_constant("input/channel_axis", Integers{1});
+    return graph_.add_node("CumSum", {events_, axis}, "input/cumulative");
   }
 
   /// Returns min(J_k, 1) with J_k = eps (exp(tau (C_k + s_k / 2)) - 1). The exponent is limited to the value at which
@@ -157,7 +180,7 @@ class InputForms {
     const double eps = constants_.eps;
     const std::string one = number("input/one", 1.0);
     std::string x = graph_.add_node("Mul", {last_change(one), number("input/half", 0.5)}, "input/half_steps");
-    x = graph_.add_node("Add", {cumulative(), x}, "input/steps");
+    x = graph_.add_node("Add", {form_of(InputKind::kCumulative), x}, "input/steps");
     x = graph_.add_node("Mul", {x, number("input/tau", constants_.tau)}, "input/log_steps");
     x = graph_.add_node("Min", {x, number("input/white_log", std::log1p(1.0 / eps))}, "input/log");
     x = graph_.add_node("Exp", {x}, "input/exp");
@@ -165,12 +188,11 @@ class InputForms {
     return graph_.add_node("Mul", {x, number("input/eps", eps)}, "input/intensity");
   }
 
- private:
   /// Returns s_k, the sign of the last non-zero count up to k.
   std::string last_change(const std::string& one) {
     const std::string signs = graph_.add_node("Sign", {events_}, "input/signs");
     std::vector<std::string> changes;
-    for (size_t k = 0; k < transitions_; ++k) {
+    for (size_t k = 0; k + 1 < model_.num_patterns; ++k) {
       const std::string index = graph_.add_constant(cat("input/k", k), Integers{static_cast<int64_t>(k)});
       std::string sign = graph_.add_node("Gather", {signs, index}, cat("input/sign", k), {{"axis", int64_t{1}}});
       if (k > 0) {
@@ -185,56 +207,23 @@ class InputForms {
     return graph_.add_node("Concat", changes, "input/last_change", {{"axis", int64_t{1}}});
   }
 
-  OnnxGraph& graph_;
-  size_t transitions_;
-  capture::SensorConstants constants_;
-  std::string events_, cumulative_;
-};
-
-/// Expands each number of the conditioning vector to a constant plane.
-std::string camera_planes(OnnxGraph& graph, const std::string& conditioning, const OnnxSize& size) {
-  const std::string axes = graph.add_constant("input/image_axes", Integers{2, 3});
-  const std::string pixels = graph.add_node("Unsqueeze", {conditioning, axes}, "input/trait_pixels");
-  const std::string ones = graph.add_constant("input/ones", Integers{1, 1});
-  const std::string shape = graph.add_node("Concat", {ones, size.padded}, "input/trait_shape", {{"axis", int64_t{0}}});
-  return graph.add_node("Expand", {pixels, shape}, "input/camera");
-}
-
-}  // namespace
-
-std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& groups, size_t transitions,
-                           const capture::SensorConstants& constants, const std::string& events,
-                           const std::string& conditioning, const OnnxSize& size) {
-  InputForms forms(graph, transitions, constants, events);
-  std::array<std::string, 4> made;  // one for each kind that is made from events
-  std::vector<std::string> planes;
-  for (size_t g = 0; g < groups.size(); ++g) {
-    std::string& form = made[static_cast<size_t>(groups[g].kind)];
-    if (form.empty()) {
-      switch (groups[g].kind) {
-        case InputKind::kCounts:
-          form = events;
-          break;
-        case InputKind::kCumulative:
-          form = forms.cumulative();
-          break;
-        case InputKind::kIntensity:
-          form = forms.intensity();
-          break;
-        case InputKind::kCamera:
-          form = camera_planes(graph, conditioning, size);
-          break;
-        default:
-          E2LF_REQUIRE(false, "an exported model takes event images alone");
-      }
-    }
-    const std::string scale = graph.add_constant(cat("input/scale", g), groups[g].scale);
-    planes.push_back(graph.add_node("Mul", {form, scale}, cat("input/group", g)));
+  /// Expands each number of the conditioning vector to a constant plane.
+  std::string camera_planes() {
+    const std::string axes = graph_.add_constant("input/image_axes", Integers{2, 3});
+    const std::string pixels = graph_.add_node("Unsqueeze", {"traits", axes}, "input/trait_pixels");
+    const std::string ones = graph_.add_constant("input/ones", Integers{1, 1});
+    const std::string shape =
+        graph_.add_node("Concat", {ones, size_.padded}, "input/trait_shape", {{"axis", int64_t{0}}});
+    return graph_.add_node("Expand", {pixels, shape}, "input/camera");
   }
-  return graph.add_node("Concat", planes, "input/planes", {{"axis", int64_t{1}}});
-}
 
-namespace {
+  OnnxGraph& graph_;
+  const Model& model_;
+  const capture::SensorConstants& constants_;
+  std::string events_;
+  OnnxSize size_;
+  std::map<InputKind, std::string> made_;
+};
 
 // The limit leaves ample room for everything except the weights within 2 GiB.
 constexpr size_t kMostWeights = (size_t{2} << 30) - (size_t{256} << 20);
@@ -292,9 +281,8 @@ Result<std::string> onnx_file(const Model& model) {
   if (const std::string refusal = onnx_refusal(model.network); !refusal.empty()) {
     return fail(ErrorCode::kUnsupported, model.name, refusal, ", which is not exported; export another network");
   }
-  const size_t transitions = model.num_patterns - 1;
   OnnxGraph graph;
-  graph.add_input("events", {"batch", static_cast<int64_t>(transitions), "y", "x"});
+  graph.add_input("events", {"batch", static_cast<int64_t>(model.num_patterns - 1), "y", "x"});
   if (is_conditioned_on_camera(model)) {
     graph.add_input("traits", {"batch", static_cast<int64_t>(capture::conditioning_size(model.num_patterns))});
   }
@@ -303,9 +291,9 @@ Result<std::string> onnx_file(const Model& model) {
   graph.add_output(output,
                    {"batch", static_cast<int64_t>(is_depth ? kDepthOutputs : model.views_y * model.views_x), "y", "x"});
   const auto [events, size] = add_padding(graph, size_multiple(model.network));
-  const std::string planes =
-      add_onnx_input(graph, model.input, transitions, camera_of(model).constants, events, "traits", size);
-  add_crop(graph, add_onnx_layers(graph, model.network, model.weights, planes), size, output);
+  const capture::SensorConstants constants = camera_of(model).constants;
+  const std::string planes = InputForms(graph, model, constants, events, size).planes();
+  add_crop(graph, add_layers(graph, model.network, model.weights, planes), size, output);
   return graph.file(model.name, onnx_metadata(model));
 }
 

@@ -12,19 +12,6 @@
 /// What operations need to export themselves.
 namespace e2lf::model {
 
-/// A spatial size inside a graph: the names of int64 tensors [2] = (y, x).
-struct OnnxSize {
-  std::string given;   ///< name of the event images
-  std::string padded;  ///< a multiple of what the network needs
-};
-
-/// Adds the input planes of `groups` (see InputKind), made from the event images `events` [batch, N-1, y, x] and the
-/// conditioning vector `conditioning` [batch, C] (which is not read if no group is kCamera). `constants` are used for
-/// intensities. Returns the name of the planes [batch, channel, y, x].
-[[nodiscard]] std::string add_onnx_input(OnnxGraph& graph, const std::vector<InputGroup>& groups, size_t transitions,
-                                         const capture::SensorConstants& constants, const std::string& events,
-                                         const std::string& conditioning, const OnnxSize& size);
-
 /// A layer to be added to a graph. Tensors that it needs beside its output are named "<prefix>/<layer>" with a prefix
 /// of their own.
 struct OnnxCall {
@@ -48,11 +35,6 @@ struct OnnxCall {
 
 /// Returns why a network cannot be exported, naming the layer, or "" if it can.
 [[nodiscard]] std::string onnx_refusal(const Network& network);
-
-/// Adds the layers of a network, with all its weights. The network must pass infer_shapes(), and onnx_refusal() must be
-/// "". Returns the name of the output of the last layer.
-[[nodiscard]] std::string add_onnx_layers(OnnxGraph& graph, const Network& network, const Weights& weights,
-                                          const std::string& input);
 
 /// Exports a model as an ONNX file (opset 17, float32 weights) with these float32 tensors:
 ///  - input `events` [batch, N-1, y, x]: the counts of each transition, or their means over several cycles;
