@@ -96,7 +96,7 @@ Image coarse_disparities(const LightField& detail, const Image& picture, const V
   const Labels labels = labels_for(range, farthest_steps(detail.shape(), view));
   const float most = most_difference(lightfield::view_image(detail, view.y, view.x));
   CostVolume volume = matching_costs(detail, view, labels, most, progress);
-  smooth_costs(volume, picture, {});
+  smooth_costs(volume, picture);
   return best_disparities(volume);
 }
 

@@ -42,13 +42,13 @@ TEST(PlaneFit, KeepsASteep) {
 TEST(SemiGlobal, TakesTheBestPathInARow) {
   // Three pixels in a row, of which the middle one has no confidence: it takes the disparity of its neighbours.
   CostVolume volume{1, 3, {0, 1, 3}, {900, 0, 900, 500, 500, 500, 900, 0, 900}};
-  smooth_costs(volume, Image(3, 1, 1), {.one_label = 50, .most = 200, .least = 50, .edge = 0.1F});
+  smooth_costs(volume, Image(3, 1, 1));
   const int16_t* const middle = volume.at(0, 1);
   EXPECT_LT(middle[1], middle[0]);
   // Six of eight directions begin anew here (500 each); of the other two each path ends in 500 + what it cost to
-  // come from label 1: nothing, or a step of 50.
+  // come from label 1: nothing, or a step of 64.
   EXPECT_EQ(middle[1], 8 * 500);
-  EXPECT_EQ(middle[0], 8 * 500 + 2 * 50);
+  EXPECT_EQ(middle[0], 8 * 500 + 2 * 64);
 }
 
 }  // namespace

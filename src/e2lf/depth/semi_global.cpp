@@ -14,13 +14,18 @@ namespace {
 /// The cost of labels out of range. Sums with it do not overflow.
 constexpr int16_t kNever = 16000;
 
+/// The costs of disparity changes between neighbouring pixels, in the units of CostVolume: a change by one disparity
+/// hypothesis, as on slanted surfaces; a larger one between equally bright pixels, and at strong edges.
+constexpr int16_t kOneLabel = 64, kMostJump = 640, kLeastJump = 64;
+constexpr float kEdge = 0.03F;  ///< the difference in brightness that halves kMostJump
+
 /// Extends a path from `before` to a pixel with the costs `own`, and adds it to `sum`.
-int16_t step(const int16_t* own, const int16_t* before, int16_t least_before, int16_t one_label, int16_t jump,
-             size_t count, int16_t* path, int16_t* sum) {
+int16_t step(const int16_t* own, const int16_t* before, int16_t least_before, int16_t jump, size_t count, int16_t* path,
+             int16_t* sum) {
   int16_t least = kNever;
   const auto any = static_cast<int16_t>(least_before + jump);
   for (size_t i = 0; i < count; ++i) {
-    const auto near = static_cast<int16_t>(std::min(before[static_cast<ptrdiff_t>(i) - 1], before[i + 1]) + one_label);
+    const auto near = static_cast<int16_t>(std::min(before[static_cast<ptrdiff_t>(i) - 1], before[i + 1]) + kOneLabel);
     const int16_t best = std::min(std::min(before[i], near), any);
     const auto cost = static_cast<int16_t>(own[i] + best - least_before);
     path[i] = cost;
@@ -47,10 +52,9 @@ class PathRow {
 /// order is sequential, and the two are independent of each other.
 class Pass {
  public:
-  Pass(const CostVolume& volume, const lightfield::Image& picture, const ChangeCosts& change, bool is_forward)
+  Pass(const CostVolume& volume, const lightfield::Image& picture, bool is_forward)
       : volume_(volume),
         picture_(picture),
-        change_(change),
         is_forward_(is_forward),
         along_(volume.width, volume.labels.count),
         across_(3, along_),
@@ -92,20 +96,19 @@ class Pass {
     const Pixel from = is_outside ? pixel : Pixel{static_cast<size_t>(from_y), static_cast<size_t>(from_x)};
     PathRow& previous = is_outside ? outside_ : before;
     const size_t place = is_outside ? 0 : from.x;
-    now.least(pixel.x) = step(own, previous.costs(place), previous.least(place), change_.one_label, jump(pixel, from),
+    now.least(pixel.x) = step(own, previous.costs(place), previous.least(place), jump(pixel, from),
                               volume_.labels.count, now.costs(pixel.x), sum);
   }
 
   [[nodiscard]] int16_t jump(const Pixel& pixel, const Pixel& from) const {
     const float difference =
         std::abs(picture_.pixels[pixel.y * volume_.width + pixel.x] - picture_.pixels[from.y * volume_.width + from.x]);
-    const float cost = static_cast<float>(change_.most) / (1 + difference / change_.edge);
-    return std::max(change_.least, static_cast<int16_t>(cost));
+    const float cost = static_cast<float>(kMostJump) / (1 + difference / kEdge);
+    return std::max(kLeastJump, static_cast<int16_t>(cost));
   }
 
   const CostVolume& volume_;
   const lightfield::Image& picture_;
-  const ChangeCosts& change_;
   bool is_forward_;
   PathRow along_;
   std::vector<PathRow> across_, across_before_;
@@ -114,12 +117,12 @@ class Pass {
 
 }  // namespace
 
-void smooth_costs(CostVolume& volume, const lightfield::Image& picture, const ChangeCosts& change) {
+void smooth_costs(CostVolume& volume, const lightfield::Image& picture) {
   E2LF_REQUIRE(picture.width == volume.width && picture.height == volume.height && picture.channels == 1,
                "the picture is the grey reference view");
   std::vector<int16_t> forward(volume.costs.size()), backward(volume.costs.size());
   parallel_for(2, 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) Pass(volume, picture, change, i == 0).run(i == 0 ? forward : backward);
+    for (size_t i = begin; i < end; ++i) Pass(volume, picture, i == 0).run(i == 0 ? forward : backward);
   });
   for (size_t i = 0; i < forward.size(); ++i) volume.costs[i] = static_cast<int16_t>(forward[i] + backward[i]);
 }

@@ -111,7 +111,7 @@ class ViewRenderer {
   }
 
   [[nodiscard]] float shade(const Ray& ray, const Hit& hit, const Sample& sample) const {
-    if (hit.material == nullptr) return scene_.background;
+    if (hit.material == nullptr) return 0;
     const Light& light = scene_.light;
     const Vec3 place = ray.origin + hit.t * ray.direction;
     const Vec3 to_eye = normalised(-1.0F * ray.direction);

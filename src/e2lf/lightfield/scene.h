@@ -77,7 +77,6 @@ struct SceneCamera {
 struct Scene {
   SceneCamera camera;
   Light light;
-  float background = 0;  ///< value of rays that meet no surface
   std::vector<Quad> quads;
   std::vector<Sphere> spheres;
   std::vector<Block> blocks;

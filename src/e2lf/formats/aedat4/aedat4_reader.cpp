@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <map>
 #include <optional>
 
 #include "e2lf/base/little_endian.h"
@@ -39,7 +40,7 @@ class Aedat4Blocks final : public EventBlocks {
         std::any_of(event_streams.begin(), event_streams.end(),
                     [&events](const Stream& stream) { return stream.source != events.source; });
     for (const Stream& stream : header_.streams) {
-      uses_.push_back({stream.id, use_of_stream(stream, events, has_several_cameras, has_chosen)});
+      uses_.emplace(stream.id, use_of_stream(stream, events, has_several_cameras, has_chosen));
     }
   }
 
@@ -124,17 +125,10 @@ class Aedat4Blocks final : public EventBlocks {
 
   /// Returns the packet that begins with these bytes, or nothing if it does not belong to this file.
   std::optional<Packet> parse_packet(std::span<const uint8_t> bytes) const {
-    const auto id = load_le<int32_t>(bytes.data()), size = load_le<int32_t>(bytes.data() + 4);
-    const Use* const use = use_of(id);
-    if (use == nullptr || size < 0 || static_cast<size_t>(size) > kMaxPacketBytes) return std::nullopt;
-    return Packet{*use, kPacketHeader + static_cast<size_t>(size)};
-  }
-
-  const Use* use_of(int32_t id) const {
-    for (const auto& [known, use] : uses_) {
-      if (known == id) return &use;
-    }
-    return nullptr;
+    const auto use = uses_.find(load_le<int32_t>(bytes.data()));
+    const auto size = load_le<int32_t>(bytes.data() + 4);
+    if (use == uses_.end() || size < 0 || static_cast<size_t>(size) > kMaxPacketBytes) return std::nullopt;
+    return Packet{use->second, kPacketHeader + static_cast<size_t>(size)};
   }
 
   bool append_packet(std::span<const uint8_t> packed, Use use, EventBatch& block) {
@@ -152,7 +146,7 @@ class Aedat4Blocks final : public EventBlocks {
   SourcePtr source_;
   Header header_;
   uint64_t first_table_position_ = header_.table_position;
-  std::vector<std::pair<int32_t, Use>> uses_;
+  std::map<int32_t, Use> uses_;
   std::vector<uint8_t> unpacked_;
   bool has_given_up_ = false;
   bool begins_recording_ = false;

@@ -166,12 +166,10 @@ class DatBlocks final : public EventBlocks {
     if (const size_t text = bad > 0 ? find_text(bytes.first(count * kRecordBytes)) : count; text < count) {
       // A recording that was appended with its header.
       if (text == 0) {
-        E2LF_ASSIGN_OR_RETURN(const auto head, source_->fetch(kDetectBytes));
-        if (const auto header = parse_header(head.first(std::min(head.size(), kDetectBytes)))) {
+        if (read_header(*source_)) {
           block.clear();
           unwrap_ = {};
           begins_recording_ = true;
-          source_->consume(header->bytes);
           byte_ = source_->position();
           return true;
         }
@@ -238,17 +236,11 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
                                              std::make_unique<TriggerFile>(std::move(source), header.bytes));
   }
   TriggersPtr triggers;
-  SourcePtr trigger_source;
   std::error_code error;
-  if (const std::filesystem::path path = source->path();
-      !path.empty() && std::filesystem::exists(trigger_path(path), error)) {
-    E2LF_ASSIGN_OR_RETURN(trigger_source, open_file_source(trigger_path(path)));
-  }
-  if (trigger_source != nullptr) {
-    E2LF_ASSIGN_OR_RETURN(const Header trigger_header, read_header(*trigger_source));
-    if (trigger_header.type == kTypeTrigger) {
-      triggers = std::make_unique<TriggerFile>(std::move(trigger_source), trigger_header.bytes);
-    }
+  if (const auto path = source->path(); !path.empty() && std::filesystem::exists(trigger_path(path), error)) {
+    E2LF_ASSIGN_OR_RETURN(SourcePtr side, open_file_source(trigger_path(path)));
+    E2LF_ASSIGN_OR_RETURN(const Header of_side, read_header(*side));
+    if (of_side.type == kTypeTrigger) triggers = std::make_unique<TriggerFile>(std::move(side), of_side.bytes);
   }
   const std::string name = source->name();
   auto blocks = std::make_unique<DatBlocks>(std::move(source), header);

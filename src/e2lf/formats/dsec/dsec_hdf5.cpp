@@ -199,14 +199,11 @@ class ColumnBlocks final : public EventBlocks {
     table::TableSample sample;
     sample.is_ordered = place.is_matrix();
     location_ = cat(name, ": ", place.name);
-    if (place.is_matrix()) {
-      E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_dataset(file, place.name, name, table::kNumFields));
-      E2LF_RETURN_IF_ERROR(add_part(std::move(shape), location_));
-    } else {
-      for (const std::string& dataset : place.columns) {
-        E2LF_ASSIGN_OR_RETURN(DatasetShape shape, open_dataset(file, dataset, name));
-        E2LF_RETURN_IF_ERROR(add_part(std::move(shape), cat(name, ": ", dataset)));
-      }
+    for (size_t i = 0; columns_.size() < table::kNumFields; ++i) {
+      const std::string& dataset = place.is_matrix() ? place.name : place.columns[i];
+      E2LF_ASSIGN_OR_RETURN(DatasetShape shape,
+                            open_dataset(file, dataset, name, place.is_matrix() ? table::kNumFields : 1));
+      E2LF_RETURN_IF_ERROR(add_part(std::move(shape), cat(name, ": ", dataset)));
     }
     length_ = parts_[0].shape.length;
     for (const Part& part : parts_) {

@@ -229,21 +229,6 @@ Result<NpzColumns> named_columns(const NpzArrays& arrays, const std::string& nam
   return columns;
 }
 
-/// Reads the events from columns and adds how to `info`. Adds the number of rows that are not events to `num_bad`.
-Result<EventColumns> read_columns(const NpzColumns& from, bool is_ordered, const OpenOptions& options,
-                                  const std::string& name, RecordingInfo& info, TimeUnit& unit, size_t& num_bad) {
-  const size_t count = from.lengths.empty() ? 0 : from.lengths[0];
-  table::TableSample sample{.is_ordered = is_ordered};
-  for (size_t i = 0; i < from.columns.size(); ++i) {
-    sample.columns.push_back(table::sample_of(from.names[i], from.columns[i], std::min(count, kSampledRows)));
-  }
-  E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(sample, options, name, info));
-  unit = layout.unit;
-  EventColumns events;
-  num_bad = table::to_events(from.columns, layout, count, events);
-  return events;
-}
-
 bool are_rows_of_events(const NpyArray& array) {
   const bool are_rows =
       array.fields.empty() && array.shape.size() == 2 && array.shape[1] == 4 && table::is_number_type(array.type);
@@ -271,11 +256,15 @@ Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::s
   } else {
     E2LF_ASSIGN_OR_RETURN(columns, named_columns(arrays, name));
   }
-  TimeUnit unit = TimeUnit::kMicroseconds;
-  size_t num_bad = 0;
+  const size_t count = columns.lengths.empty() ? 0 : columns.lengths[0];
+  table::TableSample sample{.is_ordered = rows != nullptr};
+  for (size_t i = 0; i < columns.columns.size(); ++i) {
+    sample.columns.push_back(table::sample_of(columns.names[i], columns.columns[i], std::min(count, kSampledRows)));
+  }
+  E2LF_ASSIGN_OR_RETURN(const table::TableLayout layout, decide_layout(sample, options, name, info));
   EventBatch all;
-  E2LF_ASSIGN_OR_RETURN(all.events, read_columns(columns, rows != nullptr, options, name, info, unit, num_bad));
-  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, unit, num_bad));
+  size_t num_bad = table::to_events(columns.columns, layout, count, all.events);
+  E2LF_ASSIGN_OR_RETURN(all.triggers, read_triggers(arrays, name, layout.unit, num_bad));
   E2LF_RETURN_IF_ERROR(table::require_mostly_events(all.events.size(), num_bad, info, "", name));
   auto blocks = std::make_unique<MemoryBlocks>(std::move(all), num_bad);
   return std::make_unique<RecordingReader>(std::move(blocks), std::move(info), name, options, std::move(side_triggers));

@@ -81,10 +81,6 @@ inline constexpr size_t kMaxMessageBytes = size_t{1} << 26;
 [[nodiscard]] Result<BagPtr> open_sqlite_bag(SourcePtr source);
 [[nodiscard]] Result<BagPtr> open_mcap_bag(SourcePtr source);
 
-/// Opens the files of a bag's folder as one bag, in the order of the numbers in their names. Fails with kNotFound, and
-/// as opening the files does.
-[[nodiscard]] Result<BagPtr> open_bag_folder(const std::filesystem::path& folder);
-
 /// A message of events whose payload is not decoded.
 struct EventMessage {
   std::string_view encoding;  ///< "evt3", "mono", ...; "list" for messages that contain individual events

@@ -59,11 +59,8 @@ class BagFiles final : public Bag {
     file_ = file;
     E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(files_[file]));
     E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
-    if (detect_mcap(head)) {
-      E2LF_ASSIGN_OR_RETURN(bag_, open_mcap_bag(std::move(source)));
-      return {};
-    }
-    E2LF_ASSIGN_OR_RETURN(bag_, open_sqlite_bag(std::move(source)));
+    E2LF_ASSIGN_OR_RETURN(bag_,
+                          detect_mcap(head) ? open_mcap_bag(std::move(source)) : open_sqlite_bag(std::move(source)));
     return {};
   }
 
@@ -78,14 +75,6 @@ class BagFiles final : public Bag {
 bool is_bag_folder(const fs::path& path) {
   std::error_code error;
   return fs::is_directory(path, error) && !files_of_folder(path).empty();
-}
-
-Result<BagPtr> open_bag_folder(const fs::path& folder) {
-  std::vector<fs::path> files = files_of_folder(folder);
-  if (files.empty()) return fail(ErrorCode::kNotFound, folder, "the folder contains no files of a bag");
-  auto bag = std::make_unique<BagFiles>(std::move(files));
-  E2LF_RETURN_IF_ERROR(bag->open(0));
-  return BagPtr(std::move(bag));
 }
 
 namespace {
@@ -281,8 +270,9 @@ std::vector<Topic> topics_to_read(const Bag& bag) {
 }
 
 /// The topics of a stream are known only after a first message, which is read here and returned again.
-Result<ReaderPtr> open_bag(BagPtr bag, bool seekable, const std::string& format, const std::string& name,
+Result<ReaderPtr> open_bag(Result<BagPtr> opened, bool seekable, const std::string& format, const std::string& name,
                            const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(BagPtr bag, std::move(opened));
   const std::vector<Topic> topics = topics_to_read(*bag);
   if (topics.empty()) {
     return fail(
@@ -331,20 +321,21 @@ bool detect_sqlite(std::span<const uint8_t> head) {
 
 Result<ReaderPtr> open_sqlite(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
-  E2LF_ASSIGN_OR_RETURN(auto bag, open_sqlite_bag(std::move(source)));
-  return open_bag(std::move(bag), /*seekable=*/true, "rosbag", name, options);
+  return open_bag(open_sqlite_bag(std::move(source)), /*seekable=*/true, "rosbag", name, options);
 }
 
 Result<ReaderPtr> open_mcap(SourcePtr source, const OpenOptions& options) {
   const std::string name = source->name();
   const bool seekable = source->seekable();
-  E2LF_ASSIGN_OR_RETURN(auto bag, open_mcap_bag(std::move(source)));
-  return open_bag(std::move(bag), seekable, "mcap", name, options);
+  return open_bag(open_mcap_bag(std::move(source)), seekable, "mcap", name, options);
 }
 
-Result<ReaderPtr> open_folder(const std::filesystem::path& path, const OpenOptions& options) {
-  E2LF_ASSIGN_OR_RETURN(auto bag, open_bag_folder(path));
-  return open_bag(std::move(bag), /*seekable=*/true, "rosbag", path.string(), options);
+Result<ReaderPtr> open_folder(const fs::path& path, const OpenOptions& options) {
+  std::vector<fs::path> files = files_of_folder(path);
+  if (files.empty()) return fail(ErrorCode::kNotFound, path, "the folder contains no files of a bag");
+  auto bag = std::make_unique<BagFiles>(std::move(files));
+  E2LF_RETURN_IF_ERROR(bag->open(0));
+  return open_bag(BagPtr(std::move(bag)), /*seekable=*/true, "rosbag", path.string(), options);
 }
 
 }  // namespace e2lf::formats::rosbag

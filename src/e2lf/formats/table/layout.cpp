@@ -23,9 +23,6 @@ constexpr std::pair<std::string_view, Field> kNames[] = {
 /// Words that leave the meaning of a name unchanged: "event_x", "dataset_events_t", "x [px]", "time in us".
 constexpr std::string_view kFillers[] = {"event", "events", "dataset", "px", "pixel", "pixels", "in"};
 
-/// The name of a unit and its duration in microseconds, by TimeUnit.
-constexpr std::pair<const char*, double> kUnits[] = {{"us", 1}, {"s", 1e6}, {"ms", 1e3}, {"us", 1}, {"ns", 1e-3}};
-
 constexpr std::pair<std::string_view, TimeUnit> kUnitWords[] = {
     {"s", TimeUnit::kSeconds},       {"sec", TimeUnit::kSeconds},       {"second", TimeUnit::kSeconds},
     {"ms", TimeUnit::kMilliseconds}, {"msec", TimeUnit::kMilliseconds}, {"millisecond", TimeUnit::kMilliseconds},
@@ -102,11 +99,8 @@ TimeUnit parse_time_unit(std::string_view word) {
 }
 
 double us_per(TimeUnit unit) {
-  return kUnits[static_cast<size_t>(unit)].second;
-}
-
-const char* time_unit_name(TimeUnit unit) {
-  return kUnits[static_cast<size_t>(unit)].first;
+  constexpr double kDurationsUs[] = {1, 1e6, 1e3, 1, 1e-3};
+  return kDurationsUs[static_cast<size_t>(unit)];
 }
 
 namespace {
@@ -311,7 +305,7 @@ Result<TableLayout> decide_layout(const TableSample& sample, const OpenOptions& 
   E2LF_ASSIGN_OR_RETURN(layout.polarity, polarity_of(polarities.values, options, location));
   E2LF_RETURN_IF_ERROR(check_coordinates(sample, layout.columns, info, location));
   E2LF_RETURN_IF_ERROR(check_resolution(times, layout.unit, location));
-  info.table = TableReading{columns_text(sample, layout.columns), time_unit_name(layout.unit),
+  info.table = TableReading{columns_text(sample, layout.columns), word_of(layout.unit, kTimeUnits),
                             cat(layout.polarity.off, " = OFF, ", layout.polarity.on, " = ON")};
   return layout;
 }

@@ -63,9 +63,6 @@ using KnownColumns = std::array<std::optional<size_t>, kNumFields>;
 /// Returns the duration of a unit in microseconds; kAuto is microseconds.
 [[nodiscard]] double us_per(TimeUnit unit);
 
-/// Returns "s", "ms", "us" or "ns".
-[[nodiscard]] const char* time_unit_name(TimeUnit unit);
-
 /// Converts a number to To; returns true if it is not an integer or does not fit.
 template <typename From, typename To>
 bool convert_one(From value, To& out) {

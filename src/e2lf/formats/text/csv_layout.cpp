@@ -248,7 +248,7 @@ std::optional<double> parse_cell(std::string_view word) {
   return parse_number(word.data(), end, take) == end ? std::optional(value) : std::nullopt;
 }
 
-bool parse_line(std::string_view line, const LineLayout& layout, Event& event) {
+bool parse_line(std::string_view line, const TextLayout& layout, Event& event) {
   const char* next = line.data();
   const char* const end = next + line.size();
   for (const auto& field : layout.columns) {

@@ -12,11 +12,13 @@
 
 namespace e2lf::formats::text {
 
-/// The meaning of the columns in a line of text.
-struct LineLayout {
+/// The layout of a text, and the meaning of the columns in a line of it.
+struct TextLayout {
   std::vector<std::optional<table::Field>> columns;  ///< empty = the column is skipped
   TimeUnit unit = TimeUnit::kMicroseconds;
   table::PolarityCode polarity;
+  size_t header_bytes = 0;
+  std::string header_line;  ///< may be repeated where files were concatenated
 };
 
 /// Returns true for characters between two numbers: commas, semicolons, bars, blanks and quotes.
@@ -33,7 +35,7 @@ struct LineLayout {
 
 /// Parses one line, without its line ending, as an event. Times are rounded to microseconds: integral nanoseconds
 /// downwards, all others to the nearest. Returns false if the line is not an event.
-[[nodiscard]] bool parse_line(std::string_view line, const LineLayout& layout, Event& event);
+[[nodiscard]] bool parse_line(std::string_view line, const TextLayout& layout, Event& event);
 
 /// The content of the first lines of a text, before their meaning is determined.
 struct TextHead {

@@ -23,13 +23,6 @@ constexpr size_t kLongestHead = size_t{1} << 20;
 constexpr size_t kLongestLine = 4096;
 constexpr size_t kShortestLine = 8;  // "0,0,0,0\n"
 
-/// The layout of a text.
-struct Layout {
-  LineLayout line;
-  size_t header_bytes = 0;
-  std::string header_line;  ///< may be repeated where files were concatenated
-};
-
 /// Lines that are not events.
 struct BadLines {
   size_t count = 0;
@@ -46,16 +39,16 @@ struct BadLines {
   }
 };
 
-bool is_remark(std::string_view line, const Layout& layout) {
+bool is_remark(std::string_view line, const TextLayout& layout) {
   return line.find_first_not_of(" \t\r\n,;") == std::string_view::npos || is_comment(line) ||
          line == layout.header_line;
 }
 
 /// Parses a line that is not simply an event, which may follow a byte order mark.
-void parse_odd_line(std::string_view line, size_t byte, const Layout& layout, EventColumns& events, BadLines& bad) {
+void parse_odd_line(std::string_view line, size_t byte, const TextLayout& layout, EventColumns& events, BadLines& bad) {
   line = without_mark(line);
   Event event;
-  if (line.size() <= kLongestLine && parse_line(line, layout.line, event)) {
+  if (line.size() <= kLongestLine && parse_line(line, layout, event)) {
     events.push_back(event);
   } else if (!is_remark(line, layout) && bad.count++ == 0) {
     bad.first_byte = byte;
@@ -64,7 +57,7 @@ void parse_odd_line(std::string_view line, size_t byte, const Layout& layout, Ev
 }
 
 /// Appends the events of complete lines, and returns the lines that are not events.
-BadLines parse_lines(std::string_view text, const Layout& layout, EventColumns& events) {
+BadLines parse_lines(std::string_view text, const TextLayout& layout, EventColumns& events) {
   BadLines bad;
   Event event;
   for (size_t begin = 0; begin < text.size();) {
@@ -72,7 +65,7 @@ BadLines parse_lines(std::string_view text, const Layout& layout, EventColumns& 
     const size_t end =
         found == nullptr ? text.size() : static_cast<size_t>(static_cast<const char*>(found) - text.data());
     const std::string_view line = text.substr(begin, end - begin);
-    if (line.size() <= kLongestLine && parse_line(line, layout.line, event)) {
+    if (line.size() <= kLongestLine && parse_line(line, layout, event)) {
       events.push_back(event);
     } else {
       parse_odd_line(line, begin, layout, events, bad);
@@ -84,7 +77,7 @@ BadLines parse_lines(std::string_view text, const Layout& layout, EventColumns& 
 
 class CsvBlocks final : public EventBlocks {
  public:
-  CsvBlocks(SourcePtr source, Layout layout, RecordingInfo info, int threads)
+  CsvBlocks(SourcePtr source, TextLayout layout, RecordingInfo info, int threads)
       : source_(std::move(source)),
         layout_(std::move(layout)),
         info_(std::move(info)),
@@ -170,7 +163,7 @@ class CsvBlocks final : public EventBlocks {
   }
 
   SourcePtr source_;
-  Layout layout_;
+  TextLayout layout_;
   RecordingInfo info_;
   int threads_;
   uint64_t events_ = 0, bad_ = 0;
@@ -199,20 +192,22 @@ Result<void> check_head(const TextHead& head, const std::string& name) {
 }
 
 /// Determines the layout, and leaves the source at the first event.
-Result<Layout> decide(ByteSource& source, const OpenOptions& options, const TextHead& head, RecordingInfo& info) {
+Result<TextLayout> decide(ByteSource& source, const OpenOptions& options, const TextHead& head, RecordingInfo& info) {
   source.consume(head.header_bytes);
-  Layout layout{{}, head.header_bytes, head.header_line};
+  TextLayout layout;
+  layout.header_bytes = head.header_bytes;
+  layout.header_line = head.header_line;
   if (head.sample.columns.empty()) {
-    layout.line.columns = {table::Field::kX, table::Field::kY, table::Field::kP, table::Field::kT};
+    layout.columns = {table::Field::kX, table::Field::kY, table::Field::kP, table::Field::kT};
     return layout;
   }
   E2LF_ASSIGN_OR_RETURN(const table::TableLayout decided, decide_layout(head.sample, options, source.name(), info));
-  layout.line.columns.resize(head.sample.columns.size());
+  layout.columns.resize(head.sample.columns.size());
   for (size_t field = 0; field < table::kNumFields; ++field) {
-    layout.line.columns[decided.columns[field]] = static_cast<table::Field>(field);
+    layout.columns[decided.columns[field]] = static_cast<table::Field>(field);
   }
-  layout.line.unit = decided.unit;
-  layout.line.polarity = decided.polarity;
+  layout.unit = decided.unit;
+  layout.polarity = decided.polarity;
   return layout;
 }
 
@@ -228,8 +223,8 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char*
     info.height = head.height;
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
-  E2LF_ASSIGN_OR_RETURN(Layout layout, decide(*source, options, head, info));
-  const bool is_seconds = layout.line.unit == TimeUnit::kSeconds;
+  E2LF_ASSIGN_OR_RETURN(TextLayout layout, decide(*source, options, head, info));
+  const bool is_seconds = layout.unit == TimeUnit::kSeconds;
   info.format = !options.format.empty() || !info.table ? format : is_seconds ? "txt" : "csv";
   E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->path()));
   auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
