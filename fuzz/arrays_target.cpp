@@ -16,7 +16,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (const auto array = e2lf::decode_npy({data, size}, "input")) {
     require(array->bytes.size() == array->num_elements() * array->item_size, "the bytes are those of the shape");
     (void)array->to_float("input");
-    (void)array->to_int32("input");
     const auto back = e2lf::decode_npy(e2lf::encode_npy(*array), "encoded");
     require(back.ok() && equal(*back, *array), "an array comes back as encoded");
   }

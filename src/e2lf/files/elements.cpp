@@ -2,39 +2,10 @@
 #include "e2lf/files/elements.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <optional>
-#include <type_traits>
-#include <utility>
 
 #include "e2lf/base/text.h"
 
 namespace e2lf {
-namespace {
-
-template <typename T>
-auto load(std::span<const uint8_t> bytes, size_t i) {
-  return load_element<T>(bytes.data() + i * sizeof(T));
-}
-
-template <typename T>
-bool fits_int32(T value) {
-  using Limits = std::numeric_limits<int32_t>;
-  if constexpr (std::is_integral_v<T>) {
-    return std::in_range<int32_t>(value);
-  } else {
-    const auto number = static_cast<double>(value);
-    return number == std::trunc(number) && number >= Limits::min() && number <= Limits::max();
-  }
-}
-
-Error unsupported(std::string_view code, const std::string& name) {
-  return fail(ErrorCode::kUnsupported, name, "elements of type \"", code, "\" are not numbers; store plain numbers");
-}
-
-}  // namespace
-
 size_t element_size(std::string_view code) {
   size_t size = 0;
   with_element_type(code, [&](auto type) { size = sizeof(type); });
@@ -47,34 +18,11 @@ Result<std::vector<float>> elements_to_float(std::string_view code, std::span<co
   const bool known = with_element_type(code, [&](auto type) {
     using T = decltype(type);
     values.resize(bytes.size() / sizeof(T));
-    for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(load<T>(bytes, i));
+    for (size_t i = 0; i < values.size(); ++i)
+      values[i] = static_cast<float>(load_element<T>(bytes.data() + i * sizeof(T)));
   });
-  if (!known) return unsupported(code, name);
-  return values;
-}
-
-Result<std::vector<int32_t>> elements_to_int32(std::string_view code, std::span<const uint8_t> bytes,
-                                               const std::string& name) {
-  std::vector<int32_t> values;
-  std::optional<size_t> refused;
-  const bool known = with_element_type(code, [&](auto type) {
-    using T = decltype(type);
-    values.resize(bytes.size() / sizeof(T));
-    for (size_t i = 0; i < values.size() && !refused; ++i) {
-      const auto value = load<T>(bytes, i);
-      if (!fits_int32(value)) {
-        refused = i;
-      } else {
-        values[i] = static_cast<int32_t>(value);
-      }
-    }
-  });
-  if (!known) return unsupported(code, name);
-  if (refused) {
-    return fail(ErrorCode::kInvalidValue, name, "element ", *refused,
-                " is not a whole number of 32 bits; store integer counts");
-  }
-  return values;
+  if (known) return values;
+  return fail(ErrorCode::kUnsupported, name, "elements of type \"", code, "\" are not numbers; store plain numbers");
 }
 
 Result<size_t> checked_byte_size(std::span<const size_t> shape, size_t item_size, const std::string& location) {

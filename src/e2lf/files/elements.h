@@ -82,11 +82,6 @@ auto load_element(const uint8_t* bytes) {
 [[nodiscard]] Result<std::vector<float>> elements_to_float(std::string_view code, std::span<const uint8_t> bytes,
                                                            const std::string& name);
 
-/// Converts little-endian elements of that type to int32. Fails with kInvalidValue at the first value that is not whole
-/// or does not fit, and with kUnsupported for an unknown code.
-[[nodiscard]] Result<std::vector<int32_t>> elements_to_int32(std::string_view code, std::span<const uint8_t> bytes,
-                                                             const std::string& name);
-
 /// Returns the product of the extents and `item_size`. Fails with kFormat if it does not fit into a size_t, where
 /// extents of zero are counted as one so that they do not hide an overflow.
 [[nodiscard]] Result<size_t> checked_byte_size(std::span<const size_t> shape, size_t item_size,

@@ -213,10 +213,6 @@ std::vector<uint8_t> npy_header_bytes(const NpyArray& array) {
 
 namespace {
 
-Error records_error(const std::string& name) {
-  return fail(ErrorCode::kUnsupported, name, "an array of records where plain numbers are expected; store one field");
-}
-
 void reverse_big_endian(const NpyHeader& header, std::vector<uint8_t>& bytes) {
   for (size_t item = 0; item < bytes.size(); item += header.array.item_size) {
     for (const NpyHeader::Number& number : header.big_endian) {
@@ -257,13 +253,8 @@ size_t NpyArray::num_elements() const {
 }
 
 Result<std::vector<float>> NpyArray::to_float(const std::string& name) const {
-  if (!fields.empty()) return records_error(name);
-  return elements_to_float(type, bytes, name);
-}
-
-Result<std::vector<int32_t>> NpyArray::to_int32(const std::string& name) const {
-  if (!fields.empty()) return records_error(name);
-  return elements_to_int32(type, bytes, name);
+  if (fields.empty()) return elements_to_float(type, bytes, name);
+  return fail(ErrorCode::kUnsupported, name, "an array of records where plain numbers are expected; store one field");
 }
 
 Result<NpyArray> decode_npy(std::span<const uint8_t> bytes, const std::string& name) {
@@ -296,14 +287,10 @@ Result<NpyArray> read_npy(const std::filesystem::path& path) {
 }
 
 Result<NpyArray> peek_npy(const std::filesystem::path& path) {
-  E2LF_ASSIGN_OR_RETURN(const auto head, read_head(path, kNpyHeadBytes));
-  auto header = parse_npy_header(head, path.string());
-  if (header) return std::move(header->array);
-  // A header longer than that is valid, if rare.
-  if (header.error().code != ErrorCode::kTruncated || head.size() < kNpyHeadBytes) return header.error();
-  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
-  E2LF_ASSIGN_OR_RETURN(NpyHeader longer, parse_npy_header(bytes, path.string()));
-  return std::move(longer.array);
+  constexpr size_t kMostPrefixBytes = 12;
+  E2LF_ASSIGN_OR_RETURN(const auto head, read_head(path, kMostPrefixBytes + kMostHeaderBytes));
+  E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(head, path.string()));
+  return std::move(header.array);
 }
 
 Result<void> write_npy(const std::filesystem::path& path, const NpyArray& array) {

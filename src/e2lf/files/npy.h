@@ -32,10 +32,8 @@ struct NpyArray {
 
   [[nodiscard]] size_t num_elements() const;
 
-  /// Converts the elements from any numeric type to float32 or int32. to_int32() fails with kInvalidValue if a value is
-  /// not whole or does not fit. `name` is the location in errors.
+  /// Converts the elements from any numeric type to float32. `name` is the location in errors.
   [[nodiscard]] Result<std::vector<float>> to_float(const std::string& name) const;
-  [[nodiscard]] Result<std::vector<int32_t>> to_int32(const std::string& name) const;
 };
 
 /// Makes an array of that shape. T is a type of numbers of C++.

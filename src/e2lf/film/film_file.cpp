@@ -11,7 +11,6 @@ extern "C" {
 
 #include <algorithm>
 #include <array>
-#include <vector>
 
 #include "e2lf/base/text.h"
 
@@ -23,21 +22,14 @@ using lightfield::Image;
 /// The components of a format.
 struct Recipe {
   const char* container;
-  std::vector<AVCodecID> codecs;  ///< the first one with an available encoder is used
-  const char* quality;            ///< the constant rate factor
+  std::array<AVCodecID, 2> codecs;  ///< the first one with an available encoder is used
+  const char* quality;              ///< the constant rate factor
 };
 
-Recipe recipe_of(FilmFormat format) {
-  switch (format) {
-    case FilmFormat::kGif:
-      return {"gif", {AV_CODEC_ID_GIF}, nullptr};
-    case FilmFormat::kWebm:
-      return {"webm", {AV_CODEC_ID_VP9, AV_CODEC_ID_VP8}, "20"};
-    case FilmFormat::kMp4:
-      break;
-  }
-  return {"mp4", {AV_CODEC_ID_H264, AV_CODEC_ID_MPEG4}, "18"};
-}
+/// By FilmFormat.
+constexpr Recipe kRecipes[] = {{"gif", {AV_CODEC_ID_GIF, AV_CODEC_ID_NONE}, nullptr},
+                               {"webm", {AV_CODEC_ID_VP9, AV_CODEC_ID_VP8}, "20"},
+                               {"mp4", {AV_CODEC_ID_H264, AV_CODEC_ID_MPEG4}, "18"}};
 
 const AVCodec* encoder_of(const Recipe& recipe) {
   for (AVCodecID id : recipe.codecs) {
@@ -85,7 +77,7 @@ struct FfmpegFilm final : FilmFile {
   }
 
   Result<void> open(const FilmOptions& options) {
-    const Recipe recipe = recipe_of(options.format);
+    const Recipe& recipe = kRecipes[static_cast<size_t>(options.format)];
     const AVCodec* const codec = encoder_of(recipe);
     if (codec == nullptr) {
       return fail(ErrorCode::kMissingDependency, name, "this build of FFmpeg has no encoder for ", recipe.container,

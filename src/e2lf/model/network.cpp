@@ -17,79 +17,67 @@ namespace {
 
 using Shapes = std::map<std::string, LayerShape>;
 
+Error invalid(const std::string& message) {
+  return fail(ErrorCode::kInvalidValue, "", message);
+}
+
+Result<LayerShape> find_shape(const Shapes& known, const std::string& name) {
+  const auto found = known.find(name);
+  if (found != known.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& entry : known) names.push_back(entry.first);
+  return invalid(cat("no earlier layer is named \"", name, "\"; ", suggestion(name, names)));
+}
+
+Result<void> check_stride(const Layer& layer, const Operation& operation) {
+  if (layer.stride == 0 || layer.stride > kMaxScale) {
+    return invalid(cat("the stride ", layer.stride, " is out of range; use 1 to ", kMaxScale));
+  }
+  if (operation.takes_stride_and_relu) return {};
+  if (layer.stride != 1) return invalid("this operation does not support a stride; use stride 1");
+  if (layer.relu) return invalid("this operation does not support ReLU; remove it");
+  return {};
+}
+
+Result<void> check_residual(const Layer& layer, const Shapes& known, const LayerShape& shape) {
+  if (layer.residual.empty()) return {};
+  if (layer.op != Op::kConv) return invalid("only the operation conv supports a residual; use an add layer");
+  E2LF_ASSIGN_OR_RETURN(const LayerShape residual, find_shape(known, layer.residual));
+  if (residual.channels == shape.channels && residual.scale == shape.scale) return {};
+  return fail(ErrorCode::kShape, "", "the residual has ", residual.channels, " channels at scale ", residual.scale,
+              ", but the output has ", shape.channels, " at ", shape.scale, "; make them equal");
+}
+
 /// Infers the shape of one layer and returns the first problem found, without a location.
-class LayerCheck {
- public:
-  LayerCheck(const Layer& layer, const Shapes& known) : layer_(layer), known_(known) {}
-
-  Result<LayerShape> infer() {
-    if (layer_.name.empty()) return invalid("the layer has no name; add one");
-    if (known_.contains(layer_.name)) return invalid("an earlier layer has the same name; choose another one");
-    const Operation* operation = find_operation(layer_.op);
-    if (operation == nullptr) {
-      return fail(ErrorCode::kUnsupported, "", "unknown operation \"", layer_.op, "\"; known are ",
-                  join(operation_names()));
-    }
-    for (const auto& entry : layer_.attributes) {
-      if (std::ranges::find(operation->attributes, entry.first) != operation->attributes.end()) continue;
-      return invalid(cat("this operation has no attribute \"", entry.first, "\"; remove it"));
-    }
-    E2LF_RETURN_IF_ERROR(find_inputs(*operation));
-    E2LF_RETURN_IF_ERROR(check_stride(*operation));
-    E2LF_ASSIGN_OR_RETURN(const LayerShape shape, operation->shape(layer_, inputs_));
-    if (shape.channels == 0 || shape.channels > kMaxChannels) {
-      return invalid(cat("the layer has ", shape.channels, " channels; use 1 to ", kMaxChannels));
-    }
-    if (shape.scale > kMaxScale)
-      return invalid(cat("the scale ", shape.scale, " is too large; use at most ", kMaxScale));
-    E2LF_RETURN_IF_ERROR(check_residual(shape));
-    return shape;
+Result<LayerShape> infer_shape(const Layer& layer, const Shapes& known) {
+  if (layer.name.empty()) return invalid("the layer has no name; add one");
+  if (known.contains(layer.name)) return invalid("an earlier layer has the same name; choose another one");
+  const Operation* operation = find_operation(layer.op);
+  if (operation == nullptr) {
+    return fail(ErrorCode::kUnsupported, "", "unknown operation \"", layer.op, "\"; known are ",
+                join(operation_names()));
   }
-
- private:
-  [[nodiscard]] static Error invalid(const std::string& message) { return fail(ErrorCode::kInvalidValue, "", message); }
-
-  [[nodiscard]] Result<LayerShape> find(const std::string& name) const {
-    const auto found = known_.find(name);
-    if (found != known_.end()) return found->second;
-    std::vector<std::string> names;
-    for (const auto& entry : known_) names.push_back(entry.first);
-    return invalid(cat("no earlier layer is named \"", name, "\"; ", suggestion(name, names)));
+  for (const auto& entry : layer.attributes) {
+    if (std::ranges::find(operation->attributes, entry.first) != operation->attributes.end()) continue;
+    return invalid(cat("this operation has no attribute \"", entry.first, "\"; remove it"));
   }
-
-  Result<void> find_inputs(const Operation& operation) {
-    for (const std::string& name : layer_.inputs) {
-      E2LF_ASSIGN_OR_RETURN(const LayerShape shape, find(name));
-      inputs_.push_back(shape);
-    }
-    if (inputs_.size() >= operation.min_inputs && inputs_.size() <= operation.max_inputs) return {};
-    return invalid(cat("the layer has ", inputs_.size(), " inputs; this operation takes ", operation.min_inputs,
-                       operation.max_inputs > operation.min_inputs ? " or more" : ""));
+  std::vector<LayerShape> inputs;
+  for (const std::string& name : layer.inputs) {
+    E2LF_ASSIGN_OR_RETURN(inputs.emplace_back(), find_shape(known, name));
   }
-
-  [[nodiscard]] Result<void> check_stride(const Operation& operation) const {
-    if (layer_.stride == 0 || layer_.stride > kMaxScale) {
-      return invalid(cat("the stride ", layer_.stride, " is out of range; use 1 to ", kMaxScale));
-    }
-    if (operation.takes_stride_and_relu) return {};
-    if (layer_.stride != 1) return invalid("this operation does not support a stride; use stride 1");
-    if (layer_.relu) return invalid("this operation does not support ReLU; remove it");
-    return {};
+  if (inputs.size() < operation->min_inputs || inputs.size() > operation->max_inputs) {
+    return invalid(cat("the layer has ", inputs.size(), " inputs; this operation takes ", operation->min_inputs,
+                       operation->max_inputs > operation->min_inputs ? " or more" : ""));
   }
-
-  [[nodiscard]] Result<void> check_residual(const LayerShape& shape) const {
-    if (layer_.residual.empty()) return {};
-    if (layer_.op != Op::kConv) return invalid("only the operation conv supports a residual; use an add layer");
-    E2LF_ASSIGN_OR_RETURN(const LayerShape residual, find(layer_.residual));
-    if (residual.channels == shape.channels && residual.scale == shape.scale) return {};
-    return fail(ErrorCode::kShape, "", "the residual has ", residual.channels, " channels at scale ", residual.scale,
-                ", but the output has ", shape.channels, " at ", shape.scale, "; make them equal");
+  E2LF_RETURN_IF_ERROR(check_stride(layer, *operation));
+  E2LF_ASSIGN_OR_RETURN(const LayerShape shape, operation->shape(layer, inputs));
+  if (shape.channels == 0 || shape.channels > kMaxChannels) {
+    return invalid(cat("the layer has ", shape.channels, " channels; use 1 to ", kMaxChannels));
   }
-
-  const Layer& layer_;
-  const Shapes& known_;
-  std::vector<LayerShape> inputs_;
-};
+  if (shape.scale > kMaxScale) return invalid(cat("the scale ", shape.scale, " is too large; use at most ", kMaxScale));
+  E2LF_RETURN_IF_ERROR(check_residual(layer, known, shape));
+  return shape;
+}
 
 /// Checks that the output that is fed back to the next frame has the shape that its layer states.
 Result<void> check_feedback(const Network& network, const LayerShape& output) {
@@ -157,7 +145,7 @@ Result<std::vector<LayerShape>> infer_shapes(const Network& network) {
   size_t multiple = 1;
   for (const Layer& layer : network.layers) {
     const std::string location = cat("layer \"", layer.name, "\"");
-    const auto shape = LayerCheck(layer, known).infer();
+    const auto shape = infer_shape(layer, known);
     if (!shape) return Error{shape.error().code, shape.error().message, location};
     multiple = std::lcm(multiple, shape->scale);
     if (multiple > kMaxScale) {

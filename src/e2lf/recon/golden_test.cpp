@@ -35,7 +35,7 @@ class OfficialSoftware : public testing::Test {
 
   [[nodiscard]] capture::EventImages scene_events() const {
     const auto counts =
-        read_npy(folder_ / "golden_noisefree_events_3x512x512_i8.npy").value().to_int32("golden").value();
+        read_npy(folder_ / "golden_noisefree_events_3x512x512_i8.npy").value().to_float("golden").value();
     capture::EventImages images(3, kSide, kSide);
     images.values.assign(counts.begin(), counts.end());
     return images;

@@ -234,21 +234,9 @@ std::vector<float> conditioning_vector(const ConditioningSource& source, size_t 
                     pixel[kDarkOn] * 20.0F};
   } else {
     const SensorConstants& paper = source.constants;
-    conditioning = {0.0F,
-                    threshold(paper.tau),
-                    threshold(paper.tau),
-                    paper.sigma_w / 0.1F,
-                    paper.sigma_z / 0.04F,
-                    0.0F,
-                    0.0F,
-                    source.residue,
-                    0.0F,
-                    0.0F,
-                    0.0F,
-                    0.0F,
-                    0.0F,
-                    0.0F,
-                    0.0F};
+    const float tau = threshold(paper.tau);
+    conditioning = {0.0F, tau, tau, paper.sigma_w / 0.1F, paper.sigma_z / 0.04F, 0.0F, 0.0F, source.residue};
+    conditioning.resize(kNumFixedConditions - 1);
   }
   conditioning.push_back(0.25F * std::log2(static_cast<float>(source.cycles)));
   E2LF_REQUIRE(conditioning.size() == kNumFixedConditions, "the conditioning vector has a fixed length");

@@ -75,15 +75,15 @@ void add_event_places(hid_t file, const std::string& group, int depth, size_t& n
 }
 
 /// Returns the one or two numbers of an attribute, or none if it does not exist.
-std::vector<int64_t> read_attribute(hid_t object, const char* name) {
+std::vector<double> read_attribute(hid_t object, const char* name) {
   if (H5Aexists(object, name) <= 0) return {};
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   const Handle space(H5Aget_space(attribute.get()), H5Sclose), type(H5Aget_type(attribute.get()), H5Tclose);
   const hssize_t count = H5Sget_simple_extent_npoints(space.get());
   const H5T_class_t kind = H5Tget_class(type.get());
   if (count < 1 || count > 2 || (kind != H5T_INTEGER && kind != H5T_FLOAT)) return {};
-  std::vector<int64_t> numbers(static_cast<size_t>(count));
-  if (H5Aread(attribute.get(), H5T_NATIVE_INT64, numbers.data()) < 0) return {};
+  std::vector<double> numbers(static_cast<size_t>(count));
+  if (H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, numbers.data()) < 0) return {};
   return numbers;
 }
 

@@ -289,9 +289,9 @@ Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options) {
   RecordingInfo info{.format = "npz"};
   const auto numbers = [&arrays](const char* key) {
     const auto found = arrays.find(key);
-    const auto values =
-        found == arrays.end() ? Result<std::vector<int32_t>>(std::vector<int32_t>()) : found->second.to_int32(key);
-    return values ? std::vector<int64_t>(values->begin(), values->end()) : std::vector<int64_t>();
+    const bool are_few = found != arrays.end() && found->second.num_elements() <= 2;
+    if (!are_few || !table::is_number_type(found->second.type)) return std::vector<double>();
+    return table::to_doubles(column_of(found->second), found->second.num_elements());
   };
   if (options.width == 0 || options.height == 0) table::read_sensor_size(numbers, info);
   return open_arrays(std::move(arrays), std::move(info), name, options);

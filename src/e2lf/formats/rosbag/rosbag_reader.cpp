@@ -82,12 +82,8 @@ namespace {
 /// Largest number of messages before the first one of the topic that is read.
 constexpr size_t kMaxHeldMessages = 10'000;
 
-std::string last_part(const std::string& topic) {
-  return topic.substr(topic.rfind('/') + 1);
-}
-
 bool is_trigger_topic(const Topic& topic) {
-  return last_part(topic.name).starts_with("trigger");
+  return std::string_view(topic.name).substr(topic.name.rfind('/') + 1).starts_with("trigger");
 }
 
 /// The messages of one event topic and of the triggers beside it.

@@ -186,7 +186,7 @@ size_t to_events(std::span<const NumberColumn> columns, const TableLayout& layou
 
 /// Sets the size of the sensor from what numbers(name) returns for `size` [width, height], `sensor_resolution` [height,
 /// width], or `width` and `height`. Returns false if none of them is a size, which does not change `info`.
-bool read_sensor_size(const std::function<std::vector<int64_t>(const char* name)>& numbers, RecordingInfo& info);
+bool read_sensor_size(const std::function<std::vector<double>(const char* name)>& numbers, RecordingInfo& info);
 
 /// Number of rows from which columns, units and polarities are determined.
 inline constexpr size_t kSampledRows = 4096;

@@ -79,18 +79,19 @@ TableSample::Column sample_of(std::string name, const NumberColumn& column, size
   return sample;
 }
 
-bool read_sensor_size(const std::function<std::vector<int64_t>(const char* name)>& numbers, RecordingInfo& info) {
-  constexpr int64_t kWidestPx = 65536;
-  std::vector<int64_t> size = numbers("size");
+bool read_sensor_size(const std::function<std::vector<double>(const char* name)>& numbers, RecordingInfo& info) {
+  constexpr double kWidestPx = 65536;
+  std::vector<double> size = numbers("size");
   if (size.size() != 2) {
     size = numbers("sensor_resolution");
     std::reverse(size.begin(), size.end());
   }
   if (size.size() != 2) {
     size = numbers("width");
-    for (const int64_t height : numbers("height")) size.push_back(height);
+    for (const double height : numbers("height")) size.push_back(height);
   }
-  if (size.size() != 2 || std::min(size[0], size[1]) < 1 || std::max(size[0], size[1]) > kWidestPx) return false;
+  const auto is_side = [](double side) { return side >= 1 && side <= kWidestPx && side == std::trunc(side); };
+  if (size.size() != 2 || !is_side(size[0]) || !is_side(size[1])) return false;
   info.width = static_cast<size_t>(size[0]);
   info.height = static_cast<size_t>(size[1]);
   return true;
