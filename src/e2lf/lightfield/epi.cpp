@@ -10,6 +10,7 @@ namespace e2lf::lightfield {
 namespace {
 
 using Colour = std::array<float, 3>;
+constexpr size_t kGapPx = 4;  ///< white space between the parts
 constexpr Colour kRowColour{0.16F, 0.39F, 1.0F};
 constexpr Colour kColumnColour{0.1F, 0.75F, 0.25F};
 
@@ -73,18 +74,17 @@ EpiPictureOptions middle_cut(const Shape& shape) {
 
 Image epi_picture(const LightFieldView& light_field, const EpiPictureOptions& options) {
   const Shape shape = shape_of(light_field);
-  E2LF_REQUIRE(options.px_per_view > 0, "an EPI needs at least one pixel for each view");
   const Image view = view_image(light_field, options.view_y, options.view_x);
   const Image below = horizontal_epi(light_field, options.view_y, options.y);
   const Image beside = vertical_epi(light_field, options.view_x, options.x);
 
-  const Box below_box{shape.height + options.gap_px, 0, shape.views_x * options.px_per_view, shape.width};
-  const Box beside_box{0, shape.width + options.gap_px, shape.height, shape.views_y * options.px_per_view};
+  const Box below_box{shape.height + kGapPx, 0, shape.views_x * kEpiPxPerView, shape.width};
+  const Box beside_box{0, shape.width + kGapPx, shape.height, shape.views_y * kEpiPxPerView};
   Image canvas(beside_box.x + beside_box.width, below_box.y + below_box.height, 3);
   std::fill(canvas.pixels.begin(), canvas.pixels.end(), 1.0F);
   paste(view, 0, 0, canvas);
-  paste(enlarged(below, options.px_per_view, 1), below_box.y, below_box.x, canvas);
-  paste(enlarged(beside, 1, options.px_per_view), beside_box.y, beside_box.x, canvas);
+  paste(enlarged(below, kEpiPxPerView, 1), below_box.y, below_box.x, canvas);
+  paste(enlarged(beside, 1, kEpiPxPerView), beside_box.y, beside_box.x, canvas);
   for (float& value : canvas.pixels) value = std::clamp(value, 0.0F, 1.0F);
 
   for (size_t x = 0; x < shape.width; ++x) set_pixel(canvas, options.y, x, kRowColour);

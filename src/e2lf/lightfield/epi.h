@@ -21,17 +21,18 @@ namespace e2lf::lightfield {
 struct EpiPictureOptions {
   size_t view_y = 0, view_x = 0;  ///< the view shown; the EPIs cut through its row and column of views
   size_t y = 0, x = 0;            ///< the pixel row and column that are cut
-  size_t px_per_view = 6;         ///< enlargement of the EPIs along the view axis
-  size_t gap_px = 4;              ///< white space between the parts
 };
+
+/// The enlargement of EPIs along the view axis.
+inline constexpr size_t kEpiPxPerView = 6;
 
 /// Returns the options for a cut through the middle: the view next to the middle of the grid (views / 2), and its
 /// middle row and column.
 [[nodiscard]] EpiPictureOptions middle_cut(const Shape& shape);
 
 /// Draws a colour picture as usual in papers: the view with the cut row (blue) and column (green) marked, its
-/// horizontal EPI below in a blue frame, and its vertical EPI to the right in a green one. The size is width + gap +
-/// views_y * px_per_view by height + gap + views_x * px_per_view. A cut outside the light field breaks the contract.
+/// horizontal EPI below in a blue frame, and its vertical EPI to the right in a green one. The EPIs are enlarged by
+/// kEpiPxPerView, and the parts are 4 px apart. A cut outside the light field breaks the contract.
 [[nodiscard]] Image epi_picture(const LightFieldView& light_field, const EpiPictureOptions& options);
 
 }  // namespace e2lf::lightfield

@@ -41,16 +41,16 @@ TEST(EpiPicture, PutsEpisBelowAndBeside) {
   for (size_t view = 0; view < 8; ++view) {
     for (float& value : light_field.view(view / 4, view % 4)) value = 0.1F * static_cast<float>(view);
   }
-  EpiPictureOptions options{.view_y = 1, .view_x = 3, .y = 6, .x = 2, .px_per_view = 4, .gap_px = 3};
+  EpiPictureOptions options{.view_y = 1, .view_x = 3, .y = 6, .x = 2};
   const Image picture = epi_picture(light_field, options);
-  ASSERT_EQ(picture.width, 9U + 3 + 2 * 4);
-  ASSERT_EQ(picture.height, 8U + 3 + 4 * 4);
+  ASSERT_EQ(picture.width, 9U + 4 + 2 * 6);
+  ASSERT_EQ(picture.height, 8U + 4 + 4 * 6);
   ASSERT_EQ(picture.channels, 3U);
   EXPECT_FLOAT_EQ(pixel(picture, 0, 0)[1], 0.7F);           // the view (1, 3)
   EXPECT_FALSE(is_grey(pixel(picture, 6, 0)));              // the cut row
   EXPECT_FALSE(is_grey(pixel(picture, 0, 2)));              // the cut column
-  EXPECT_FLOAT_EQ(pixel(picture, 11 + 4 + 1, 4)[0], 0.5F);  // below: view (1, 1)
-  EXPECT_FLOAT_EQ(pixel(picture, 4, 12 + 2)[0], 0.3F);      // beside: view (0, 3)
+  EXPECT_FLOAT_EQ(pixel(picture, 12 + 6 + 1, 4)[0], 0.5F);  // below: view (1, 1)
+  EXPECT_FLOAT_EQ(pixel(picture, 4, 13 + 2)[0], 0.3F);      // beside: view (0, 3)
   EXPECT_EQ(pixel(picture, 9, 15), (std::array<float, 3>{1, 1, 1}));
 }
 

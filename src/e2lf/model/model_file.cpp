@@ -188,19 +188,18 @@ Result<void> check_version(const Json& json, const std::string& location) {
 
 }  // namespace
 
-Result<void> check_kind(const Json& header, const std::string& expected, const std::string& location) {
+Result<void> check_kind(const Json& header, bool is_video, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_version(header, location));
   const Json found = header.value(kMeasurement, Json(""));
-  const bool is_video = found == kVoxelGrid, is_expected_video = expected == kVoxelGrid;
-  if (!is_video && !is_of_light_fields(found)) {
+  if (found != kVoxelGrid && !is_of_light_fields(found)) {
     return fail(ErrorCode::kUnsupported, location + "." + kMeasurement, "the measurement ", json_line(found),
                 " is not known; this build knows event-images, coded-images, hybrid, lens-array and ", kVoxelGrid,
                 "; use a newer build");
   }
-  if (is_video == is_expected_video) return {};
+  if ((found == kVoxelGrid) == is_video) return {};
   return fail(ErrorCode::kUnsupported, location + "." + kMeasurement,
-              is_video ? "this model reconstructs frames from voxel grids, not light fields; use it with `e2lf video`"
-                       : "this model reconstructs light fields, not frames; use it with `e2lf reconstruct`");
+              !is_video ? "this model reconstructs frames from voxel grids, not light fields; use it with `e2lf video`"
+                        : "this model reconstructs light fields, not frames; use it with `e2lf reconstruct`");
 }
 
 size_t num_input_channels(InputKind kind, size_t num_patterns) {
@@ -269,7 +268,7 @@ Json header_to_json(const Model& model) {
 }
 
 Result<Model> header_from_json(const Json& json, const std::string& location) {
-  E2LF_RETURN_IF_ERROR(check_kind(json, "", location));
+  E2LF_RETURN_IF_ERROR(check_kind(json, /*is_video=*/false, location));
   Model model;
   OptionReader reader(json, location);
   visit_header(model, reader, /*has_images=*/true);

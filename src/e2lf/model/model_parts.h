@@ -16,9 +16,9 @@ inline constexpr const char* kMetadataKey = "e2lf";
 [[nodiscard]] Result<Json> header_of(const Safetensors& tensors, const std::string& file);
 
 /// Fails with kUnsupported if the header has another version than kFormatVersion, or if it states that the model takes
-/// another measurement than `expected`: kVoxelGrid, or "" for all measurements of light fields.
+/// a voxel grid (`is_video`) or one of light fields instead.
 inline constexpr const char* kVoxelGrid = "voxel-grid";
-[[nodiscard]] Result<void> check_kind(const Json& header, const std::string& expected, const std::string& location);
+[[nodiscard]] Result<void> check_kind(const Json& header, bool is_video, const std::string& location);
 
 /// Checks that the weights are those of the network: all present, of the right size, and finite.
 [[nodiscard]] Result<void> validate_weights(const Network& network, const Weights& weights,

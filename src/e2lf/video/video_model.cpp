@@ -31,7 +31,7 @@ void visit_header(AnyModel& model, Visitor& visit) {
 
 Result<VideoModel> header_from(const Json& json, const std::string& location) {
   add_operations();
-  E2LF_RETURN_IF_ERROR(model::check_kind(json, kVoxelGrid, location));
+  E2LF_RETURN_IF_ERROR(model::check_kind(json, /*is_video=*/true, location));
   VideoModel model;
   OptionReader reader(json, location);
   visit_header(model, reader);

@@ -119,13 +119,13 @@ Result<Image> cut(const EpiArguments& arguments, const LightField& light_field) 
   E2LF_RETURN_IF_ERROR(take_place(column, "column", shape.width, input, options.x));
   if (row && !column) {
     E2LF_RETURN_IF_ERROR(take_place(view, "row of views", shape.views_y, input, options.view_y));
-    return lightfield::enlarged(lightfield::horizontal_epi(light_field, options.view_y, options.y), options.px_per_view,
-                                1);
+    return lightfield::enlarged(lightfield::horizontal_epi(light_field, options.view_y, options.y),
+                                lightfield::kEpiPxPerView, 1);
   }
   if (column && !row) {
     E2LF_RETURN_IF_ERROR(take_place(view, "column of views", shape.views_x, input, options.view_x));
     return lightfield::enlarged(lightfield::vertical_epi(light_field, options.view_x, options.x), 1,
-                                options.px_per_view);
+                                lightfield::kEpiPxPerView);
   }
   return lightfield::epi_picture(light_field, options);
 }
