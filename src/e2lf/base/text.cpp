@@ -82,6 +82,9 @@ std::string counted(size_t count, const char* what) {
   return cat(count, " ", what, count == 1 ? "" : "s");
 }
 
+namespace {
+
+/// Returns the size in bytes of the UTF-8 character at the beginning of `text`, or 0 if there is no valid one.
 size_t character_size(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text[0]);
   if (lead < 0x80) return 1;
@@ -97,8 +100,6 @@ size_t character_size(std::string_view text) {
   const bool is_surrogate = code >= 0xD800 && code < 0xE000;
   return code >= kLeast[size] && code <= 0x10FFFF && !is_surrogate ? size : 0;
 }
-
-namespace {
 
 bool is_control(std::string_view character) {
   const auto first = static_cast<unsigned char>(character[0]);

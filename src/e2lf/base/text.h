@@ -40,9 +40,6 @@ template <typename... Args>
 /// on, except for line ends and tabs. Bytes that are not valid UTF-8 are escaped in the same way.
 [[nodiscard]] std::string printable(std::string_view text);
 
-/// Returns the size in bytes of the UTF-8 character at the beginning of `text`, or 0 if there is no valid one.
-[[nodiscard]] size_t character_size(std::string_view text);
-
 /// Returns whether the bytes are UTF-8.
 [[nodiscard]] bool is_utf8(std::string_view bytes);
 

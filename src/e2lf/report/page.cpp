@@ -146,7 +146,10 @@ size_t xml_character_size(std::string_view text) {
   const auto first = static_cast<uint8_t>(text[0]);
   const bool is_control = (first < 0x20 && first != '\t' && first != '\n' && first != '\r') || first == 0x7F;
   const bool is_refused = is_control || text.starts_with("\xEF\xBF\xBE") || text.starts_with("\xEF\xBF\xBF");
-  return is_refused ? 0 : character_size(text);
+  for (size_t size = 1; size <= 4 && !is_refused; ++size) {
+    if (is_utf8(text.substr(0, size))) return size;
+  }
+  return 0;
 }
 
 using Replacement = std::pair<char, const char*>;
