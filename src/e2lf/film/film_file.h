@@ -41,8 +41,9 @@ class FilmFile {
   /// Creates the film. The first frame determines the size and whether there is colour. Fails with kMissingDependency
   /// (a build without the libraries, or libraries without an encoder), kUnsupported (sides outside of 2 to 16384 px),
   /// kIo and kInternal.
-  [[nodiscard]] static Result<std::unique_ptr<FilmFile>> create(const std::filesystem::path& path, const FilmOptions& options,
-                                               const lightfield::Image& first);
+  [[nodiscard]] static Result<std::unique_ptr<FilmFile>> create(const std::filesystem::path& path,
+                                                                const FilmOptions& options,
+                                                                const lightfield::Image& first);
   virtual ~FilmFile() = default;
 
   /// Adds a frame. Another size breaks the contract. Fails with kIo and kInternal.

@@ -12,8 +12,7 @@ Result<void> check_film_support() {
 }
 
 Result<std::unique_ptr<FilmFile>> FilmFile::create(const std::filesystem::path& /*path*/,
-                                                   const FilmOptions& /*options*/,
-                                                   const lightfield::Image& /*first*/) {
+                                                   const FilmOptions& /*options*/, const lightfield::Image& /*first*/) {
   return check_film_support().error();
 }
 
