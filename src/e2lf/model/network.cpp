@@ -17,7 +17,7 @@ namespace {
 
 using Shapes = std::map<std::string, LayerShape>;
 
-Error invalid(const std::string& message) {
+Error invalid_layer(const std::string& message) {
   return fail(ErrorCode::kInvalidValue, "", message);
 }
 
@@ -26,22 +26,22 @@ Result<LayerShape> find_shape(const Shapes& known, const std::string& name) {
   if (found != known.end()) return found->second;
   std::vector<std::string> names;
   for (const auto& entry : known) names.push_back(entry.first);
-  return invalid(cat("no earlier layer is named \"", name, "\"; ", suggestion(name, names)));
+  return invalid_layer(cat("no earlier layer is named \"", name, "\"; ", suggestion(name, names)));
 }
 
 Result<void> check_stride(const Layer& layer, const Operation& operation) {
   if (layer.stride == 0 || layer.stride > kMaxScale) {
-    return invalid(cat("the stride ", layer.stride, " is out of range; use 1 to ", kMaxScale));
+    return invalid_layer(cat("the stride ", layer.stride, " is out of range; use 1 to ", kMaxScale));
   }
   if (operation.takes_stride_and_relu) return {};
-  if (layer.stride != 1) return invalid("this operation does not support a stride; use stride 1");
-  if (layer.relu) return invalid("this operation does not support ReLU; remove it");
+  if (layer.stride != 1) return invalid_layer("this operation does not support a stride; use stride 1");
+  if (layer.relu) return invalid_layer("this operation does not support ReLU; remove it");
   return {};
 }
 
 Result<void> check_residual(const Layer& layer, const Shapes& known, const LayerShape& shape) {
   if (layer.residual.empty()) return {};
-  if (layer.op != Op::kConv) return invalid("only the operation conv supports a residual; use an add layer");
+  if (layer.op != Op::kConv) return invalid_layer("only the operation conv supports a residual; use an add layer");
   E2LF_ASSIGN_OR_RETURN(const LayerShape residual, find_shape(known, layer.residual));
   if (residual.channels == shape.channels && residual.scale == shape.scale) return {};
   return fail(ErrorCode::kShape, "", "the residual has ", residual.channels, " channels at scale ", residual.scale,
@@ -50,8 +50,8 @@ Result<void> check_residual(const Layer& layer, const Shapes& known, const Layer
 
 /// Infers the shape of one layer and returns the first problem found, without a location.
 Result<LayerShape> infer_shape(const Layer& layer, const Shapes& known) {
-  if (layer.name.empty()) return invalid("the layer has no name; add one");
-  if (known.contains(layer.name)) return invalid("an earlier layer has the same name; choose another one");
+  if (layer.name.empty()) return invalid_layer("the layer has no name; add one");
+  if (known.contains(layer.name)) return invalid_layer("an earlier layer has the same name; choose another one");
   const Operation* operation = find_operation(layer.op);
   if (operation == nullptr) {
     return fail(ErrorCode::kUnsupported, "", "unknown operation \"", layer.op, "\"; known are ",
@@ -59,22 +59,23 @@ Result<LayerShape> infer_shape(const Layer& layer, const Shapes& known) {
   }
   for (const auto& entry : layer.attributes) {
     if (std::ranges::find(operation->attributes, entry.first) != operation->attributes.end()) continue;
-    return invalid(cat("this operation has no attribute \"", entry.first, "\"; remove it"));
+    return invalid_layer(cat("this operation has no attribute \"", entry.first, "\"; remove it"));
   }
   std::vector<LayerShape> inputs;
   for (const std::string& name : layer.inputs) {
     E2LF_ASSIGN_OR_RETURN(inputs.emplace_back(), find_shape(known, name));
   }
   if (inputs.size() < operation->min_inputs || inputs.size() > operation->max_inputs) {
-    return invalid(cat("the layer has ", inputs.size(), " inputs; this operation takes ", operation->min_inputs,
-                       operation->max_inputs > operation->min_inputs ? " or more" : ""));
+    return invalid_layer(cat("the layer has ", inputs.size(), " inputs; this operation takes ", operation->min_inputs,
+                             operation->max_inputs > operation->min_inputs ? " or more" : ""));
   }
   E2LF_RETURN_IF_ERROR(check_stride(layer, *operation));
   E2LF_ASSIGN_OR_RETURN(const LayerShape shape, operation->shape(layer, inputs));
   if (shape.channels == 0 || shape.channels > kMaxChannels) {
-    return invalid(cat("the layer has ", shape.channels, " channels; use 1 to ", kMaxChannels));
+    return invalid_layer(cat("the layer has ", shape.channels, " channels; use 1 to ", kMaxChannels));
   }
-  if (shape.scale > kMaxScale) return invalid(cat("the scale ", shape.scale, " is too large; use at most ", kMaxScale));
+  if (shape.scale > kMaxScale)
+    return invalid_layer(cat("the scale ", shape.scale, " is too large; use at most ", kMaxScale));
   E2LF_RETURN_IF_ERROR(check_residual(layer, known, shape));
   return shape;
 }
