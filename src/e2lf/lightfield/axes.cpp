@@ -10,6 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/files/elements.h"
+#include "e2lf/lightfield/formats/readers.h"
 #include "e2lf/lightfield/image.h"
 
 namespace e2lf::lightfield {
@@ -245,6 +246,16 @@ float white_of_type(std::string_view code) {
 
 size_t StoredArray::num_bytes() const {
   return shape.size() * element_size(type);
+}
+
+StoredArray stored_view(const RawImage& image) {
+  StoredArray view;
+  view.shape = {1, 1, image.height, image.width, image.channels};
+  view.strides = uvhwc_strides(view.shape);
+  view.type = image.sample_bytes == 1 ? "u1" : "u2";
+  view.bytes = image.samples;
+  view.white = white_of_type(view.type);
+  return view;
 }
 
 Result<ChosenGrid> choose_views(size_t stored_y, size_t stored_x, const ReadOptions& options,

@@ -90,6 +90,11 @@ struct StoredArray {
   [[nodiscard]] size_t num_bytes() const;
 };
 
+struct RawImage;
+
+/// Returns the samples of an image (see formats/readers.h) as a light field of one view, which points to them.
+[[nodiscard]] StoredArray stored_view(const RawImage& image);
+
 /// The views selected along one axis.
 struct ChosenViews {
   size_t first = 0, step = 1, count = 0;

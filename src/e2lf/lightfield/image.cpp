@@ -68,16 +68,6 @@ Result<RawImage> decode_raw_image(std::span<const uint8_t> bytes, const std::str
   return fail(ErrorCode::kFormat, name, "the file is neither a PNG nor a JPEG image; convert it to PNG");
 }
 
-StoredArray stored_view(const RawImage& image) {
-  StoredArray view;
-  view.shape = {1, 1, image.height, image.width, image.channels};
-  view.strides = uvhwc_strides(view.shape);
-  view.type = image.sample_bytes == 1 ? "u1" : "u2";
-  view.bytes = image.samples;
-  view.white = white_of_type(view.type);
-  return view;
-}
-
 Image to_grey(Image image) {
   if (image.channels == 1) return image;
   Image grey(image.width, image.height, 1);
@@ -96,10 +86,10 @@ ByteImage to_bytes(const Image& image) {
 
 Result<Image> decode_image(std::span<const uint8_t> bytes, const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(const RawImage raw, decode_raw_image(bytes, name));
-  const StoredArray view = stored_view(raw);
+  const bool is_byte = raw.sample_bytes == 1;
   Image image(raw.width, raw.height, raw.channels);
-  E2LF_ASSIGN_OR_RETURN(image.pixels, elements_to_float(view.type, view.bytes, name));
-  for (float& value : image.pixels) value /= view.white;
+  E2LF_ASSIGN_OR_RETURN(image.pixels, elements_to_float(is_byte ? "u1" : "u2", raw.samples, name));
+  for (float& value : image.pixels) value /= is_byte ? 255.0F : 65535.0F;
   return image;
 }
 

@@ -13,7 +13,6 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/files/npy.h"
-#include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 
@@ -62,9 +61,6 @@ struct RawImage {
 
   [[nodiscard]] size_t row_bytes() const { return width * channels * sample_bytes; }
 };
-
-/// Returns the samples as a light field of one view, which points to them.
-[[nodiscard]] StoredArray stored_view(const RawImage& image);
 
 [[nodiscard]] bool is_png(std::span<const uint8_t> bytes);
 [[nodiscard]] bool is_jpeg(std::span<const uint8_t> bytes);
