@@ -6,7 +6,6 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union, o
 
 import torch
 from torch import Tensor, nn
-from torch.nn import functional as F
 
 import e2lf
 
@@ -65,12 +64,15 @@ class LightFieldNetwork(nn.Module):
             self.conditioning = vector[None].to(next(self.parameters()).device)
 
     def planes(self, events: Optional[Tensor], images: Optional[Tensor] = None) -> Tensor:
-        """Returns the input of the network, [batch, channel, y, x], extended at the bottom and right by its last pixels."""
+        """Returns the input of the network, [batch, channel, y, x], extended at the bottom and right by its mirror image."""
         x = form_inputs(events, self.header["input"], eps=self.constants.eps, tau=self.constants.tau,
                         conditioning=self.conditioning, images=images)
-        bottom, right = -x.shape[2] % self.multiple, -x.shape[3] % self.multiple
-        whole: Tensor = F.pad(x, (0, right, 0, bottom), mode="replicate") if bottom or right else x
-        return whole
+        for axis in (2, 3):
+            size = x.shape[axis]
+            if missing := -size % self.multiple:
+                places = torch.arange(size + missing, device=x.device) % (2 * size)
+                x = x.index_select(axis, torch.minimum(places, 2 * size - 1 - places))
+        return x
 
     def forward(self, events: Optional[Tensor], images: Optional[Tensor] = None) -> Tensor:
         """Returns light fields [batch, view_y, view_x, y, x], not clamped; of depth networks the disparity of view (4, 4) and the

@@ -82,13 +82,13 @@ void fill_counts(const PlanesView<const int16_t>& images, std::span<const model:
     for (size_t y = begin; y < end; ++y) {
       RowState state{std::vector<int>(width), std::vector<int>(width)};
       for (size_t k = 0; k < transitions; ++k) {
-        const auto counts = images[k][std::min(y, height - 1)].values(scratch);
+        const auto counts = images[k][mirrored(y, height)].values(scratch);
         add_counts(counts, state);
         for (size_t g = 0; g < groups.size(); ++g) {
           if (!is_of_counts(groups[g])) continue;
           float* row = planes.values.data() + ((first_channels[g] + k) * planes.height + y) * planes.width;
           fill_row(groups[g], counts, state, table, conditions.cycles, row);
-          std::fill(row + width, row + planes.width, row[width - 1]);
+          for (size_t x = width; x < planes.width; ++x) row[x] = row[mirrored(x, width)];
         }
       }
     }
@@ -100,9 +100,9 @@ void fill_images(const PlanesView<const float>& images, float scale, size_t firs
   const auto [count, height, width] = images.extents;
   for (size_t n = 0; n < count; ++n) {
     for (size_t y = 0; y < planes.height; ++y) {
-      const auto from = images[n][std::min(y, height - 1)];
+      const auto from = images[n][mirrored(y, height)];
       float* row = planes.values.data() + ((first_channel + n) * planes.height + y) * planes.width;
-      for (size_t x = 0; x < planes.width; ++x) row[x] = scale * from[std::min(x, width - 1)];
+      for (size_t x = 0; x < planes.width; ++x) row[x] = scale * from[mirrored(x, width)];
     }
   }
 }

@@ -74,6 +74,12 @@ class IntensityTable {
 /// The input of a network: float32 [channel, y, x], row-major.
 using InputPlanes = Planes<float>;
 
+/// Returns the pixel of a row of `size` pixels that stands at `index` of the row continued by its mirror image.
+[[nodiscard]] inline size_t mirrored(size_t index, size_t size) {
+  const size_t wrapped = index % (2 * size);
+  return std::min(wrapped, 2 * size - 1 - wrapped);
+}
+
 /// The conditions under which the counts of event images were recorded.
 struct InputConditions {
   capture::SensorConstants constants = {};  ///< eps and tau are used for intensities
@@ -84,9 +90,9 @@ struct InputConditions {
 /// Makes the input channels of `groups`, one group after another (see model::InputKind; C_k, m and J_k as in
 /// invert_events() with `centred`). The channels of a camera hold its conditioning vector, and counts are divided by
 /// the number of cycles. Height and width are rounded up to multiples of `size_multiple`. The additional rows and
-/// columns at the bottom and right repeat the last ones, because the absence of events would look like a black frame to
-/// a network. Fails with kInvalidValue if a group needs constants that are not positive. If `measurement` lacks the
-/// data for a group, the contract is broken.
+/// columns at the bottom and right are mirror images of the last ones: the absence of events would look like a black
+/// frame to a network, and repeated pixels like stripes. Fails with kInvalidValue if a group needs constants that are
+/// not positive. If `measurement` lacks the data for a group, the contract is broken.
 [[nodiscard]] Result<InputPlanes> network_input(const capture::MeasurementView& measurement,
                                                 std::span<const model::InputGroup> groups,
                                                 const InputConditions& conditions, size_t size_multiple = 1);

@@ -63,6 +63,17 @@ TEST(NetworkInput, ImagesFollowCountsAndAreExtendedAlike) {
   EXPECT_EQ(planes.values, (std::vector<float>{1, 2, 4, 4, 1, 2, 4, 4, 1, 2, 4, 4, 1, 2, 4, 4}));
 }
 
+TEST(NetworkInput, RowsAreContinuedByTheirMirrorImage) {
+  const capture::EventImages images = [] {
+    capture::EventImages row(1, 1, 3);
+    row.values = {1, 2, 3};
+    return row;
+  }();
+  const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1}}, {}, 8).value();
+  const std::vector<float> row = {1, 2, 3, 3, 2, 1, 1, 2};
+  for (size_t i = 0; i < planes.values.size(); ++i) EXPECT_EQ(planes.values[i], row[i % 8]) << i;
+}
+
 TEST(NetworkInput, LensesAreJoinedInStraightLines) {
   capture::Measurement measured;
   measured.kind = capture::MeasurementKind::kLensArray;

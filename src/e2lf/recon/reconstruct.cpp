@@ -77,11 +77,14 @@ Planes<Value> extend(const PlanesView<const Value>& from, const GridShift& shift
   const auto [count, height, width] = from.extents;
   if (count == 0) return {};
   Planes<Value> planes(count, height + shift.y, width + shift.x);
+  const auto place = [](size_t i, size_t moved, size_t size) {
+    return i < moved ? mirrored(moved - 1 - i, size) : i - moved;
+  };
   Value* to = planes.values.data();
   for (size_t n = 0; n < count; ++n) {
     for (size_t y = 0; y < planes.height; ++y) {
-      const auto row = from[n][y - std::min(y, shift.y)];
-      for (size_t x = 0; x < planes.width; ++x) *to++ = row[x - std::min(x, shift.x)];
+      const auto row = from[n][place(y, shift.y, height)];
+      for (size_t x = 0; x < planes.width; ++x) *to++ = row[place(x, shift.x, width)];
     }
   }
   return planes;

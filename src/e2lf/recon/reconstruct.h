@@ -44,7 +44,7 @@ struct GridShift {
 /// on a 2x2 grid.
 [[nodiscard]] std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple);
 
-/// Extends images at the top and on the left by repeating their first rows and columns. The images must not be empty.
+/// Extends images at the top and on the left by their mirror images. The images must not be empty.
 /// The image behind a lens array can only be extended by whole lenses and therefore allows no shift.
 [[nodiscard]] capture::Measurement extend(const capture::MeasurementView& measurement, const GridShift& shift);
 

@@ -244,8 +244,28 @@ Result<void> check_size(const Model& model) {
               " MiB, but an ONNX file can hold at most 2 GiB; use a smaller network");
 }
 
-/// Extends the images at the bottom and right to multiples of what the network needs by repeating the last row and
-/// column. Returns the extended images and both sizes.
+/// Continues the images along an axis to `padded` pixels by their mirror image.
+std::string add_mirror(OnnxGraph& graph, const std::string& images, const OnnxSize& size, int64_t axis) {
+  const std::string name = cat("padding/", axis == 2 ? "y" : "x");
+  const auto constant = [&](const char* what, int64_t value) {
+    return graph.add_constant(cat(name, "_", what), Integers{value});
+  };
+  const auto node = [&](const char* operation, const std::vector<std::string>& inputs, const char* what) {
+    return graph.add_node(operation, inputs, cat(name, "_", what));
+  };
+  const std::string number = constant("axis", axis - 2), one = constant("one", 1);
+  const std::string twice = node("Mul", {node("Gather", {size.given, number}, "given"), constant("two", 2)}, "twice");
+  const auto scalar = [&](const std::string& of, const char* what) { return node("Squeeze", {of}, what); };
+  const std::string end = scalar(node("Gather", {size.padded, number}, "padded"), "end");
+  const std::string places = node("Range", {scalar(constant("zero", 0), "begin"), end, scalar(one, "step")}, "places");
+  const std::string wrapped = node("Mod", {places, twice}, "wrapped");
+  const std::string back = node("Sub", {node("Sub", {twice, one}, "last"), wrapped}, "back");
+  return graph.add_node("Gather", {images, node("Min", {wrapped, back}, "index")}, cat(name, "_mirrored"),
+                        {{"axis", axis}});
+}
+
+/// Extends the images at the bottom and right to multiples of what the network needs by their mirror images. Returns
+/// the extended images and both sizes.
 std::pair<std::string, OnnxSize> add_padding(OnnxGraph& graph, size_t multiple) {
   OnnxSize size;
   size.given = graph.add_node("Shape", {"events"}, "padding/given", {{"start", int64_t{2}}, {"end", int64_t{4}}});
@@ -257,10 +277,8 @@ std::pair<std::string, OnnxSize> add_padding(OnnxGraph& graph, size_t multiple) 
   const std::string negative = graph.add_node("Neg", {size.given}, "padding/negative");
   // The remainder has the sign of the divisor, so it is not negative.
   const std::string missing = graph.add_node("Mod", {negative, step}, "padding/missing");
-  const std::string none = graph.add_constant("padding/none", Integers(6, 0));
-  const std::string pads = graph.add_node("Concat", {none, missing}, "padding/pads", {{"axis", int64_t{0}}});
   size.padded = graph.add_node("Add", {size.given, missing}, "padding/padded");
-  return {graph.add_node("Pad", {"events", pads}, "padding/events", {{"mode", std::string("edge")}}), size};
+  return {add_mirror(graph, add_mirror(graph, "events", size, 2), size, 3), size};
 }
 
 void add_crop(OnnxGraph& graph, const std::string& whole, const OnnxSize& size, const std::string& output) {
