@@ -4,8 +4,8 @@
 #include <arpa/inet.h>
 #include <charconv>
 #include <cstdlib>
-#include <stdexcept>
 #include <netdb.h>
+#include <stdexcept>
 #include <sys/socket.h>
 #include <unistd.h>
 

@@ -211,8 +211,8 @@ Result<StepReport> Trainer::train_step() {
   const auto loss = sample_losses(config_.train, errors, batch.gain).mean();
 
   E2LF_RETURN_IF_ERROR(backward(loss));
-  const auto means = torch::tensor({loss.item<double>(), errors.mean().item<double>()},
-                                   torch::device(device_).dtype(torch::kDouble));
+  const auto means =
+      torch::tensor({loss.item<double>(), errors.mean().item<double>()}, torch::device(device_).dtype(torch::kDouble));
   E2LF_RETURN_IF_ERROR(replace_by_peers_mean({{"loss and error", means}}));
   E2LF_RETURN_IF_ERROR(replace_by_peers_mean(input_means));
   centre_gradients(network_.parameters(), input_means);
