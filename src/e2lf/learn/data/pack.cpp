@@ -4,6 +4,7 @@
 #include <string>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/learn/data/packed_data.h"
 #include "e2lf/lightfield/image.h"
@@ -78,6 +79,7 @@ Result<void> add_texture(Safetensors& file, const fs::path& path) {
 }  // namespace
 
 Result<PackSummary> pack(const fs::path& output, const PackOptions& options, const ProgressFn& progress) {
+  E2LF_RETURN_IF_ERROR(check_output(output, /*overwrite=*/false));
   E2LF_ASSIGN_OR_RETURN(const auto pictures, list_pictures(options.textures));
   const size_t total = options.light_fields.size() + pictures.size();
   if (total == 0)

@@ -42,7 +42,7 @@ struct PackSummary {
 /// Packs light fields and photographs into one .safetensors file, 8-bit grey, for training on any machine:
 /// "lightfield/<name>" U8 [8, 8, y, x] and "texture/<folder>/<name>" U8 [y, x], named after the files without their
 /// extensions. If a light field has more than 8x8 views, the central ones are taken. Does not require torch. Fails with
-/// kInvalidValue (two inputs with the same name, an image smaller than 64x64 px, or nothing to pack) and as
+/// kExists, kInvalidValue (two inputs with the same name, an image smaller than 64x64 px, or nothing to pack) and as
 /// the readers do.
 [[nodiscard]] Result<PackSummary> pack(const std::filesystem::path& output, const PackOptions& options,
                                        const ProgressFn& progress = {});
