@@ -228,7 +228,7 @@ bool bfloat16_supported() {
 #endif
 }
 
-bool bfloat16_is_faster() {
+bool bfloat16_is_fast() {
 #if defined(__x86_64__)
   return bfloat16_supported() && (current_isa() == "amx" || __builtin_cpu_is("intel") == 0);
 #else

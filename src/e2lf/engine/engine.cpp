@@ -16,9 +16,8 @@ namespace {
 // Wider images are cut into panels of columns, so that memory does not grow with the width.
 constexpr size_t kPanelColumns = 2048;
 
-/// Returns true if the CPU is no slower in this precision than in float32.
-bool pays(Precision precision) {
-  return precision == Precision::kBfloat16 ? bfloat16_is_faster() : precision != Precision::kInt16 || int16_supported();
+bool is_supported(Precision precision) {
+  return precision == Precision::kBfloat16 ? bfloat16_supported() : precision != Precision::kInt16 || int16_supported();
 }
 
 /// The kinds of devices of this process.
@@ -127,8 +126,12 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
   auto impl = std::make_unique<Impl>();
   impl->precision = options.precision;
   if (options.precision == Precision::kAuto) {
-    const auto fastest = std::ranges::find_if(options.checked, pays);
-    impl->precision = fastest != options.checked.end() ? *fastest : Precision::kFloat32;
+    std::vector<Precision> checked = options.checked;
+    if (!bfloat16_is_fast()) {
+      std::ranges::stable_partition(checked, [](Precision precision) { return precision != Precision::kBfloat16; });
+    }
+    const auto fastest = std::ranges::find_if(checked, is_supported);
+    impl->precision = fastest != checked.end() ? *fastest : Precision::kFloat32;
   }
   const bool narrow = impl->precision == Precision::kBfloat16;
   E2LF_ASSIGN_OR_RETURN(impl->plan, make_plan(network, weights, narrow ? ElementType::kBfloat16 : ElementType::kFloat32,

@@ -4,7 +4,6 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/depth/true_disparity.h"
-#include "e2lf/engine/conv.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/recon/reconstruct.h"
@@ -44,7 +43,7 @@ TEST_F(PrecisionCheck, AutomaticPrecisionIsFloat32UntilItWasChecked) {
   model.precision_loss = measure_precision_loss(model, scenes).value();
   const bool has_bfloat16 = recon::Reconstructor::create(model, {Precision::kBfloat16}).ok();
   EXPECT_EQ(model.precision_loss.bfloat16_db.has_value(), has_bfloat16);
-  EXPECT_EQ(automatic(model), engine::bfloat16_is_faster() ? Precision::kBfloat16 : Precision::kFloat32);
+  EXPECT_EQ(automatic(model), has_bfloat16 ? Precision::kBfloat16 : Precision::kFloat32);
   set_max_isa("sse4").value();
   EXPECT_EQ(automatic(model), Precision::kFloat32);
   EXPECT_EQ(measure_precision_loss(model, scenes).value(), model::PrecisionLoss());
