@@ -119,14 +119,14 @@ TEST(NetworkInput, SumsOverCyclesBecomeMeans) {
   EXPECT_NEAR(planes->values[2], 0.01 * std::expm1(0.3 * 1.75), 1e-7);
 }
 
-TEST(NetworkInput, PaddingRepeatsTheLastRowAndColumn) {
+TEST(NetworkInput, PaddingMirrorsTheLastRowsAndColumns) {
   capture::EventImages images(1, 2, 3);
   images.values = {1, 2, 3, 4, 5, 6};
   const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, 4);
   ASSERT_TRUE(planes);
   EXPECT_EQ(planes->height, 4U);
   EXPECT_EQ(planes->width, 4U);
-  EXPECT_EQ(planes->values, (std::vector<float>{1, 2, 3, 3, 4, 5, 6, 6, 4, 5, 6, 6, 4, 5, 6, 6}));
+  EXPECT_EQ(planes->values, (std::vector<float>{1, 2, 3, 3, 4, 5, 6, 6, 4, 5, 6, 6, 1, 2, 3, 3}));
 }
 
 TEST(NetworkInput, IsTheSameForAnyThreadCount) {
