@@ -128,7 +128,7 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
   if (options.precision == Precision::kAuto) {
     std::vector<Precision> checked = options.checked;
     if (!bfloat16_is_fast()) {
-      std::ranges::stable_partition(checked, [](Precision precision) { return precision != Precision::kBfloat16; });
+      std::stable_partition(checked.begin(), checked.end(), [](Precision p) { return p != Precision::kBfloat16; });
     }
     const auto fastest = std::ranges::find_if(checked, is_supported);
     impl->precision = fastest != checked.end() ? *fastest : Precision::kFloat32;
