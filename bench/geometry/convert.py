@@ -10,6 +10,7 @@ import pathlib
 import struct
 import sys
 
+import numpy as np
 import torch
 
 import networks
@@ -18,13 +19,19 @@ INPUTS = [{"kind": "counts", "scale": 0.125}, {"kind": "cumulative", "scale": 0.
 VIEWPOINTS = [view - 3.5 for view in range(8)]
 
 
-def read_header(path):
-    """Returns the header of a model file and the bytes of its patterns."""
-    content = path.read_bytes()
+def read_model(path):
+    """Returns the header of a model file and its tensors as float32."""
+    content = pathlib.Path(path).read_bytes()
     length = struct.unpack("<Q", content[:8])[0]
-    header = json.loads(content[8:8 + length])
-    begin, end = (8 + length + offset for offset in header["aperture.codes"]["data_offsets"])
-    return json.loads(header["__metadata__"]["e2lf"]), header["aperture.codes"]["shape"], content[begin:end]
+    entries = json.loads(content[8:8 + length])
+    header = json.loads(entries.pop("__metadata__")["e2lf"])
+    tensors = {}
+    for name, entry in entries.items():
+        begin, end = (8 + length + offset for offset in entry["data_offsets"])
+        bits = np.frombuffer(content[begin:end], np.uint16 if entry["dtype"] == "BF16" else np.float32)
+        values = (bits.astype(np.uint32) << 16).view(np.float32) if entry["dtype"] == "BF16" else bits.copy()
+        tensors[name] = values.reshape(entry["shape"])
+    return header, tensors
 
 
 def file_layers(layers):
@@ -42,20 +49,21 @@ def file_layers(layers):
 
 
 def write(path, header, tensors):
-    """Writes a .safetensors file; tensors are (shape, bytes) by name."""
+    """Writes a .safetensors file; tensors are arrays by name, which it stores as float32."""
     entries, offset = {"__metadata__": {"e2lf": json.dumps(header)}}, 0
-    for name, (shape, data) in sorted(tensors.items()):
-        entries[name] = {"dtype": "F32", "shape": list(shape), "data_offsets": [offset, offset + len(data)]}
-        offset += len(data)
+    stored = {name: np.ascontiguousarray(values, np.float32) for name, values in sorted(tensors.items())}
+    for name, values in stored.items():
+        entries[name] = {"dtype": "F32", "shape": list(values.shape), "data_offsets": [offset, offset + values.nbytes]}
+        offset += values.nbytes
     text = json.dumps(entries).encode()
     text += b" " * (-len(text) % 8)
-    path.write_bytes(struct.pack("<Q", len(text)) + text + b"".join(data for _, (_, data) in sorted(tensors.items())))
+    path.write_bytes(struct.pack("<Q", len(text)) + text + b"".join(values.tobytes() for values in stored.values()))
 
 
 def main():
     network, model, name, out = sys.argv[1:5]
     trained = torch.load(network, map_location="cpu")
-    header, codes_shape, codes = read_header(pathlib.Path(model))
+    header, of_model = read_model(model)
     if header["num_patterns"] != trained["num_patterns"]:
         sys.exit(f"{network} is for {trained['num_patterns']} patterns, and {model} for {header['num_patterns']}")
     channels = trained["weights"]["pictures/weight"].shape[1]
@@ -66,9 +74,8 @@ def main():
     header.update(name=name, input=INPUTS + ([{"kind": "camera", "scale": 1.0}] if is_conditioned else []),
                   network={"type": "conv-graph", "input_channels": channels, "layers": file_layers(trained["layers"])},
                   provenance={"trained_by": "bench/geometry/train.py", **dict(pair.split("=", 1) for pair in sys.argv[5:])})
-    tensors = {key.replace("/", "."): (weight.shape, weight.float().contiguous().numpy().tobytes())
-               for key, weight in trained["weights"].items()}
-    tensors["aperture.codes"] = (codes_shape, codes)
+    tensors = {key.replace("/", "."): weight.float().numpy() for key, weight in trained["weights"].items()}
+    tensors["aperture.codes"] = of_model["aperture.codes"]
     write(pathlib.Path(out), header, tensors)
 
 

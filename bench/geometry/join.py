@@ -5,9 +5,7 @@ GEOMETRY is a model file that ends in the operation render-layers, OTHER one tha
 GEOMETRY, from 0 to 1. If OTHER is not conditioned on a camera, neither is the result: the conditioning vector of the paper's event
 model becomes a part of GEOMETRY's weights. `e2lf model store` then checks the precisions. Requires torch.
 """
-import json
 import pathlib
-import struct
 import sys
 
 import numpy as np
@@ -17,21 +15,6 @@ import convert
 import sensor
 
 OTHER = "other_"
-
-
-def read_model(path):
-    """Returns the header of a model file and its tensors as float32."""
-    content = pathlib.Path(path).read_bytes()
-    length = struct.unpack("<Q", content[:8])[0]
-    entries = json.loads(content[8:8 + length])
-    header = json.loads(entries.pop("__metadata__")["e2lf"])
-    tensors = {}
-    for name, entry in entries.items():
-        begin, end = (8 + length + offset for offset in entry["data_offsets"])
-        bits = np.frombuffer(content[begin:end], np.uint16 if entry["dtype"] == "BF16" else np.float32)
-        values = (bits.astype(np.uint32) << 16).view(np.float32) if entry["dtype"] == "BF16" else bits.copy()
-        tensors[name] = values.reshape(entry["shape"])
-    return header, tensors
 
 
 def fold_conditioning(header, tensors, values):
@@ -74,7 +57,7 @@ def scale_views(header, tensors, share):
 
 
 def main():
-    (header, tensors), (other, other_tensors) = read_model(sys.argv[1]), read_model(sys.argv[2])
+    (header, tensors), (other, other_tensors) = convert.read_model(sys.argv[1]), convert.read_model(sys.argv[2])
     share, name, out = float(sys.argv[3]), sys.argv[4], sys.argv[5]
     np.testing.assert_array_equal(tensors["aperture.codes"], other_tensors.pop("aperture.codes"))
     if len(other["input"]) < len(header["input"]):
@@ -97,7 +80,7 @@ def main():
     header.pop("precision_loss", None)
     header["name"] = name
     tensors.update({OTHER + key: value for key, value in other_tensors.items()})
-    convert.write(pathlib.Path(out), header, {key: (value.shape, np.ascontiguousarray(value, np.float32).tobytes()) for key, value in tensors.items()})
+    convert.write(pathlib.Path(out), header, tensors)
 
 
 if __name__ == "__main__":
