@@ -82,10 +82,6 @@ struct ConvSpec {
 /// Returns true if the CPU multiplies bfloat16 pairs (AVX512_BF16), the build supports it and E2LF_MAX_ISA allows it.
 [[nodiscard]] bool bfloat16_supported();
 
-/// Returns true if the CPU multiplies bfloat16 pairs no slower than those of 16-bit integers: on AMX tiles, and without
-/// them on CPUs other than Intel's, which issue VDPBF16PS at a quarter of the rate of multiply-adds.
-[[nodiscard]] bool bfloat16_is_fast();
-
 /// Returns true if the CPU multiplies pairs of 16-bit integers faster than float32 (AVX2, or AVX-512 with VNNI) and
 /// E2LF_MAX_ISA allows it.
 [[nodiscard]] bool int16_supported();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Implements make_direct() of conv.h: convolutions as sums over the taps.
-#include "e2lf/base/isa.h"
 #include "e2lf/base/result.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/tap_grid.h"
@@ -223,14 +222,6 @@ std::unique_ptr<Kernel> make_direct_int16(const ConvSpec& spec) {
 bool bfloat16_supported() {
 #if defined(__x86_64__)
   return HWY_DYNAMIC_DISPATCH(KnowsBfloat16)() && __builtin_cpu_supports("avx512bf16") != 0;
-#else
-  return false;
-#endif
-}
-
-bool bfloat16_is_fast() {
-#if defined(__x86_64__)
-  return bfloat16_supported() && (current_isa() == "amx" || __builtin_cpu_is("intel") == 0);
 #else
   return false;
 #endif

@@ -126,12 +126,8 @@ Result<Engine> Engine::create(const model::Network& network, const model::Weight
   auto impl = std::make_unique<Impl>();
   impl->precision = options.precision;
   if (options.precision == Precision::kAuto) {
-    std::vector<Precision> checked = options.checked;
-    if (!bfloat16_is_fast()) {
-      std::stable_partition(checked.begin(), checked.end(), [](Precision p) { return p != Precision::kBfloat16; });
-    }
-    const auto fastest = std::ranges::find_if(checked, is_supported);
-    impl->precision = fastest != checked.end() ? *fastest : Precision::kFloat32;
+    const auto fastest = std::ranges::find_if(options.checked, is_supported);
+    impl->precision = fastest != options.checked.end() ? *fastest : Precision::kFloat32;
   }
   const bool narrow = impl->precision == Precision::kBfloat16;
   E2LF_ASSIGN_OR_RETURN(impl->plan, make_plan(network, weights, narrow ? ElementType::kBfloat16 : ElementType::kFloat32,

@@ -15,7 +15,7 @@
 namespace e2lf::engine {
 
 enum class Precision {
-  kAuto,  ///< float32, or the first of EngineOptions::checked that the CPU supports; see Engine::precision()
+  kAuto,  ///< float32, or the fastest of EngineOptions::checked that the CPU supports; see Engine::precision()
   kFloat32,
   kBfloat16,  ///< bfloat16 products with float32 sums; kUnsupported if the CPU lacks them
   kFloat16,   ///< on devices other than the CPU: everything in half precision
@@ -27,8 +27,7 @@ enum class Precision {
 
 struct EngineOptions {
   Precision precision = Precision::kAuto;
-  /// The precisions that kAuto may choose for this network, because someone measured what it loses, in this order,
-  /// but bfloat16 last on CPUs that are slow in it.
+  /// The precisions that kAuto may choose for this network, because someone measured what it loses, in this order.
   std::vector<Precision> checked = {};
   /// "cpu", or a device whose kind add_device_kind() of device.h made known, such as "cuda:1". There, kAuto is float16
   /// if bfloat16, which rounds more, was checked.

@@ -157,14 +157,6 @@ TEST_F(EngineTest, RoundsToInt16OnlyIfThatIsAllowed) {
             Precision::kFloat32);
 }
 
-TEST_F(EngineTest, ChoosesTheFirstCheckedPrecisionInWhichTheCpuIsFast) {
-  if (!bfloat16_supported() || !int16_supported()) GTEST_SKIP() << "this CPU has no choice";
-  const TestNetwork test = test_networks()[0];
-  const EngineOptions both{Precision::kAuto, {Precision::kBfloat16, Precision::kInt16}};
-  EXPECT_EQ(Engine::create(test.network, random_weights(test.network, 1), both).value().precision(),
-            bfloat16_is_fast() ? Precision::kBfloat16 : Precision::kInt16);
-}
-
 TEST_F(EngineTest, RefusesBfloat16WhereTheInstructionSetIsCapped) {
   set_max_isa("avx2").value();
   const TestNetwork test = test_networks()[0];
