@@ -24,14 +24,12 @@ Result<torch::Device> device_of(const std::string& name) {
                                                                                            name.data() + name.size();
   const auto parsed = std::from_chars(begin, end, number);
   if (name != "cuda" && (!name.starts_with("cuda:") || parsed.ec != std::errc() || parsed.ptr != end || number < 0)) {
-    return Error{ErrorCode::kInvalidValue, cat("\"", name, "\" is not a device; use cpu, cuda or cuda:N"), ""};
+    return fail(ErrorCode::kInvalidValue, "", "\"", name, "\" is not a device; use cpu, cuda or cuda:N");
   }
   const auto devices = static_cast<int>(torch::cuda::device_count());
   if (number < devices) return torch::Device(torch::kCUDA, static_cast<torch::DeviceIndex>(number));
-  return Error{ErrorCode::kMissingDependency,
-               cat("torch finds ", devices, " CUDA devices on this machine, not ", name,
-                   "; use cpu, or install a driver and a torch with CUDA"),
-               ""};
+  return fail(ErrorCode::kMissingDependency, "", "torch finds ", devices, " CUDA devices on this machine, not ", name,
+              "; use cpu, or install a driver and a torch with CUDA");
 }
 
 /// Returns the type of the computation. Fails with kUnsupported.
@@ -40,10 +38,8 @@ Result<torch::ScalarType> type_of(const engine::EngineOptions& options, const to
   const bool is_half = options.precision == Precision::kFloat16 ||
                        (options.precision == Precision::kAuto && is_checked && device.is_cuda());
   if (options.precision == Precision::kInt16 || (is_half && !device.is_cuda())) {
-    return Error{ErrorCode::kUnsupported,
-                 cat("the device ", options.device, " does not compute in ", engine::precision_name(options.precision),
-                     "; use precision auto"),
-                 ""};
+    return fail(ErrorCode::kUnsupported, "", "the device ", options.device, " does not compute in ",
+                engine::precision_name(options.precision), "; use precision auto");
   }
   if (is_half) return torch::kHalf;
   return options.precision == Precision::kBfloat16 ? torch::kBFloat16 : torch::kFloat;
@@ -81,8 +77,7 @@ class TorchNetwork : public engine::DeviceNetwork {
       torch::from_blob(output.data(), result.sizes()).copy_(result);
       return {};
     } catch (const c10::Error& error) {
-      return Error{ErrorCode::kInternal, cat("torch failed on ", device_.str(), ": ", error.what_without_backtrace()),
-                   ""};
+      return fail(ErrorCode::kInternal, "", "torch failed on ", device_.str(), ": ", error.what_without_backtrace());
     }
   }
 
@@ -113,10 +108,9 @@ Result<std::shared_ptr<const engine::DeviceNetwork>> open(const model::Network& 
     E2LF_RETURN_IF_ERROR(opened->take(weights));
     return std::shared_ptr<const engine::DeviceNetwork>(std::move(opened));
   } catch (const ContractError& error) {
-    return Error{ErrorCode::kUnsupported, cat("torch does not have all operations of the network: ", error.what()), ""};
+    return fail(ErrorCode::kUnsupported, "", "torch does not have all operations of the network: ", error.what());
   } catch (const c10::Error& error) {
-    return Error{ErrorCode::kInternal, cat("torch failed on ", options.device, ": ", error.what_without_backtrace()),
-                 ""};
+    return fail(ErrorCode::kInternal, "", "torch failed on ", options.device, ": ", error.what_without_backtrace());
   }
 }
 

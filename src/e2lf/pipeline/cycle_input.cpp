@@ -15,16 +15,14 @@ void invert(capture::EventImages& images) {
 
 Result<void> check(const CycleInputOptions& options) {
   if (options.max_cycles == 0 || options.max_cycles >= options.cycles_per_field) return {};
-  return Error{ErrorCode::kInvalidValue,
-               cat("a light field takes ", options.cycles_per_field, " cycles, but at most ", options.max_cycles,
-                   " may be read; raise this limit"),
-               "max_cycles"};
+  return fail(ErrorCode::kInvalidValue, "max_cycles", "a light field takes ", options.cycles_per_field,
+              " cycles, but at most ", options.max_cycles, " may be read; raise this limit");
 }
 
 Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions& options) {
   const capture::MeasurementKind measured = file.cycles.front().kind;
   const auto useless = [](std::string why, const char* option) {
-    return Error{ErrorCode::kInvalidValue, std::move(why) + "; omit this setting", option};
+    return fail(ErrorCode::kInvalidValue, option, std::move(why) + "; omit this setting");
   };
   if (options.cycles_per_field > 1 && measured != capture::MeasurementKind::kEventImages) {
     return useless(
@@ -32,10 +30,9 @@ Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions
         "cycles");
   }
   if (file.cycles.size() < options.cycles_per_field) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("there are ", file.cycles.size(), " cycles, fewer than the ", options.cycles_per_field,
-                     " from which one light field is reconstructed; reduce the number of cycles per light field"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "there are ", file.cycles.size(), " cycles, fewer than the ",
+                options.cycles_per_field,
+                " from which one light field is reconstructed; reduce the number of cycles per light field");
   }
   if (options.invert_polarity && !capture::has_events(measured)) {
     return useless("this measurement has no events", "invert_polarity");
@@ -159,9 +156,8 @@ Result<void> choose_source(cycles::CycleOptions& options, const std::optional<in
     options.source = has_triggers ? CycleSource::kTriggers : origin_us ? CycleSource::kSchedule : CycleSource::kAuto;
   }
   if (options.source == CycleSource::kSchedule && !origin_us) {
-    return Error{ErrorCode::kInvalidValue,
-                 "the schedule does not state when a cycle began; give that time, or use the events as the source",
-                 "origin_us"};
+    return fail(ErrorCode::kInvalidValue, "origin_us",
+                "the schedule does not state when a cycle began; give that time, or use the events as the source");
   }
   options.origin_us = origin_us.value_or(0);
   return {};

@@ -54,11 +54,9 @@ Result<EventDepth> depth_of_outputs(const model::Model& model, const lightfield:
                                     const capture::EventImages& events, size_t cycles,
                                     const capture::Orientation& views) {
   if (views.flip_x != views.flip_y) {
-    return Error{
-        ErrorCode::kUnsupported,
-        "the views are flipped along one axis, where depth is not found from events; show the patterns flipped "
-        "in the same way, or estimate the depth of a reconstructed light field",
-        ""};
+    return fail(ErrorCode::kUnsupported, "",
+                "the views are flipped along one axis, where depth is not found from events; show the patterns flipped "
+                "in the same way, or estimate the depth of a reconstructed light field");
   }
   lightfield::Image location = lightfield::view_image(outputs, 0, 0);
   if (!views.is_upright()) {

@@ -31,24 +31,21 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   if (choice.model) return {};
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
   if (!known) {
-    return Error{ErrorCode::kInvalidValue,
-                 "the patterns that the camera showed are unknown; give them as `codes`, or give the model that was "
-                 "trained for them",
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "",
+                "the patterns that the camera showed are unknown; give them as `codes`, or give the model that was "
+                "trained for them");
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
                         choice.algorithm == kDepth ? first_for(known->codes, {"e2lf-n4-depth", "e2lf-n4-cycle-depth"})
                                                    : bundled_network(known->codes, opened.camera, choice.prefers_fast));
   if (!network && bundled_names(kBundledModels).empty()) {
-    return Error{
-        ErrorCode::kNotFound,
-        "the models of e2lf were not found; name their folder in the environment variable E2LF_MODELS, or give "
-        "a model",
-        ""};
+    return fail(ErrorCode::kNotFound, "",
+                "the models of e2lf were not found; name their folder in the environment variable E2LF_MODELS, or give "
+                "a model");
   }
   if (!network) {
-    return Error{ErrorCode::kNotFound,
-                 "no bundled network was trained for these patterns; give one that was, or use the inversion", ""};
+    return fail(ErrorCode::kNotFound, "",
+                "no bundled network was trained for these patterns; give one that was, or use the inversion");
   }
   path = std::move(network->path);
   choice.model = std::move(network->model);
@@ -74,23 +71,20 @@ Result<void> check_transitions(size_t transitions, const model::Model& model) {
   if (transitions + 1 == model.num_patterns) return {};
   const auto shown = model.codes ? capture::codes_of_whole_cycle(*model.codes) : std::nullopt;
   const bool has_lit_ones = shown && transitions + 1 == shown->num_patterns;
-  return Error{
-      ErrorCode::kShape,
-      cat("there are ", has_lit_ones ? "only the " : "", transitions, " event images",
-          has_lit_ones ? " of the active patterns" : "", ", and ", model.name, " takes ", model.num_patterns - 1,
-          has_lit_ones ? " of all transitions of the cycle; accumulate the recording with all transitions"
-                       : "; use the model that belongs to the patterns of the recording"),
-      has_lit_ones ? "transitions" : ""};
+  return fail(ErrorCode::kShape, has_lit_ones ? "transitions" : "", "there are ", has_lit_ones ? "only the " : "",
+              transitions, " event images", has_lit_ones ? " of the active patterns" : "", ", and ", model.name,
+              " takes ", model.num_patterns - 1,
+              has_lit_ones ? " of all transitions of the cycle; accumulate the recording with all transitions"
+                           : "; use the model that belongs to the patterns of the recording");
 }
 
 Result<void> check_output(const std::string& algorithm, const model::Model& model) {
   const bool is_depth = model::is_depth_network(model);
   if (is_depth == (algorithm == kDepth)) return {};
-  return Error{ErrorCode::kUnsupported,
-               cat(model.name, is_depth ? " gives disparities and no light field; use `e2lf depth`, or another model"
-                                        : " gives light fields and no disparities; give a depth network, or estimate "
-                                          "the depth of its light fields"),
-               ""};
+  return fail(ErrorCode::kUnsupported, "", model.name,
+              is_depth ? " gives disparities and no light field; use `e2lf depth`, or another model"
+                       : " gives light fields and no disparities; give a depth network, or estimate "
+                         "the depth of its light fields");
 }
 
 Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
@@ -101,8 +95,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
   const bool is_conditioned = model::is_conditioned_on_camera(model);
   if (!is_conditioned && choice.camera) {
-    return Error{ErrorCode::kInvalidValue, cat(model.name, " was trained for a single camera; omit the camera"),
-                 "camera"};
+    return fail(ErrorCode::kInvalidValue, "camera", model.name, " was trained for a single camera; omit the camera");
   }
   const bool has_pixels = is_conditioned && model.camera && model.camera->is_pixel();
   if (has_pixels && choice.camera && capture::to_json(*model.camera) != capture::to_json(*choice.camera)) {
@@ -157,10 +150,8 @@ Result<model::Model> read_network(const fs::path& path) {
 Result<OpenedMethod> open_method(MethodChoice choice) {
   const bool is_network = choice.algorithm == "network" || choice.algorithm == kDepth;
   if (choice.measurement != capture::MeasurementKind::kEventImages && !(is_network && choice.model)) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("this is the measurement ", capture::measurement_name(choice.measurement),
-                     "; give a network that was trained for it"),
-                 ""};
+    return fail(ErrorCode::kInvalidValue, "", "this is the measurement ", capture::measurement_name(choice.measurement),
+                "; give a network that was trained for it");
   }
   OpenedMethod opened;
   opened.algorithm = choice.algorithm;
@@ -187,17 +178,16 @@ Tone OpenedMethod::complete(Tone tone) const {
 
 Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   if (!network && use.passes > 1) {
-    return Error{ErrorCode::kInvalidValue,
-                 cat("the method ", algorithm, " supports a single pass; omit the number of passes"), "passes"};
+    return fail(ErrorCode::kInvalidValue, "passes", "the method ", algorithm,
+                " supports a single pass; omit the number of passes");
   }
   if (use.cycles > 1 && !takes_sums()) {
-    return Error{ErrorCode::kInvalidValue,
-                 network ? cat(network->model().name,
-                               " reconstructs each light field from one cycle; omit the number of cycles, or use a ",
-                               "model that is conditioned on the sensor profile")
-                         : cat("the method ", algorithm,
-                               " reconstructs each light field from one cycle; omit the number of cycles"),
-                 "cycles"};
+    return fail(ErrorCode::kInvalidValue, "cycles",
+                network ? cat(network->model().name,
+                              " reconstructs each light field from one cycle; omit the number of cycles, or use a ",
+                              "model that is conditioned on the sensor profile")
+                        : cat("the method ", algorithm,
+                              " reconstructs each light field from one cycle; omit the number of cycles"));
   }
   if (network) return method_of(network, use);
   return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {

@@ -48,10 +48,9 @@ Result<capture::Codes> read_patterns(const std::filesystem::path& path) {
   if (path.extension() != kBundledModels.extension) return capture::read_codes(path);
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(path));
   if (model.codes) return std::move(*model.codes);
-  return Error{ErrorCode::kNotFound,
-               "the model contains no aperture patterns; give a file that does: for those of the paper, the model that "
-               "`e2lf model import --release FOLDER` writes",
-               path.string()};
+  return fail(ErrorCode::kNotFound, path,
+              "the model contains no aperture patterns; give a file that does: for those of the paper, the model that "
+              "`e2lf model import --release FOLDER` writes");
 }
 
 namespace fs = std::filesystem;

@@ -78,7 +78,7 @@ Result<double> squared_error(const recon::Reconstructor& network, const std::vec
 Result<model::PrecisionLoss> measure_precision_loss(const model::Model& model,
                                                     std::span<const lightfield::LightField> scenes) {
   if (!model.codes) {
-    return Error{ErrorCode::kInvalidValue, "the model has no patterns to simulate; store them in it", model.name};
+    return fail(ErrorCode::kInvalidValue, model.name, "the model has no patterns to simulate; store them in it");
   }
   E2LF_ASSIGN_OR_RETURN(const std::vector<Check> checks, make_checks(model, scenes));
   E2LF_ASSIGN_OR_RETURN(const auto exact, recon::Reconstructor::create(model, {.precision = Precision::kFloat32}));

@@ -4,7 +4,7 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/formats/rosbag/bag.h"
-#include "e2lf/recordings/io/header_text.h"
+#include "e2lf/recordings/io/bytes.h"
 
 namespace e2lf::formats::rosbag {
 namespace {

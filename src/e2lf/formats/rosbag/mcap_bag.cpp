@@ -10,8 +10,8 @@
 #include "e2lf/base/text.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/rosbag/bag.h"
+#include "e2lf/recordings/io/bytes.h"
 #include "e2lf/recordings/io/decompress.h"
-#include "e2lf/recordings/io/header_text.h"
 
 /// MCAP as specified at mcap.dev: records with a kind (u8), a length (u64) and content; chunks contain records.
 namespace e2lf::formats::rosbag {

@@ -8,7 +8,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/recordings/batch_check.h"
-#include "e2lf/recordings/io/header_text.h"
+#include "e2lf/recordings/io/bytes.h"
 
 namespace e2lf::formats::text {
 namespace {

@@ -12,6 +12,9 @@
 
 namespace e2lf::recordings {
 
+/// Returns whether `head` begins with the header of a RAW recording (and not of a DAT file).
+[[nodiscard]] bool is_raw_header(std::span<const uint8_t> head);
+
 /// Opens a Prophesee RAW recording: EVT2, EVT2.1 (either byte order), EVT3 or EVT4, as its header or options.format
 /// states.
 [[nodiscard]] Result<ReaderPtr> open_raw(SourcePtr source, const OpenOptions& options);

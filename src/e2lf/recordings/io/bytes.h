@@ -9,12 +9,21 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/io/decode_summary.h"
 
 namespace e2lf::recordings {
+
+/// Returns bytes as text, and text as bytes.
+[[nodiscard]] inline std::string_view as_text(std::span<const uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+[[nodiscard]] inline std::span<const uint8_t> as_bytes(std::string_view text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
 
 /// Number of bytes at the start of a source from which its format is detected.
 inline constexpr size_t kDetectBytes = 4096;

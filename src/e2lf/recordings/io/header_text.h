@@ -4,21 +4,12 @@
 #include <charconv>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 namespace e2lf::recordings {
-
-/// Returns bytes as text, and text as bytes.
-[[nodiscard]] inline std::string_view as_text(std::span<const uint8_t> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-[[nodiscard]] inline std::span<const uint8_t> as_bytes(std::string_view text) {
-  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
 
 /// Returns a text without blanks at its begin and end.
 [[nodiscard]] std::string_view trimmed(std::string_view text, std::string_view blanks = " \t");

@@ -13,8 +13,6 @@
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
-#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
-#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {

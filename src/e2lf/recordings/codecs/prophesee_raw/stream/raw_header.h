@@ -46,9 +46,6 @@ enum class HeaderPlace { kNone, kIncomplete, kHere };
 /// words. If not `ended`, more bytes may follow, and kIncomplete requests them.
 [[nodiscard]] HeaderPlace find_raw_header(std::span<const uint8_t> bytes, bool ended);
 
-/// Returns whether `head` begins with the header of a RAW recording (and not of a DAT file).
-[[nodiscard]] bool is_raw_header(std::span<const uint8_t> head);
-
 /// Returns the header of a recording in info.format, which ends with "% end". Keys of info.header are kept, except
 /// those of encoding and size, which are written anew. Keys that the vendor's software requires are added.
 [[nodiscard]] std::string raw_header_text(const RecordingInfo& info);

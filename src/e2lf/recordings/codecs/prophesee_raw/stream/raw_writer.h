@@ -9,7 +9,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
-#include "e2lf/recordings/io/header_text.h"
+#include "e2lf/recordings/io/bytes.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {

@@ -11,8 +11,8 @@
 
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
+#include "e2lf/recordings/io/bytes.h"
 #include "e2lf/recordings/io/decode_summary.h"
-#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
 
