@@ -12,8 +12,8 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/draws.h"
+#include "e2lf/sensor/event_model.h"
 
 namespace e2lf::sensor {
 namespace {
