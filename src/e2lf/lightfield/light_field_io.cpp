@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
@@ -163,14 +164,10 @@ Result<LightField> read_light_field(const fs::path& path, const ReadOptions& opt
 
 namespace {
 
-struct FormatWord {
-  const char* word;
-  LightFieldFormat format;
-};
-constexpr FormatWord kFormatWords[] = {{"png", LightFieldFormat::kPng8},
-                                       {"png16", LightFieldFormat::kPng16},
-                                       {"npy", LightFieldFormat::kNpy},
-                                       {"h5", LightFieldFormat::kHdf5}};
+constexpr Choice<LightFieldFormat> kFormats[] = {{"png", LightFieldFormat::kPng8},
+                                                 {"png16", LightFieldFormat::kPng16},
+                                                 {"npy", LightFieldFormat::kNpy},
+                                                 {"h5", LightFieldFormat::kHdf5}};
 
 Result<void> write_folder(const fs::path& path, const LightFieldView& light_field, const WriteOptions& options,
                           const ProgressFn& progress) {
@@ -182,12 +179,7 @@ Result<void> write_folder(const fs::path& path, const LightFieldView& light_fiel
 }  // namespace
 
 Result<LightFieldFormat> parse_format(const std::string& word) {
-  std::vector<std::string> words;
-  for (const FormatWord& known : kFormatWords) {
-    if (word == known.word) return known.format;
-    words.emplace_back(known.word);
-  }
-  return fail(ErrorCode::kInvalidValue, "", "no light-field format is called \"", word, "\"; use one of ", join(words));
+  return choice_of(word, kFormats, "light-field format");
 }
 
 bool is_folder_format(LightFieldFormat format) {
