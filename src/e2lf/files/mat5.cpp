@@ -21,10 +21,6 @@ constexpr size_t kPreviewBytes = 1024;
 // The limit keeps the list of the variables of a huge file short.
 constexpr size_t kMostOthers = 1000;
 
-uint32_t load32(std::span<const uint8_t> bytes) {
-  return bytes[0] | uint32_t{bytes[1]} << 8 | uint32_t{bytes[2]} << 16 | uint32_t{bytes[3]} << 24;
-}
-
 /// A data element: a tag (type and size) and the data that it describes.
 struct Element {
   uint32_t type = 0;
@@ -37,14 +33,14 @@ struct Element {
 /// padded to eight bytes.
 std::optional<Element> take_element(std::span<const uint8_t>& rest) {
   if (rest.size() < kTagBytes) return std::nullopt;
-  const uint32_t word = load32(rest);
+  const uint32_t word = load_le<uint32_t>(rest.data());
   if (word >> 16 != 0) {
     const size_t size = word >> 16;
     const Element element{word & 0xFFFF, size, rest.subspan(4, std::min<size_t>(size, 4))};
     rest = rest.subspan(kTagBytes);
     return element;
   }
-  Element element{word, load32(rest.subspan(4)), {}};
+  Element element{word, load_le<uint32_t>(rest.data() + 4), {}};
   rest = rest.subspan(kTagBytes);
   element.data = rest.first(std::min(element.size, rest.size()));
   const size_t padded = word == kCompressed ? element.size : (element.size + 7) / 8 * 8;
@@ -95,13 +91,13 @@ std::optional<MatArray> take_head(std::span<const uint8_t>& rest) {
   MatArray head;
   const auto flags = take_element(rest);
   if (!is_whole(flags) || flags->data.size() < 4) return std::nullopt;
-  const uint32_t word = load32(flags->data);
+  const uint32_t word = load_le<uint32_t>(flags->data.data());
   head.class_type = code_of(kClassCodes, word & 0xFF);
   head.complex = (word & 0x800) != 0;
   head.logical = (word & 0x200) != 0;
   const auto extents = take_element(rest);
   if (!is_whole(extents) || extents->size % 4 != 0) return std::nullopt;
-  for (size_t i = 0; i < extents->size; i += 4) head.extents.push_back(load32(extents->data.subspan(i)));
+  for (size_t i = 0; i < extents->size; i += 4) head.extents.push_back(load_le<uint32_t>(extents->data.data() + i));
   const auto name = take_element(rest);
   if (!is_whole(name)) return std::nullopt;
   head.name.assign(name->data.begin(), name->data.end());
@@ -123,7 +119,7 @@ Error damaged(const std::string& location) {
 /// Inflates a whole variable, whose length is stated by the tag at the front of `preview`.
 Result<std::vector<uint8_t>> inflate_variable(const Element& element, std::span<const uint8_t> preview,
                                               uint64_t max_bytes, const std::string& location) {
-  const uint64_t size = kTagBytes + uint64_t{load32(preview.subspan(4))};
+  const uint64_t size = kTagBytes + uint64_t{load_le<uint32_t>(preview.data() + 4)};
   // Deflate cannot compress by more than a factor of 1032.
   if (size / 1032 > element.size) return damaged(location);
   // The limit leaves some room for the head around the samples, whose size the caller checks as well. zlib counts in 32

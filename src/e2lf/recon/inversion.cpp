@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -21,17 +22,14 @@ int sign(int value) {
   return (value > 0) - (value < 0);
 }
 
-Result<void> check(const capture::EventImages& images, const InversionOptions& options) {
-  E2LF_RETURN_IF_ERROR(IntensityTable::check(options.constants));
-  if (options.black <= images.count) return {};
-  return fail(ErrorCode::kInvalidValue, "", "the black pattern is number ", options.black, " but there are ",
-              images.count + 1, " patterns; count from 0");
-}
-
 }  // namespace
 
 Result<capture::CodedIntensities> invert_events(const capture::EventImages& images, const InversionOptions& options) {
-  E2LF_RETURN_IF_ERROR(check(images, options));
+  E2LF_RETURN_IF_ERROR(IntensityTable::check(options.constants));
+  if (options.black > images.count) {
+    return fail(ErrorCode::kInvalidValue, "", "the black pattern is number ", options.black, " but there are ",
+                images.count + 1, " patterns; count from 0");
+  }
   const IntensityTable table(options.constants);
   const size_t num_patterns = images.count + 1;
   capture::CodedIntensities intensities(num_patterns, images.height, images.width);
@@ -238,13 +236,17 @@ void solve(Matrix matrix, Matrix& right) {
   }
 }
 
+/// Returns the sum of the transmittances of a pattern.
+double open_cells(std::span<const float> pattern) {
+  return std::accumulate(pattern.begin(), pattern.end(), 0.0);
+}
+
 /// Computes B K, the prior correlation of each view with each normalised coded image, [pattern][view].
 Matrix correlations(const capture::Codes& codes, const std::vector<size_t>& lit, double length) {
   Matrix result(lit.size(), std::vector<double>(codes.pattern_size()));
   for (size_t i = 0; i < lit.size(); ++i) {
     const auto pattern = codes.pattern(lit[i]);
-    double open = 0;
-    for (const float value : pattern) open += value;
+    const double open = open_cells(pattern);
     for (size_t view = 0; view < codes.pattern_size(); ++view) {
       for (size_t other = 0; other < codes.pattern_size(); ++other) {
         const auto dy = static_cast<double>(view / codes.views_x) - static_cast<double>(other / codes.views_x);
@@ -311,9 +313,7 @@ Result<size_t> black_pattern(const capture::EventImages& images, const capture::
 std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const ViewPrior& prior) {
   std::vector<size_t> lit;
   for (size_t n = 0; n < codes.num_patterns; ++n) {
-    double open = 0;
-    for (const float value : codes.pattern(n)) open += value;
-    if (open > 0) lit.push_back(n);
+    if (open_cells(codes.pattern(n)) > 0) lit.push_back(n);
   }
   E2LF_REQUIRE(!lit.empty(), "one pattern at least must let light through");
 
@@ -323,12 +323,10 @@ std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const
   system[size][size] = 0;
   for (size_t i = 0; i < size; ++i) {
     for (size_t j = 0; j < size; ++j) {
-      double open = 0, sum = 0;
-      for (size_t view = 0; view < views; ++view) {
-        open += codes.pattern(lit[j])[view];
-        sum += with_views[i][view] * codes.pattern(lit[j])[view];
-      }
-      system[i][j] = sum / open + (i == j ? prior.noise : 0);
+      const auto pattern = codes.pattern(lit[j]);
+      double sum = 0;
+      for (size_t view = 0; view < views; ++view) sum += with_views[i][view] * pattern[view];
+      system[i][j] = sum / open_cells(pattern) + (i == j ? prior.noise : 0);
     }
   }
   solution.emplace_back(views, 1.0);
