@@ -18,14 +18,8 @@ WindowReader::WindowReader(std::unique_ptr<recordings::RecordingReader> reader, 
 
 Result<bool> WindowReader::next(EventWindow& window) {
   window.events.clear();
-  switch (options_.kind) {
-    case WindowKind::kTime:
-      return next_by_time(window);
-    case WindowKind::kCount:
-      return next_by_count(window);
-    case WindowKind::kTriggers:
-      break;
-  }
+  if (options_.kind == WindowKind::kTime) return next_by_time(window);
+  if (options_.kind == WindowKind::kCount) return next_by_count(window);
   return next_by_triggers(window);
 }
 

@@ -20,8 +20,6 @@ namespace {
 
 using lightfield::Image;
 
-static_assert(std::endian::native == std::endian::little, "files are written in the byte order of memory");
-
 template <typename T>
 void append(std::vector<uint8_t>& bytes, const T& value) {
   const auto* const first = reinterpret_cast<const uint8_t*>(&value);

@@ -246,12 +246,7 @@ Image vertical_epi(const LightFieldView& light_field, size_t view_x, size_t x) {
 }
 
 EpiPictureOptions middle_cut(const Shape& shape) {
-  EpiPictureOptions options;
-  options.view_y = shape.views_y / 2;
-  options.view_x = shape.views_x / 2;
-  options.y = shape.height / 2;
-  options.x = shape.width / 2;
-  return options;
+  return {.view_y = shape.views_y / 2, .view_x = shape.views_x / 2, .y = shape.height / 2, .x = shape.width / 2};
 }
 
 Image epi_picture(const LightFieldView& light_field, const EpiPictureOptions& options) {

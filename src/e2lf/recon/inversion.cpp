@@ -371,9 +371,7 @@ Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& 
 Result<lightfield::LightField> reconstruct_by_inversion(const capture::EventImages& images, const capture::Codes& codes,
                                                         const capture::SensorConstants& constants) {
   constexpr size_t kDenoiseRadius = 3;
-  InversionOptions inversion;
-  inversion.constants = constants;
-  inversion.centred = true;
+  InversionOptions inversion{.constants = constants, .centred = true};
   E2LF_ASSIGN_OR_RETURN(inversion.black, black_pattern(images, codes));
   E2LF_ASSIGN_OR_RETURN(capture::CodedIntensities intensities, invert_events(images, inversion));
   denoise_intensities(intensities, images, constants, kDenoiseRadius);

@@ -19,14 +19,7 @@
 #include "e2lf/lightfield/views.h"
 
 namespace e2lf::lightfield {
-namespace {
-
-/// Returns whether samples of this numpy type may be those of a light field; i1 and i2 are event counts.
-bool is_sample_type(const std::string& code) {
-  return element_size(code) > 0 && code != "i1" && code != "i2";
-}
-
-}  // namespace
+namespace {}  // namespace
 
 const NpyArray* find_light_field(const NpzArrays& arrays) {
   for (const char* name : {"light_field", "lightfield", "LF"}) {
@@ -45,7 +38,8 @@ const NpyArray* find_light_field(const NpzArrays& arrays) {
 
 std::optional<Shape> npy_shape(const NpyArray& array) {
   const std::vector<size_t>& extents = array.shape;
-  if (!is_sample_type(array.type)) return std::nullopt;
+  const bool are_event_counts = array.type == "i1" || array.type == "i2";
+  if (are_event_counts || element_size(array.type) == 0) return std::nullopt;
   if (extents.size() == 5 && (extents[4] == 1 || extents[4] == 3)) {
     return Shape{extents[0], extents[1], extents[2], extents[3], extents[4]};
   }
@@ -233,10 +227,6 @@ bool holds_samples(hid_t set, const hdf5::Storage& storage) {
   return promised <= most && is_known && hdf5::chunks_are_whole(set, storage);
 }
 
-std::string extents_text(const std::vector<hsize_t>& extents) {
-  return shape_text({extents.begin(), extents.end()});
-}
-
 }  // namespace
 
 bool hdf5_has_light_field(const std::filesystem::path& path) {
@@ -256,7 +246,8 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   StoredArray array = arrange(opened, options);
   if (array.shape.size() == 0) {
     return fail(
-        ErrorCode::kShape, location, "extents ", extents_text(opened.storage.extents),
+        ErrorCode::kShape, location, "extents ",
+        shape_text({opened.storage.extents.begin(), opened.storage.extents.end()}),
         " do not fit; LF is (U,V,H,W,C) or [U,V,H,W,C], LF_y [views, H, W], Hr_SAI_y [views_x * W, views_y * H]");
   }
   if (!set_type(opened.set.get(), array)) {

@@ -21,10 +21,7 @@
 
 namespace e2lf::lightfield {
 
-/// The columns of the grids of the benchmark: number = 9 * row + column.
-inline constexpr size_t kHciColumns = 9;
-
-/// Returns the PNG name of a view. The camera position in a Stanford name is unknown here and is given as *.
+/// Returns the PNG name of a view with two numbers. The camera position in a Stanford name is unknown, given as *.
 [[nodiscard]] std::string view_name(LightFieldKind kind, size_t row, size_t column);
 
 /// An image as a file stores it: rows of samples [y, x, channel] of 8 bits, or of 16 bits in the byte order of this

@@ -106,7 +106,6 @@ std::string numbered_view_name(const std::filesystem::path& like, size_t number)
 }  // namespace
 
 std::string view_name(LightFieldKind kind, size_t row, size_t column) {
-  if (kind == LightFieldKind::kHciFolder) return formatted("input_Cam%03zu.png", kHciColumns * row + column);
   if (kind == LightFieldKind::kStanfordFolder) return formatted("out_%02zu_%02zu_*.png", row, column);
   return formatted("%02zu_%02zu.png", row, column);
 }
