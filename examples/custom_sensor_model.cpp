@@ -7,7 +7,7 @@
 #include <e2lf/eval/metrics.h>
 #include <e2lf/lightfield/scene.h>
 #include <e2lf/recon/inversion.h>
-#include <e2lf/sensor/coded_intensity.h>
+#include <e2lf/sensor/event_model.h>
 
 namespace {
 

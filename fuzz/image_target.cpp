@@ -14,7 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   };
   if (is_png(bytes)) check(decode_png(bytes, "input"));
   if (is_jpeg(bytes)) check(decode_jpeg(bytes, "input"));
-  if (const auto array = find_mat_array(bytes, "LF", uint64_t{1} << 24, "input")) {
+  std::vector<std::string> others;
+  if (const auto array = find_mat_array(bytes, "LF", uint64_t{1} << 24, "input", others)) {
     require(array->data.size() <= (size_t{1} << 24), "a variable is no larger than was allowed");
   }
   return 0;

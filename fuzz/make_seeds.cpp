@@ -151,13 +151,13 @@ Result<void> write_arrays(const fs::path& folder) {
   E2LF_RETURN_IF_ERROR(write_file(folder / "arrays" / "npz", encode_npz({{"events", images}, {"codes", array}})));
   E2LF_RETURN_IF_ERROR(write_file(folder / "arrays" / "stored", encode_npz({{"events", images}}, false)));
   Safetensors file;
-  file.tensors["weight"] = make_tensor({2, 3}, floats);
+  file.tensors["weight"] = make_npy<float>({2, 3}, floats);
   file.metadata["e2lf"] = R"({"version": 1})";
   E2LF_RETURN_IF_ERROR(write_file(folder / "safetensors" / "one", encode_safetensors(file)));
   E2LF_RETURN_IF_ERROR(write_file(folder / "safetensors" / "none", encode_safetensors({})));
   Safetensors packed;
-  packed.tensors["lightfield/a"] = make_tensor({8, 8, 1, 2}, Bytes(128, 7));
-  packed.tensors["texture/set/b"] = make_tensor({3, 2}, Bytes(6, 9));
+  packed.tensors["lightfield/a"] = make_npy<uint8_t>({8, 8, 1, 2}, Bytes(128, 7));
+  packed.tensors["texture/set/b"] = make_npy<uint8_t>({3, 2}, Bytes(6, 9));
   return write_file(folder / "packed_data" / "both", encode_safetensors(packed));
 }
 

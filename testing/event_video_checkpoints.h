@@ -18,7 +18,7 @@ class CheckpointMaker {
   void add(const std::string& name, const std::vector<size_t>& shape, float scale) {
     size_t size = 1;
     for (const size_t extent : shape) size *= extent;
-    tensors.tensors[name] = make_tensor(shape, engine::random_values(size, ++seed_, scale));
+    tensors.tensors[name] = make_npy<float>(shape, engine::random_values(size, ++seed_, scale));
   }
 
   void conv(const std::string& key, size_t in, size_t out, size_t kernel, bool has_bias = true) {
@@ -32,9 +32,9 @@ class CheckpointMaker {
     add(key + ".bias", {channels}, 0.5F);
     std::vector<float> variance = engine::random_values(channels, ++seed_, 0.4F);
     for (float& value : variance) value += 0.8F;
-    tensors.tensors[key + ".running_var"] = make_tensor({channels}, variance);
+    tensors.tensors[key + ".running_var"] = make_npy<float>({channels}, variance);
     const std::vector<uint8_t> batches(8);
-    tensors.tensors[key + ".num_batches_tracked"] = {"I64", {}, batches};
+    tensors.tensors[key + ".num_batches_tracked"] = {"i8", {}, 8, {}, batches};
   }
 
   void gru(const std::string& key, size_t in, size_t channels) {
@@ -159,7 +159,7 @@ class TransformerMaker {
     for (const std::string& name : norms) {
       std::vector<float> weight = engine::random_values(size_, ++seed_, 0.3F);
       for (float& value : weight) value += 1.0F;
-      make_.tensors.tensors[key + "." + name + ".weight"] = make_tensor({size_}, weight);
+      make_.tensors.tensors[key + "." + name + ".weight"] = make_npy<float>({size_}, weight);
       make_.add(key + "." + name + ".bias", {size_}, 0.2F);
     }
   }

@@ -24,9 +24,9 @@ class TestData {
     for (const uint8_t base : {0, 100}) {
       std::vector<uint8_t> views(64 * 32 * 32);
       for (size_t i = 0; i < views.size(); ++i) views[i] = static_cast<uint8_t>(base + (i * 7 + i / 1024) % 100);
-      file.tensors[base == 0 ? "lightfield/first" : "lightfield/second"] = make_tensor({8, 8, 32, 32}, views);
+      file.tensors[base == 0 ? "lightfield/first" : "lightfield/second"] = make_npy<uint8_t>({8, 8, 32, 32}, views);
     }
-    file.tensors["texture/set/a"] = make_tensor({64, 80}, std::vector<uint8_t>(64 * 80, 90));
+    file.tensors["texture/set/a"] = make_npy<uint8_t>({64, 80}, std::vector<uint8_t>(64 * 80, 90));
     EXPECT_TRUE(write_safetensors(path(), file));
   }
   TestData(const TestData&) = delete;

@@ -8,7 +8,7 @@
 #include "bench/program/report.h"
 #include "bench/program/verbs.h"
 #include "e2lf/base/text.h"
-#include "e2lf/depth/true_disparity.h"
+#include "e2lf/depth/disparity_error.h"
 #include "e2lf/depth/view_order.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/lightfield/scene.h"

@@ -17,7 +17,6 @@
 #include "e2lf/program/verb.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
-#include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/streams/event_stream.h"
 #include "e2lf/streams/virtual_rig.h"

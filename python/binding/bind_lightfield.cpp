@@ -4,7 +4,6 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/refocus.h"

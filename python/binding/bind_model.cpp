@@ -45,8 +45,8 @@ Result<void> decode(std::span<const uint8_t> bytes, VideoModel& model) {
 
 Tensor tensor_of(const py::array& array, const char* name) {
   const auto floats = floats_of(array, name);
-  return make_tensor({floats.shape(), floats.shape() + floats.ndim()},
-                     std::span(floats.data(), static_cast<size_t>(floats.size())));
+  return make_npy<float>({floats.shape(), floats.shape() + floats.ndim()},
+                         std::span(floats.data(), static_cast<size_t>(floats.size())));
 }
 
 /// Makes a model from the content of a file, which is checked as that of a file is.

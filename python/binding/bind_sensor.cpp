@@ -4,7 +4,6 @@
 #include <cmath>
 #include <pybind11/stl.h>
 
-#include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 #include "python/binding/arguments.h"

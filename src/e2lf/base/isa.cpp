@@ -15,15 +15,10 @@
 #include <unistd.h>
 #endif
 
-#include "e2lf/base/text.h"
+#include "e2lf/base/choice.h"
 
 namespace e2lf {
 namespace {
-
-struct Isa {
-  const char* name;
-  int64_t targets;  ///< the targets that the cap leaves enabled (Highway always keeps its baseline)
-};
 
 constexpr int64_t kScalar = HWY_SCALAR | HWY_EMU128;
 constexpr int64_t kNeon = kScalar | HWY_NEON;  // on 64-bit ARM, where kernels use it under the cap "scalar", too
@@ -32,11 +27,9 @@ constexpr int64_t kAvx2 = kSse4 | HWY_AVX2;
 constexpr int64_t kAvx512 = kAvx2 | (2 * HWY_AVX3 - 1);  // and all better targets; later Highways have more
 constexpr const char* kAmx = "amx";                      // not a Highway target
 
-const std::vector<Isa>& isas() {
-  static const std::vector<Isa> list = {{"scalar", kScalar}, {"neon", kNeon},     {"sse4", kSse4},
-                                        {"avx2", kAvx2},     {"avx512", kAvx512}, {kAmx, kAvx512}};
-  return list;
-}
+/// The targets that each cap leaves enabled (Highway always keeps its baseline).
+constexpr Choice<int64_t> kIsas[] = {{"scalar", kScalar}, {"neon", kNeon},     {"sse4", kSse4},
+                                     {"avx2", kAvx2},     {"avx512", kAvx512}, {kAmx, kAvx512}};
 
 std::atomic<bool> g_amx_allowed = true;
 
@@ -59,22 +52,13 @@ bool amx_usable(int64_t targets) {
   return granted;
 }
 
-/// Returns the targets that the cap `word` leaves enabled.
-Result<int64_t> targets_under(const std::string& word) {
-  std::vector<std::string> names;
-  for (const Isa& isa : isas()) {
-    if (word == isa.name) return isa.targets;
-    names.emplace_back(isa.name);
-  }
-  return Error{ErrorCode::kInvalidValue, cat("unknown instruction set \"", word, "\"; use one of ", join(names)),
-               "E2LF_MAX_ISA"};
-}
-
 }  // namespace
 
 Result<void> set_max_isa(const std::string& word) {
   constexpr int64_t kAll = -1;
-  E2LF_ASSIGN_OR_RETURN(const int64_t targets, word.empty() ? Result<int64_t>(kAll) : targets_under(word));
+  E2LF_ASSIGN_OR_RETURN(const int64_t targets, word.empty()
+                                                   ? Result<int64_t>(kAll)
+                                                   : choice_of(word, kIsas, "instruction set", "E2LF_MAX_ISA"));
   // DisableTargets() is not used: in Highway 1.0, every call of SupportedTargets() dispatches to the disabled ones
   // again.
   hwy::SetSupportedTargetsForTest(0);
@@ -96,11 +80,11 @@ std::vector<std::string> available_isas() {
   const int64_t usable = hwy::SupportedTargets();
   std::vector<std::string> names;
   int64_t previous = 0;
-  for (const Isa& isa : isas()) {
+  for (const Choice<int64_t>& isa : kIsas) {
     const bool adds =
-        std::string_view(isa.name) == kAmx ? amx_usable(usable) : (usable & isa.targets) != (usable & previous);
-    if (names.empty() || adds) names.emplace_back(isa.name);
-    previous = isa.targets;
+        std::string_view(isa.word) == kAmx ? amx_usable(usable) : (usable & isa.value) != (usable & previous);
+    if (names.empty() || adds) names.emplace_back(isa.word);
+    previous = isa.value;
   }
   return names;
 }

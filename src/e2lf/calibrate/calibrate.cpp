@@ -211,7 +211,6 @@ std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, c
                                      const capture::SensorProfile& found) {
   std::vector<std::string> warnings;
   const Eigen::VectorXd before = to_vector(parameters, start), after = to_vector(parameters, found);
-  const std::vector<Bound> bounds = fit_bounds();
   for (size_t i = 0; i < parameters.size(); ++i) {
     const Parameter& each = parameters[i];
     const double value = each.get(found);
@@ -223,8 +222,8 @@ std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, c
                              ", which is outside the uncertainty of the starting camera; check the input, or hold the "
                              "constant"));
     }
-    for (const Bound& bound : bounds) {
-      if (each.kind != Parameter::Kind::kConstant || each.index != static_cast<size_t>(bound.constant)) continue;
+    for (const Bound& bound : kFitBounds) {
+      if (each.list != nullptr || each.index != static_cast<size_t>(bound.constant)) continue;
       const bool is_low = each.is_logarithm ? value < kNearBound * each.get(start) : value <= bound.low;
       if (!is_low && value < bound.high) continue;
       warnings.push_back(cat(each.key, " ends at the bound ", is_low ? bound.low : bound.high,
@@ -240,11 +239,11 @@ void note_uncertainty(const std::vector<Parameter>& parameters, const Eigen::Vec
   for (size_t i = 0; i < parameters.size(); ++i) {
     const Parameter& parameter = parameters[i];
     const auto width = static_cast<float>(kQuantile * deviation[static_cast<Eigen::Index>(i)]);
-    if (parameter.kind == Parameter::Kind::kConstant) {
+    if (parameter.list == nullptr) {
       const auto value = static_cast<float>(std::abs(parameter.get(camera)));
       const float relative = parameter.is_logarithm ? width : width / std::max(value, 1e-6F);
       camera.uncertainty.values[parameter.index] = std::min(relative, kMostUncertainty);
-    } else if (parameter.kind == Parameter::Kind::kTransmission) {
+    } else if (parameter.is_transmission()) {
       camera.transmission_uncertainty = std::min(std::max(camera.transmission_uncertainty, width), kMostUncertainty);
     }
   }

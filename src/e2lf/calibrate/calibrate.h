@@ -7,7 +7,6 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/calibrate/fit.h"
-#include "e2lf/calibrate/flat_areas.h"
 #include "e2lf/calibrate/still_scene.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"

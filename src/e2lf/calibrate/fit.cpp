@@ -22,6 +22,7 @@ constexpr double kBrightnessStep = 0.02, kMostBrightnessMove = 0.2, kLeastBright
 constexpr double kDarkest = 0.0, kBrightest = 9.0;  // range of ln(I / eps) in which brightness is searched
 constexpr size_t kBrightnessGrid = 19;
 constexpr double kMostMove = 0.5;
+constexpr size_t kMostIterations = 30;
 
 using Shares = Eigen::VectorXd;  // of each combination of counts
 
@@ -200,8 +201,8 @@ class Fitter {
     return sum;
   }
 
-  [[nodiscard]] double strain(const Eigen::VectorXd& values) const {
-    return (values - start_).cwiseQuotient(spread_).squaredNorm();
+  [[nodiscard]] double strain(const Model& model) const {
+    return (to_vector(parameters_, model.camera) - start_).cwiseQuotient(spread_).squaredNorm();
   }
 
   /// Solves the equations for the change of the parameters.
@@ -248,10 +249,8 @@ class Fitter {
     }
     freedom = std::max(freedom, 1.0);
     const double own = std::max(full - freedom, 1e-3 * freedom) / samples;
-    return {std::max(1.0, weighted / freedom), full / freedom, freedom / static_cast<double>(rows.size()) / own};
+    return {std::max(1.0, weighted / freedom), freedom / static_cast<double>(rows.size()) / own};
   }
-
-  [[nodiscard]] Eigen::VectorXd values_of(const Model& model) const { return to_vector(parameters_, model.camera); }
 
  private:
   [[nodiscard]] Shares shares(const capture::SensorProfile& camera, size_t area, double brightness) const {
@@ -272,7 +271,7 @@ class Fitter {
 
   /// Keeps the constants within the range that camera files allow.
   static void keep_in_range(capture::SensorProfile& camera) {
-    for (const Bound& bound : fit_bounds()) {
+    for (const Bound& bound : kFitBounds) {
       float& value = camera.pixel[bound.constant];
       value = std::clamp(value, bound.low, bound.high);
     }
@@ -288,12 +287,6 @@ class Fitter {
 };
 
 }  // namespace
-
-std::vector<Bound> fit_bounds() {
-  using enum capture::PixelConstant;
-  return {{kMismatch, 0.0F, 0.5F}, {kMismatchEach, 0.0F, 0.5F}, {kLeak, 0.0F, 0.4F},
-          {kDarkOff, 0.0F, 0.4F},  {kDarkOn, 0.0F, 0.4F},       {kResetSpan, 0.0F, 2.0F}};
-}
 
 OpenShares open_shares(const capture::Codes& codes) {
   const auto of_whole = capture::codes_of_whole_cycle(codes);
@@ -355,11 +348,11 @@ Eigen::VectorXd next_move(const std::vector<Parameter>& parameters, const OpenSh
 Fit fit_camera(const std::vector<Parameter>& parameters, const OpenShares& open_shares, const std::vector<Area>& areas,
                const capture::SensorProfile& start, const Model& first, const FitOptions& options) {
   const Fitter fitter(parameters, open_shares, areas, start, options);
-  const auto cost = [&](const Model& model) { return fitter.misfit(model) + fitter.strain(fitter.values_of(model)); };
+  const auto cost = [&](const Model& model) { return fitter.misfit(model) + fitter.strain(model); };
   Fit fit{first, {}, {}};
   double least = cost(fit.model), damping = 1e-2;
-  for (int i = 0; i < options.most_iterations; ++i) {
-    if (options.progress) options.progress(static_cast<size_t>(i), static_cast<size_t>(options.most_iterations));
+  for (size_t i = 0; i < kMostIterations; ++i) {
+    if (options.progress) options.progress(i, kMostIterations);
     const auto equations = fitter.equations(fit.model);
     const double before = least;
     for (int attempt = 0; attempt < 6; ++attempt, damping *= 5.0) {

@@ -7,7 +7,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
-#include "e2lf/calibrate/flat_areas.h"
+#include "e2lf/calibrate/still_scene.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 
@@ -17,14 +17,14 @@ inline constexpr double kQuantile = 1.96;  ///< two-sided 95 % quantile of the s
 
 /// A number of a camera that a fit may change.
 struct Parameter {
-  enum class Kind : uint8_t { kConstant, kTransmission, kSlopeX, kSlopeY };
-
-  Kind kind = Kind::kConstant;
+  /// The list of transmissions or slopes that the number belongs to; null for a constant of the pixels.
+  std::vector<float> capture::SensorProfile::*list = nullptr;
   size_t index = 0;          ///< index of the constant or of the active pattern
   bool is_logarithm = true;  ///< fitted as a logarithm: the number stays positive, and its spread is relative
   double spread = 0.0;       ///< prior standard deviation from the starting value
   std::string key;           ///< as in camera files: "threshold_on", "transmission[1]", "transmission.slope_x[1]"
 
+  [[nodiscard]] bool is_transmission() const { return list == &capture::SensorProfile::transmission; }
   [[nodiscard]] double get(const capture::SensorProfile& camera) const;
   void set(capture::SensorProfile& camera, double value) const;
 };
@@ -68,7 +68,6 @@ struct OpenShares {
 inline constexpr double kRowSamples = 4000.0;
 
 struct FitOptions {
-  int most_iterations = 30;
   double most_row_samples = kRowSamples;  ///< upper limit of the weight of a row of brightness
   double misfit = 1.0;                    ///< divisor of the deviance relative to the prior
   ProgressFn progress = {};
@@ -79,12 +78,14 @@ struct Bound {
   capture::PixelConstant constant;
   float low, high;
 };
-[[nodiscard]] std::vector<Bound> fit_bounds();
+inline constexpr Bound kFitBounds[] = {
+    {capture::PixelConstant::kMismatch, 0.0F, 0.5F}, {capture::PixelConstant::kMismatchEach, 0.0F, 0.5F},
+    {capture::PixelConstant::kLeak, 0.0F, 0.4F},     {capture::PixelConstant::kDarkOff, 0.0F, 0.4F},
+    {capture::PixelConstant::kDarkOn, 0.0F, 0.4F},   {capture::PixelConstant::kResetSpan, 0.0F, 2.0F}};
 
 /// The misfit of the best model, in units of what chance alone causes.
 struct Misfit {
   double weighted = 1.0;     ///< value with the weights of the fit, at least 1
-  double full = 1.0;         ///< value with all samples
   double row_samples = 0.0;  ///< number of samples of a row at which chance and model error weigh the same
 };
 

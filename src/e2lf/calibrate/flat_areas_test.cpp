@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/calibrate/flat_areas.h"
-
 #include <cmath>
 #include <gtest/gtest.h>
 
 #include "e2lf/base/rng.h"
 #include "e2lf/calibrate/count_distribution.h"
+#include "e2lf/calibrate/still_scene.h"
 
 namespace e2lf::calibrate {
 namespace {

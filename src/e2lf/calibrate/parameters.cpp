@@ -9,7 +9,7 @@ namespace e2lf::calibrate {
 namespace {
 
 using enum capture::PixelConstant;
-using Kind = Parameter::Kind;
+using capture::SensorProfile;
 
 constexpr double kLeastValue = 1e-6;  // the smallest value of a number that is fitted as a logarithm
 constexpr double kLeastSpread = 1e-4;
@@ -28,12 +28,6 @@ constexpr Spread kSpreads[] = {
 };
 constexpr double kTransmissionSpread = 0.1, kSlopeSpread = 0.1;
 
-std::vector<float>& list_of(Kind kind, capture::SensorProfile& camera) {
-  return kind == Kind::kTransmission ? camera.transmission
-         : kind == Kind::kSlopeX     ? camera.transmission_slope_x
-                                     : camera.transmission_slope_y;
-}
-
 /// Returns the standard deviation of a constant whose relative 95 % range is stated by a camera.
 double spread_of(const Spread& each, const capture::SensorProfile& start) {
   const auto relative = static_cast<double>(start.uncertainty[each.constant]);
@@ -45,15 +39,15 @@ std::vector<Parameter> all_parameters(size_t num_lit, const capture::SensorProfi
   std::vector<Parameter> parameters;
   for (const Spread& each : kSpreads) {
     const double spread = std::max(spread_of(each, start), kLeastSpread);
-    parameters.push_back({Kind::kConstant, static_cast<size_t>(each.constant), each.is_logarithm, spread,
+    parameters.push_back({nullptr, static_cast<size_t>(each.constant), each.is_logarithm, spread,
                           capture::pixel_constant_key(each.constant)});
   }
   const double stated = start.transmission_uncertainty / kQuantile;
   const double transmission = stated > 0.0 ? stated : kTransmissionSpread, slope = stated > 0.0 ? stated : kSlopeSpread;
   for (size_t n = 1; n < num_lit; ++n) {
-    parameters.push_back({Kind::kTransmission, n, true, transmission, cat("transmission[", n, "]")});
-    parameters.push_back({Kind::kSlopeX, n, false, slope, cat("transmission.slope_x[", n, "]")});
-    parameters.push_back({Kind::kSlopeY, n, false, slope, cat("transmission.slope_y[", n, "]")});
+    parameters.push_back({&SensorProfile::transmission, n, true, transmission, cat("transmission[", n, "]")});
+    parameters.push_back({&SensorProfile::transmission_slope_x, n, false, slope, cat("transmission.slope_x[", n, "]")});
+    parameters.push_back({&SensorProfile::transmission_slope_y, n, false, slope, cat("transmission.slope_y[", n, "]")});
   }
   return parameters;
 }
@@ -61,20 +55,19 @@ std::vector<Parameter> all_parameters(size_t num_lit, const capture::SensorProfi
 }  // namespace
 
 double Parameter::get(const capture::SensorProfile& camera) const {
-  if (kind == Kind::kConstant) return camera.pixel.values[index];
-  auto copy = camera;
-  const auto& list = list_of(kind, copy);
-  return index < list.size() ? list[index] : kind == Kind::kTransmission ? 1.0 : 0.0;
+  if (list == nullptr) return camera.pixel.values[index];
+  const std::vector<float>& values = camera.*list;
+  return index < values.size() ? values[index] : is_transmission() ? 1.0 : 0.0;
 }
 
 void Parameter::set(capture::SensorProfile& camera, double value) const {
-  if (kind == Kind::kConstant) {
+  if (list == nullptr) {
     camera.pixel.values[index] = static_cast<float>(value);
     return;
   }
-  auto& list = list_of(kind, camera);
-  if (list.size() <= index) list.resize(index + 1, kind == Kind::kTransmission ? 1.0F : 0.0F);
-  list[index] = static_cast<float>(value);
+  std::vector<float>& values = camera.*list;
+  if (values.size() <= index) values.resize(index + 1, is_transmission() ? 1.0F : 0.0F);
+  values[index] = static_cast<float>(value);
 }
 
 Result<std::vector<Parameter>> fit_parameters(size_t num_lit, const capture::SensorProfile& start,

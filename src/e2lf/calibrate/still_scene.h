@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "e2lf/base/result.h"
@@ -42,5 +43,48 @@ enum class PixelState : uint8_t {
 
 /// Returns the mean counts of each transition, one plane each. Bad pixels get the median of their good neighbours.
 [[nodiscard]] std::vector<Plane> mean_counts(const StillScene& scene, const std::vector<PixelState>& states);
+
+/// The pixels around which a scene is flat, and their brightness.
+struct FlatAreas {
+  std::vector<bool> is_flat;
+  Plane brightness;  ///< mean count of the first two transitions together, smoothed by a Gaussian of 7 px
+};
+
+/// Finds flat areas. The noise of neighbouring pixels is independent. A fine texture therefore shows in the variance of
+/// counts blurred by 1.5 px: relative to the variance of the counts themselves, it exceeds that of white noise. A slope
+/// shows in the gradient of counts blurred by 6 px. The first transition may have a slope, since brightness levels are
+/// separated anyway; in later ones, a spatial change means that the patterns see different things (parallax). Bad
+/// pixels and pixels closer to the edges than 40 px (or an eighth of the picture) are never flat. Only the first three
+/// transitions are examined.
+[[nodiscard]] FlatAreas find_flat_areas(const StillScene& scene, const std::vector<PixelState>& states);
+
+/// Returns all good pixels except those at the edges, each with the mean brightness of its cell, for a picture that is
+/// known to be even within each cell of the field. No pixel is selected by its counts. In contrast, find_flat_areas()
+/// groups neighbours with similar noise, which shifts constants by a few percent.
+[[nodiscard]] FlatAreas even_areas(const StillScene& scene, const std::vector<PixelState>& states);
+
+/// Flat pixels of similar brightness in one part of the picture, and the frequencies of each combination of their
+/// counts.
+struct Area {
+  size_t row = 0;   ///< index of the level of brightness
+  size_t cell = 0;  ///< index of the cell of the field: kFieldColumns * field row + column
+  size_t scene = 0;
+  double x = 0.0, y = 0.0;  ///< mean position, as in capture::transmission_at()
+  double samples = 0.0;     ///< pixels times cycles
+  size_t transitions = 0;
+  std::vector<float> histogram;  ///< relative frequencies of the counts of each group, of histogram_size()
+};
+
+inline constexpr size_t kFieldColumns = 5, kFieldRows = 3;
+inline constexpr size_t kSquarePx = 64;
+/// The brightness at which the rows begin, and the range of brightness of a row.
+inline constexpr float kFirstRow = -1.0F, kRowWidth = 0.2F;
+
+/// Returns true if the pixels of a square of kSquarePx are counted. It is used to keep parts of the picture out.
+using SquareFilter = std::function<bool(size_t square_y, size_t square_x)>;
+
+/// Returns the areas of a scene with at least 150 samples.
+[[nodiscard]] std::vector<Area> collect_areas(const StillScene& scene, size_t scene_number, const FlatAreas& flat,
+                                              const SquareFilter& is_counted);
 
 }  // namespace e2lf::calibrate

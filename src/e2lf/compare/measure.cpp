@@ -9,7 +9,7 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
-#include "e2lf/depth/true_disparity.h"
+#include "e2lf/depth/disparity_error.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/light_field_io.h"

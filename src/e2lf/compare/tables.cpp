@@ -9,7 +9,6 @@
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"

@@ -212,7 +212,7 @@ float CycleAssembler::confidence_of(const std::vector<PatternStart>& starts) con
   for (const PatternStart& start : starts) {
     const ScheduledPattern& pattern = options_.schedule.patterns[start.pattern];
     if (!pattern.image && pattern.sign == BurstSign::kAny) continue;
-    const float confidence = std::max(change_confidence(event_rise(histogram_, start.t_us, window_us_), pattern.sign),
+    const float confidence = std::max(change_confidence(histogram_, start.t_us, window_us_, pattern.sign),
                                       abrupt_change_confidence(histogram_, start.t_us, window_us_, pattern.sign));
     confirmed.push_back(confidence);
     if (pattern.sign != BurstSign::kAny) confirmed_sign.push_back(confidence);

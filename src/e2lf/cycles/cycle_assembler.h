@@ -10,7 +10,7 @@
 
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/cycles/cycle_reader.h"
-#include "e2lf/cycles/event_histogram.h"
+#include "e2lf/cycles/marks.h"
 #include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {

@@ -5,7 +5,6 @@
 #include <deque>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cycles/burst_detector.h"
 #include "e2lf/cycles/cycle_assembler.h"
 
 namespace e2lf::cycles {
@@ -31,12 +30,6 @@ TrackerOptions tracker_options(const CycleOptions& options) {
   return tracker;
 }
 
-/// Returns true if a trigger may mark the beginning of a pattern.
-bool is_mark(const recordings::Trigger& trigger, const CycleOptions& options) {
-  if (options.channel && trigger.id != *options.channel) return false;
-  return options.edge == TriggerEdge::kBoth || (trigger.p != 0) == (options.edge == TriggerEdge::kRising);
-}
-
 /// The first batches of a recording, which are read to search for triggers.
 struct Beginning {
   std::deque<recordings::EventBatch> batches;
@@ -53,8 +46,9 @@ Result<Beginning> read_beginning(recordings::RecordingReader& reader, const Cycl
   for (recordings::EventBatch batch; !beginning.has_triggers;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch, kBatchEvents));
     if (!more) break;
-    beginning.has_triggers = std::any_of(batch.triggers.begin(), batch.triggers.end(),
-                                         [&](const recordings::Trigger& trigger) { return is_mark(trigger, options); });
+    beginning.has_triggers =
+        std::any_of(batch.triggers.begin(), batch.triggers.end(),
+                    [&](const recordings::Trigger& trigger) { return is_of(trigger, options.channel, options.edge); });
     events += batch.events.size();
     bool is_long = false;
     if (!batch.events.empty()) {
@@ -106,7 +100,6 @@ class CycleReader::Impl {
         add_scheduled_starts();
         break;
       case CycleSource::kTriggers:
-        find_trigger_marks();
         add_starts_of_triggers();
         // Triggers that are yet to come may begin patterns at earlier times.
         known_us += std::min<int64_t>(options_.trigger_delay_us, 0);
@@ -115,7 +108,9 @@ class CycleReader::Impl {
       case CycleSource::kBursts:
         bursts_.add(batch_.events, found_);
         if (has_ended_) bursts_.finish(found_);
-        add_starts_of_marks();
+        starts_.clear();
+        for (const Mark& mark : found_) add_mark(mark);
+        add_starts();
         known_us = tracker_.known_until(has_ended_ ? INT64_MAX : bursts_.known_until_us());
         break;
       case CycleSource::kAuto:
@@ -137,12 +132,6 @@ class CycleReader::Impl {
     reader_->skip_events(unused->begin_us, unused->end_us);
   }
 
-  void add_starts_of_marks() {
-    starts_.clear();
-    for (const Mark& mark : found_) add_mark(mark);
-    add_starts();
-  }
-
   void add_starts() {
     if (has_ended_) tracker_.finish(starts_);
     for (const PatternStart& start : starts_) add_start(start);
@@ -158,6 +147,10 @@ class CycleReader::Impl {
   /// of its events.
   void add_starts_of_triggers() {
     starts_.clear();
+    for (const recordings::Trigger& trigger : batch_.triggers) {
+      if (!is_of(trigger, options_.channel, options_.edge)) continue;
+      found_.push_back({trigger.t + options_.trigger_delay_us, {}, 1.0F});
+    }
     if (options_.on_mark) show_triggers();
     signer_.add(batch_.events, found_);
     while (const auto mark = signer_.take(/*needs_sign=*/!tracker_.is_locked(), has_ended_)) add_mark(*mark);
@@ -194,12 +187,6 @@ class CycleReader::Impl {
     const bool has_all_patterns = options_.source == CycleSource::kBursts ||
                                   (options_.source == CycleSource::kTriggers && !options_.one_trigger_per_cycle);
     return has_all_patterns ? &tracker_ : nullptr;
-  }
-
-  void find_trigger_marks() {
-    for (const recordings::Trigger& trigger : batch_.triggers) {
-      if (is_mark(trigger, options_)) found_.push_back({trigger.t + options_.trigger_delay_us, {}, 1.0F});
-    }
   }
 
   /// Adds a start. With one trigger per cycle, it determines the starts of all patterns of the cycle, in proportion to

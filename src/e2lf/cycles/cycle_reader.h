@@ -32,6 +32,12 @@ enum class TriggerEdge { kRising, kFalling, kBoth };
 inline constexpr Choice<TriggerEdge> kTriggerEdges[] = {
     {"rising", TriggerEdge::kRising}, {"falling", TriggerEdge::kFalling}, {"both", TriggerEdge::kBoth}};
 
+/// Returns whether a trigger is of the channel (absent = any) and has the edge.
+[[nodiscard]] inline bool is_of(const recordings::Trigger& trigger, std::optional<uint16_t> channel, TriggerEdge edge) {
+  return (!channel || trigger.id == *channel) &&
+         (edge == TriggerEdge::kBoth || (trigger.p != 0) == (edge == TriggerEdge::kRising));
+}
+
 struct CycleOptions {
   CycleSource source = CycleSource::kAuto;
   Schedule schedule = paper_schedule();

@@ -6,7 +6,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cycles/event_histogram.h"
+#include "e2lf/cycles/marks.h"
 
 namespace e2lf::cycles {
 
@@ -18,14 +18,8 @@ WindowReader::WindowReader(std::unique_ptr<recordings::RecordingReader> reader, 
 
 Result<bool> WindowReader::next(EventWindow& window) {
   window.events.clear();
-  switch (options_.kind) {
-    case WindowKind::kTime:
-      return next_by_time(window);
-    case WindowKind::kCount:
-      return next_by_count(window);
-    case WindowKind::kTriggers:
-      break;
-  }
+  if (options_.kind == WindowKind::kTime) return next_by_time(window);
+  if (options_.kind == WindowKind::kCount) return next_by_count(window);
   return next_by_triggers(window);
 }
 
@@ -102,9 +96,7 @@ Result<bool> WindowReader::next_by_count(EventWindow& window) {
 std::optional<int64_t> WindowReader::next_trigger() {
   while (trigger_ < batch_.triggers.size()) {
     const recordings::Trigger& trigger = batch_.triggers[trigger_++];
-    if (options_.channel && trigger.id != *options_.channel) continue;
-    if (options_.edge == TriggerEdge::kRising && trigger.p == 0) continue;
-    if (options_.edge == TriggerEdge::kFalling && trigger.p != 0) continue;
+    if (!is_of(trigger, options_.channel, options_.edge)) continue;
     ++triggers_;
     return trigger.t;
   }

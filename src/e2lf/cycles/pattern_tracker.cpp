@@ -14,11 +14,6 @@ constexpr double kLearningRate = 0.1;
 /// The number of cycles without a mark after which the pattern is searched anew.
 constexpr size_t kMaxCyclesWithoutMark = 3;
 
-/// The time in which events after a trigger are compared with those before it.
-constexpr int64_t kSignWindowUs = 1000;
-/// The least significance of their rise, in standard deviations at a constant rate.
-constexpr double kLeastSignSignificance = 10;
-
 }  // namespace
 
 PatternTracker::PatternTracker(const Schedule& schedule, const TrackerOptions& options)
@@ -155,42 +150,6 @@ bool PatternTracker::follow(const Mark& mark, std::vector<PatternStart>& starts)
 
 void PatternTracker::learn(size_t pattern, double interval_us) {
   interval_us_[pattern] += kLearningRate * (interval_us - interval_us_[pattern]);
-}
-
-void TriggerSigns::add(const recordings::EventColumns& events, const std::vector<Mark>& marks) {
-  marks_.insert(marks_.end(), marks.begin(), marks.end());
-  histogram_.add(events, 0, events.size());
-  if (!events.empty()) {
-    first_event_us_ = std::min(first_event_us_, events.t.front());
-    last_event_us_ = std::max(last_event_us_, events.t.back());
-  }
-  forget();
-}
-
-std::optional<Mark> TriggerSigns::take(bool needs_sign, bool is_end) {
-  if (marks_.empty()) return std::nullopt;
-  Mark mark = marks_.front();
-  if (needs_sign) {
-    if (!is_end && last_event_us_ < mark.t_us + kSignWindowUs + EventHistogram::kBinUs) return std::nullopt;
-    mark.on_share = on_share_at(mark.t_us);
-  }
-  marks_.pop_front();
-  return mark;
-}
-
-/// Returns the share of ON in the rise at a time. Returns nothing if chance may have caused it, or at the beginning of
-/// the recording, where the first events of the pixels are not informative.
-std::optional<float> TriggerSigns::on_share_at(int64_t t_us) const {
-  if (t_us - kSignWindowUs < first_event_us_) return std::nullopt;
-  const EventRise rise = event_rise(histogram_, t_us, kSignWindowUs);
-  if (rise.significance < kLeastSignSignificance) return std::nullopt;
-  return static_cast<float>(rise.on / rise.total());
-}
-
-/// Drops the bins that are not needed for future triggers.
-void TriggerSigns::forget() {
-  const int64_t needed_us = std::min(known_until(last_event_us_), last_event_us_) - 2 * kSignWindowUs;
-  histogram_.forget_before(needed_us);
 }
 
 }  // namespace e2lf::cycles

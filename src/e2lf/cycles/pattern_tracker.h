@@ -6,18 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "e2lf/cycles/event_histogram.h"
+#include "e2lf/cycles/marks.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {
-
-/// An indication that the pattern on the aperture changed: a trigger, or the start of a burst of events.
-struct Mark {
-  int64_t t_us = 0;
-  std::optional<float> on_share;  ///< share of ON events in the burst, 0..1; absent for a trigger
-  float confidence = 1.0F;        ///< confidence that the mark is a pattern change, 0..1
-};
 
 /// The time at which a pattern of the schedule began.
 struct PatternStart {
@@ -93,32 +86,6 @@ class PatternTracker {
   bool has_assumed_first_ = false;
   size_t misfits_ = 0;  ///< consecutive marks that the schedule does not contain
   uint64_t unassigned_ = 0;
-};
-
-/// Assigns to triggers the sign of the burst of events after them, as bursts have it themselves: a change to black
-/// makes OFF events, and one to white ON events. The pattern can thus be found again after a loss although the
-/// intervals between triggers repeat within a cycle (both half cycles of the paper's sequence have the same intervals).
-class TriggerSigns {
- public:
-  /// Adds the next events, and the triggers of their time.
-  void add(const recordings::EventColumns& events, const std::vector<Mark>& marks);
-
-  /// Returns the oldest trigger: with its sign once the events after it are known (or at the end), or at once and
-  /// without sign if `needs_sign` is false. Returns nothing if there is none yet.
-  [[nodiscard]] std::optional<Mark> take(bool needs_sign, bool is_end);
-
-  /// Returns the time before which all triggers up to `last_us` have been returned.
-  [[nodiscard]] int64_t known_until(int64_t last_us) const {
-    return marks_.empty() ? last_us : std::min(last_us, marks_.front().t_us);
-  }
-
- private:
-  [[nodiscard]] std::optional<float> on_share_at(int64_t t_us) const;
-  void forget();
-
-  std::deque<Mark> marks_;
-  EventHistogram histogram_;
-  int64_t first_event_us_ = INT64_MAX, last_event_us_ = INT64_MIN;
 };
 
 }  // namespace e2lf::cycles

@@ -16,20 +16,6 @@ constexpr int64_t kPaperOverheadUs = 592;
 
 constexpr Choice<BurstSign> kSigns[] = {{"any", BurstSign::kAny}, {"on", BurstSign::kOn}, {"off", BurstSign::kOff}};
 
-Result<ScheduledPattern> parse_pattern(const Json& json, const std::string& location) {
-  ScheduledPattern pattern;
-  std::string sign = "any";
-  OptionReader reader(json, location);
-  reader.read("name", pattern.name)
-      .read("duration_us", pattern.duration_us)
-      .read("overhead_us", pattern.overhead_us)
-      .read("image", pattern.image)
-      .read("sign", sign);
-  E2LF_RETURN_IF_ERROR(reader.finish());
-  E2LF_ASSIGN_OR_RETURN(pattern.sign, choice_of(sign, kSigns, "sign", location));
-  return pattern;
-}
-
 }  // namespace
 
 size_t Schedule::num_images() const {
@@ -112,26 +98,25 @@ Result<void> validate(const Schedule& schedule, const std::string& location) {
 
 Result<Schedule> parse_schedule(const std::string& text, const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(text, name));
-  OptionReader reader(json, name + ": $");
-  std::optional<std::string> views;
-  const Json& patterns = reader.read("views", views).child("patterns");
-  const Json& codes = reader.child("codes");
-  E2LF_RETURN_IF_ERROR(reader.finish());
+  if (json.contains(Json::json_pointer("/patterns/0/0"))) {
+    return fail(ErrorCode::kInvalidValue, name,
+                "the file contains patterns, not their times; give it as `codes`, and as `schedule` the schedule.json "
+                "that `e2lf codes render` writes beside the images of the patterns");
+  }
   Schedule schedule;
+  OptionReader reader(json, name + ": $");
+  reader.list("patterns", schedule.patterns, [](ScheduledPattern& pattern, OptionReader& visit) {
+    E2LF_VISIT(pattern, visit, name, duration_us, overhead_us, image);
+    visit.choice("sign", pattern.sign, kSigns);
+  });
+  std::optional<std::string> views;
+  const Json& codes = reader.read("views", views).child("codes");
+  E2LF_RETURN_IF_ERROR(reader.finish());
   if (views) {
     E2LF_ASSIGN_OR_RETURN(schedule.views, capture::orientation_from_name(*views, reader.child_location("views")));
   }
   if (!codes.is_null()) {
     E2LF_ASSIGN_OR_RETURN(schedule.codes, capture::codes_from_json(codes, cat(name, ": $.codes")));
-  }
-  if (patterns.is_array() && !patterns.empty() && patterns[0].is_array()) {
-    return fail(ErrorCode::kInvalidValue, name,
-                "the file contains patterns, not their times; give it as `codes`, and as `schedule` the schedule.json "
-                "that `e2lf codes render` writes beside the images of the patterns");
-  }
-  for (size_t i = 0; patterns.is_array() && i < patterns.size(); ++i) {
-    E2LF_ASSIGN_OR_RETURN(auto pattern, parse_pattern(patterns[i], cat(name, ": $.patterns[", i, "]")));
-    schedule.patterns.push_back(std::move(pattern));
   }
   E2LF_RETURN_IF_ERROR(validate(schedule, name));
   return schedule;

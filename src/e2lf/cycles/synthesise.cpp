@@ -13,6 +13,10 @@
 namespace e2lf::cycles {
 namespace {
 
+constexpr int64_t kLatencyUs = 150;  ///< time from a change of pattern to its first events
+constexpr double kDecayUs = 2000;    ///< time constant of the event rate after a change
+constexpr int64_t kBurstUs = 9500;   ///< the latest event of a burst after the change
+
 /// A sequence of draws from its own stream.
 class Draws {
  public:
@@ -77,10 +81,10 @@ class SpreadCycle {
 
   /// Draws a time after a change of pattern from an exponential distribution that is truncated at the end of the burst.
   int64_t delay_us() {
-    const double span_us = static_cast<double>(options_.burst_us - options_.latency_us);
-    const double reach = 1 - std::exp(-span_us / options_.decay_us);
-    const double delay = -options_.decay_us * std::log(1 - reach * static_cast<double>(draws_.uniform()));
-    return options_.latency_us + static_cast<int64_t>(std::min(delay, span_us - 1));
+    const double span_us = static_cast<double>(kBurstUs - kLatencyUs);
+    const double reach = 1 - std::exp(-span_us / kDecayUs);
+    const double delay = -kDecayUs * std::log(1 - reach * static_cast<double>(draws_.uniform()));
+    return kLatencyUs + static_cast<int64_t>(std::min(delay, span_us - 1));
   }
 
   void add_burst(std::span<const int16_t> image, int64_t start_us) {
@@ -137,9 +141,9 @@ void add_pulse(int64_t t_us, std::optional<uint16_t> channel, int64_t width_us,
 SynthesisedCycle synthesise_cycle(const capture::EventImages& images, uint64_t number,
                                   const SynthesisOptions& options) {
   E2LF_REQUIRE(images.count == options.schedule.num_images(), "one image for each used pattern");
-  E2LF_REQUIRE(options.latency_us >= options.jitter_us, "events may not come before their cycle");
+  E2LF_REQUIRE(kLatencyUs >= options.jitter_us, "events may not come before their cycle");
   for (const ScheduledPattern& pattern : options.schedule.patterns) {
-    E2LF_REQUIRE(options.burst_us + 2 * options.jitter_us <= pattern.interval_us(), "a burst is longer than a pattern");
+    E2LF_REQUIRE(kBurstUs + 2 * options.jitter_us <= pattern.interval_us(), "a burst is longer than a pattern");
   }
   return SpreadCycle(images, number, options).make();
 }

@@ -14,9 +14,6 @@ namespace e2lf::cycles {
 struct SynthesisOptions {
   Schedule schedule = paper_schedule();
   int64_t begin_us = 100000;  ///< start of the first cycle
-  int64_t latency_us = 150;   ///< time from a change of pattern to its first events
-  double decay_us = 2000;     ///< time constant of the event rate after a change
-  int64_t burst_us = 9500;    ///< the latest event of a burst after the change
   int64_t jitter_us = 0;      ///< largest error of the start of a pattern, uniform in both directions
   double noise_hz = 0;        ///< background events per pixel
   std::optional<uint16_t> trigger_channel =
@@ -37,7 +34,7 @@ struct SynthesisedCycle {
 };
 
 /// Synthesises the events and triggers of a camera for one cycle of event images. During the pattern of an image, each
-/// pixel has |count| events with the sign of the count, at latency + exponentially distributed times after the
+/// pixel has |count| events with the sign of the count, at 150 us + exponentially distributed times after the
 /// beginning of the pattern, in one sorted stream. Patterns without an image have events of the sign stated by the
 /// schedule (or mixed) at the pixels of the first image. The repetition `number` of the display begins at begin_us +
 /// number * schedule.cycle_us(), and the cycle within it at schedule.first_of_cycle(); cycle 0 is preceded by the

@@ -37,8 +37,8 @@ struct DisparityMap {
 /// Returns the view (views_y / 2, views_x / 2). 8x8 views have no exact middle; (4, 4) is next to it.
 [[nodiscard]] ViewIndex middle_view(const lightfield::Shape& shape);
 
-/// Estimates the disparity of every pixel of a view. Colour is converted to grey. Views are compared in their
-/// detail_of(), or as they are if the confidence of the result would be low, as in reconstructions from events.
+/// Estimates the disparity of every pixel of a view. Colour is converted to grey. Views are compared without most of
+/// their shading, or as they are if the confidence of the result would be low, as in reconstructions from events.
 /// 1. matching_costs() are computed for equally spaced disparities, half a pixel apart in the farthest view.
 /// 2. smooth_costs() smooths them along paths.
 /// 3. Twice, measure() refines them to fractions of the spacing, and fit_planes() fits planes to the result.

@@ -8,15 +8,17 @@
 #include <cstring>
 #include <limits>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/options.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::depth {
 namespace {
 
 using lightfield::Image;
-
-static_assert(std::endian::native == std::endian::little, "files are written in the byte order of memory");
 
 template <typename T>
 void append(std::vector<uint8_t>& bytes, const T& value) {
@@ -243,6 +245,108 @@ Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const I
                          "property float confidence\nend_header\n"));
   bytes.insert(bytes.end(), points.begin(), points.end());
   return bytes;
+}
+
+std::array<double, 2> Lens::ray(double x_px, double y_px) const {
+  constexpr int kIterations = 20;  // the distortion is inverted by fixed-point iteration, as OpenCV does
+  const auto& [k1, k2, p1, p2, k3] = distortion;
+  const double distorted_x = (x_px - centre_px[0]) / focal_px[0], distorted_y = (y_px - centre_px[1]) / focal_px[1];
+  double x = distorted_x, y = distorted_y;
+  for (int i = 0; i < kIterations; ++i) {
+    const double r2 = x * x + y * y, radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    const double next_x = (distorted_x - 2 * p1 * x * y - p2 * (r2 + 2 * x * x)) / radial;
+    y = (distorted_y - p1 * (r2 + 2 * y * y) - 2 * p2 * x * y) / radial;
+    x = next_x;
+  }
+  return {x, y};
+}
+
+Result<Lens> read_lens(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
+  Lens lens;
+  OptionReader reader(json, path.string() + ": $");
+  E2LF_VISIT(lens, reader, width, height, focal_px, centre_px, distortion, baseline_m, focus_m);
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  const std::pair<const char*, double> lengths[] = {{"width", static_cast<double>(lens.width)},
+                                                    {"height", static_cast<double>(lens.height)},
+                                                    {"focal_px", lens.focal_px[0]},
+                                                    {"focal_px", lens.focal_px[1]},
+                                                    {"baseline_m", lens.baseline_m},
+                                                    {"focus_m", lens.focus_m}};
+  for (const auto& [name, value] : lengths) {
+    if (value > 0) continue;
+    return fail(ErrorCode::kInvalidValue, reader.child_location(name),
+                "the lens needs a positive length; calibrate it again");
+  }
+  return lens;
+}
+
+namespace {
+
+constexpr size_t kGlyphWidth = 3, kGlyphHeight = 5, kMargin = 6, kBarWidth = 14, kNumbers = 5;
+/// The largest number of characters of a number, as in "-10.00".
+constexpr size_t kLongestNumber = 6;
+
+/// A character of 3x5 px, row by row, '#' for ink.
+struct Glyph {
+  char character;
+  std::string_view ink;
+};
+constexpr std::array<Glyph, 12> kGlyphs = {{{'0', "####.##.##.####"},
+                                            {'1', ".#.##..#..#.###"},
+                                            {'2', "###..#####..###"},
+                                            {'3', "###..####..####"},
+                                            {'4', "#.##.####..#..#"},
+                                            {'5', "####..###..####"},
+                                            {'6', "####..####.####"},
+                                            {'7', "###..#..#..#..#"},
+                                            {'8', "####.#####.####"},
+                                            {'9', "####.####..####"},
+                                            {'-', "......###......"},
+                                            {'.', ".............#."}}};
+
+void fill(Image& canvas, size_t top, size_t left, size_t side, float value) {
+  for (size_t y = top; y < std::min(top + side, canvas.height); ++y) {
+    for (size_t x = left; x < std::min(left + side, canvas.width); ++x) {
+      std::fill_n(canvas.pixels.data() + (y * canvas.width + x) * 3, 3, value);
+    }
+  }
+}
+
+void write_number(Image& canvas, size_t top, size_t left, size_t times, float number) {
+  for (const char character : formatted("%.2f", double{number})) {
+    const auto* const glyph = std::ranges::find(kGlyphs, character, &Glyph::character);
+    for (size_t i = 0; i < glyph->ink.size(); ++i) {
+      if (glyph->ink[i] != '#') continue;
+      fill(canvas, top + i / kGlyphWidth * times, left + i % kGlyphWidth * times, times, 0.0F);
+    }
+    left += (kGlyphWidth + 1) * times;
+  }
+}
+
+}  // namespace
+
+Image picture_with_scale(const Image& disparity, const DisparityRange& range) {
+  constexpr size_t kLeastHeight = 64;
+  const size_t width = disparity.width, height = disparity.height;
+  const bool has_numbers = height >= kLeastHeight;
+  const size_t times = height >= 4 * kLeastHeight ? 2 : 1;
+  const size_t numbers_width = has_numbers ? kLongestNumber * (kGlyphWidth + 1) * times + kMargin : 0;
+  Image canvas(width + kMargin + kBarWidth + kMargin + numbers_width, height, 3);
+  std::fill(canvas.pixels.begin(), canvas.pixels.end(), 1.0F);
+  const auto disparity_at = [&](size_t y) {
+    const auto share = static_cast<float>(y) / static_cast<float>(std::max<size_t>(height, 2) - 1);
+    return range.most + share * (range.least - range.most);
+  };
+  Image bar(kBarWidth, height, 1);
+  for (size_t i = 0; i < bar.pixels.size(); ++i) bar.pixels[i] = disparity_at(i / kBarWidth);
+  paste(colour_picture(disparity, range), 0, 0, canvas);
+  paste(colour_picture(bar, range), 0, width + kMargin, canvas);
+  for (size_t i = 0; has_numbers && i < kNumbers; ++i) {
+    write_number(canvas, (height - kGlyphHeight * times) * i / (kNumbers - 1), width + 2 * kMargin + kBarWidth, times,
+                 disparity_at((height - 1) * i / (kNumbers - 1)));
+  }
+  return canvas;
 }
 
 }  // namespace e2lf::depth

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -9,7 +10,6 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/depth/disparity.h"
-#include "e2lf/depth/lens.h"
 #include "e2lf/lightfield/image.h"
 
 namespace e2lf::depth {
@@ -39,6 +39,30 @@ inline constexpr float kPngZero = 32768.0F, kPngScale = 4096.0F;
 /// Returns the range of all finite disparities, without a hundredth at either end; (0, 0) if there are none.
 [[nodiscard]] DisparityRange shown_range(const lightfield::Image& disparity);
 
+/// A calibrated lens with a coded aperture. The middle view is a pinhole camera with the constants of OpenCV's
+/// calibrateCamera(); the others are displaced by the baseline and show the same rectangle at the focus distance.
+struct Lens {
+  size_t width = 0, height = 0;           ///< size of the calibrated views, px
+  std::array<double, 2> focal_px = {};    ///< focal lengths along x and y
+  std::array<double, 2> centre_px = {};   ///< principal point (x, y); the middle of the first pixel is (0, 0)
+  std::array<double, 5> distortion = {};  ///< k1, k2, p1, p2, k3
+  double baseline_m = 0;                  ///< distance of neighbouring views
+  double focus_m = 0;                     ///< distance at which the disparity is 0
+
+  /// Returns the disparity at infinite distance, px per view step: focal_px[0] * baseline_m / focus_m.
+  [[nodiscard]] double infinity_px() const { return focal_px[0] * baseline_m / focus_m; }
+
+  /// Returns the depth of a disparity, in metres; infinite or negative for disparities of at least infinity_px().
+  [[nodiscard]] double depth_m(double disparity_px) const { return focus_m / (1 - disparity_px / infinity_px()); }
+
+  /// Returns (x, y) at depth 1 of the ray through a pixel of the middle view, without the distortion.
+  [[nodiscard]] std::array<double, 2> ray(double x_px, double y_px) const;
+};
+
+/// Reads {"width", "height", "focal_px": [x, y], "centre_px": [x, y], "distortion": [k1, k2, p1, p2, k3], "baseline_m",
+/// "focus_m"}, as examples/lens/calibrate_lens.py writes it. Fails with kInvalidValue if a length is not positive.
+[[nodiscard]] Result<Lens> read_lens(const std::filesystem::path& path);
+
 /// The geometry that relates disparities to positions: an array of pinholes, one view step apart, whose pictures show
 /// the same rectangle at the focus distance, which is 1. The depth is z = 1 / (1 - d / infinity_px), which is 1 for d =
 /// 0.
@@ -62,5 +86,9 @@ struct PointGeometry {
 [[nodiscard]] Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const lightfield::Image& picture,
                                                               const lightfield::Shape& views,
                                                               const PointGeometry& geometry, float least_confidence);
+
+/// Returns colour_picture() with a scale on its right, on white: a bar of the colours from range.most on top to
+/// range.least, with five numbers unless the picture is less than 64 px high.
+[[nodiscard]] lightfield::Image picture_with_scale(const lightfield::Image& disparity, const DisparityRange& range);
 
 }  // namespace e2lf::depth

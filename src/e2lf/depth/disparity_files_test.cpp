@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 #include <string>
 
-#include "e2lf/depth/colour_scale.h"
-
 namespace e2lf::depth {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "e2lf/base/progress.h"
+#include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"
 
 namespace e2lf::depth {
@@ -43,5 +44,10 @@ struct CostVolume {
 /// px and scaled such that most_difference becomes kMostCost. The light field must be grey with more than one view.
 [[nodiscard]] CostVolume matching_costs(const lightfield::LightField& light_field, const ViewIndex& reference,
                                         const Labels& labels, float most_difference, const ProgressFn& progress = {});
+
+/// Replaces the cost of each disparity hypothesis by the cost of the best paths to the pixel that end with it, summed
+/// over eight directions: semi-global matching (Hirschmueller, "Stereo processing by semiglobal matching and mutual
+/// information", PAMI 2008). `picture` is the grey reference view.
+void smooth_costs(CostVolume& volume, const lightfield::Image& picture);
 
 }  // namespace e2lf::depth

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "e2lf/depth/semi_global.h"
+#include "e2lf/depth/matching_cost.h"
 
 namespace e2lf::depth {
 namespace {

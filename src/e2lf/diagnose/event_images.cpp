@@ -10,7 +10,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recon/inversion.h"
-#include "e2lf/recon/placed_images.h"
 
 namespace e2lf::diagnose {
 namespace {

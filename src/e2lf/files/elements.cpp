@@ -2,10 +2,14 @@
 #include "e2lf/files/elements.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/npy.h"
 
 namespace e2lf {
+
 size_t element_size(std::string_view code) {
   size_t size = 0;
   with_element_type(code, [&](auto type) { size = sizeof(type); });
@@ -35,6 +39,15 @@ Result<size_t> checked_byte_size(std::span<const size_t> shape, size_t item_size
     }
   }
   return empty ? 0 : size;
+}
+
+size_t NpyArray::num_elements() const {
+  return std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>());
+}
+
+Result<std::vector<float>> NpyArray::to_float(const std::string& name) const {
+  if (fields.empty()) return elements_to_float(type, bytes, name);
+  return fail(ErrorCode::kUnsupported, name, "an array of records where plain numbers are expected; store one field");
 }
 
 }  // namespace e2lf

@@ -2,8 +2,6 @@
 #include "e2lf/files/mat5.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <zlib.h>
 
 #include "e2lf/base/little_endian.h"
@@ -20,19 +18,14 @@ constexpr uint32_t kMatrix = 14;
 constexpr uint32_t kCompressed = 15;
 // This is enough of a variable for its type, its extents and a name of 63 letters.
 constexpr size_t kPreviewBytes = 1024;
-// The limit keeps the listing of a huge file short.
-constexpr size_t kMostElements = 1000;
-
-uint32_t load32(std::span<const uint8_t> bytes) {
-  return bytes[0] | uint32_t{bytes[1]} << 8 | uint32_t{bytes[2]} << 16 | uint32_t{bytes[3]} << 24;
-}
+// The limit keeps the list of the variables of a huge file short.
+constexpr size_t kMostOthers = 1000;
 
 /// A data element: a tag (type and size) and the data that it describes.
 struct Element {
   uint32_t type = 0;
   size_t size = 0;                ///< as the tag states
   std::span<const uint8_t> data;  ///< shorter than `size` if the bytes end early
-  size_t stored_bytes = 0;        ///< total size of tag, data and padding
 };
 
 /// Removes the next element from the front of `rest`, or returns nothing if not even a tag is left. A small element
@@ -40,18 +33,17 @@ struct Element {
 /// padded to eight bytes.
 std::optional<Element> take_element(std::span<const uint8_t>& rest) {
   if (rest.size() < kTagBytes) return std::nullopt;
-  const uint32_t word = load32(rest);
+  const uint32_t word = load_le<uint32_t>(rest.data());
   if (word >> 16 != 0) {
     const size_t size = word >> 16;
-    const Element element{word & 0xFFFF, size, rest.subspan(4, std::min<size_t>(size, 4)), kTagBytes};
+    const Element element{word & 0xFFFF, size, rest.subspan(4, std::min<size_t>(size, 4))};
     rest = rest.subspan(kTagBytes);
     return element;
   }
-  Element element{word, load32(rest.subspan(4)), {}, 0};
+  Element element{word, load_le<uint32_t>(rest.data() + 4), {}};
   rest = rest.subspan(kTagBytes);
   element.data = rest.first(std::min(element.size, rest.size()));
   const size_t padded = word == kCompressed ? element.size : (element.size + 7) / 8 * 8;
-  element.stored_bytes = kTagBytes + padded;
   rest = rest.subspan(std::min(padded, rest.size()));
   return element;
 }
@@ -93,24 +85,19 @@ std::string code_of(std::span<const char* const> codes, uint32_t number) {
   return number < codes.size() ? codes[number] : "";
 }
 
-/// The parts of a matrix element that precede its samples.
-struct MatrixHead {
-  MatArray array;
-  std::string name;
-};
-
-/// Reads the head and leaves `rest` at the samples. Returns nothing if the head is damaged.
-std::optional<MatrixHead> take_head(std::span<const uint8_t>& rest) {
-  MatrixHead head;
+/// Reads the parts of a matrix element that precede its samples, and leaves `rest` at those. Returns nothing if they
+/// are damaged.
+std::optional<MatArray> take_head(std::span<const uint8_t>& rest) {
+  MatArray head;
   const auto flags = take_element(rest);
   if (!is_whole(flags) || flags->data.size() < 4) return std::nullopt;
-  const uint32_t word = load32(flags->data);
-  head.array.class_type = code_of(kClassCodes, word & 0xFF);
-  head.array.complex = (word & 0x800) != 0;
-  head.array.logical = (word & 0x200) != 0;
+  const uint32_t word = load_le<uint32_t>(flags->data.data());
+  head.class_type = code_of(kClassCodes, word & 0xFF);
+  head.complex = (word & 0x800) != 0;
+  head.logical = (word & 0x200) != 0;
   const auto extents = take_element(rest);
   if (!is_whole(extents) || extents->size % 4 != 0) return std::nullopt;
-  for (size_t i = 0; i < extents->size; i += 4) head.array.extents.push_back(load32(extents->data.subspan(i)));
+  for (size_t i = 0; i < extents->size; i += 4) head.extents.push_back(load_le<uint32_t>(extents->data.data() + i));
   const auto name = take_element(rest);
   if (!is_whole(name)) return std::nullopt;
   head.name.assign(name->data.begin(), name->data.end());
@@ -132,7 +119,7 @@ Error damaged(const std::string& location) {
 /// Inflates a whole variable, whose length is stated by the tag at the front of `preview`.
 Result<std::vector<uint8_t>> inflate_variable(const Element& element, std::span<const uint8_t> preview,
                                               uint64_t max_bytes, const std::string& location) {
-  const uint64_t size = kTagBytes + uint64_t{load32(preview.subspan(4))};
+  const uint64_t size = kTagBytes + uint64_t{load_le<uint32_t>(preview.data() + 4)};
   // Deflate cannot compress by more than a factor of 1032.
   if (size / 1032 > element.size) return damaged(location);
   // The limit leaves some room for the head around the samples, whose size the caller checks as well. zlib counts in 32
@@ -161,7 +148,7 @@ Result<MatArray> open_compressed(const Element& element, std::span<const uint8_t
   std::span<const uint8_t> rest = std::span(inflated).subspan(kTagBytes);
   auto head = take_head(rest);
   if (!head) return damaged(location);
-  E2LF_ASSIGN_OR_RETURN(MatArray array, finish_array(std::move(head->array), rest, location));
+  E2LF_ASSIGN_OR_RETURN(MatArray array, finish_array(*std::move(head), rest, location));
   array.inflated = std::move(inflated);
   return array;
 }
@@ -169,7 +156,7 @@ Result<MatArray> open_compressed(const Element& element, std::span<const uint8_t
 }  // namespace
 
 Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name, uint64_t max_bytes,
-                                const std::string& location) {
+                                const std::string& location, std::vector<std::string>& others) {
   if (bytes.size() < kHeaderBytes) return truncated(location);
   if (bytes[kByteOrderAt] != 'I') return big_endian(location);
   std::span<const uint8_t> rest = bytes.subspan(kHeaderBytes);
@@ -181,40 +168,15 @@ Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::strin
     std::span<const uint8_t> inside = content_of(*element, preview);
     auto head = take_head(inside);
     if (!head) return damaged(location);
-    if (head->name != name) continue;
+    if (head->name != name) {
+      if (others.size() < kMostOthers) others.push_back(head->name);
+      continue;
+    }
     if (element->type == kCompressed) return open_compressed(*element, preview, max_bytes, location);
-    return finish_array(std::move(head->array), inside, location);
+    return finish_array(*std::move(head), inside, location);
   }
   return fail(ErrorCode::kNotFound, location, "the MATLAB file has no variable ", name,
               "; save the array under that name");
-}
-
-Result<std::vector<std::string>> mat_variables(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const auto read_at = [&](size_t at, size_t most) {
-    std::vector<uint8_t> bytes(most);
-    file.clear();
-    file.seekg(static_cast<std::streamoff>(at));
-    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(most));
-    bytes.resize(static_cast<size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-    return bytes;
-  };
-  const std::vector<uint8_t> header = read_at(0, kHeaderBytes);
-  if (header.size() < kHeaderBytes) return truncated(path.string());
-  if (header[kByteOrderAt] != 'I') return big_endian(path.string());
-  std::vector<std::string> names;
-  size_t at = kHeaderBytes;
-  for (size_t i = 0; i < kMostElements; ++i) {
-    const std::vector<uint8_t> bytes = read_at(at, kTagBytes + kPreviewBytes);
-    std::span<const uint8_t> rest = bytes;
-    const auto element = take_element(rest);
-    if (!element) break;
-    at += element->stored_bytes;
-    std::vector<uint8_t> preview;
-    std::span<const uint8_t> inside = content_of(*element, preview);
-    if (const auto matrix = take_head(inside)) names.push_back(matrix->name);
-  }
-  return names;
 }
 
 }  // namespace e2lf

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +12,7 @@ namespace e2lf {
 
 /// A numeric array of a MATLAB file older than version 7.3, in column-major order.
 struct MatArray {
+  std::string name;
   /// The numpy code ("i2", "f8") of the MATLAB class (MAT-File Format, version 5, table "Array Types"), of
   /// floating-point numbers and integers of 8 to 32 bits; empty for others.
   std::string class_type;
@@ -25,13 +24,11 @@ struct MatArray {
   std::vector<uint8_t> inflated;  ///< holds the variable if the file compresses it
 };
 
-/// Finds the variable `name` in the bytes of a file. The checksum of compressed data is verified, and `max_bytes`
-/// limits their inflated size. Fails with kNotFound, kTruncated, kFormat and kUnsupported (big-endian or too large).
+/// Finds the variable `name` in the bytes of a file, and appends the names of those before it to `others`, at most a
+/// thousand. The checksum of compressed data is verified, and `max_bytes` limits their inflated size. Fails with
+/// kNotFound, kTruncated, kFormat and kUnsupported (big-endian or too large).
 [[nodiscard]] Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name,
-                                              uint64_t max_bytes, const std::string& location);
-
-/// Returns the names of the variables in a file, at most a thousand, without reading their data. Fails with kTruncated
-/// (also if there is no such file) and kUnsupported (big-endian).
-[[nodiscard]] Result<std::vector<std::string>> mat_variables(const std::filesystem::path& path);
+                                              uint64_t max_bytes, const std::string& location,
+                                              std::vector<std::string>& others);
 
 }  // namespace e2lf

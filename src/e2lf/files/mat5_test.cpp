@@ -3,17 +3,15 @@
 
 #include <gtest/gtest.h>
 
-#include "e2lf/files/file.h"
-#include "testing/test_files.h"
-
 namespace e2lf {
 namespace {
 
 TEST(MatFile, TellsFilesThatEndEarly) {
-  const TestFolder folder;
-  ASSERT_TRUE(write_file(folder / "a.mat", std::string("MATLAB 5.0 MAT-file")).ok());
-  EXPECT_EQ(mat_variables(folder / "a.mat").error().code, ErrorCode::kTruncated);
-  EXPECT_EQ(mat_variables(folder / "none.mat").error().code, ErrorCode::kTruncated);
+  const std::string text = "MATLAB 5.0 MAT-file";
+  const std::vector<uint8_t> bytes(text.begin(), text.end());
+  std::vector<std::string> others;
+  EXPECT_EQ(find_mat_array(bytes, "LF", 1000, "a.mat", others).error().code, ErrorCode::kTruncated);
+  EXPECT_EQ(find_mat_array({}, "LF", 1000, "none.mat", others).error().code, ErrorCode::kTruncated);
 }
 
 }  // namespace

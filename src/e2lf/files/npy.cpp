@@ -248,15 +248,6 @@ std::vector<uint8_t> fortran_to_c(const NpyArray& array, const std::vector<uint8
 
 }  // namespace
 
-size_t NpyArray::num_elements() const {
-  return std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>());
-}
-
-Result<std::vector<float>> NpyArray::to_float(const std::string& name) const {
-  if (fields.empty()) return elements_to_float(type, bytes, name);
-  return fail(ErrorCode::kUnsupported, name, "an array of records where plain numbers are expected; store one field");
-}
-
 Result<NpyArray> decode_npy(std::span<const uint8_t> bytes, const std::string& name) {
   E2LF_ASSIGN_OR_RETURN(NpyHeader header, parse_npy_header(bytes, name));
   const std::span<const uint8_t> data = bytes.subspan(header.data_offset);

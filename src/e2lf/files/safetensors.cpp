@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
@@ -20,20 +21,10 @@ namespace {
 constexpr size_t kLengthSize = 8;
 constexpr const char* kMetadata = "__metadata__";
 
-struct TypeName {
-  const char* name;
-  const char* code;  ///< the code in files/elements.h
-};
-
-constexpr TypeName kTypes[] = {{"F32", "f4"}, {"F16", "f2"}, {"BF16", "bf16"}, {"F64", "f8"}, {"U8", "u1"},
-                               {"I8", "i1"},  {"I16", "i2"}, {"U16", "u2"},    {"I32", "i4"}, {"U32", "u4"},
-                               {"I64", "i8"}, {"U64", "u8"}, {"BOOL", "b1"}};
-
-/// Returns the element code of a type, or "" if it is unknown.
-std::string_view type_code(std::string_view name) {
-  const auto* found = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const auto& t) { return name == t.name; });
-  return found == std::end(kTypes) ? std::string_view() : found->code;
-}
+/// The names of the types, with their codes in files/elements.h.
+constexpr Choice<std::string_view> kTypes[] = {
+    {"F32", "f4"}, {"F16", "f2"}, {"BF16", "bf16"}, {"F64", "f8"}, {"U8", "u1"},  {"I8", "i1"},  {"I16", "i2"},
+    {"U16", "u2"}, {"I32", "i4"}, {"U32", "u4"},    {"I64", "i8"}, {"U64", "u8"}, {"BOOL", "b1"}};
 
 Error malformed(const std::string& location, const std::string& what) {
   return fail(ErrorCode::kFormat, location, what, "; save the file again");
@@ -84,18 +75,18 @@ Result<Range> read_tensor(const Json& json, std::span<const uint8_t> data, const
     return malformed(location, "expected just dtype, shape and data_offsets");
   }
   if (!json["dtype"].is_string()) return malformed(location, "dtype is not text");
-  tensor.type = json["dtype"].get<std::string>();
-  const std::string_view code = type_code(tensor.type);
-  if (code.empty()) {
-    return fail(ErrorCode::kUnsupported, location, "dtype \"", tensor.type, "\" is not supported; save it as F32");
-  }
+  const auto name = json["dtype"].get<std::string>();
+  const auto code = choice_of(name, kTypes);
+  if (!code) return fail(ErrorCode::kUnsupported, location, "dtype \"", name, "\" is not supported; save it as F32");
+  tensor.type = *code;
+  tensor.item_size = element_size(*code);
   if (!is_list_of_sizes(json["shape"])) return malformed(location, "shape is not a list of sizes");
   if (!is_list_of_sizes(json["data_offsets"]) || json["data_offsets"].size() != 2) {
     return malformed(location, "data_offsets is not a begin and an end");
   }
   tensor.shape = json["shape"].get<std::vector<size_t>>();
   const Range range{json["data_offsets"][0].get<size_t>(), json["data_offsets"][1].get<size_t>(), location};
-  E2LF_ASSIGN_OR_RETURN(const size_t size, checked_byte_size(tensor.shape, element_size(code), location));
+  E2LF_ASSIGN_OR_RETURN(const size_t size, checked_byte_size(tensor.shape, tensor.item_size, location));
   if (range.begin > range.end || range.end - range.begin != size) {
     return malformed(location, cat("data_offsets [", range.begin, ", ", range.end, ") do not hold the ", size,
                                    " bytes of shape ", shape_text(tensor.shape)));
@@ -129,23 +120,8 @@ Result<void> check_cover(std::vector<Range> ranges, size_t data_size, const std:
 
 }  // namespace
 
-size_t Tensor::num_elements() const {
-  return std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>());
-}
-
-Result<std::vector<float>> Tensor::to_float(const std::string& name) const {
-  return elements_to_float(type_code(type), bytes, name);
-}
-
-Tensor make_tensor(std::vector<size_t> shape, std::span<const float> values) {
-  const auto* const bytes = reinterpret_cast<const uint8_t*>(values.data());
-  Tensor tensor{"F32", std::move(shape), {bytes, bytes + values.size_bytes()}};
-  E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
-  return tensor;
-}
-
 Tensor make_bfloat16_tensor(std::vector<size_t> shape, std::span<const float> values) {
-  Tensor tensor{"BF16", std::move(shape), {}};
+  Tensor tensor{"bf16", {}, sizeof(uint16_t), std::move(shape), {}};
   E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
   for (const float value : values) {
     const auto bits = std::bit_cast<uint32_t>(value);
@@ -155,12 +131,6 @@ Tensor make_bfloat16_tensor(std::vector<size_t> shape, std::span<const float> va
     tensor.bytes.push_back(static_cast<uint8_t>(rounded >> 16U));
     tensor.bytes.push_back(static_cast<uint8_t>(rounded >> 24U));
   }
-  return tensor;
-}
-
-Tensor make_tensor(std::vector<size_t> shape, std::span<const uint8_t> values) {
-  Tensor tensor{"U8", std::move(shape), {values.begin(), values.end()}};
-  E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
   return tensor;
 }
 
@@ -207,18 +177,19 @@ std::vector<uint8_t> encode_safetensors(const Safetensors& file) {
   // Wide elements come first, so that every tensor is aligned to its element size.
   std::vector<std::pair<std::string, const Tensor*>> order;
   for (const auto& [name, tensor] : file.tensors) order.emplace_back(name, &tensor);
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
-    return element_size(type_code(a.second->type)) > element_size(type_code(b.second->type));
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second->item_size > b.second->item_size; });
 
   Json header = Json::object();
   if (!file.metadata.empty()) header[kMetadata] = file.metadata;
   size_t offset = 0;
   for (const auto& [name, tensor] : order) {
-    E2LF_REQUIRE(tensor->bytes.size() == tensor->num_elements() * element_size(type_code(tensor->type)),
+    E2LF_REQUIRE(tensor->bytes.size() == tensor->num_elements() * tensor->item_size,
                  "the shape of " + name + " does not fit its bytes");
     const size_t end = offset + tensor->bytes.size();
-    header[name] = {{"dtype", tensor->type}, {"shape", tensor->shape}, {"data_offsets", {offset, end}}};
+    header[name] = {{"dtype", word_of<std::string_view>(tensor->type, kTypes)},
+                    {"shape", tensor->shape},
+                    {"data_offsets", {offset, end}}};
     offset = end;
   }
   std::string text = header.dump(-1, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace);

@@ -9,25 +9,14 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/files/npy.h"
 
 namespace e2lf {
 
-/// A tensor of a .safetensors file, as row-major little-endian bytes.
-struct Tensor {
-  std::string type;  ///< "F32", "F16", "BF16", "F64", "U8", "I8", "I16", "I32", "I64", "BOOL"
-  std::vector<size_t> shape;
-  std::vector<uint8_t> bytes;
+/// A tensor of a .safetensors file: an array of numbers, whose type may also be "bf16".
+using Tensor = NpyArray;
 
-  [[nodiscard]] size_t num_elements() const;
-
-  /// Converts the elements from any of the types to float32. `name` is the location in errors.
-  [[nodiscard]] Result<std::vector<float>> to_float(const std::string& name) const;
-};
-
-[[nodiscard]] Tensor make_tensor(std::vector<size_t> shape, std::span<const float> values);
-[[nodiscard]] Tensor make_tensor(std::vector<size_t> shape, std::span<const uint8_t> values);
-
-/// Converts the values to 16 bits ("BF16"), rounded to nearest with ties to even. The relative error is at most 2^-8.
+/// Converts the values to "bf16", rounded to nearest with ties to even. The relative error is at most 2^-8.
 [[nodiscard]] Tensor make_bfloat16_tensor(std::vector<size_t> shape, std::span<const float> values);
 
 struct Safetensors {

@@ -41,8 +41,8 @@ Error safetensors_error(const Bytes& bytes) {
 Safetensors some_file() {
   Safetensors file;
   file.metadata = {{"e2lf", "{\"name\": \"\xC3\xA9\"}"}};
-  file.tensors["mask"] = make_tensor({3}, std::vector<uint8_t>{1, 0, 1});
-  file.tensors["weight"] = make_tensor({2, 1, 2}, std::vector<float>{1.5F, -2.0F, 0.0F, 4.0F});
+  file.tensors["mask"] = make_npy<uint8_t>({3}, std::vector<uint8_t>{1, 0, 1});
+  file.tensors["weight"] = make_npy<float>({2, 1, 2}, std::vector<float>{1.5F, -2.0F, 0.0F, 4.0F});
   return file;
 }
 
@@ -53,7 +53,7 @@ TEST(Safetensors, RoundTripsTensorsAndMetadata) {
   ASSERT_EQ(read->tensors.size(), 2U);
   EXPECT_EQ(read->tensors.at("weight").shape, (std::vector<size_t>{2, 1, 2}));
   EXPECT_THAT(*read->tensors.at("weight").to_float("x"), ElementsAre(1.5F, -2.0F, 0.0F, 4.0F));
-  EXPECT_EQ(read->tensors.at("mask").type, "U8");
+  EXPECT_EQ(read->tensors.at("mask").type, "u1");
   EXPECT_THAT(*read->tensors.at("mask").to_float("x"), ElementsAre(1.0F, 0.0F, 1.0F));
 }
 
@@ -156,7 +156,7 @@ TEST(Safetensors, FindNamesTheNearestTensor) {
 }
 
 TEST(Safetensors, MakingATensorOfAnotherShapeBreaksTheContract) {
-  EXPECT_THROW((void)make_tensor({3}, std::vector<float>{1.0F}), ContractError);
+  EXPECT_THROW((void)make_npy<float>({3}, std::vector<float>{1.0F}), ContractError);
 }
 
 TEST(Safetensors, ReadsTheReleasedNetwork) {

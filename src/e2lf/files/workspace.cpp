@@ -55,7 +55,6 @@ class Descriptor {
   }
   [[nodiscard]] bool locks(int how) const { return number_ >= 0 && ::flock(number_, how) == 0; }
   [[nodiscard]] bool is_open() const { return number_ >= 0; }
-  [[nodiscard]] int number() const { return number_; }
   int release() { return std::exchange(number_, -1); }
 
  private:

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/lightfield/axes.h"
-
+// The axes, values and memory of stored light fields; declared in formats/readers.h.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -26,32 +25,52 @@ float likely_white(float high) {
   return found == std::end(kWhites) ? high : *found;
 }
 
+/// Deviations from [0, 1] up to this size are rounding errors.
+constexpr float kRangeTolerance = 1e-3F;
+
+/// Returns false for NaN, infinity and values that the policy refuses, and clamps the others if the policy requires it.
+bool settle(float& value, RangePolicy policy) {
+  if (policy == RangePolicy::kKeep) return std::fabs(value) <= kMostKept;
+  const float clamped = std::clamp(value, 0.0F, 1.0F);
+  const bool good =
+      policy == RangePolicy::kClamp ? std::fabs(value) <= kMostKept : std::fabs(value - clamped) <= kRangeTolerance;
+  value = clamped;
+  return good;
+}
+
+/// Collects samples, some of which are outside of the requested range.
+struct BadSamples {
+  std::string first;                                                ///< the first sample out of range and its place
+  float low = std::numeric_limits<float>::infinity(), high = -low;  ///< range of the finite samples, as stored
+  size_t not_finite = 0;
+
+  void add(float stored) {
+    if (!std::isfinite(stored)) {
+      ++not_finite;
+      return;
+    }
+    low = std::min(low, stored);
+    high = std::max(high, stored);
+  }
+  /// Describes the problem and its remedy, as an error of kind kInvalidValue.
+  [[nodiscard]] Error error(const std::string& location) const {
+    if (not_finite > 0) {
+      return fail(ErrorCode::kInvalidValue, location, "contains ", not_finite, " value",
+                  not_finite == 1 ? " that is" : "s that are", " not finite (NaN or infinity); the first is ", first,
+                  "; replace them by values in [0, 1]");
+    }
+    const std::string what =
+        cat("a light field has values in [0, 1], but these are in ", low, "..", high, ", the first outside is ", first);
+    if (low < -kRangeTolerance) {
+      return fail(ErrorCode::kInvalidValue, location, what, "; scale them to 0..1",
+                  low >= -1.0F && high <= 1.0F ? ", from -1..1 as (x + 1) / 2" : "");
+    }
+    return {ErrorCode::kInvalidValue, cat(what, "; give the value that is white, e.g. ", likely_white(high)), location,
+            Setting::kWhite};
+  }
+};
+
 }  // namespace
-
-void BadSamples::add(float stored) {
-  if (!std::isfinite(stored)) {
-    ++not_finite;
-    return;
-  }
-  low = std::min(low, stored);
-  high = std::max(high, stored);
-}
-
-Error BadSamples::error(const std::string& location) const {
-  if (not_finite > 0) {
-    return fail(ErrorCode::kInvalidValue, location, "contains ", not_finite, " value",
-                not_finite == 1 ? " that is" : "s that are", " not finite (NaN or infinity); the first is ", first,
-                "; replace them by values in [0, 1]");
-  }
-  const std::string what =
-      cat("a light field has values in [0, 1], but these are in ", low, "..", high, ", the first outside is ", first);
-  if (low < -kRangeTolerance) {
-    return fail(ErrorCode::kInvalidValue, location, what, "; scale them to 0..1",
-                low >= -1.0F && high <= 1.0F ? ", from -1..1 as (x + 1) / 2" : "");
-  }
-  return {ErrorCode::kInvalidValue, cat(what, "; give the value that is white, e.g. ", likely_white(high)), location,
-          Setting::kWhite};
-}
 
 Result<void> check_values(const LightField& light_field, float assumed_white, const std::string& location) {
   const auto [low, high] = std::ranges::minmax(light_field.data());
@@ -68,6 +87,10 @@ Result<void> check_values(const LightField& light_field, float assumed_white, co
   return {};
 }
 
+namespace {
+
+/// Checks that views have at least as many pixels as there are views along each axis. If they do not, the axes are
+/// probably in another order: fails with kShape if an axis has more than 32 views, and warns otherwise.
 Result<void> check_axes(const Shape& stored, const std::string& location) {
   constexpr size_t kFewViews = 32;
   if (stored.views_y <= stored.height || stored.views_x <= stored.width) return {};
@@ -79,8 +102,6 @@ Result<void> check_axes(const Shape& stored, const std::string& location) {
   log_warning(cat(location, ": ", found, "; if the axes are in another order, transpose them"));
   return {};
 }
-
-namespace {
 
 /// Returns the stored number that means 1: the one in the options if it is set, otherwise that of the array.
 float white_of(const StoredArray& array, const ReadOptions& options) {

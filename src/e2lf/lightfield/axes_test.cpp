@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/lightfield/axes.h"
-
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
 
+#include "e2lf/lightfield/formats/readers.h"
 #include "e2lf/lightfield/image.h"
 #include "testing/test_light_field.h"
 

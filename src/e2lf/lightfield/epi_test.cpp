@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/lightfield/epi.h"
-
 #include <array>
 #include <gtest/gtest.h>
 
+#include "e2lf/lightfield/views.h"
 #include "testing/test_light_field.h"
 
 namespace e2lf::lightfield {

@@ -25,12 +25,7 @@ RawImage raw_of(const BasicImage<T>& image, size_t sample_bytes) {
   const size_t width = image.width, height = image.height, channels = image.channels;
   E2LF_REQUIRE(width > 0 && height > 0 && (channels == 1 || channels == 3), "an image to write has pixels");
   E2LF_REQUIRE(image.pixels.size() == width * height * channels, "the pixels of an image must fill its size");
-  RawImage raw;
-  raw.width = width;
-  raw.height = height;
-  raw.channels = channels;
-  raw.sample_bytes = sample_bytes;
-  return raw;
+  return {width, height, channels, sample_bytes, {}};
 }
 
 /// Stores the values as samples round(largest * clamp(value)).

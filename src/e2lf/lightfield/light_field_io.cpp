@@ -2,13 +2,12 @@
 #include "e2lf/lightfield/light_field_io.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <fstream>
 #include <mutex>
 #include <span>
 #include <string_view>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
@@ -35,9 +34,9 @@ fs::path array_in(const fs::path& folder) {
 }
 
 /// Detects the kind from the first bytes of a file.
-std::optional<LightFieldKind> kind_of_bytes(std::string_view head) {
-  const auto* bytes = reinterpret_cast<const uint8_t*>(head.data());
-  if (is_png({bytes, head.size()}) || is_jpeg({bytes, head.size()})) return LightFieldKind::kLenslet;
+std::optional<LightFieldKind> kind_of_bytes(std::span<const uint8_t> bytes) {
+  if (is_png(bytes) || is_jpeg(bytes)) return LightFieldKind::kLenslet;
+  const std::string_view head(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (head.starts_with(kHdf5Signature)) return LightFieldKind::kHdf5;
   if (head.size() > kMatlabHeaderBytes && head.substr(kMatlabHeaderBytes).starts_with(kHdf5Signature)) {
     return LightFieldKind::kHdf5;
@@ -63,11 +62,8 @@ Result<LightFieldKind> storage_kind(const fs::path& path) {
     }
     return fail(ErrorCode::kUnsupported, path, "the folder contains no views; give one with 00_00.png ...");
   }
-  std::array<char, kMatlabHeaderBytes + kHdf5Signature.size()> head{};
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(ErrorCode::kIo, path, "cannot open; check its permissions");
-  file.read(head.data(), head.size());
-  if (const auto kind = kind_of_bytes({head.data(), static_cast<size_t>(file.gcount())})) return *kind;
+  E2LF_ASSIGN_OR_RETURN(const auto bytes, read_head(path, kMatlabHeaderBytes + kHdf5Signature.size()));
+  if (const auto kind = kind_of_bytes(bytes)) return *kind;
   return fail(ErrorCode::kUnsupported, path,
               "not a light field of a known kind; give a folder of views, .mat, .h5, .npy, .npz or a lenslet mosaic");
 }
@@ -163,31 +159,15 @@ Result<LightField> read_light_field(const fs::path& path, const ReadOptions& opt
 
 namespace {
 
-struct FormatWord {
-  const char* word;
-  LightFieldFormat format;
-};
-constexpr FormatWord kFormatWords[] = {{"png", LightFieldFormat::kPng8},
-                                       {"png16", LightFieldFormat::kPng16},
-                                       {"npy", LightFieldFormat::kNpy},
-                                       {"h5", LightFieldFormat::kHdf5}};
-
-Result<void> write_folder(const fs::path& path, const LightFieldView& light_field, const WriteOptions& options,
-                          const ProgressFn& progress) {
-  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, ResultFolder::create(path, options.overwrite));
-  E2LF_RETURN_IF_ERROR(write_views(folder.path(), light_field, options.format, progress));
-  return folder.commit();
-}
+constexpr Choice<LightFieldFormat> kFormats[] = {{"png", LightFieldFormat::kPng8},
+                                                 {"png16", LightFieldFormat::kPng16},
+                                                 {"npy", LightFieldFormat::kNpy},
+                                                 {"h5", LightFieldFormat::kHdf5}};
 
 }  // namespace
 
 Result<LightFieldFormat> parse_format(const std::string& word) {
-  std::vector<std::string> words;
-  for (const FormatWord& known : kFormatWords) {
-    if (word == known.word) return known.format;
-    words.emplace_back(known.word);
-  }
-  return fail(ErrorCode::kInvalidValue, "", "no light-field format is called \"", word, "\"; use one of ", join(words));
+  return choice_of(word, kFormats, "light-field format");
 }
 
 bool is_folder_format(LightFieldFormat format) {
@@ -232,7 +212,11 @@ Result<void> write_views(const fs::path& folder, const LightFieldView& light_fie
 Result<void> write_light_field(const fs::path& path, const LightFieldView& light_field, const WriteOptions& options,
                                const ProgressFn& progress) {
   E2LF_REQUIRE(light_field.size() > 0, "a light field to write has samples");
-  if (is_folder_format(options.format)) return write_folder(path, light_field, options, progress);
+  if (is_folder_format(options.format)) {
+    E2LF_ASSIGN_OR_RETURN(ResultFolder folder, ResultFolder::create(path, options.overwrite));
+    E2LF_RETURN_IF_ERROR(write_views(folder.path(), light_field, options.format, progress));
+    return folder.commit();
+  }
   E2LF_RETURN_IF_ERROR(check_output(path, options.overwrite));
   if (options.format == LightFieldFormat::kNpy) return write_npy_light_field(path, light_field);
   return write_hdf5(path, light_field);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/lightfield/epi.h"
+#include "e2lf/lightfield/views.h"
 
 namespace e2lf::live {
 namespace {

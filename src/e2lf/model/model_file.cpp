@@ -15,7 +15,7 @@ constexpr const char* kCodesTensor = "aperture.codes";
 
 Result<const Tensor*> find_float(const Safetensors& tensors, const std::string& name, const std::string& file) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(name, file));
-  if (tensor->type == "F32" || tensor->type == "BF16") return tensor;
+  if (tensor->type == "f4" || tensor->type == "bf16") return tensor;
   return fail(ErrorCode::kUnsupported, cat(file, ": ", name), "the element type ", tensor->type,
               " is not supported; save it as F32 or BF16");
 }
@@ -94,11 +94,11 @@ Result<void> write_model(const std::filesystem::path& path, const Model& model, 
   for (const WeightShape& tensor : weight_shapes(model.network)) {
     const std::vector<float>& values = model.weights.at(tensor.name);
     tensors.tensors[tensor.name] = storage == WeightStorage::kBfloat16 ? make_bfloat16_tensor(tensor.shape, values)
-                                                                       : make_tensor(tensor.shape, values);
+                                                                       : make_npy<float>(tensor.shape, values);
   }
   if (model.codes) {
     tensors.tensors[kCodesTensor] =
-        make_tensor({model.codes->num_patterns, model.codes->views_y, model.codes->views_x}, model.codes->values);
+        make_npy<float>({model.codes->num_patterns, model.codes->views_y, model.codes->views_x}, model.codes->values);
   }
   return write_safetensors(path, tensors);
 }

@@ -199,11 +199,11 @@ TEST(ModelFile, RefusesMissingSurplusAndOtherThanFloatWeights) {
   EXPECT_EQ(missing.code, ErrorCode::kNotFound);
   EXPECT_THAT(missing.message, HasSubstr("b.bias"));
   const Error surplus =
-      error_after([](Safetensors& file) { file.tensors["c.bias"] = make_tensor({1}, std::vector<float>{1.0F}); });
+      error_after([](Safetensors& file) { file.tensors["c.bias"] = make_npy<float>({1}, std::vector<float>{1.0F}); });
   EXPECT_EQ(surplus.code, ErrorCode::kFormat);
   EXPECT_THAT(surplus.location, EndsWith("m.safetensors: c.bias"));
-  const Error bytes =
-      error_after([](Safetensors& file) { file.tensors["b.bias"] = make_tensor({64}, std::vector<uint8_t>(64)); });
+  const Error bytes = error_after(
+      [](Safetensors& file) { file.tensors["b.bias"] = make_npy<uint8_t>({64}, std::vector<uint8_t>(64)); });
   EXPECT_EQ(bytes.code, ErrorCode::kUnsupported);
   EXPECT_THAT(bytes.location, EndsWith("m.safetensors: b.bias"));
 }
@@ -212,7 +212,7 @@ TEST(ModelFile, RefusesWeightsThatAreNotFinite) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     std::vector<float> values(64);
     values[5] = bad;
-    const Error error = error_after([&](Safetensors& file) { file.tensors["b.bias"] = make_tensor({64}, values); });
+    const Error error = error_after([&](Safetensors& file) { file.tensors["b.bias"] = make_npy<float>({64}, values); });
     EXPECT_EQ(error.code, ErrorCode::kInvalidValue);
     EXPECT_THAT(error.location, EndsWith("m.safetensors: b.bias"));
     EXPECT_THAT(error.message, HasSubstr("weight 5"));
@@ -221,7 +221,7 @@ TEST(ModelFile, RefusesWeightsThatAreNotFinite) {
 
 TEST(ModelFile, RefusesCodesOfTheWrongSizeOrValue) {
   const auto set_codes = [](std::vector<size_t> shape, std::vector<float> values) {
-    return error_after([&](Safetensors& file) { file.tensors["aperture.codes"] = make_tensor(shape, values); });
+    return error_after([&](Safetensors& file) { file.tensors["aperture.codes"] = make_npy<float>(shape, values); });
   };
   const Error shape = set_codes({3, 8, 8}, std::vector<float>(192));
   EXPECT_EQ(shape.code, ErrorCode::kShape);
@@ -350,10 +350,10 @@ TEST(ImportRelease, NamesWhatIsMissingOrOfAnotherShape) {
   for (const WeightShape& tensor : weight_shapes(recnet(3))) {
     size_t size = 1;
     for (const size_t extent : tensor.shape) size *= extent;
-    network.tensors[tensor.name] = make_tensor(tensor.shape, std::vector<float>(size));
+    network.tensors[tensor.name] = make_npy<float>(tensor.shape, std::vector<float>(size));
   }
   Safetensors patterns;
-  patterns.tensors["mask_4x64"] = make_tensor({4, 64}, std::vector<float>(256));
+  patterns.tensors["mask_4x64"] = make_npy<float>({4, 64}, std::vector<float>(256));
   ASSERT_TRUE(write_safetensors(folder / "RecNet.safetensors", network).ok());
   EXPECT_THAT(import_release(folder.path()).error().location, EndsWith("AcqNet.safetensors"));
   ASSERT_TRUE(write_safetensors(folder / "AcqNet.safetensors", patterns).ok());

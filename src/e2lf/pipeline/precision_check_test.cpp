@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/isa.h"
-#include "e2lf/depth/true_disparity.h"
+#include "e2lf/depth/disparity_error.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/recon/reconstruct.h"

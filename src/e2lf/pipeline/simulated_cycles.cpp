@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include "e2lf/depth/true_disparity.h"
+#include "e2lf/depth/disparity_error.h"
 #include "e2lf/recon/reconstruct.h"
-#include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 

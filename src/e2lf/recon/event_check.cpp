@@ -16,44 +16,6 @@ namespace {
 constexpr size_t kResidueParts = 5;  // number of residues from 0 to 1 thresholds
 using Differences = std::array<uint64_t, kResidueParts>;
 
-/// Computes the difference between simulated and given counts of a pixel for each residue. The levels are the same for
-/// all residues, so that logarithms are computed once.
-class PixelCheck {
- public:
-  PixelCheck(const EventCheck& check, const capture::CodedIntensities& intensities, float gain,
-             const PlanesView<const int16_t>& given)
-      : intensities_(intensities),
-        given_(given),
-        inverse_gain_(1.0F / gain),
-        eps_(check.constants.eps),
-        tau_(check.constants.tau),
-        cycles_(static_cast<int>(check.cycles)),
-        is_reference_aware_(check.model == sensor::EventModel::kReferenceAware),
-        levels_(intensities.count) {}
-
-  void add(size_t pixel, Differences& differences) {
-    for (size_t k = 0; k < levels_.size(); ++k) {
-      levels_[k] = std::log(std::max(inverse_gain_ * intensities_.image(k)[pixel], 0.0F) + eps_);
-    }
-    for (size_t part = 0; part < kResidueParts; ++part) {
-      float reference = levels_[0] + tau_ * static_cast<float>(part) / (kResidueParts - 1);
-      for (size_t k = 1; k < levels_.size(); ++k) {
-        const auto count = static_cast<int>((levels_[k] - reference) / tau_);
-        differences[part] += static_cast<uint64_t>(std::abs(cycles_ * count - int{given_[k - 1].value(pixel)}));
-        reference = is_reference_aware_ ? reference + tau_ * static_cast<float>(count) : levels_[k];
-      }
-    }
-  }
-
- private:
-  const capture::CodedIntensities& intensities_;
-  PlanesView<const int16_t> given_;
-  float inverse_gain_, eps_, tau_;
-  int cycles_;
-  bool is_reference_aware_;
-  std::vector<float> levels_;  ///< log intensities of the current pixel
-};
-
 /// Returns the camera without noise and mismatch, and with the mean reference after black.
 capture::SensorProfile average_pixels(capture::SensorProfile camera) {
   using enum capture::PixelConstant;
@@ -94,10 +56,25 @@ Result<EventError> event_error(const EventCheck& check, const LightFieldView& li
   constexpr size_t kMinPixels = size_t{1} << 14;
   std::mutex mutex;
   Differences differences{};
+  const float inverse_gain = 1.0F / gain, eps = check.constants.eps, tau = check.constants.tau;
+  const auto cycles = static_cast<int>(check.cycles);
+  const bool is_reference_aware = check.model == sensor::EventModel::kReferenceAware;
   parallel_for(intensities.image_size(), kMinPixels, [&](size_t begin, size_t end) {
-    PixelCheck pixels(check, intensities, gain, given);
     Differences own{};
-    for (size_t pixel = begin; pixel < end; ++pixel) pixels.add(pixel, own);
+    std::vector<float> levels(intensities.count);  // the log intensities of a pixel, which are those of all residues
+    for (size_t pixel = begin; pixel < end; ++pixel) {
+      for (size_t k = 0; k < levels.size(); ++k) {
+        levels[k] = std::log(std::max(inverse_gain * intensities.image(k)[pixel], 0.0F) + eps);
+      }
+      for (size_t part = 0; part < kResidueParts; ++part) {
+        float reference = levels[0] + tau * static_cast<float>(part) / (kResidueParts - 1);
+        for (size_t k = 1; k < levels.size(); ++k) {
+          const auto count = static_cast<int>((levels[k] - reference) / tau);
+          own[part] += static_cast<uint64_t>(std::abs(cycles * count - int{given[k - 1].value(pixel)}));
+          reference = is_reference_aware ? reference + tau * static_cast<float>(count) : levels[k];
+        }
+      }
+    }
     const std::lock_guard<std::mutex> lock(mutex);
     for (size_t part = 0; part < kResidueParts; ++part) differences[part] += own[part];
   });

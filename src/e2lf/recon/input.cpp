@@ -49,6 +49,18 @@ bool is_of_counts(const model::InputGroup& group) {
          group.kind == model::InputKind::kIntensity;
 }
 
+/// Returns the pixel of a row of `size` pixels that stands at `index` of the row continued by its mirror image.
+size_t mirrored(size_t index, size_t size) {
+  const size_t wrapped = index % (2 * size);
+  return std::min(wrapped, 2 * size - 1 - wrapped);
+}
+
+/// Returns the same if the row is first extended by the mirror image of its first `shift` pixels.
+size_t mirrored(size_t index, size_t size, size_t shift) {
+  const size_t place = mirrored(index, size + shift);
+  return place < shift ? mirrored(shift - 1 - place, size) : place - shift;
+}
+
 size_t round_up(size_t value, size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
@@ -77,18 +89,20 @@ void fill_counts(const PlanesView<const int16_t>& images, std::span<const model:
                  std::span<const size_t> first_channels, const InputConditions& conditions, InputPlanes& planes) {
   const IntensityTable table(conditions.constants, conditions.cycles);
   const size_t transitions = images.extents[0], height = images.extents[1], width = images.extents[2];
+  const GridShift& shift = conditions.shift;
   parallel_for(planes.height, 8, [&](size_t begin, size_t end) {
     std::vector<int16_t> scratch;
     for (size_t y = begin; y < end; ++y) {
       RowState state{std::vector<int>(width), std::vector<int>(width)};
       for (size_t k = 0; k < transitions; ++k) {
-        const auto counts = images[k][mirrored(y, height)].values(scratch);
+        const auto counts = images[k][mirrored(y, height, shift.y)].values(scratch);
         add_counts(counts, state);
         for (size_t g = 0; g < groups.size(); ++g) {
           if (!is_of_counts(groups[g])) continue;
           float* row = planes.values.data() + ((first_channels[g] + k) * planes.height + y) * planes.width;
-          fill_row(groups[g], counts, state, table, conditions.cycles, row);
-          for (size_t x = width; x < planes.width; ++x) row[x] = row[mirrored(x, width)];
+          fill_row(groups[g], counts, state, table, conditions.cycles, row + shift.x);
+          for (size_t x = 0; x < shift.x; ++x) row[x] = row[shift.x + mirrored(x, width, shift.x)];
+          for (size_t x = shift.x + width; x < planes.width; ++x) row[x] = row[mirrored(x, shift.x + width)];
         }
       }
     }
@@ -96,13 +110,16 @@ void fill_counts(const PlanesView<const int16_t>& images, std::span<const model:
 }
 
 /// Fills the planes of intensity images, which are extended in the same way as counts.
-void fill_images(const PlanesView<const float>& images, float scale, size_t first_channel, InputPlanes& planes) {
+void fill_images(const PlanesView<const float>& images, float scale, const GridShift& shift, size_t first_channel,
+                 InputPlanes& planes) {
   const auto [count, height, width] = images.extents;
+  std::vector<size_t> columns(planes.width);
+  for (size_t x = 0; x < planes.width; ++x) columns[x] = mirrored(x, width, shift.x);
   for (size_t n = 0; n < count; ++n) {
     for (size_t y = 0; y < planes.height; ++y) {
-      const auto from = images[n][mirrored(y, height)];
+      const auto from = images[n][mirrored(y, height, shift.y)];
       float* row = planes.values.data() + ((first_channel + n) * planes.height + y) * planes.width;
-      for (size_t x = 0; x < planes.width; ++x) row[x] = scale * from[mirrored(x, width)];
+      for (size_t x = 0; x < planes.width; ++x) row[x] = scale * from[columns[x]];
     }
   }
 }
@@ -144,26 +161,20 @@ void fill_lens_array(const PlanesView<const float>& image, float scale, size_t f
 
 }  // namespace
 
-Result<InputPlanes> network_input(const capture::MeasurementView& measurement,
-                                  std::span<const model::InputGroup> groups, const InputConditions& conditions,
-                                  size_t size_multiple) {
-  InputPlanes planes;
-  E2LF_RETURN_IF_ERROR(network_input(measurement, groups, conditions, size_multiple, planes));
-  return planes;
-}
-
 Result<void> network_input(const capture::MeasurementView& measurement, std::span<const model::InputGroup> groups,
                            const InputConditions& conditions, size_t size_multiple, InputPlanes& planes) {
   E2LF_REQUIRE(conditions.cycles >= 1, "counts are of one cycle at least");
   E2LF_REQUIRE(size_multiple >= 1, "a size multiple is at least 1");
   E2LF_REQUIRE(measurement.height() > 0 && measurement.width() > 0, "images must not be empty");
+  E2LF_REQUIRE(measurement.kind != capture::MeasurementKind::kLensArray || conditions.shift == GridShift(),
+               "lenses cannot be shifted");
   if (std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.kind == model::InputKind::kIntensity; })) {
     E2LF_RETURN_IF_ERROR(IntensityTable::check(conditions.constants));
   }
   const std::vector<size_t> first_channels = group_begins(
       groups, measurement.events.extents[0], conditions.conditioning.size(), measurement.images.extents[0]);
-  planes.resize(first_channels.back(), round_up(measurement.height(), size_multiple),
-                round_up(measurement.width(), size_multiple));
+  planes.resize(first_channels.back(), round_up(measurement.height() + conditions.shift.y, size_multiple),
+                round_up(measurement.width() + conditions.shift.x, size_multiple));
   if (std::any_of(groups.begin(), groups.end(), is_of_counts)) {
     fill_counts(measurement.events, groups, first_channels, conditions, planes);
   }
@@ -172,7 +183,7 @@ Result<void> network_input(const capture::MeasurementView& measurement, std::spa
     const bool is_image = groups[g].kind == model::InputKind::kImages || groups[g].kind == model::InputKind::kImageSum;
     if (groups[g].kind == model::InputKind::kCamera)
       fill_conditioning(conditions.conditioning, scale, first_channels[g], planes);
-    if (is_image) fill_images(measurement.images, scale, first_channels[g], planes);
+    if (is_image) fill_images(measurement.images, scale, conditions.shift, first_channels[g], planes);
     if (groups[g].kind == model::InputKind::kLensArray) {
       fill_lens_array(measurement.images, scale, first_channels[g], planes);
     }

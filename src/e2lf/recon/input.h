@@ -74,30 +74,27 @@ class IntensityTable {
 /// The input of a network: float32 [channel, y, x], row-major.
 using InputPlanes = Planes<float>;
 
-/// Returns the pixel of a row of `size` pixels that stands at `index` of the row continued by its mirror image.
-[[nodiscard]] inline size_t mirrored(size_t index, size_t size) {
-  const size_t wrapped = index % (2 * size);
-  return std::min(wrapped, 2 * size - 1 - wrapped);
-}
+/// The position of the upper left pixel of an image on the grid of a network.
+struct GridShift {
+  size_t y = 0, x = 0;
+  bool operator==(const GridShift&) const = default;
+};
 
 /// The conditions under which the counts of event images were recorded.
 struct InputConditions {
   capture::SensorConstants constants = {};  ///< eps and tau are used for intensities
   std::vector<float> conditioning = {};     ///< the conditioning vector capture::conditioning_vector()
   size_t cycles = 1;                        ///< number of cycles of a static scene over which counts are summed
+  GridShift shift = {};                     ///< the images are extended by this at the top and on the left
 };
 
-/// Makes the input channels of `groups`, one group after another (see model::InputKind; C_k, m and J_k as in
-/// invert_events() with `centred`). The channels of a camera hold its conditioning vector, and counts are divided by
-/// the number of cycles. Height and width are rounded up to multiples of `size_multiple`. The additional rows and
-/// columns at the bottom and right are mirror images of the last ones: the absence of events would look like a black
-/// frame to a network, and repeated pixels like stripes. Fails with kInvalidValue if a group needs constants that are
-/// not positive. If `measurement` lacks the data for a group, the contract is broken.
-[[nodiscard]] Result<InputPlanes> network_input(const capture::MeasurementView& measurement,
-                                                std::span<const model::InputGroup> groups,
-                                                const InputConditions& conditions, size_t size_multiple = 1);
-
-/// Computes the same input in `planes`, whose memory is reused.
+/// Makes the input channels of `groups` in `planes`, whose memory is reused, one group after another (see
+/// model::InputKind; C_k, m and J_k as in invert_events() with `centred`). The channels of a camera hold its
+/// conditioning vector, and counts are divided by the number of cycles. Height and width, with the shift, are rounded
+/// up to multiples of `size_multiple`. The additional rows and columns on every side are mirror images: the absence of
+/// events would look like a black frame to a network, and repeated pixels like stripes. The image behind a lens array
+/// could only be extended by whole lenses and therefore allows no shift. Fails with kInvalidValue if a group needs
+/// constants that are not positive. If `measurement` lacks the data for a group, the contract is broken.
 [[nodiscard]] Result<void> network_input(const capture::MeasurementView& measurement,
                                          std::span<const model::InputGroup> groups, const InputConditions& conditions,
                                          size_t size_multiple, InputPlanes& planes);

@@ -11,6 +11,14 @@
 namespace e2lf::recon {
 namespace {
 
+/// Returns what network_input() computes.
+Result<InputPlanes> input_of(const capture::MeasurementView& measurement, std::span<const model::InputGroup> groups,
+                             const InputConditions& conditions, size_t size_multiple = 1) {
+  InputPlanes planes;
+  E2LF_RETURN_IF_ERROR(network_input(measurement, groups, conditions, size_multiple, planes));
+  return planes;
+}
+
 using model::InputKind;
 
 /// One pixel with the given counts.
@@ -22,7 +30,7 @@ capture::EventImages pixel(const std::vector<int16_t>& counts) {
 
 std::vector<float> values(const capture::EventImages& images, const std::vector<model::InputGroup>& groups,
                           const capture::SensorConstants& constants = {}) {
-  const auto planes = network_input(images, groups, {.constants = constants});
+  const auto planes = input_of(images, groups, {.constants = constants});
   EXPECT_TRUE(planes);
   return planes ? planes->values : std::vector<float>();
 }
@@ -59,7 +67,7 @@ TEST(NetworkInput, ImagesFollowCountsAndAreExtendedAlike) {
   measured.images = capture::CodedIntensities(1, 1, 3);
   measured.images.values = {0.5F, 1.0F, 2.0F};
   const std::vector<model::InputGroup> groups = {{InputKind::kImageSum, 2.0F}, {InputKind::kCounts, 0.25F}};
-  const auto planes = network_input(measured, groups, {}, 2).value();
+  const auto planes = input_of(measured, groups, {}, 2).value();
   EXPECT_EQ(planes.values, (std::vector<float>{1, 2, 4, 4, 1, 2, 4, 4, 1, 2, 4, 4, 1, 2, 4, 4}));
 }
 
@@ -69,7 +77,7 @@ TEST(NetworkInput, RowsAreContinuedByTheirMirrorImage) {
     row.values = {1, 2, 3};
     return row;
   }();
-  const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1}}, {}, 8).value();
+  const auto planes = input_of(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1}}, {}, 8).value();
   const std::vector<float> row = {1, 2, 3, 3, 2, 1, 1, 2};
   for (size_t i = 0; i < planes.values.size(); ++i) EXPECT_EQ(planes.values[i], row[i % 8]) << i;
 }
@@ -82,8 +90,7 @@ TEST(NetworkInput, LensesAreJoinedInStraightLines) {
     const size_t y = i / 32, x = i % 32;
     measured.images.values[i] = static_cast<float>(y % 8 * 8 + x % 8) / 64 + 0.5F * static_cast<float>(x / 8);
   }
-  const auto planes =
-      network_input(measured, std::vector<model::InputGroup>{{InputKind::kLensArray, 2.0F}}, {}).value();
+  const auto planes = input_of(measured, std::vector<model::InputGroup>{{InputKind::kLensArray, 2.0F}}, {}).value();
   ASSERT_EQ(planes.count, 64U);
   const auto at = [&](size_t view, size_t y, size_t x) { return planes.values[(view * 16 + y) * 32 + x]; };
   EXPECT_NEAR(at(9, 5, 0), 2 * 9 / 64.0, 1e-6);  // before the first centre
@@ -96,7 +103,7 @@ TEST(NetworkInput, CameraTraitsFillPlanesOfTheirOwn) {
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1.0F}, {InputKind::kCamera, 2.0F}, {InputKind::kCumulative, 1.0F}};
   const std::vector<float> conditioning = {0.5F, -1.0F, 3.0F};
-  const auto planes = network_input(images, groups, {.conditioning = conditioning});
+  const auto planes = input_of(images, groups, {.conditioning = conditioning});
   ASSERT_TRUE(planes);
   ASSERT_EQ(planes->count, 7U);
   EXPECT_EQ(planes->values[0], 5.0F);
@@ -112,7 +119,7 @@ TEST(NetworkInput, SumsOverCyclesBecomeMeans) {
   sums.values[0] = 5;
   const std::vector<model::InputGroup> groups = {
       {InputKind::kCounts, 1.0F}, {InputKind::kCumulative, 2.0F}, {InputKind::kIntensity, 1.0F}};
-  const auto planes = network_input(sums, groups, {.constants = {.eps = 0.01F, .tau = 0.3F}, .cycles = 4});
+  const auto planes = input_of(sums, groups, {.constants = {.eps = 0.01F, .tau = 0.3F}, .cycles = 4});
   ASSERT_TRUE(planes);
   EXPECT_FLOAT_EQ(planes->values[0], 1.25F);
   EXPECT_FLOAT_EQ(planes->values[1], 2.5F);
@@ -122,7 +129,7 @@ TEST(NetworkInput, SumsOverCyclesBecomeMeans) {
 TEST(NetworkInput, PaddingMirrorsTheLastRowsAndColumns) {
   capture::EventImages images(1, 2, 3);
   images.values = {1, 2, 3, 4, 5, 6};
-  const auto planes = network_input(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, 4);
+  const auto planes = input_of(images, std::vector<model::InputGroup>{{InputKind::kCounts, 1.0F}}, {}, 4);
   ASSERT_TRUE(planes);
   EXPECT_EQ(planes->height, 4U);
   EXPECT_EQ(planes->width, 4U);
@@ -143,8 +150,8 @@ TEST(NetworkInput, IsTheSameForAnyThreadCount) {
 
 TEST(NetworkInput, IntensityNeedsPositiveConstants) {
   const capture::SensorConstants no_threshold{.tau = 0};
-  const auto planes = network_input(pixel({1}), std::vector<model::InputGroup>{{InputKind::kIntensity, 1}},
-                                    {.constants = no_threshold});
+  const auto planes =
+      input_of(pixel({1}), std::vector<model::InputGroup>{{InputKind::kIntensity, 1}}, {.constants = no_threshold});
   ASSERT_FALSE(planes);
   EXPECT_EQ(planes.error().code, ErrorCode::kInvalidValue);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -11,7 +12,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recon/input.h"
-#include "e2lf/recon/placed_images.h"
 
 namespace e2lf::recon {
 namespace {
@@ -22,17 +22,14 @@ int sign(int value) {
   return (value > 0) - (value < 0);
 }
 
-Result<void> check(const capture::EventImages& images, const InversionOptions& options) {
-  E2LF_RETURN_IF_ERROR(IntensityTable::check(options.constants));
-  if (options.black <= images.count) return {};
-  return fail(ErrorCode::kInvalidValue, "", "the black pattern is number ", options.black, " but there are ",
-              images.count + 1, " patterns; count from 0");
-}
-
 }  // namespace
 
 Result<capture::CodedIntensities> invert_events(const capture::EventImages& images, const InversionOptions& options) {
-  E2LF_RETURN_IF_ERROR(check(images, options));
+  E2LF_RETURN_IF_ERROR(IntensityTable::check(options.constants));
+  if (options.black > images.count) {
+    return fail(ErrorCode::kInvalidValue, "", "the black pattern is number ", options.black, " but there are ",
+                images.count + 1, " patterns; count from 0");
+  }
   const IntensityTable table(options.constants);
   const size_t num_patterns = images.count + 1;
   capture::CodedIntensities intensities(num_patterns, images.height, images.width);
@@ -116,6 +113,105 @@ void denoise_intensities(capture::CodedIntensities& intensities, const capture::
 
 namespace {
 
+/// Returns the squared relative spread of the pictures at one pixel for a scene at `disparity`.
+float mismatch(std::span<const PlacedImage> images, size_t height, size_t width, float disparity, size_t y, size_t x) {
+  constexpr float kDark = 1e-2F;  // prevents the noise of dark pixels from dominating
+  float sum = 0, squares = 0;
+  for (const PlacedImage& image : images) {
+    const float value = sample_bilinear(image.pixels, height, width,
+                                        static_cast<float>(y) + disparity * static_cast<float>(image.view_y),
+                                        static_cast<float>(x) + disparity * static_cast<float>(image.view_x));
+    sum += value;
+    squares += value * value;
+  }
+  const auto count = static_cast<float>(images.size());
+  const float mean = sum / count;
+  return std::max(0.0F, squares / count - mean * mean) / ((mean + kDark) * (mean + kDark));
+}
+
+}  // namespace
+
+float sample_bilinear(std::span<const float> pixels, size_t height, size_t width, float y, float x) {
+  y = std::clamp(y, 0.0F, static_cast<float>(height - 1));
+  x = std::clamp(x, 0.0F, static_cast<float>(width - 1));
+  const auto y0 = static_cast<size_t>(y), x0 = static_cast<size_t>(x);
+  const size_t y1 = std::min(y0 + 1, height - 1), x1 = std::min(x0 + 1, width - 1);
+  const float fy = y - static_cast<float>(y0), fx = x - static_cast<float>(x0);
+  const float top = pixels[y0 * width + x0] * (1 - fx) + pixels[y0 * width + x1] * fx;
+  const float bottom = pixels[y1 * width + x0] * (1 - fx) + pixels[y1 * width + x1] * fx;
+  return top * (1 - fy) + bottom * fy;
+}
+
+std::vector<float> coded_disparity(std::span<const PlacedImage> images, size_t height, size_t width) {
+  constexpr int kCandidates = 12;  // on either side of 0
+  constexpr float kStepPx = 0.25F;
+  constexpr size_t kWindowRadius = 6;
+  std::vector<float> best(height * width), best_cost(height * width, std::numeric_limits<float>::infinity());
+  const bool one_place = std::all_of(images.begin(), images.end(), [&](const PlacedImage& image) {
+    return image.view_y == images[0].view_y && image.view_x == images[0].view_x;
+  });
+  if (one_place) return best;
+
+  std::vector<float> differences(height * width);
+  for (int i = -kCandidates; i <= kCandidates; ++i) {
+    const float disparity = static_cast<float>(i) * kStepPx;
+    parallel_for(height, 4, [&](size_t begin, size_t end) {
+      for (size_t p = begin * width; p < end * width; ++p) {
+        differences[p] = mismatch(images, height, width, disparity, p / width, p % width);
+      }
+    });
+    const std::vector<float> cost = box_sums(differences, height, width, kWindowRadius);
+    for (size_t p = 0; p < best.size(); ++p) {
+      if (cost[p] < best_cost[p]) {
+        best_cost[p] = cost[p];
+        best[p] = disparity;
+      }
+    }
+  }
+  return best;
+}
+
+namespace {
+
+/// Returns the middle of `views` views along an axis.
+double view_centre(size_t views) {
+  return (static_cast<double>(views) - 1) / 2;
+}
+
+/// Places one coded image. The image of a black pattern has no pixels.
+PlacedImage place_image(const capture::CodedIntensities& intensities, const capture::Codes& codes, size_t n) {
+  PlacedImage image;
+  double open = 0;
+  const auto pattern = codes.pattern(n);
+  for (size_t view = 0; view < pattern.size(); ++view) {
+    open += pattern[view];
+    image.view_y += pattern[view] * (static_cast<double>(view / codes.views_x) - view_centre(codes.views_y));
+    image.view_x += pattern[view] * (static_cast<double>(view % codes.views_x) - view_centre(codes.views_x));
+  }
+  if (open == 0) return image;
+  image.view_y /= open;
+  image.view_x /= open;
+  const auto scale = static_cast<float>(static_cast<double>(pattern.size()) / open);
+  image.pixels.reserve(intensities.image_size());
+  for (const float value : intensities.image(n)) image.pixels.push_back(scale * value);
+  return image;
+}
+
+}  // namespace
+
+PlacedImages place_images(const capture::CodedIntensities& intensities, const capture::Codes& codes) {
+  PlacedImages placed;
+  for (size_t n = 0; n < codes.num_patterns; ++n) {
+    PlacedImage image = place_image(intensities, codes, n);
+    if (image.pixels.empty()) continue;
+    placed.images.push_back(std::move(image));
+    placed.patterns.push_back(n);
+  }
+  return placed;
+}
+
+namespace {
+
 using Matrix = std::vector<std::vector<double>>;
 
 /// Solves matrix * x = right for all columns of `right` in place, by Gauss-Jordan elimination with pivoting.
@@ -140,13 +236,17 @@ void solve(Matrix matrix, Matrix& right) {
   }
 }
 
+/// Returns the sum of the transmittances of a pattern.
+double open_cells(std::span<const float> pattern) {
+  return std::accumulate(pattern.begin(), pattern.end(), 0.0);
+}
+
 /// Computes B K, the prior correlation of each view with each normalised coded image, [pattern][view].
 Matrix correlations(const capture::Codes& codes, const std::vector<size_t>& lit, double length) {
   Matrix result(lit.size(), std::vector<double>(codes.pattern_size()));
   for (size_t i = 0; i < lit.size(); ++i) {
     const auto pattern = codes.pattern(lit[i]);
-    double open = 0;
-    for (const float value : pattern) open += value;
+    const double open = open_cells(pattern);
     for (size_t view = 0; view < codes.pattern_size(); ++view) {
       for (size_t other = 0; other < codes.pattern_size(); ++other) {
         const auto dy = static_cast<double>(view / codes.views_x) - static_cast<double>(other / codes.views_x);
@@ -183,9 +283,29 @@ void render_row(const View& view, std::span<const PlacedImage> images, std::span
   }
 }
 
-Result<void> check_not_empty(const capture::CodedIntensities& images) {
+template <typename Images>
+Result<void> check_not_empty(const Images& images) {
   if (images.image_size() > 0) return {};
   return fail(ErrorCode::kShape, "", "images of ", images.width, "x", images.height, " are empty; give some pixels");
+}
+
+/// Returns the number of the first black pattern.
+Result<size_t> black_pattern(const capture::EventImages& images, const capture::Codes& codes) {
+  const auto is_black = [&](size_t n) {
+    return std::all_of(codes.pattern(n).begin(), codes.pattern(n).end(), [](float value) { return value == 0; });
+  };
+  size_t black = 0;
+  while (black < codes.num_patterns && !is_black(black)) ++black;
+  if (black == codes.num_patterns) {
+    return fail(ErrorCode::kInvalidValue, "",
+                "no pattern is black, so events do not determine intensities; use a trained model");
+  }
+  if (images.count + 1 != codes.num_patterns) {
+    return fail(ErrorCode::kShape, "", images.count, " event images do not fit ", codes.num_patterns,
+                " patterns; use the patterns that the events were recorded with");
+  }
+  E2LF_RETURN_IF_ERROR(check_not_empty(images));
+  return black;
 }
 
 }  // namespace
@@ -193,9 +313,7 @@ Result<void> check_not_empty(const capture::CodedIntensities& images) {
 std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const ViewPrior& prior) {
   std::vector<size_t> lit;
   for (size_t n = 0; n < codes.num_patterns; ++n) {
-    double open = 0;
-    for (const float value : codes.pattern(n)) open += value;
-    if (open > 0) lit.push_back(n);
+    if (open_cells(codes.pattern(n)) > 0) lit.push_back(n);
   }
   E2LF_REQUIRE(!lit.empty(), "one pattern at least must let light through");
 
@@ -205,12 +323,10 @@ std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const
   system[size][size] = 0;
   for (size_t i = 0; i < size; ++i) {
     for (size_t j = 0; j < size; ++j) {
-      double open = 0, sum = 0;
-      for (size_t view = 0; view < views; ++view) {
-        open += codes.pattern(lit[j])[view];
-        sum += with_views[i][view] * codes.pattern(lit[j])[view];
-      }
-      system[i][j] = sum / open + (i == j ? prior.noise : 0);
+      const auto pattern = codes.pattern(lit[j]);
+      double sum = 0;
+      for (size_t view = 0; view < views; ++view) sum += with_views[i][view] * pattern[view];
+      system[i][j] = sum / open_cells(pattern) + (i == j ? prior.noise : 0);
     }
   }
   solution.emplace_back(views, 1.0);
@@ -224,7 +340,7 @@ std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const
 }
 
 Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& intensities,
-                                               const capture::Codes& codes, const LinearEstimateOptions& options) {
+                                               const capture::Codes& codes) {
   if (intensities.count != codes.num_patterns) {
     return fail(ErrorCode::kShape, "", "there are ", intensities.count, " coded images but ", codes.num_patterns,
                 " patterns; use the patterns that the events were recorded with");
@@ -237,8 +353,8 @@ Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& 
 
   lightfield::LightField light_field({codes.views_y, codes.views_x, intensities.height, intensities.width});
   const lightfield::Shape& shape = light_field.shape();
-  const std::vector<float> disparity = coded_disparity(images, shape.height, shape.width, options.search);
-  const auto weights = view_weights(codes, options.prior);
+  const std::vector<float> disparity = coded_disparity(images, shape.height, shape.width);
+  const auto weights = view_weights(codes, {});
   parallel_for(shape.num_views() * shape.height, 8, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const size_t number = i / shape.height, y = i % shape.height;
@@ -253,15 +369,13 @@ Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& 
 }
 
 Result<lightfield::LightField> reconstruct_by_inversion(const capture::EventImages& images, const capture::Codes& codes,
-                                                        const capture::SensorConstants& constants,
-                                                        const LinearEstimateOptions& options) {
-  InversionOptions inversion;
-  inversion.constants = constants;
-  inversion.centred = true;
+                                                        const capture::SensorConstants& constants) {
+  constexpr size_t kDenoiseRadius = 3;
+  InversionOptions inversion{.constants = constants, .centred = true};
   E2LF_ASSIGN_OR_RETURN(inversion.black, black_pattern(images, codes));
   E2LF_ASSIGN_OR_RETURN(capture::CodedIntensities intensities, invert_events(images, inversion));
-  denoise_intensities(intensities, images, constants, options.denoise_radius);
-  return linear_estimate(intensities, codes, options);
+  denoise_intensities(intensities, images, constants, kDenoiseRadius);
+  return linear_estimate(intensities, codes);
 }
 
 }  // namespace e2lf::recon

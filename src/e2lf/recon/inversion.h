@@ -10,7 +10,6 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/lightfield/light_field.h"
-#include "e2lf/recon/placed_images.h"
 
 namespace e2lf::recon {
 
@@ -58,11 +57,27 @@ struct ViewPrior {
 /// (kriging with unknown mean m). At least one pattern must transmit light, or the contract is broken.
 [[nodiscard]] std::vector<std::vector<double>> view_weights(const capture::Codes& codes, const ViewPrior& prior);
 
-struct LinearEstimateOptions {
-  ViewPrior prior = {};
-  DisparitySearch search = {};
-  size_t denoise_radius = 3;  ///< see denoise_intensities(); used only by reconstruct_by_inversion()
+/// A picture [y, x] seen from a place on the aperture, in view steps relative to the centre of the views.
+struct PlacedImage {
+  std::vector<float> pixels;
+  double view_y = 0, view_x = 0;
 };
+
+/// Coded images as pictures seen from the centres of light of their patterns, divided by the share of open cells.
+struct PlacedImages {
+  std::vector<PlacedImage> images;
+  std::vector<size_t> patterns;  ///< the number of the pattern of each; black patterns are omitted
+};
+
+[[nodiscard]] PlacedImages place_images(const capture::CodedIntensities& intensities, const capture::Codes& codes);
+
+/// Samples a picture bilinearly at (y, x). The coordinates are clamped to the picture.
+[[nodiscard]] float sample_bilinear(std::span<const float> pixels, size_t height, size_t width, float y, float x);
+
+/// Estimates the disparity [y, x] as seen from the centre of the views, within +-3 px per view step: for each pixel,
+/// the candidate with the smallest relative difference between the pictures over a window. It is 0 everywhere if all
+/// pictures have the same place.
+[[nodiscard]] std::vector<float> coded_disparity(std::span<const PlacedImage> images, size_t height, size_t width);
 
 /// Estimates a light field from coded intensities without training. Each coded image, divided by the share of open
 /// cells of its pattern, is treated as a picture seen from the centre of light of the pattern. Their disparity is
@@ -71,14 +86,12 @@ struct LinearEstimateOptions {
 /// The result is not clamped. Fails with kShape (different numbers of images and patterns, or empty images) and
 /// kInvalidValue (all patterns are black).
 [[nodiscard]] Result<lightfield::LightField> linear_estimate(const capture::CodedIntensities& intensities,
-                                                             const capture::Codes& codes,
-                                                             const LinearEstimateOptions& options = {});
+                                                             const capture::Codes& codes);
 
 /// Implements the method "inversion": linear_estimate() of the centred closed-form inversion of the events
 /// (invert_events()). Also fails with kInvalidValue if no pattern is black.
 [[nodiscard]] Result<lightfield::LightField> reconstruct_by_inversion(const capture::EventImages& images,
                                                                       const capture::Codes& codes,
-                                                                      const capture::SensorConstants& constants,
-                                                                      const LinearEstimateOptions& options = {});
+                                                                      const capture::SensorConstants& constants);
 
 }  // namespace e2lf::recon

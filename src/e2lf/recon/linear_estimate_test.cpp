@@ -87,7 +87,7 @@ TEST(CodedDisparity, FindsThePlane) {
       const auto view = light_field.view(static_cast<size_t>(y), static_cast<size_t>(x));
       images.push_back({{view.begin(), view.end()}, y - 3.5, x - 3.5});
     }
-    const auto found = coded_disparity(images, 48, 56, {});
+    const auto found = coded_disparity(images, 48, 56);
     for (size_t y = 14; y < 34; ++y) {
       for (size_t x = 14; x < 42; ++x) ASSERT_NEAR(found[y * 56 + x], disparity, 0.251) << y << " " << x;
     }

@@ -72,39 +72,6 @@ std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple) {
 
 namespace {
 
-template <typename Value>
-Planes<Value> extend(const PlanesView<const Value>& from, const GridShift& shift) {
-  const auto [count, height, width] = from.extents;
-  if (count == 0) return {};
-  Planes<Value> planes(count, height + shift.y, width + shift.x);
-  const auto place = [](size_t i, size_t moved, size_t size) {
-    return i < moved ? mirrored(moved - 1 - i, size) : i - moved;
-  };
-  Value* to = planes.values.data();
-  for (size_t n = 0; n < count; ++n) {
-    for (size_t y = 0; y < planes.height; ++y) {
-      const auto row = from[n][place(y, shift.y, height)];
-      for (size_t x = 0; x < planes.width; ++x) *to++ = row[place(x, shift.x, width)];
-    }
-  }
-  return planes;
-}
-
-}  // namespace
-
-capture::Measurement extend(const capture::MeasurementView& measurement, const GridShift& shift) {
-  E2LF_REQUIRE(measurement.height() > 0 && measurement.width() > 0, "images must not be empty");
-  E2LF_REQUIRE(measurement.kind != capture::MeasurementKind::kLensArray || shift == GridShift(),
-               "lenses cannot be shifted");
-  capture::Measurement extended;
-  extended.kind = measurement.kind;
-  extended.events = extend(measurement.events, shift);
-  extended.images = extend(measurement.images, shift);
-  return extended;
-}
-
-namespace {
-
 /// Adds to `field` the part of `larger` that begins at `shift`.
 void add_crop(const lightfield::LightField& larger, const GridShift& shift, lightfield::LightField& field) {
   const lightfield::Shape &shape = field.shape(), &from_shape = larger.shape();
@@ -166,9 +133,9 @@ Result<Reconstructor> Reconstructor::prepared_for(size_t cycles) const {
 }
 
 Result<void> Reconstructor::fill_input(const capture::MeasurementView& measurement, size_t cycles,
-                                       InputPlanes& planes) const {
+                                       const GridShift& shift, InputPlanes& planes) const {
   E2LF_REQUIRE(!constant_cycles_ || *constant_cycles_ == cycles, "the number of cycles is built into the network");
-  InputConditions conditions{model_.camera->constants, {}, cycles};
+  InputConditions conditions{model_.camera->constants, {}, cycles, shift};
   if (constant_cycles_) {
     conditions.conditioning = {1.0F};
   } else if (model::is_conditioned_on_camera(model_)) {
@@ -220,7 +187,7 @@ Result<void> Reconstructor::reconstruct_into(const capture::MeasurementView& mea
   E2LF_RETURN_IF_ERROR(check(measurement));
   const lightfield::Shape shape = field_shape(measurement);
   E2LF_REQUIRE(lightfield::shape_of(field) == shape, "the output has another shape");
-  E2LF_RETURN_IF_ERROR(fill_input(measurement, cycles, memory.input));
+  E2LF_RETURN_IF_ERROR(fill_input(measurement, cycles, {}, memory.input));
   if (!std::ranges::equal(memory.views, views)) {
     memory.views.assign(views.begin(), views.end());
     memory.some = views.empty() ? std::nullopt : engine_->with_outputs(memory.views);
@@ -251,10 +218,8 @@ Result<lightfield::LightField> Reconstructor::reconstruct(const capture::Measure
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));
   lightfield::LightField mean;
   for (size_t pass = 0; pass < shifts.size(); ++pass) {
-    const bool is_shifted = shifts[pass] != GridShift();
-    const capture::Measurement extended = is_shifted ? extend(measurement, shifts[pass]) : capture::Measurement();
     InputPlanes input;
-    E2LF_RETURN_IF_ERROR(fill_input(is_shifted ? extended : measurement, cycles, input));
+    E2LF_RETURN_IF_ERROR(fill_input(measurement, cycles, shifts[pass], input));
     auto field = lightfield::LightField::unset({shape.views_y, shape.views_x, input.height, input.width});
     E2LF_RETURN_IF_ERROR(engine_->run(input.values, input.height, input.width, field.data(),
                                       progress_of_pass(progress, pass, shifts.size())));

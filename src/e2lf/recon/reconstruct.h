@@ -33,20 +33,10 @@ namespace e2lf::recon {
 /// Subtracts `black` and multiplies by `gain`, in place.
 void apply_tone(const LightFieldOutput& light_field, float black, float gain);
 
-/// The position of the upper left pixel of an image on the grid of a network.
-struct GridShift {
-  size_t y = 0, x = 0;
-  bool operator==(const GridShift&) const = default;
-};
-
 /// Returns the first `count` distinct shifts on the grid of a network with `size_multiple`, or all size_multiple^2 of
 /// them if `count` is larger. The first one is zero. If the multiple is even, the first four cover all four positions
 /// on a 2x2 grid.
 [[nodiscard]] std::vector<GridShift> grid_shifts(size_t count, size_t size_multiple);
-
-/// Extends images at the top and on the left by their mirror images. The images must not be empty.
-/// The image behind a lens array can only be extended by whole lenses and therefore allows no shift.
-[[nodiscard]] capture::Measurement extend(const capture::MeasurementView& measurement, const GridShift& shift);
 
 /// A method that reconstructs a light field from a measurement: a network or the inversion.
 using Method = std::function<Result<lightfield::LightField>(const capture::MeasurementView& measurement,
@@ -111,7 +101,7 @@ class Reconstructor {
  private:
   [[nodiscard]] Result<void> check(const capture::MeasurementView& measurement) const;
   [[nodiscard]] Result<void> fill_input(const capture::MeasurementView& measurement, size_t cycles,
-                                        InputPlanes& planes) const;
+                                        const GridShift& shift, InputPlanes& planes) const;
 
   Reconstructor(model::Model model, engine::Engine engine)
       : model_(std::move(model)), engine_(std::make_shared<const engine::Engine>(std::move(engine))) {}

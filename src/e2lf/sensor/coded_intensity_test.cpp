@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/sensor/coded_intensity.h"
 
 #include <gtest/gtest.h>
 

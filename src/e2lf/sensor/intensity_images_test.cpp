@@ -2,7 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "e2lf/sensor/coded_intensity.h"
+#include "e2lf/sensor/event_model.h"
 
 namespace e2lf::sensor {
 namespace {

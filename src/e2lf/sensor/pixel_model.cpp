@@ -12,8 +12,8 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/draws.h"
+#include "e2lf/sensor/event_model.h"
 
 namespace e2lf::sensor {
 namespace {
@@ -127,46 +127,6 @@ class TransmissionMap {
   std::vector<std::vector<float>> columns_, rows_;
 };
 
-/// Computes the light through each pattern: the light that its open cells transmit, plus the leak of the others; and
-/// through an inverse, the light of the open aperture that its code blocks.
-class ExposureOf {
- public:
-  /// `intensities` holds one more image than there are codes, which is the one with all cells open.
-  ExposureOf(const capture::SensorProfile& camera, const ShownCycle& cycle, const CodedIntensities& intensities,
-             float gain)
-      : cycle_(cycle),
-        intensities_(intensities),
-        transmission_(camera, intensities.count - 2, intensities.height, intensities.width),
-        gain_over_eps_(gain / camera.pixel[kEps]),
-        leak_(camera.pixel[kLeak]) {}
-
-  void operator()(size_t pixel, Exposure& exposure) const {
-    const size_t num_codes = cycle_.codes.num_patterns;
-    const float full = value(num_codes, pixel);
-    exposure.of_patterns.clear();
-    exposure.of_inverses.clear();
-    for (size_t n = 0; n < num_codes; ++n) {
-      const float open = value(n, pixel);
-      const float passed = open * (n == 0 ? 1.0F : transmission_.at(n - 1, pixel));
-      exposure.of_patterns.push_back(passed + leak_ * (full - open) + 1.0F);
-      exposure.of_inverses.push_back(std::max(full - passed, 0.0F) + 1.0F);
-    }
-    if (!cycle_.is_whole) return;
-    exposure.of_patterns.insert(exposure.of_patterns.end(), exposure.of_inverses.begin(), exposure.of_inverses.end());
-    exposure.of_patterns.push_back(exposure.of_patterns.front());
-  }
-
- private:
-  [[nodiscard]] float value(size_t n, size_t pixel) const {
-    return std::max(intensities_.image(n)[pixel], 0.0F) * gain_over_eps_;
-  }
-
-  const ShownCycle& cycle_;
-  const CodedIntensities& intensities_;
-  TransmissionMap transmission_;
-  float gain_over_eps_, leak_;
-};
-
 Result<void> check(const capture::Codes& codes, const capture::SensorProfile& camera,
                    const PixelModelOptions& options) {
   if (!camera.is_pixel()) {
@@ -204,13 +164,32 @@ Result<capture::EventImages> simulate_pixel_events(const capture::Codes& codes, 
   E2LF_ASSIGN_OR_RETURN(const CodedIntensities intensities,
                         coded_intensities(capture::with_open_aperture(cycle.codes), light_field));
   const capture::PixelConstants& constants = camera.pixel;
-  const ExposureOf exposure_of(camera, cycle, intensities, options.gain);
+  const size_t num_codes = cycle.codes.num_patterns;
+  const TransmissionMap transmission(camera, num_codes - 1, intensities.height, intensities.width);
+  const float gain_over_eps = options.gain / constants[kEps], leak = constants[kLeak];
+  // The light through a pattern is that of its open cells, plus the leak of the others; through an inverse, it is the
+  // light of the open aperture that its code blocks.
+  const auto expose = [&](size_t pixel, Exposure& exposure) {
+    const auto value = [&](size_t n) { return std::max(intensities.image(n)[pixel], 0.0F) * gain_over_eps; };
+    const float full = value(num_codes);
+    exposure.of_patterns.clear();
+    exposure.of_inverses.clear();
+    for (size_t n = 0; n < num_codes; ++n) {
+      const float open = value(n);
+      const float passed = open * (n == 0 ? 1.0F : transmission.at(n - 1, pixel));
+      exposure.of_patterns.push_back(passed + leak * (full - open) + 1.0F);
+      exposure.of_inverses.push_back(std::max(full - passed, 0.0F) + 1.0F);
+    }
+    if (!cycle.is_whole) return;
+    exposure.of_patterns.insert(exposure.of_patterns.end(), exposure.of_inverses.begin(), exposure.of_inverses.end());
+    exposure.of_patterns.push_back(exposure.of_patterns.front());
+  };
   capture::EventImages images(cycle.num_patterns() - 1, intensities.height, intensities.width);
   std::atomic<bool> is_saturated = false;
   parallel_for(images.image_size(), kRowPixels, [&](size_t begin, size_t end) {
     Exposure exposure;
     for (size_t p = begin; p < end; ++p) {
-      exposure_of(p, exposure);
+      expose(p, exposure);
       Pixel pixel(constants, draw_thresholds(constants, options.map_seed, p), exposure.of_inverses.back());
       pixel.follow(exposure.of_patterns[0], constants[kBlackTime]);
       pixel.settle(uniform_of(CounterRng(options.seed, 0).bits(p)[0]));

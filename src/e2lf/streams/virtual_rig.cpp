@@ -8,7 +8,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/synthesise.h"
-#include "e2lf/sensor/coded_intensity.h"
+#include "e2lf/sensor/event_model.h"
 
 namespace e2lf::streams {
 namespace {

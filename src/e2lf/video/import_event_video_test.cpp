@@ -41,8 +41,8 @@ TEST(ImportEventVideo, FireNetAndFireNetPlusAreToldByTheirNames) {
 
 TEST(ImportEventVideo, UpdateGatesStandBeforeResetGates) {
   Safetensors tensors = firenet_checkpoint(false);
-  tensors.tensors["G1.update_gate.bias"] = make_tensor({16}, std::vector<float>(16, 3.0F));
-  tensors.tensors["G1.reset_gate.bias"] = make_tensor({16}, std::vector<float>(16, -4.0F));
+  tensors.tensors["G1.update_gate.bias"] = make_npy<float>({16}, std::vector<float>(16, 3.0F));
+  tensors.tensors["G1.reset_gate.bias"] = make_npy<float>({16}, std::vector<float>(16, -4.0F));
   const auto model = import_tensors(tensors);
   ASSERT_TRUE(model.ok()) << model.error().text();
   EXPECT_EQ(model->weights.at("cell1.gates.bias")[0], 3.0F);
@@ -97,7 +97,7 @@ TEST(ImportEventVideo, RefusesDynamicDecodersThatDoNotFit) {
     Safetensors tensors = unet_checkpoint({.channels = 2, .is_dynamic = true});
     size_t size = 1;
     for (const size_t extent : shape) size *= extent;
-    tensors.tensors[key] = make_tensor(shape, std::vector<float>(size, 0.1F));
+    tensors.tensors[key] = make_npy<float>(shape, std::vector<float>(size, 0.1F));
     const auto model = import_tensors(tensors);
     EXPECT_FALSE(model.ok());
     return model.ok() ? Error{} : model.error();
@@ -154,10 +154,10 @@ TEST(ImportEventVideo, ATableOfPositionsMustBeOfSines) {
     const double angle = static_cast<double>(i / 16) / std::pow(10000.0, static_cast<double>(i % 16 / 2) / 8.0);
     table[i] = static_cast<float>(i % 2 == 0 ? std::sin(angle) : std::cos(angle));
   }
-  tensors.tensors["position_embedding.pos_table"] = make_tensor({1, 40, 16}, table);
+  tensors.tensors["position_embedding.pos_table"] = make_npy<float>({1, 40, 16}, table);
   EXPECT_TRUE(import_tensors(tensors).ok());
   table[300] += 0.1F;
-  tensors.tensors["position_embedding.pos_table"] = make_tensor({1, 40, 16}, table);
+  tensors.tensors["position_embedding.pos_table"] = make_npy<float>({1, 40, 16}, table);
   EXPECT_EQ(import_tensors(tensors).error().code, ErrorCode::kUnsupported);
 }
 
@@ -169,7 +169,7 @@ TEST(ImportEventVideo, RefusesTransformersThatDoNotFit) {
     if (shape.empty()) {
       tensors.tensors.erase(name);
     } else {
-      tensors.tensors[name] = make_tensor(shape, std::vector<float>(size, 0.1F));
+      tensors.tensors[name] = make_npy<float>(shape, std::vector<float>(size, 0.1F));
     }
     const auto model = import_tensors(tensors);
     EXPECT_FALSE(model.ok()) << name;
@@ -192,10 +192,10 @@ TEST(ImportEventVideo, RefusesTransformersThatDoNotFit) {
 TEST(ImportEventVideo, FoldsBatchNormalisationIntoTheConvolutionBeforeIt) {
   Safetensors tensors = unet_checkpoint({.is_normalised = true, .channels = 2});
   const std::string key = "unetrecurrent.encoders.0.conv.";
-  tensors.tensors[key + "norm_layer.running_mean"] = make_tensor({4}, std::vector<float>{1, 2, 3, 4});
-  tensors.tensors[key + "norm_layer.running_var"] = make_tensor({4}, std::vector<float>{4, 4, 4, 4});
-  tensors.tensors[key + "norm_layer.weight"] = make_tensor({4}, std::vector<float>{6, 6, 6, 6});
-  tensors.tensors[key + "norm_layer.bias"] = make_tensor({4}, std::vector<float>{10, 20, 30, 40});
+  tensors.tensors[key + "norm_layer.running_mean"] = make_npy<float>({4}, std::vector<float>{1, 2, 3, 4});
+  tensors.tensors[key + "norm_layer.running_var"] = make_npy<float>({4}, std::vector<float>{4, 4, 4, 4});
+  tensors.tensors[key + "norm_layer.weight"] = make_npy<float>({4}, std::vector<float>{6, 6, 6, 6});
+  tensors.tensors[key + "norm_layer.bias"] = make_npy<float>({4}, std::vector<float>{10, 20, 30, 40});
   const auto model = import_tensors(tensors);
   ASSERT_TRUE(model.ok()) << model.error().text();
   const auto before = tensors.tensors.at(key + "conv2d.weight").to_float("w").value();
@@ -208,8 +208,9 @@ TEST(ImportEventVideo, FoldsBatchNormalisationIntoTheConvolutionBeforeIt) {
 
 TEST(ImportEventVideo, KeepsThePictureOfSeveralOutputs) {
   Safetensors tensors = unet_checkpoint({.is_normalised = false, .channels = 2});
-  tensors.tensors["unetrecurrent.pred.conv2d.weight"] = make_tensor({3, 2, 1, 1}, std::vector<float>{1, 2, 3, 4, 5, 6});
-  tensors.tensors["unetrecurrent.pred.conv2d.bias"] = make_tensor({3}, std::vector<float>{7, 8, 9});
+  tensors.tensors["unetrecurrent.pred.conv2d.weight"] =
+      make_npy<float>({3, 2, 1, 1}, std::vector<float>{1, 2, 3, 4, 5, 6});
+  tensors.tensors["unetrecurrent.pred.conv2d.bias"] = make_npy<float>({3}, std::vector<float>{7, 8, 9});
   const auto model = import_tensors(tensors);
   ASSERT_TRUE(model.ok()) << model.error().text();
   EXPECT_THAT(model->weights.at("picture.weight"), ElementsAre(1, 2));
@@ -218,11 +219,11 @@ TEST(ImportEventVideo, KeepsThePictureOfSeveralOutputs) {
 
 TEST(ImportEventVideo, RefusesWhatItDoesNotKnow) {
   Safetensors other;
-  other.tensors["a.weight"] = make_tensor({1}, std::vector<float>{1});
+  other.tensors["a.weight"] = make_npy<float>({1}, std::vector<float>{1});
   EXPECT_THAT(import_tensors(other).error().message, HasSubstr("firenet+"));
 
   Safetensors extra = firenet_checkpoint(false);
-  extra.tensors["G3.update_gate.weight"] = make_tensor({1}, std::vector<float>{1});
+  extra.tensors["G3.update_gate.weight"] = make_npy<float>({1}, std::vector<float>{1});
   EXPECT_THAT(import_tensors(extra).error().location, HasSubstr("G3.update_gate.weight"));
 
   Safetensors missing = firenet_checkpoint(false);
@@ -230,18 +231,18 @@ TEST(ImportEventVideo, RefusesWhatItDoesNotKnow) {
   EXPECT_EQ(import_tensors(missing).error().code, ErrorCode::kNotFound);
 
   Safetensors misfit = firenet_checkpoint(false);
-  misfit.tensors["G1.reset_gate.weight"] = make_tensor({16, 32, 1, 1}, std::vector<float>(512));
+  misfit.tensors["G1.reset_gate.weight"] = make_npy<float>({16, 32, 1, 1}, std::vector<float>(512));
   EXPECT_EQ(import_tensors(misfit).error().code, ErrorCode::kShape);
 
   Safetensors empty = firenet_checkpoint(false);
-  empty.tensors["pred.conv2d.weight"] = make_tensor({0, 16, 1, 1}, std::vector<float>());
+  empty.tensors["pred.conv2d.weight"] = make_npy<float>({0, 16, 1, 1}, std::vector<float>());
   EXPECT_EQ(import_tensors(empty).error().code, ErrorCode::kShape);
 
   EXPECT_THAT(import_tensors(firenet_checkpoint(false), "e2vid").error().message, HasSubstr("other layers"));
   EXPECT_THAT(import_tensors(firenet_checkpoint(false), "hyper").error().message, HasSubstr("known are"));
 
   Safetensors transposed = unet_checkpoint({.is_normalised = false, .channels = 2});
-  transposed.tensors["unetrecurrent.decoders.1.transposed_conv2d.weight"] = make_tensor({1}, std::vector<float>{1});
+  transposed.tensors["unetrecurrent.decoders.1.transposed_conv2d.weight"] = make_npy<float>({1}, std::vector<float>{1});
   EXPECT_EQ(import_tensors(transposed).error().code, ErrorCode::kUnsupported);
 }
 

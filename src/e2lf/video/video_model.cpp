@@ -109,7 +109,7 @@ Result<void> write_video_model(const std::filesystem::path& path, const VideoMod
   Safetensors tensors;
   tensors.metadata[kMetadataKey] = json_line(video_header_to_json(model));
   for (const model::WeightShape& tensor : weight_shapes(model.network)) {
-    tensors.tensors[tensor.name] = make_tensor(tensor.shape, model.weights.at(tensor.name));
+    tensors.tensors[tensor.name] = make_npy<float>(tensor.shape, model.weights.at(tensor.name));
   }
   return write_safetensors(path, tensors);
 }

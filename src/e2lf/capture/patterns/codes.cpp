@@ -59,9 +59,9 @@ Codes complement(const Codes& codes) {
 }
 
 Codes with_open_aperture(const Codes& codes) {
-  Codes extended(codes.num_patterns + 1, codes.views_y, codes.views_x);
-  std::fill(extended.values.begin(), extended.values.end(), 1.0F);
-  std::copy(codes.values.begin(), codes.values.end(), extended.values.begin());
+  Codes extended = codes;
+  ++extended.num_patterns;
+  extended.values.resize(extended.values.size() + extended.pattern_size(), 1.0F);
   return extended;
 }
 

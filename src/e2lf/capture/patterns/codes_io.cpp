@@ -31,10 +31,7 @@ Result<Codes> codes_from_npy(const NpyArray& array, const std::string& location)
     return fail(ErrorCode::kShape, location, "patterns have the shape [N, view_y, view_x], and ",
                 shape_text(array.shape), " is probably [view_y, view_x, N]; move the last axis to the front");
   }
-  Codes codes;
-  codes.num_patterns = array.shape[0];
-  codes.views_y = array.shape[1];
-  codes.views_x = array.shape[2];
+  Codes codes(array.shape[0], array.shape[1], array.shape[2]);
   E2LF_ASSIGN_OR_RETURN(codes.values, array.to_float(location));
   E2LF_RETURN_IF_ERROR(validate(codes, location));
   return codes;

@@ -8,7 +8,6 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/event_images.h"
 #include "e2lf/info/recording_report.h"
-#include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/terminal/progress_bar.h"

@@ -10,7 +10,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/depth/true_disparity.h"
+#include "e2lf/depth/disparity_error.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/live/session.h"
 #include "e2lf/recordings/live/camera.h"

@@ -5,7 +5,7 @@
 #include "e2lf/cli/output/light_field_writer.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/depth/true_disparity.h"
+#include "e2lf/depth/disparity_error.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/npy.h"

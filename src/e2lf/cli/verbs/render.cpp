@@ -9,7 +9,6 @@
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/film/film_file.h"
 #include "e2lf/film/parallax.h"
-#include "e2lf/lightfield/epi.h"
 #include "e2lf/lightfield/refocus.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/program/light_fields.h"

@@ -38,10 +38,10 @@ TEST(ReadDataset, RefusesTensorsThatAreNotPackedData) {
   };
   const std::vector<uint8_t> bytes(64, 1);
   const std::vector<float> floats(4, 1.0F);
-  EXPECT_EQ(refuse("picture/a", make_tensor({8, 8}, bytes)).code, ErrorCode::kFormat);
-  EXPECT_EQ(refuse("texture/a", make_tensor({2, 2}, floats)).code, ErrorCode::kFormat);
-  EXPECT_EQ(refuse("texture/a", make_tensor({64}, bytes)).code, ErrorCode::kShape);
-  const auto error = refuse("lightfield/a", make_tensor({4, 4, 2, 2}, bytes));
+  EXPECT_EQ(refuse("picture/a", make_npy<uint8_t>({8, 8}, bytes)).code, ErrorCode::kFormat);
+  EXPECT_EQ(refuse("texture/a", make_npy<float>({2, 2}, floats)).code, ErrorCode::kFormat);
+  EXPECT_EQ(refuse("texture/a", make_npy<uint8_t>({64}, bytes)).code, ErrorCode::kShape);
+  const auto error = refuse("lightfield/a", make_npy<uint8_t>({4, 4, 2, 2}, bytes));
   EXPECT_EQ(error.code, ErrorCode::kShape);
   EXPECT_NE(error.message.find("lightfield/a"), std::string::npos);
 }

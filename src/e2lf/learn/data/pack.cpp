@@ -54,7 +54,7 @@ std::vector<uint8_t> to_bytes(std::span<const float> values) {
 
 Result<void> insert(Safetensors& file, const std::string& name, std::vector<size_t> shape,
                     std::span<const float> values, const fs::path& source) {
-  const bool fresh = file.tensors.try_emplace(name, make_tensor(std::move(shape), to_bytes(values))).second;
+  const bool fresh = file.tensors.try_emplace(name, make_npy<uint8_t>(std::move(shape), to_bytes(values))).second;
   if (fresh) return {};
   return fail(ErrorCode::kInvalidValue, source, "two inputs are named \"", name, "\"; rename one of them");
 }

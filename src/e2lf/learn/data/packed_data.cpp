@@ -28,7 +28,7 @@ Result<PackedData> sort_packed_data(Safetensors file, const std::string& locatio
   PackedData data;
   for (auto& [name, tensor] : file.tensors) {
     const bool texture = name.starts_with(kTexture);
-    const bool is_ours = (texture || name.starts_with(kLightField)) && tensor.type == "U8";
+    const bool is_ours = (texture || name.starts_with(kLightField)) && tensor.type == "u1";
     const bool has_shape = texture ? tensor.shape.size() == 2 : is_light_field(tensor.shape);
     if (!is_ours || !has_shape || tensor.num_elements() == 0) {
       return fail(is_ours ? ErrorCode::kShape : ErrorCode::kFormat, location, "\"", name, "\" is ", tensor.type, " ",

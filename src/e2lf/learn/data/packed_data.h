@@ -14,7 +14,7 @@ namespace e2lf::learn {
 /// A light field or photograph of the packed data.
 struct PackedPicture {
   std::string name;
-  Tensor pixels;  ///< U8; [8, 8, y, x] for a light field, [y, x] for a photograph
+  Tensor pixels;  ///< uint8; [8, 8, y, x] for a light field, [y, x] for a photograph
 };
 
 /// The content of a file made by `e2lf pack`. Does not require torch.

@@ -5,7 +5,6 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-#include "e2lf/sensor/coded_intensity.h"
 #include "e2lf/sensor/event_model.h"
 
 namespace e2lf::learn {

@@ -17,7 +17,7 @@ void add_tensors(Safetensors& file, const std::string& prefix, const NamedTensor
     const auto values = tensor.detach().to(torch::kCPU, torch::kFloat).contiguous();
     std::vector<size_t> shape(values.sizes().begin(), values.sizes().end());
     file.tensors[prefix + name] =
-        make_tensor(shape, std::span<const float>(values.data_ptr<float>(), static_cast<size_t>(values.numel())));
+        make_npy<float>(shape, std::span<const float>(values.data_ptr<float>(), static_cast<size_t>(values.numel())));
   }
 }
 

@@ -8,7 +8,6 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/readers.h"
 
 namespace e2lf::lightfield {
@@ -32,27 +31,24 @@ Result<Grid> grid_of(const std::filesystem::path& path, const ReadOptions& optio
 }
 
 /// The first channel of a mosaic.
-class Samples {
- public:
-  explicit Samples(const RawImage& mosaic) : mosaic_(mosaic) {}
+struct Samples {
+  const RawImage& mosaic;
+
   [[nodiscard]] double at(size_t y, size_t x) const {
-    const size_t index = (y * mosaic_.width + x) * mosaic_.channels * mosaic_.sample_bytes;
-    return mosaic_.sample_bytes == 1 ? mosaic_.samples[index] : load_le<uint16_t>(&mosaic_.samples[index]);
+    const size_t index = (y * mosaic.width + x) * mosaic.channels * mosaic.sample_bytes;
+    return mosaic.sample_bytes == 1 ? mosaic.samples[index] : load_le<uint16_t>(&mosaic.samples[index]);
   }
   /// Returns the mean absolute difference of pixels that are this far apart.
   [[nodiscard]] double difference(size_t step_y, size_t step_x) const {
     constexpr size_t kRowStep = 4;  // a part of the rows is enough
     double sum = 0;
     size_t count = 0;
-    for (size_t y = 0; y + step_y < mosaic_.height; y += kRowStep) {
-      for (size_t x = 0; x + step_x < mosaic_.width; ++x, ++count)
+    for (size_t y = 0; y + step_y < mosaic.height; y += kRowStep) {
+      for (size_t x = 0; x + step_x < mosaic.width; ++x, ++count)
         sum += std::fabs(at(y, x) - at(y + step_y, x + step_x));
     }
     return count == 0 ? 0 : sum / static_cast<double>(count);
   }
-
- private:
-  const RawImage& mosaic_;
 };
 
 /// The sums of the absolute steps from each column to the next one, and from each row to the next one.
@@ -61,7 +57,7 @@ struct Steps {
 };
 
 Steps steps_of(const RawImage& mosaic) {
-  const Samples samples(mosaic);
+  const Samples samples{mosaic};
   Steps steps{std::vector<double>(mosaic.width - 1), std::vector<double>(mosaic.height - 1)};
   for (size_t y = 0; y + 1 < mosaic.height; ++y) {
     for (size_t x = 0; x + 1 < mosaic.width; ++x) {
@@ -89,7 +85,7 @@ double contrast_of(const Steps& steps, Grid grid) {
 /// Returns whether an image resembles itself one tile further, as views side by side do.
 bool is_montage(const RawImage& image, Grid grid) {
   constexpr double kAlike = 0.5;
-  const Samples samples(image);
+  const Samples samples{image};
   const size_t height = image.height / grid.views_y, width = image.width / grid.views_x;
   const auto are_alike = [&](size_t y, size_t x) {
     return samples.difference(y, x) < kAlike * samples.difference(y + y / 2, x + x / 2);

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,42 +16,13 @@
 #include "e2lf/base/result.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/lightfield/image.h"
+#include "e2lf/lightfield/light_field.h"
 #include "e2lf/lightfield/light_field_io.h"
 
 namespace e2lf::lightfield {
 
-/// The columns of the grids of the benchmark: number = 9 * row + column.
-inline constexpr size_t kHciColumns = 9;
-
-struct NumberedView {
-  LightFieldKind kind;  ///< one of the folder kinds
-  size_t row, column;   ///< in kHciFolder, whose names contain one number: row 0 and that number
-};
-
-/// Returns whether the extension of a file is that of PNG or JPEG images.
-[[nodiscard]] bool is_image_name(const std::filesystem::path& file);
-
-/// Parses the file name of a view. Returns nothing for any other file.
-[[nodiscard]] std::optional<NumberedView> parse_view_name(const std::filesystem::path& file);
-
-/// A file name with two numbers, which may be the row and the column of a view: view_0_0.png, r00_c00.png.
-struct PairName {
-  std::string words;  ///< the name without its numbers, which all views of a light field share: "view_#_#"
-  size_t row, column;
-  /// Whether the first number is the column, as in x0_y0.png.
-  bool is_column_first;
-};
-
-/// Parses a file name with two numbers. The first one is the row, unless a letter x, u or c, or a word that begins with
-/// col, stands in front of it. Returns nothing for any other file.
-[[nodiscard]] std::optional<PairName> parse_pair_name(const std::filesystem::path& file);
-
-/// Returns the PNG name of a view. The camera position in a Stanford name is unknown here and is given as *.
+/// Returns the PNG name of a view with two numbers. The camera position in a Stanford name is unknown, given as *.
 [[nodiscard]] std::string view_name(LightFieldKind kind, size_t row, size_t column);
-
-/// Returns the name of the view with another number, with as many digits and the same extension as `like`, which is a
-/// name of kHciFolder.
-[[nodiscard]] std::string numbered_view_name(const std::filesystem::path& like, size_t number);
 
 /// An image as a file stores it: rows of samples [y, x, channel] of 8 bits, or of 16 bits in the byte order of this
 /// machine.
@@ -80,13 +53,94 @@ struct RawImage {
 /// Compresses the rows of `image`. A bilevel PNG has 1 bit per pixel, and its samples are 0 and 1.
 [[nodiscard]] Result<std::vector<uint8_t>> encode_png_rows(const RawImage& image, bool is_bilevel = false);
 
-}  // namespace e2lf::lightfield
+/// Checks the values of a light field against the assumed white, i.e. the stored number that was taken as 1 because
+/// none was named (0 = one was named). Fails with kInvalidValue if the integers are those of a smaller type: 0 and 1 in
+/// 8 bits, or 0 to 255 in 16 bits.
+[[nodiscard]] Result<void> check_values(const LightField& light_field, float assumed_white,
+                                        const std::string& location);
+
+/// The distances in elements between neighbours along each axis of a stored light field. Each storage convention of the
+/// field has a function below. The letters of the field (U, V, ...) are used only here, because the conventions use
+/// them with opposite meanings.
+struct AxisStrides {
+  size_t view_y = 0, view_x = 0, y = 0, x = 0, channel = 0;
+};
+
+/// Returns the strides of row-major [U, V, H, W, C], where U is the view row: LightField itself, BasicLFSR in Python,
+/// and [t, s, v, u, c] of LFToolbox.
+[[nodiscard]] AxisStrides uvhwc_strides(const Shape& shape);
+/// Returns the strides of column-major (U, V, H, W, C), which is a MATLAB array. Read from HDF5, it is row-major [C, W,
+/// H, V, U].
+[[nodiscard]] AxisStrides matlab_uvhwc_strides(const Shape& shape);
+/// Returns the strides of a lenslet mosaic [H, U, W, V, C], in which the views of a pixel lie side by side (ESLF).
+[[nodiscard]] AxisStrides huwvc_strides(const Shape& shape);
+/// Returns the strides of a transposed grey mosaic of whole views [V, W, U, H]: `Hr_SAI_y` as BasicLFSR stores it.
+[[nodiscard]] AxisStrides vwuh_strides(const Shape& shape);
+
+/// Returns n such that num_views = n * n, or 0 if num_views is not a square.
+[[nodiscard]] size_t views_per_axis(size_t num_views);
+
+/// Returns the number that is white in samples of this numpy type: 255 in u1, 65535 in u2, 1 in floating-point numbers
+/// and truth values, and 0 in other types, which do not determine it.
+[[nodiscard]] float white_of_type(std::string_view code);
+
+/// A light field as it is stored: samples in the byte order of this machine and in any axis order. `shape` describes
+/// what is stored. `channels` may be any number: with three or more, the first three are red, green and blue; one or
+/// two are read as grey.
+struct StoredArray {
+  Shape shape;
+  AxisStrides strides;
+  std::string type = "f4";  ///< the numpy code of the samples, such as "u1" or "f8"
+  std::span<const uint8_t> bytes;
+  float white = 1.0F;  ///< the stored number that means 1 unless ReadOptions names one; 0 = it is not known
+
+  /// Returns the number of bytes that the shape needs.
+  [[nodiscard]] size_t num_bytes() const;
+};
+
+/// Returns the samples of an image as a light field of one view, which points to them.
+[[nodiscard]] StoredArray stored_view(const RawImage& image);
+
+/// The views selected along one axis.
+struct ChosenViews {
+  size_t first = 0, step = 1, count = 0;
+  size_t stored = 0;
+  bool reversed = false;
+
+  /// Returns the stored index of a selected view.
+  [[nodiscard]] size_t operator[](size_t view) const {
+    const size_t index = first + step * view;
+    return reversed ? stored - 1 - index : index;
+  }
+};
+
+struct ChosenGrid {
+  ChosenViews y, x;
+};
+
+/// Applies options.views_y and views_x to the stored grid of views. Fails with kShape if it has too few views.
+[[nodiscard]] Result<ChosenGrid> choose_views(size_t stored_y, size_t stored_x, const ReadOptions& options,
+                                              const std::string& location);
+
+/// Fails with kUnsupported if shape.size() samples of `bytes_each` bytes exceed options.max_bytes, and with kShape if
+/// an extent is 0. The product cannot overflow.
+[[nodiscard]] Result<void> check_memory(const Shape& shape, size_t bytes_each, const ReadOptions& options,
+                                        const std::string& location);
+
+/// Converts the selected views of a stored array to `out`, which has their number and size, in colour if it has three
+/// channels and otherwise in grey. Fails with kInvalidValue as options.range demands.
+[[nodiscard]] Result<void> convert_views(const StoredArray& array, const ChosenGrid& grid, const ReadOptions& options,
+                                         const LightFieldOutput& out, const std::string& location);
+
+/// Converts the selected views of a stored array to a light field, in grey or colour according to the options. Fails
+/// with kUnsupported if it is not known which number is white, and as read_light_field does.
+[[nodiscard]] Result<LightField> from_stored(const StoredArray& array, const ReadOptions& options,
+                                             const std::string& location);
 
 // The reader and the writer of each kind of storage. They fail as described at read_light_field and write_light_field.
-namespace e2lf::lightfield {
 
-/// The view images of a folder by the (row, column) in their names, see NumberedView. `kind` is the naming scheme that
-/// most of them follow.
+/// The view images of a folder by the (row, column) in their names; those of kHciFolder contain one number, which is
+/// the column of row 0. `kind` is the naming scheme that most of them follow.
 struct ViewFiles {
   LightFieldKind kind = LightFieldKind::kViewFolder;
   std::map<std::pair<size_t, size_t>, std::filesystem::path> files;

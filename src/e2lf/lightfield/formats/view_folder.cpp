@@ -11,7 +11,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
-#include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/readers.h"
 #include "e2lf/lightfield/image.h"
 
@@ -35,13 +34,18 @@ bool take_prefix(std::string_view& text, std::string_view prefix) {
   return true;
 }
 
-}  // namespace
-
+/// Returns whether the extension of a file is that of PNG or JPEG images.
 bool is_image_name(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
+struct NumberedView {
+  LightFieldKind kind;  ///< one of the folder kinds
+  size_t row, column;   ///< in kHciFolder, whose names contain one number: row 0 and that number
+};
+
+/// Parses the file name of a view. Returns nothing for any other file.
 std::optional<NumberedView> parse_view_name(const std::filesystem::path& file) {
   if (!is_image_name(file)) return std::nullopt;
   const std::string stem = lower_case(file.stem().string());
@@ -59,6 +63,16 @@ std::optional<NumberedView> parse_view_name(const std::filesystem::path& file) {
   return NumberedView{kind, row, column};
 }
 
+/// A file name with two numbers, which may be the row and the column of a view: view_0_0.png, r00_c00.png.
+struct PairName {
+  std::string words;  ///< the name without its numbers, which all views of a light field share: "view_#_#"
+  size_t row, column;
+  /// Whether the first number is the column, as in x0_y0.png.
+  bool is_column_first;
+};
+
+/// Parses a file name with two numbers. The first one is the row, unless a letter x, u or c, or a word that begins with
+/// col, stands in front of it. Returns nothing for any other file.
 std::optional<PairName> parse_pair_name(const std::filesystem::path& file) {
   if (!is_image_name(file)) return std::nullopt;
   const std::string stem = lower_case(file.stem().string());
@@ -80,17 +94,20 @@ std::optional<PairName> parse_pair_name(const std::filesystem::path& file) {
   return PairName{words, numbers[is_column_first ? 1 : 0], numbers[is_column_first ? 0 : 1], is_column_first};
 }
 
-std::string view_name(LightFieldKind kind, size_t row, size_t column) {
-  if (kind == LightFieldKind::kHciFolder) return formatted("input_Cam%03zu.png", kHciColumns * row + column);
-  if (kind == LightFieldKind::kStanfordFolder) return formatted("out_%02zu_%02zu_*.png", row, column);
-  return formatted("%02zu_%02zu.png", row, column);
-}
-
+/// Returns the name of the view with another number, with as many digits and the same extension as `like`, which is a
+/// name of kHciFolder.
 std::string numbered_view_name(const std::filesystem::path& like, size_t number) {
   const std::string stem = like.stem().string();
   const size_t words = std::string_view("input_Cam").size();
   return cat(stem.substr(0, words), formatted("%0*zu", static_cast<int>(stem.size() - words), number),
              like.extension().string());
+}
+
+}  // namespace
+
+std::string view_name(LightFieldKind kind, size_t row, size_t column) {
+  if (kind == LightFieldKind::kStanfordFolder) return formatted("out_%02zu_%02zu_*.png", row, column);
+  return formatted("%02zu_%02zu.png", row, column);
 }
 
 namespace {
