@@ -6,7 +6,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
-#include "e2lf/hdf5/checked_file.h"
 #include "e2lf/hdf5/library.h"
 #include "e2lf/lightfield/axes.h"
 #include "e2lf/lightfield/formats/readers.h"
