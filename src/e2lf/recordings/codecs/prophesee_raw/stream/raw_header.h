@@ -40,12 +40,6 @@ struct RawHeader {
 /// contradict the header.
 [[nodiscard]] Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options);
 
-enum class HeaderPlace { kNone, kIncomplete, kHere };
-
-/// Determines whether a header that states the encoding of its events begins at the start of `bytes`, among event
-/// words. If not `ended`, more bytes may follow, and kIncomplete requests them.
-[[nodiscard]] HeaderPlace find_raw_header(std::span<const uint8_t> bytes, bool ended);
-
 /// Returns whether `head` begins with the header of a RAW recording (and not of a DAT file).
 [[nodiscard]] bool is_raw_header(std::span<const uint8_t> head);
 
