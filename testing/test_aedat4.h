@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/formats/aedat4/aedat4_format.h"
-#include "e2lf/recordings/event.h"
+#include "e2lf/formats/codecs.h"
+#include "e2lf/recordings/io/decompress.h"
 #ifdef E2LF_HAVE_ZSTD
 #include <zstd.h>
 #endif
@@ -16,6 +16,7 @@
 /// Builds AEDAT 4 files, for tests and fuzzing.
 namespace e2lf::formats::aedat4 {
 
+using recordings::Compression;
 using Bytes = std::vector<uint8_t>;
 
 template <typename T>
@@ -124,7 +125,7 @@ inline Bytes make_file(const std::vector<std::pair<int32_t, Bytes>>& packets, Co
   put_text(header, xml);
 
   Bytes file;
-  put_text(file, kVersionLine);
+  put_text(file, "#!AER-DAT4.0\r\n");
   put<uint32_t>(file, static_cast<uint32_t>(header.size()));
   file.insert(file.end(), header.begin(), header.end());
   for (const auto& [id, contents] : packets) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/event.h"
+#include "e2lf/formats/codecs.h"
 #ifdef E2LF_HAVE_SQLITE
 #include <sqlite3.h>
 #endif

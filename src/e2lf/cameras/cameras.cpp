@@ -9,6 +9,7 @@
 #include <dlfcn.h>
 #include <filesystem>
 #include <mutex>
+#include <sstream>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
@@ -42,8 +43,6 @@ class PluginCamera final : public Camera {
  public:
   PluginCamera(const e2lf_camera_functions& functions, e2lf_camera* camera, std::string name)
       : functions_(functions), camera_(camera), name_(std::move(name)) {}
-  PluginCamera(const PluginCamera&) = delete;
-  PluginCamera& operator=(const PluginCamera&) = delete;
   ~PluginCamera() override { functions_.close(camera_); }
 
   Result<void> set_up(const CameraSetup& setup) override {
@@ -155,35 +154,8 @@ bool is_plugin_name(const char* name) {
   return std::string_view(name).find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") == std::string_view::npos;
 }
 
-Result<CameraPlugin> load_plugin(const fs::path& file) {
-  // Libraries stay loaded, because their threads and texts may be in use until the process ends.
-  void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) {
-    const char* const reason = ::dlerror();
-    return fail(ErrorCode::kIo, file, "cannot be loaded (", reason == nullptr ? "" : header_text(reason), ")");
-  }
-  const auto function = reinterpret_cast<e2lf_camera_plugin_function>(::dlsym(library, E2LF_CAMERA_PLUGIN_FUNCTION));
-  if (function == nullptr) {
-    return fail(ErrorCode::kFormat, file, "is not a camera plugin: it does not export ", E2LF_CAMERA_PLUGIN_FUNCTION);
-  }
-  return plugin_of_functions(function(), file.string());
-}
-
-/// Returns the files at a place. A place that does not exist fails when it is loaded.
-std::vector<fs::path> plugin_files(const fs::path& place) {
-  std::error_code error;
-  if (!fs::is_directory(place, error)) return {fs::absolute(place, error)};  // dlopen() would search for a bare name
-  std::vector<fs::path> files;
-  for (fs::directory_iterator entry(place, error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->path().extension() == ".so") files.push_back(fs::absolute(entry->path(), error));
-  }
-  if (error) log_warning(cat("the folder of camera plugins ", place.string(), " cannot be read: ", error.message()));
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-}  // namespace
-
+/// Returns the plugin with these functions, which must be valid until the process ends. Fails with kUnsupported
+/// (another version) and kFormat (a missing function, or an invalid name).
 Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions, const std::string& location) {
   if (functions == nullptr) return fail(ErrorCode::kFormat, location, "the camera plugin returns no functions");
   if (functions->version != E2LF_CAMERA_PLUGIN_VERSION) {
@@ -211,12 +183,40 @@ Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions,
   return plugin;
 }
 
-std::vector<CameraPlugin> load_camera_plugins(const std::string& places) {
+Result<CameraPlugin> load_plugin(const fs::path& file) {
+  // Libraries stay loaded, because their threads and texts may be in use until the process ends.
+  void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    const char* const reason = ::dlerror();
+    return fail(ErrorCode::kIo, file, "cannot be loaded (", reason == nullptr ? "" : header_text(reason), ")");
+  }
+  const auto function = reinterpret_cast<e2lf_camera_plugin_function>(::dlsym(library, E2LF_CAMERA_PLUGIN_FUNCTION));
+  if (function == nullptr) {
+    return fail(ErrorCode::kFormat, file, "is not a camera plugin: it does not export ", E2LF_CAMERA_PLUGIN_FUNCTION);
+  }
+  return plugin_of_functions(function(), file.string());
+}
+
+/// Returns the files at a place. A place that does not exist fails when it is loaded.
+std::vector<fs::path> plugin_files(const fs::path& place) {
+  std::error_code error;
+  if (!fs::is_directory(place, error)) return {fs::absolute(place, error)};  // dlopen() would search for a bare name
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(place, error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->path().extension() == ".so") files.push_back(fs::absolute(entry->path(), error));
+  }
+  if (error) log_warning(cat("the folder of camera plugins ", place.string(), " cannot be read: ", error.message()));
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Loads the plugins of E2LF_CAMERA_PLUGINS: files and folders, separated by colons; of a folder, all .so files in the
+/// order of their names. Plugins that cannot be loaded are left out with a warning.
+std::vector<CameraPlugin> load_camera_plugins() {
+  const char* const named = std::getenv("E2LF_CAMERA_PLUGINS");
+  std::istringstream places(named == nullptr ? "" : named);
   std::vector<CameraPlugin> plugins;
-  for (size_t begin = 0; begin < places.size();) {
-    const size_t end = std::min(places.find(':', begin), places.size());
-    const std::string place = places.substr(begin, end - begin);
-    begin = end + 1;
+  for (std::string place; std::getline(places, place, ':');) {
     if (place.empty()) continue;
     for (const fs::path& file : plugin_files(place)) {
       auto plugin = load_plugin(file);
@@ -226,6 +226,8 @@ std::vector<CameraPlugin> load_camera_plugins(const std::string& places) {
   }
   return plugins;
 }
+
+}  // namespace
 
 Error unopened_error(const std::string& address, const std::vector<std::string>& listed) {
   const std::string location = "camera://metavision" + (address.empty() ? "" : "/" + address);
@@ -247,15 +249,6 @@ Error unopened_error(const std::string& address, const std::vector<std::string>&
               "(install the vendor's udev rules)");
 }
 
-namespace {
-
-std::vector<CameraPlugin> plugins_of_environment() {
-  const char* const places = std::getenv("E2LF_CAMERA_PLUGINS");
-  return places == nullptr ? std::vector<CameraPlugin>() : load_camera_plugins(places);
-}
-
-}  // namespace
-
 void add_cameras() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -273,7 +266,7 @@ void add_cameras() {
          }) {
       add_camera_plugin(plugin);
     }
-    add_camera_plugins(plugins_of_environment);
+    add_camera_plugins(load_camera_plugins);
   });
 }
 

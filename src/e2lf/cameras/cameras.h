@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
 #include <string>
-#include <sys/types.h>
 #include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/live/camera.h"
-
-struct e2lf_camera_functions;
 
 namespace e2lf::cameras {
 
@@ -37,15 +31,6 @@ using namespace recordings;
 
 /// Connects to a sender at 127.0.0.1:PORT (numeric IPv4 address). Fails with kInvalidValue and kIo.
 [[nodiscard]] Result<CameraPtr> open_tcp_camera(const std::string& address);
-
-/// Returns the plugin with these functions, which must be valid until the process ends. Fails with kUnsupported
-/// (another version) and kFormat (a missing function, or an invalid name).
-[[nodiscard]] Result<CameraPlugin> plugin_of_functions(const e2lf_camera_functions* functions,
-                                                       const std::string& location);
-
-/// Loads plugins from files and folders, separated by colons; of a folder, all .so files in the order of their names.
-/// Plugins that cannot be loaded are left out with a warning. Libraries stay loaded until the process ends.
-[[nodiscard]] std::vector<CameraPlugin> load_camera_plugins(const std::string& places);
 
 /// Creates a camera of Prophesee's open hardware layer (OpenEB's HAL), which start() opens by serial number or full
 /// name, or the first one if `address` is empty. Only in builds that found the HAL. This code is tested with a

@@ -73,62 +73,6 @@ std::string bare_format(const std::string& format) {
   return format.substr(0, format.find(';'));
 }
 
-}  // namespace
-
-std::string hal_text(const std::exception& error) {
-  std::string text;
-  for (const char c : std::string(error.what())) {
-    const bool is_space = std::isspace(static_cast<unsigned char>(c)) != 0;
-    const bool is_rule = c == '-' && (text.empty() || text.ends_with('-'));  // the HAL frames its messages
-    if (!is_space && !is_rule) text += c;
-    if (is_space && !text.empty() && text.back() != ' ') text += ' ';
-  }
-  while (text.ends_with(' ') || text.ends_with('-')) text.pop_back();
-  return header_text(text);
-}
-
-Result<std::vector<std::string>> list_metavision_cameras() try {
-  prepare_hal();
-  // A plugin that the HAL finds in two folders lists its cameras twice.
-  auto names = Metavision::DeviceDiscovery::list();
-  names.sort();
-  names.unique();
-  return std::vector<std::string>(names.begin(), names.end());
-} catch (const std::exception& error) {
-  return fail(ErrorCode::kIo, "", "the HAL cannot list cameras (", hal_text(error), "); check its plugins");
-}
-
-Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& address, const std::string& encoding) {
-  prepare_hal();
-  Metavision::DeviceConfig config;
-  if (!encoding.empty()) config.set_format(hal_encoding(encoding));
-  std::string reason;
-  std::unique_ptr<Metavision::Device> device;
-  try {
-    device = Metavision::DeviceDiscovery::open(address, config);
-  } catch (const std::exception& error) {
-    reason = cat(" (the HAL reports: ", hal_text(error), ")");
-  }
-  if (device == nullptr) {
-    E2LF_ASSIGN_OR_RETURN(const std::vector<std::string> listed, list_metavision_cameras());
-    Error error = unopened_error(address, listed);
-    error.message += reason;
-    return error;
-  }
-  const auto* const identity = device->get_facility<Metavision::I_HW_Identification>();
-  if (identity == nullptr) return fail(ErrorCode::kUnsupported, address, "the camera does not state its encoding");
-  const std::string format = bare_format(identity->get_current_data_encoding_format());
-  const bool is_read = format == "EVT2" || format == "EVT21" || format == "EVT2.1" || format == "EVT3";
-  if (is_read && (encoding.empty() || format == hal_encoding(encoding))) return device;
-  const std::vector<std::string> offered = identity->get_available_data_encoding_formats();
-  return Error{ErrorCode::kUnsupported,
-               cat("the camera sends ", header_text(format), is_read ? "" : ", which e2lf cannot read", "; it offers ",
-                   header_text(join(offered)), ", of which e2lf reads the encodings evt2, evt2.1 and evt3"),
-               "camera://metavision"};
-}
-
-namespace {
-
 using namespace std::chrono_literals;
 
 /// Copies the bytes of a buffer, which is a shared pointer before OpenEB 5.
@@ -206,8 +150,6 @@ bool watch(Stream& stream, const std::shared_ptr<UnreadBuffers>& unread) {
 class MetavisionCamera final : public Camera {
  public:
   explicit MetavisionCamera(std::string address) : address_(std::move(address)) {}
-  MetavisionCamera(const MetavisionCamera&) = delete;
-  MetavisionCamera& operator=(const MetavisionCamera&) = delete;
   ~MetavisionCamera() override { end_stream(); }
 
   Result<void> set_up(const CameraSetup& setup) override {
@@ -319,6 +261,58 @@ class MetavisionCamera final : public Camera {
 };
 
 }  // namespace
+
+std::string hal_text(const std::exception& error) {
+  std::string text;
+  for (const char c : std::string(error.what())) {
+    const bool is_space = std::isspace(static_cast<unsigned char>(c)) != 0;
+    const bool is_rule = c == '-' && (text.empty() || text.ends_with('-'));  // the HAL frames its messages
+    if (!is_space && !is_rule) text += c;
+    if (is_space && !text.empty() && text.back() != ' ') text += ' ';
+  }
+  while (text.ends_with(' ') || text.ends_with('-')) text.pop_back();
+  return header_text(text);
+}
+
+Result<std::vector<std::string>> list_metavision_cameras() try {
+  prepare_hal();
+  // A plugin that the HAL finds in two folders lists its cameras twice.
+  auto names = Metavision::DeviceDiscovery::list();
+  names.sort();
+  names.unique();
+  return std::vector<std::string>(names.begin(), names.end());
+} catch (const std::exception& error) {
+  return fail(ErrorCode::kIo, "", "the HAL cannot list cameras (", hal_text(error), "); check its plugins");
+}
+
+Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& address, const std::string& encoding) {
+  prepare_hal();
+  Metavision::DeviceConfig config;
+  if (!encoding.empty()) config.set_format(hal_encoding(encoding));
+  std::string reason;
+  std::unique_ptr<Metavision::Device> device;
+  try {
+    device = Metavision::DeviceDiscovery::open(address, config);
+  } catch (const std::exception& error) {
+    reason = cat(" (the HAL reports: ", hal_text(error), ")");
+  }
+  if (device == nullptr) {
+    E2LF_ASSIGN_OR_RETURN(const std::vector<std::string> listed, list_metavision_cameras());
+    Error error = unopened_error(address, listed);
+    error.message += reason;
+    return error;
+  }
+  const auto* const identity = device->get_facility<Metavision::I_HW_Identification>();
+  if (identity == nullptr) return fail(ErrorCode::kUnsupported, address, "the camera does not state its encoding");
+  const std::string format = bare_format(identity->get_current_data_encoding_format());
+  const bool is_read = format == "EVT2" || format == "EVT21" || format == "EVT2.1" || format == "EVT3";
+  if (is_read && (encoding.empty() || format == hal_encoding(encoding))) return device;
+  const std::vector<std::string> offered = identity->get_available_data_encoding_formats();
+  return Error{ErrorCode::kUnsupported,
+               cat("the camera sends ", header_text(format), is_read ? "" : ", which e2lf cannot read", "; it offers ",
+                   header_text(join(offered)), ", of which e2lf reads the encodings evt2, evt2.1 and evt3"),
+               "camera://metavision"};
+}
 
 Result<CameraPtr> open_metavision_camera(const std::string& address) {
   return CameraPtr(std::make_unique<MetavisionCamera>(address));

@@ -13,7 +13,7 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
+#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/io/header_text.h"
 

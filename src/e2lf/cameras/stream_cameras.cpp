@@ -29,8 +29,6 @@ class DescriptorCamera final : public Camera {
  public:
   DescriptorCamera(int descriptor, bool owned, std::string name)
       : descriptor_(descriptor), owned_(owned), name_(std::move(name)) {}
-  DescriptorCamera(const DescriptorCamera&) = delete;
-  DescriptorCamera& operator=(const DescriptorCamera&) = delete;
   ~DescriptorCamera() override {
     if (owned_) ::close(descriptor_);
   }

@@ -4,15 +4,32 @@
 #include <filesystem>
 #include <hdf5.h>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "e2lf/recordings/recording.h"
 
-// The formats of this library: what is read and written of each, and the functions that formats.cpp registers. Those
-// that detect a format look at the first bytes of a file.
+// The formats of this library: what is read and written of each, the functions that formats.cpp registers, and the
+// choice of a stream, which several of them share. Functions that detect a format look at the first bytes of a file.
 
 namespace e2lf::formats {
 using namespace recordings;
-}
+
+/// A stream of events in a container that may hold several.
+struct NamedStream {
+  std::string number;  ///< the number that the file assigns
+  std::string name;    ///< e.g. "events" or "/camera/events"; may be empty
+  std::string camera;  ///< e.g. "DAVIS346_00000104"; may be empty
+};
+
+/// Returns the index of the stream that options.stream selects by number, name or camera, or that of the first one if
+/// it is empty. Lists the streams in info.streams and, if several exist and none was selected, adds the assumption that
+/// the others are left out. Fails with kInvalidValue if no stream or more than one matches, and with kFormat if there
+/// are none.
+[[nodiscard]] Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const OpenOptions& options,
+                                           const std::string& location, RecordingInfo& info);
+
+}  // namespace e2lf::formats
 
 namespace e2lf::formats::dat {
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <hdf5.h>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -28,8 +30,6 @@ namespace e2lf::hdf5 {
 class LibraryLock {
  public:
   LibraryLock();
-  LibraryLock(const LibraryLock&) = delete;
-  LibraryLock& operator=(const LibraryLock&) = delete;
   ~LibraryLock();
 
  private:
@@ -75,13 +75,37 @@ class Handle {
 [[nodiscard]] Handle open_file(const std::filesystem::path& path);
 [[nodiscard]] Handle open_bytes(std::vector<uint8_t> bytes);
 
-/// An open file of one of our drivers, as the library sees it.
-struct DriverFile : H5FD_t {
-  haddr_t end_of_addresses = 0, end_of_file = 0;
-};
+/// A new HDF5 file whose writes may fail, above all on a full disk. The library cannot handle that: it keeps the data
+/// that it could not write and crashes when the process ends. Our driver therefore reports success to the library,
+/// keeps the bytes that did not reach the disk, and stores the error for check(). The caller must hold the library's
+/// lock.
+class CheckedFile {
+ public:
+  CheckedFile() = default;
 
-/// Returns a driver with the functions that all of ours share: sizes, and one kind of memory for each of `kinds`.
-[[nodiscard]] H5FD_class_t make_driver(const char* name, const H5FD_mem_t (&kinds)[H5FD_MEM_NTYPES]);
+  /// Creates the file, or empties an existing one. `name` is the location in errors. Fails with kIo.
+  [[nodiscard]] static Result<CheckedFile> create(const std::filesystem::path& path, const std::string& name);
+
+  [[nodiscard]] hid_t get() const { return file_.get(); }
+
+  /// Returns the first write that failed. It must be called after every batch of data, before more are written.
+  [[nodiscard]] Result<void> check() const;
+
+  /// Flushes the file to the disk, so that it can be opened even if the run is killed later. Errors are reported by
+  /// check().
+  void keep_up();
+  /// Returns true if keep_up() was never called, or not within the last second.
+  [[nodiscard]] bool is_behind() const;
+
+  /// Closes the file, after all of its objects. Fails with kIo if any data did not reach the disk.
+  [[nodiscard]] Result<void> close();
+
+ private:
+  std::string name_;
+  std::shared_ptr<int> error_number_;
+  Handle file_;
+  std::chrono::steady_clock::time_point kept_up_{};
+};
 
 /// Returns the root cause of the last HDF5 error, e.g. "truncated file".
 [[nodiscard]] std::string last_reason();

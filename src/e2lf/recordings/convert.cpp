@@ -10,6 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/side_triggers.h"
 
 namespace e2lf::recordings {
@@ -52,8 +53,6 @@ class ReadAhead {
       }
     });
   }
-  ReadAhead(const ReadAhead&) = delete;
-  ReadAhead& operator=(const ReadAhead&) = delete;
   ~ReadAhead() {
     thread_.request_stop();
     free_.release();
@@ -99,6 +98,29 @@ class ReadAhead {
   std::jthread thread_;  ///< uses the members above
 };
 
+/// Writes the triggers beside a recording. The file appears at finish(), and only if there was a trigger.
+class SideTriggerWriter {
+ public:
+  explicit SideTriggerWriter(const std::filesystem::path& recording) : path_(side_trigger_path(recording)) {}
+
+  Result<void> write(const std::vector<Trigger>& triggers) {
+    if (triggers.empty()) return {};
+    std::string text;
+    if (sink_ == nullptr) {
+      E2LF_ASSIGN_OR_RETURN(sink_, open_file_sink(path_));
+      text = "p,id,t\n";
+    }
+    for (const Trigger& trigger : triggers) text += cat(int{trigger.p}, ',', trigger.id, ',', trigger.t, '\n');
+    return sink_->write(as_bytes(text));
+  }
+  Result<void> finish() { return sink_ == nullptr ? Result<void>() : sink_->commit(); }
+  [[nodiscard]] std::string file_name() const { return path_.filename().string(); }
+
+ private:
+  std::filesystem::path path_;
+  SinkPtr sink_;
+};
+
 }  // namespace
 
 Result<ConvertReport> convert_recording(RecordingReader& reader, const std::filesystem::path& output,
@@ -127,9 +149,9 @@ Result<ConvertReport> convert_recording(RecordingReader& reader, const std::file
   report.summary = reader.summary();
 
   if (report.triggers > 0 && !writer->holds_triggers()) {
-    report.trigger_file = side.path().filename();
-    warn(report, cat(name, ": the format cannot hold ", report.triggers, " triggers; they are in ",
-                     side.path().filename().string(), " beside it"));
+    report.trigger_file = side.file_name();
+    warn(report, cat(name, ": the format cannot hold ", report.triggers, " triggers; they are in ", side.file_name(),
+                     " beside it"));
   }
   if (report.lost_triggers > 0) {
     warn(report, cat(name, ": the format cannot hold ", report.lost_triggers,

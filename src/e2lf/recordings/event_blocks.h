@@ -18,7 +18,8 @@
 namespace e2lf::recordings {
 
 /// A source that delivers events in blocks of its own choice, as they are stored; the interface that formats implement.
-/// It only decodes: Timeline decides about order, damaged times and restarts of the clock, for all formats alike.
+/// One with triggers alone delivers those that are stored separately, in a second file or data set. It only decodes:
+/// Timeline decides about order, damaged times and restarts of the clock, for all formats alike.
 class EventBlocks {
  public:
   virtual ~EventBlocks() = default;
@@ -57,20 +58,6 @@ class EventBlocks {
 };
 
 using BlocksPtr = std::unique_ptr<EventBlocks>;
-
-/// A source of triggers that are stored separately from the events (in a second file or data set), in order of time.
-class TriggerSource {
- public:
-  virtual ~TriggerSource() = default;
-
-  /// Appends the next triggers to `block` and counts those that cannot be read. Returns false at the end.
-  [[nodiscard]] virtual Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) = 0;
-
-  /// Returns to the first trigger.
-  [[nodiscard]] virtual Result<void> rewind() = 0;
-};
-
-using TriggersPtr = std::unique_ptr<TriggerSource>;
 
 /// A batch that is returned in pieces, in an order in which everything that was returned is sorted.
 class PendingBatch {

@@ -42,7 +42,7 @@ std::optional<std::string> RecordingInfo::find(const std::string& key) const {
 }
 
 RecordingReader::RecordingReader(BlocksPtr blocks, RecordingInfo info, const std::string& name,
-                                 const OpenOptions& options, TriggersPtr triggers)
+                                 const OpenOptions& options, BlocksPtr triggers)
     : options_(options),
       info_(std::move(info)),
       name_(name),
@@ -138,6 +138,7 @@ Result<void> RecordingReader::find_shift() {
   return {};
 }
 
+/// Returns what was left out before the bytes reached this reader; see Camera::left_out().
 DecodeSummary RecordingReader::left_out_before() const {
   DecodeSummary before;
   for (const auto& losses : losses_before_) before.append(losses());

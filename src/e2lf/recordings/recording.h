@@ -135,10 +135,10 @@ class RecordingReader {
   static constexpr size_t kDefaultBatch = size_t{1} << 18;
   static constexpr size_t kMinBatch = 64;
 
-  /// `blocks` may be null, if there are only triggers; `triggers` are those that are stored separately; `name` is the
-  /// name of the source, for messages.
+  /// `blocks` may be null, if there are only triggers; `triggers` are those that are stored separately, in order of
+  /// time; `name` is the name of the source, for messages.
   RecordingReader(BlocksPtr blocks, RecordingInfo info, const std::string& name, const OpenOptions& options,
-                  TriggersPtr triggers = {});
+                  BlocksPtr triggers = {});
 
   [[nodiscard]] const RecordingInfo& info() const { return info_; }
   [[nodiscard]] const OpenOptions& options() const { return options_; }
@@ -167,9 +167,6 @@ class RecordingReader {
   /// Returns when the newest bytes of what was returned arrived at this host, or nothing if the source is not live.
   [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> arrival() const;
 
-  /// Returns what was left out before the bytes reached this reader; see Camera::left_out().
-  [[nodiscard]] DecodeSummary left_out_before() const;
-
   /// Replaces the properties of the recording by those of the container that holds it: format, header, streams and
   /// assumptions.
   void take_container(RecordingInfo info) { info_ = std::move(info); }
@@ -192,6 +189,7 @@ class RecordingReader {
   [[nodiscard]] Result<void> skip_to(int64_t absolute_us);
   void end_at(int64_t absolute_us, EventBatch& batch);
   [[nodiscard]] Result<void> apply_policy();
+  [[nodiscard]] DecodeSummary left_out_before() const;
   void pass_over_cut(const DecodeSummary& before);
   void count(const EventColumns& events);
 

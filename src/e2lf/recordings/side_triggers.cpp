@@ -35,20 +35,20 @@ bool is_trigger_header(std::string_view line) {
   return lower_case(names) == "p,id,t";
 }
 
-class SideTriggerFile final : public TriggerSource {
+class SideTriggerFile final : public EventBlocks {
  public:
   explicit SideTriggerFile(SourcePtr source) : source_(std::move(source)) {}
 
   /// Returns all triggers at once, sorted.
-  Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
-    const auto begin = static_cast<ptrdiff_t>(block.size());
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
     E2LF_ASSIGN_OR_RETURN(const auto bytes, read_rest(*source_, kMostTriggerBytes));
     const std::string_view text = as_text(bytes);
     uint64_t lost = 0;
     for (size_t at = 0; at < text.size();) {
       const std::string_view line = text.substr(at, text.find('\n', at) - at);
       if (const auto trigger = parse_line(line)) {
-        block.push_back(*trigger);
+        block.triggers.push_back(*trigger);
       } else if (!is_trigger_header(line) && !trimmed(line, kTriggerBlanks).empty()) {
         summary.add_dropped(Violation::kBadRecord, at);
         ++lost;
@@ -58,11 +58,11 @@ class SideTriggerFile final : public TriggerSource {
     if (lost > 0) {
       log_warning(cat(source_->name(), ": ", lost, " lines are not triggers (p,id,t with t in whole microseconds)"));
     }
-    std::stable_sort(block.begin() + begin, block.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
+    std::ranges::stable_sort(block.triggers, {}, &Trigger::t);
     return false;
   }
 
-  Result<void> rewind() override { return source_->seek(0); }
+  Result<void> seek_before(int64_t) override { return source_->seek(0); }
 
  private:
   SourcePtr source_;
@@ -74,10 +74,10 @@ std::filesystem::path side_trigger_path(const std::filesystem::path& recording) 
   return recording.parent_path() / (recording.stem().string() + "_triggers.csv");
 }
 
-Result<TriggersPtr> open_side_triggers(const std::filesystem::path& recording) {
-  if (recording.empty()) return TriggersPtr();
+Result<BlocksPtr> open_side_triggers(const std::filesystem::path& recording) {
+  if (recording.empty()) return BlocksPtr();
   std::error_code error;
-  if (!std::filesystem::exists(side_trigger_path(recording), error)) return TriggersPtr();
+  if (!std::filesystem::exists(side_trigger_path(recording), error)) return BlocksPtr();
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(side_trigger_path(recording)));
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   const std::string_view first = as_text(head).substr(0, as_text(head).substr(0, kDetectBytes).find('\n'));
@@ -90,23 +90,8 @@ Result<TriggersPtr> open_side_triggers(const std::filesystem::path& recording) {
   return make_side_triggers(std::move(source));
 }
 
-TriggersPtr make_side_triggers(SourcePtr source) {
+BlocksPtr make_side_triggers(SourcePtr source) {
   return std::make_unique<SideTriggerFile>(std::move(source));
-}
-
-Result<void> SideTriggerWriter::write(std::span<const Trigger> triggers) {
-  if (triggers.empty()) return {};
-  std::string text;
-  if (sink_ == nullptr) {
-    E2LF_ASSIGN_OR_RETURN(sink_, open_file_sink(path_));
-    text = "p,id,t\n";
-  }
-  for (const Trigger& trigger : triggers) text += cat(int{trigger.p}, ',', trigger.id, ',', trigger.t, '\n');
-  return sink_->write(as_bytes(text));
-}
-
-Result<void> SideTriggerWriter::finish() {
-  return sink_ == nullptr ? Result<void>{} : sink_->commit();
 }
 
 }  // namespace e2lf::recordings

@@ -90,7 +90,7 @@ void append_recent(const Column<int64_t>& times_us, size_t begin, size_t end, st
 
 }  // namespace
 
-Timeline::Timeline(BlocksPtr blocks, TriggersPtr triggers, size_t width, size_t height, std::string name)
+Timeline::Timeline(BlocksPtr blocks, BlocksPtr triggers, size_t width, size_t height, std::string name)
     : blocks_(std::move(blocks)),
       width_(width),
       height_(height),
@@ -385,9 +385,8 @@ Result<void> Timeline::refuse_disorder(bool is_end) const {
 
 Result<void> Timeline::refill_triggers(DecodeSummary& summary) {
   while (has_more_triggers_ && triggers_.size() <= kRestartWitnesses) {
-    from_source_.clear();
     E2LF_ASSIGN_OR_RETURN(has_more_triggers_, source_->next(from_source_, summary));
-    for (const Trigger& trigger : from_source_) triggers_.push_back({trigger});
+    for (const Trigger& trigger : from_source_.triggers) triggers_.push_back({trigger});
   }
   return {};
 }
@@ -448,7 +447,7 @@ Result<void> Timeline::seek_before(int64_t t_us) {
   const bool is_ordered = blocks_ != nullptr && blocks_->is_ordered();
   if (!is_ordered && t_us > -kTimeLimitUs) t_us -= kDisorderUs;
   if (blocks_ != nullptr) E2LF_RETURN_IF_ERROR(blocks_->seek_before(t_us));
-  if (source_ != nullptr) E2LF_RETURN_IF_ERROR(source_->rewind());
+  if (source_ != nullptr) E2LF_RETURN_IF_ERROR(source_->seek_before(INT64_MIN));
   *this = Timeline(std::move(blocks_), std::move(source_), width_, height_, std::move(name_));
   return {};
 }

@@ -29,7 +29,7 @@ class Timeline {
  public:
   /// `blocks` may be null. `width` and `height` are the size of the sensor in px, 0 = unlimited; `name` is the location
   /// in errors.
-  Timeline(BlocksPtr blocks, TriggersPtr triggers, size_t width, size_t height, std::string name);
+  Timeline(BlocksPtr blocks, BlocksPtr triggers, size_t width, size_t height, std::string name);
 
   [[nodiscard]] EventBlocks* blocks() const { return blocks_.get(); }
 
@@ -108,8 +108,8 @@ class Timeline {
   std::optional<Restart> restart_;
 
   // Triggers.
-  TriggersPtr source_;
-  std::vector<Trigger> from_source_;
+  BlocksPtr source_;
+  EventBatch from_source_;
   bool has_more_triggers_ = false;  ///< in source_
   std::deque<WaitingTrigger> triggers_;
   size_t trigger_part_ = 0;

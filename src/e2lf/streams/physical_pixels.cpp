@@ -8,8 +8,8 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/pixel_model.h"
+#include "e2lf/streams/event_stream.h"
 #include "e2lf/streams/receptor.h"
-#include "e2lf/streams/stream_pixels.h"
 
 namespace e2lf::streams {
 namespace {
@@ -71,13 +71,6 @@ struct StrayEvent {
   StrayEffect effect;
 };
 
-/// The memory of the arrays of a ReceptorBlock.
-struct BlockStorage {
-  std::vector<double> from = std::vector<double>(kReceptorBlock), to = from, start = from;
-  std::vector<double> inverse = std::vector<double>(kReceptorBlock * kReceptorNodes), level = inverse;
-  ReceptorBlock block() { return {from.data(), to.data(), start.data(), inverse.data(), level.data()}; }
-};
-
 /// The quantities of a segment that are common to all pixels.
 struct Stretch {
   const LightSegment& segment;
@@ -125,26 +118,26 @@ class PhysicalPixels : public SinglePixels {
                               segment.from.data() != segment.to.data()},
                              since_s / pattern_s,
                              (since_s + duration_s) / pattern_s};
-    BlockStorage storage;
+    ReceptorBlock block;
     for (size_t first = begin; first < end; first += kReceptorBlock) {
-      follow_block(stretch, first, std::min(kReceptorBlock, end - first), storage, events);
+      follow_block(stretch, first, std::min(kReceptorBlock, end - first), block, events);
     }
   }
 
-  void follow_block(const Stretch& stretch, size_t first, size_t count, BlockStorage& storage, PixelEventSink& events) {
+  void follow_block(const Stretch& stretch, size_t first, size_t count, ReceptorBlock& block, PixelEventSink& events) {
     for (size_t i = 0; i < count; ++i) {
       PhysicalPixel& pixel = pixels_[first + i];
-      storage.from[i] = exposure(stretch.segment.from[first + i]);
-      storage.to[i] = exposure(stretch.segment.to[first + i]);
-      if (stretch.segment.begins_pattern()) begin_pattern(stretch.segment, first + i, storage.to[i]);
-      storage.start[i] = pixel.start;
-      storage.inverse[i] = pixel.inverse;
+      block.from[i] = exposure(stretch.segment.from[first + i]);
+      block.to[i] = exposure(stretch.segment.to[first + i]);
+      if (stretch.segment.begins_pattern()) begin_pattern(stretch.segment, first + i, block.to[i]);
+      block.start[i] = pixel.start;
+      block.inverse[i] = pixel.inverse;
     }
-    nodes_(stretch.receptor, storage.block(), count);
+    nodes_(stretch.receptor, block, count);
     std::vector<StrayEvent> strays;
     for (size_t i = 0; i < count; ++i) {
-      draw_strays(stretch, first + i, storage.to[i], strays);
-      walk(stretch, storage.block(), i, first + i, strays, events);
+      draw_strays(stretch, first + i, block.to[i], strays);
+      walk(stretch, block, i, first + i, strays, events);
     }
   }
 
@@ -292,8 +285,8 @@ class PhysicalPixels : public SinglePixels {
   }
 
   StreamOptions options_;
-  void (*nodes_)(const ReceptorSegment&, const ReceptorBlock&,
-                 size_t) = current_isa() == "scalar" ? reference_receptor_nodes : receptor_nodes;
+  void (*nodes_)(const ReceptorSegment&, ReceptorBlock&, size_t) = current_isa() == "scalar" ? reference_receptor_nodes
+                                                                                             : receptor_nodes;
   bool was_black_ = false;  ///< in the previous segment
   std::vector<PhysicalPixel> pixels_;
 };

@@ -40,24 +40,24 @@ HWY_INLINE V FollowLight(D d, V inverse, V from, V to, V rate, V time) {
   return hn::MulAdd(inverse, decay, sum);
 }
 
-void ReceptorNodes(const ReceptorSegment& segment, const ReceptorBlock& block, size_t count) {
+void ReceptorNodes(const ReceptorSegment& segment, ReceptorBlock& block, size_t count) {
   const D d;
   const V rate = hn::Set(d, segment.receptor_rate_hz), duration = hn::Set(d, segment.duration_s);
   for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const V from = hn::LoadU(d, block.from + i), start = hn::LoadU(d, block.start + i);
-    const V slope = hn::Div(hn::Sub(hn::LoadU(d, block.to + i), from), duration);
-    V inverse = hn::LoadU(d, block.inverse + i), before = from;
+    const V from = hn::LoadU(d, block.from.data() + i), start = hn::LoadU(d, block.start.data() + i);
+    const V slope = hn::Div(hn::Sub(hn::LoadU(d, block.to.data() + i), from), duration);
+    V inverse = hn::LoadU(d, block.inverse.data() + i), before = from;
     for (size_t node = 0; node < kReceptorNodes; ++node) {
       if (node > 0) {
         const V now = hn::MulAdd(slope, hn::Set(d, segment.time_s[node]), from);
         const V time = hn::Set(d, segment.time_s[node] - segment.time_s[node - 1]);
         inverse = FollowLight(d, inverse, before, now, rate, time);
-        hn::StoreU(inverse, d, block.inverse + node * kReceptorBlock + i);
+        hn::StoreU(inverse, d, block.inverse.data() + node * kReceptorBlock + i);
         before = now;
       }
       const V log_intensity = hn::Neg(hn::Log(d, inverse));
       const V level = hn::MulAdd(hn::Sub(start, log_intensity), hn::Set(d, segment.hold[node]), log_intensity);
-      hn::StoreU(level, d, block.level + node * kReceptorBlock + i);
+      hn::StoreU(level, d, block.level.data() + node * kReceptorBlock + i);
     }
   }
 }
@@ -83,11 +83,11 @@ ReceptorSegment::ReceptorSegment(double receptor_rate, double amplifier_rate, do
   }
 }
 
-void receptor_nodes(const ReceptorSegment& segment, const ReceptorBlock& block, size_t count) {
+void receptor_nodes(const ReceptorSegment& segment, ReceptorBlock& block, size_t count) {
   HWY_DYNAMIC_DISPATCH(ReceptorNodes)(segment, block, count);
 }
 
-void reference_receptor_nodes(const ReceptorSegment& segment, const ReceptorBlock& block, size_t count) {
+void reference_receptor_nodes(const ReceptorSegment& segment, ReceptorBlock& block, size_t count) {
   for (size_t i = 0; i < count; ++i) {
     const double slope = (block.to[i] - block.from[i]) / segment.duration_s;
     for (size_t node = 0; node < kReceptorNodes; ++node) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 namespace e2lf::streams {
 
@@ -38,20 +39,21 @@ inline double follow_light(double inverse, double from, double to, double recept
   return inverse * decay + (share > 0 ? added * (1.0 + share) : added / (1.0 - share));
 }
 
-/// Consecutive pixels. The arrays hold kReceptorBlock values for each node.
+/// Consecutive pixels.
 inline constexpr size_t kReceptorBlock = 256;
 struct ReceptorBlock {
-  const double* from = nullptr;   ///< J at the beginning of the segment
-  const double* to = nullptr;     ///< J at its end
-  const double* start = nullptr;  ///< the level at the beginning of the pattern
-  double* inverse = nullptr;      ///< w [node][pixel]; the values of node 0 are given
-  double* level = nullptr;        ///< [node][pixel]
+  std::vector<double> from = std::vector<double>(kReceptorBlock);  ///< J at the beginning of the segment
+  std::vector<double> to = from;                                   ///< J at its end
+  std::vector<double> start = from;                                ///< the level at the beginning of the pattern
+  std::vector<double> inverse =
+      std::vector<double>(kReceptorBlock * kReceptorNodes);  ///< w [node][pixel]; the values of node 0 are given
+  std::vector<double> level = inverse;                       ///< [node][pixel]
 };
 
 /// Compute w and the level at each node for the first `count` pixels. Entries up to the next multiple of the vector
 /// length are overwritten, too. Both versions agree within a few units in the last place.
-void receptor_nodes(const ReceptorSegment& segment, const ReceptorBlock& block, size_t count);
-void reference_receptor_nodes(const ReceptorSegment& segment, const ReceptorBlock& block, size_t count);
+void receptor_nodes(const ReceptorSegment& segment, ReceptorBlock& block, size_t count);
+void reference_receptor_nodes(const ReceptorSegment& segment, ReceptorBlock& block, size_t count);
 
 /// The signal that a pixel compares with its reference in one segment: its level, plus a straight line for noise and
 /// leak.
@@ -62,8 +64,8 @@ class PixelSignal {
   PixelSignal(const ReceptorSegment& segment, const ReceptorBlock& block, size_t lane, double offset,
               double slope_per_s)
       : segment_(segment),
-        inverse_(block.inverse + lane),
-        level_(block.level + lane),
+        inverse_(block.inverse.data() + lane),
+        level_(block.level.data() + lane),
         from_(block.from[lane]),
         exposure_per_s_((block.to[lane] - block.from[lane]) / segment.duration_s),
         start_(block.start[lane]),

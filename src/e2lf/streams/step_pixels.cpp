@@ -7,7 +7,7 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/event_model.h"
-#include "e2lf/streams/stream_pixels.h"
+#include "e2lf/streams/event_stream.h"
 
 namespace e2lf::streams {
 namespace {
@@ -75,14 +75,6 @@ class EsimPixels : public SinglePixels {
   StreamOptions options_;
   std::vector<EsimPixel> pixels_;
 };
-
-}  // namespace
-
-std::unique_ptr<StreamPixels> make_esim_pixels(const StreamOptions& options, const LightSegment& first) {
-  return std::make_unique<EsimPixels>(options, first);
-}
-
-namespace {
 
 /// The state of a pixel. Within a pattern, it counts thresholds from its reference; the next pattern moves the
 /// reference.
@@ -167,6 +159,10 @@ class StepPixels : public SinglePixels {
 };
 
 }  // namespace
+
+std::unique_ptr<StreamPixels> make_esim_pixels(const StreamOptions& options, const LightSegment& first) {
+  return std::make_unique<EsimPixels>(options, first);
+}
 
 std::unique_ptr<StreamPixels> make_step_pixels(const StreamOptions& options, const LightSegment& first) {
   return std::make_unique<StepPixels>(options, first);

@@ -8,7 +8,7 @@
 
 #include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/event_model.h"
-#include "e2lf/streams/stream_pixels.h"
+#include "e2lf/streams/event_stream.h"
 
 namespace e2lf::streams {
 namespace {

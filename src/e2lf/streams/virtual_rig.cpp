@@ -15,54 +15,6 @@ namespace {
 
 constexpr size_t kLeastPixels = 4096;  // the fewest per thread
 
-}  // namespace
-
-ShownLight::ShownLight(const capture::Codes& codes, const capture::SensorProfile& camera, float gain, size_t height,
-                       size_t width)
-    : codes_(capture::with_open_aperture(codes)),
-      transmission_(codes.num_patterns - 1),
-      gain_(gain),
-      leak_(camera.pixel[capture::PixelConstant::kLeak]) {
-  const float middle_x = 0.5F * static_cast<float>(width), middle_y = 0.5F * static_cast<float>(height);
-  for (size_t n = 0; n < transmission_.size(); ++n) {
-    transmission_[n].resize(height * width);
-    parallel_for(height, kLeastPixels / width + 1, [&](size_t begin, size_t end) {
-      for (size_t y = begin; y < end; ++y) {
-        const float place_y = (static_cast<float>(y) + 0.5F - middle_y) / middle_x;
-        for (size_t x = 0; x < width; ++x) {
-          const float place_x = (static_cast<float>(x) + 0.5F - middle_x) / middle_x;
-          transmission_[n][y * width + x] = capture::transmission_at(camera, n, place_x, place_y);
-        }
-      }
-    });
-  }
-}
-
-Result<capture::CodedIntensities> ShownLight::measure(const lightfield::LightField& scene) const {
-  return sensor::coded_intensities(codes_, scene);
-}
-
-void ShownLight::image(const capture::CodedIntensities& intensities, ShownPattern shown,
-                       std::vector<float>& light) const {
-  const auto open = intensities.image(shown.code), full = intensities.image(intensities.count - 1);
-  light.resize(open.size());
-  parallel_for(light.size(), kLeastPixels, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const float passed = std::max(open[i], 0.0F) * (shown.code == 0 ? 1.0F : transmission_[shown.code - 1][i]);
-      const float all = std::max(full[i], 0.0F), closed = all - std::max(open[i], 0.0F);
-      light[i] = gain_ * (shown.is_inverse ? std::max(all - passed, 0.0F) : passed + leak_ * closed);
-    }
-  });
-}
-
-bool ShownLight::is_black(ShownPattern shown) const {
-  const auto pattern = codes_.pattern(shown.code);
-  const float closed = shown.is_inverse ? 1.0F : 0.0F;
-  return std::all_of(pattern.begin(), pattern.end(), [=](float cell) { return cell == closed; });
-}
-
-namespace {
-
 /// Computes values = (1 - share) * values + share * others.
 void blend(std::vector<float>& values, const std::vector<float>& others, float share) {
   parallel_for(values.size(), 4096, [&](size_t begin, size_t end) {
@@ -88,6 +40,46 @@ Result<void> check(const RigOptions& options) {
 }
 
 }  // namespace
+
+ShownLight::ShownLight(const capture::Codes& codes, const capture::SensorProfile& camera, float gain, size_t height,
+                       size_t width)
+    : codes_(capture::with_open_aperture(codes)),
+      transmission_(codes.num_patterns - 1),
+      gain_(gain),
+      leak_(camera.pixel[capture::PixelConstant::kLeak]) {
+  const float middle_x = 0.5F * static_cast<float>(width), middle_y = 0.5F * static_cast<float>(height);
+  for (size_t n = 0; n < transmission_.size(); ++n) {
+    transmission_[n].resize(height * width);
+    parallel_for(height, kLeastPixels / width + 1, [&](size_t begin, size_t end) {
+      for (size_t y = begin; y < end; ++y) {
+        const float place_y = (static_cast<float>(y) + 0.5F - middle_y) / middle_x;
+        for (size_t x = 0; x < width; ++x) {
+          const float place_x = (static_cast<float>(x) + 0.5F - middle_x) / middle_x;
+          transmission_[n][y * width + x] = capture::transmission_at(camera, n, place_x, place_y);
+        }
+      }
+    });
+  }
+}
+
+void ShownLight::image(const capture::CodedIntensities& intensities, ShownPattern shown,
+                       std::vector<float>& light) const {
+  const auto open = intensities.image(shown.code), full = intensities.image(intensities.count - 1);
+  light.resize(open.size());
+  parallel_for(light.size(), kLeastPixels, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const float passed = std::max(open[i], 0.0F) * (shown.code == 0 ? 1.0F : transmission_[shown.code - 1][i]);
+      const float all = std::max(full[i], 0.0F), closed = all - std::max(open[i], 0.0F);
+      light[i] = gain_ * (shown.is_inverse ? std::max(all - passed, 0.0F) : passed + leak_ * closed);
+    }
+  });
+}
+
+bool ShownLight::is_black(ShownPattern shown) const {
+  const auto pattern = codes_.pattern(shown.code);
+  const float closed = shown.is_inverse ? 1.0F : 0.0F;
+  return std::all_of(pattern.begin(), pattern.end(), [=](float cell) { return cell == closed; });
+}
 
 Result<VirtualRig> VirtualRig::create(const capture::Codes& codes, const capture::SensorProfile& camera,
                                       const StreamOptions& stream, const RigOptions& options, MovingScene scene,
@@ -216,7 +208,7 @@ Result<void> VirtualRig::reach_knot(int64_t t_us) {
                   " px follows one of ", width_, "x", height_, "; use fields of one size");
     }
     knot_ = std::move(next_);
-    E2LF_ASSIGN_OR_RETURN(next_, aperture_.measure(field));
+    E2LF_ASSIGN_OR_RETURN(next_, sensor::coded_intensities(aperture_.codes(), field));
     ++num_knots_;
   }
   return {};

@@ -27,18 +27,17 @@ class ShownLight {
   ShownLight(const capture::Codes& codes, const capture::SensorProfile& camera, float gain, size_t height,
              size_t width);
 
-  /// Computes the coded intensities of a scene, followed by those of the open aperture. Fails with kShape as
-  /// sensor::coded_intensities() does.
-  [[nodiscard]] Result<capture::CodedIntensities> measure(const lightfield::LightField& scene) const;
+  /// Returns the patterns, followed by the open aperture.
+  [[nodiscard]] const capture::Codes& codes() const { return codes_; }
 
-  /// Computes the image [y, x] through one pattern. `intensities` must come from measure().
+  /// Computes the image [y, x] through one pattern. `intensities` are those of codes() for a scene.
   void image(const capture::CodedIntensities& intensities, ShownPattern shown, std::vector<float>& light) const;
 
   /// Returns true if all cells are closed.
   [[nodiscard]] bool is_black(ShownPattern shown) const;
 
  private:
-  capture::Codes codes_;                          ///< followed by an open pattern
+  capture::Codes codes_;
   std::vector<std::vector<float>> transmission_;  ///< one map [y, x] for each of a2, a3, ...
   float gain_, leak_;
 };

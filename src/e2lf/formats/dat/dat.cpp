@@ -110,21 +110,22 @@ Result<Header> read_header(ByteSource& source) {
 }
 
 /// The records of a _trigger.dat file.
-class TriggerFile final : public TriggerSource {
+class TriggerFile final : public EventBlocks {
  public:
   /// `header_bytes` is the offset of the records and the position of the source.
   TriggerFile(SourcePtr source, size_t header_bytes) : source_(std::move(source)), header_bytes_(header_bytes) {}
 
-  Result<bool> next(std::vector<Trigger>& block, DecodeSummary& summary) override {
+  Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
+    block.clear();
     E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kRecordBytes));
     const size_t count = std::min(bytes.size() / kRecordBytes, kTriggerBlock);
     if (count == 0 && !bytes.empty()) summary.add(Violation::kTruncated, source_->position());
-    for (size_t i = 0; i < count; ++i) block.push_back(trigger_of_record(&bytes[i * kRecordBytes], unwrap_));
+    for (size_t i = 0; i < count; ++i) block.triggers.push_back(trigger_of_record(&bytes[i * kRecordBytes], unwrap_));
     source_->consume(count * kRecordBytes);
     return count > 0;
   }
 
-  Result<void> rewind() override {
+  Result<void> seek_before(int64_t) override {
     unwrap_ = {};
     return source_->seek(header_bytes_);
   }
@@ -165,14 +166,12 @@ class DatBlocks final : public EventBlocks {
     size_t bad = append_events(bytes.first(count * kRecordBytes), bits_, unwrap_, block.events);
     if (const size_t text = bad > 0 ? find_text(bytes.first(count * kRecordBytes)) : count; text < count) {
       // A recording that was appended with its header.
-      if (text == 0) {
-        if (read_header(*source_)) {
-          block.clear();
-          unwrap_ = {};
-          begins_recording_ = true;
-          byte_ = source_->position();
-          return true;
-        }
+      if (text == 0 && read_header(*source_)) {
+        block.clear();
+        unwrap_ = {};
+        begins_recording_ = true;
+        byte_ = source_->position();
+        return true;
       }
       if (text > 0) {
         block.clear();
@@ -208,48 +207,6 @@ class DatBlocks final : public EventBlocks {
   TimeUnwrapper<32> unwrap_;
 };
 
-}  // namespace
-
-bool detect(std::span<const uint8_t> head) {
-  return parse_header(head).has_value();
-}
-
-std::filesystem::path trigger_path(const std::filesystem::path& path) {
-  std::string stem = path.stem().string();
-  if (stem.ends_with("_cd")) stem.resize(stem.size() - 3);
-  return path.parent_path() / (stem + "_trigger" + path.extension().string());
-}
-
-bool is_trigger_file(const std::filesystem::path& path) {
-  const auto source = open_file_source(path);
-  if (!source) return false;
-  const auto header = read_header(**source);
-  return header && header->type == kTypeTrigger;
-}
-
-Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
-  E2LF_ASSIGN_OR_RETURN(Header header, read_header(*source));
-  E2LF_RETURN_IF_ERROR(apply_size_option(options, header.info, source->name()));
-  if (header.type == kTypeTrigger) {
-    const std::string name = source->name();
-    return std::make_unique<RecordingReader>(nullptr, std::move(header.info), name, options,
-                                             std::make_unique<TriggerFile>(std::move(source), header.bytes));
-  }
-  TriggersPtr triggers;
-  std::error_code error;
-  if (const auto path = source->path(); !path.empty() && std::filesystem::exists(trigger_path(path), error)) {
-    E2LF_ASSIGN_OR_RETURN(SourcePtr side, open_file_source(trigger_path(path)));
-    E2LF_ASSIGN_OR_RETURN(const Header of_side, read_header(*side));
-    if (of_side.type == kTypeTrigger) triggers = std::make_unique<TriggerFile>(std::move(side), of_side.bytes);
-  }
-  const std::string name = source->name();
-  auto blocks = std::make_unique<DatBlocks>(std::move(source), header);
-  return std::make_unique<RecordingReader>(std::move(blocks), std::move(header.info), name, options,
-                                           std::move(triggers));
-}
-
-namespace {
-
 constexpr uint16_t kMaxCoordinate = 0x3FFF;
 constexpr uint16_t kMaxTriggerId = 0x3F;
 
@@ -261,8 +218,6 @@ class DatWriter final : public RecordingWriter {
         info_(info),
         trigger_file_(std::move(trigger_file)),
         check_(most_pixels(info.width), most_pixels(info.height), sink_->name()) {}
-
-  Result<void> begin() { return sink_->write(as_bytes(make_header(info_, kTypeCd))); }
 
   bool holds_triggers() const override { return !trigger_file_.empty(); }
 
@@ -334,12 +289,47 @@ class DatWriter final : public RecordingWriter {
 };
 
 Result<WriterPtr> start(SinkPtr sink, const RecordingInfo& info, std::filesystem::path trigger_file) {
-  auto writer = std::make_unique<DatWriter>(std::move(sink), info, std::move(trigger_file));
-  E2LF_RETURN_IF_ERROR(writer->begin());
-  return WriterPtr(std::move(writer));
+  E2LF_RETURN_IF_ERROR(sink->write(as_bytes(make_header(info, kTypeCd))));
+  return WriterPtr(std::make_unique<DatWriter>(std::move(sink), info, std::move(trigger_file)));
 }
 
 }  // namespace
+
+bool detect(std::span<const uint8_t> head) {
+  return parse_header(head).has_value();
+}
+
+std::filesystem::path trigger_path(const std::filesystem::path& path) {
+  std::string stem = path.stem().string();
+  if (stem.ends_with("_cd")) stem.resize(stem.size() - 3);
+  return path.parent_path() / (stem + "_trigger" + path.extension().string());
+}
+
+bool is_trigger_file(const std::filesystem::path& path) {
+  const auto source = open_file_source(path);
+  if (!source) return false;
+  const auto header = read_header(**source);
+  return header && header->type == kTypeTrigger;
+}
+
+Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
+  E2LF_ASSIGN_OR_RETURN(Header header, read_header(*source));
+  E2LF_RETURN_IF_ERROR(apply_size_option(options, header.info, source->name()));
+  if (header.type == kTypeTrigger) {
+    return std::make_unique<RecordingReader>(nullptr, std::move(header.info), source->name(), options,
+                                             std::make_unique<TriggerFile>(source, header.bytes));
+  }
+  BlocksPtr triggers;
+  std::error_code error;
+  if (const auto path = source->path(); !path.empty() && std::filesystem::exists(trigger_path(path), error)) {
+    E2LF_ASSIGN_OR_RETURN(SourcePtr side, open_file_source(trigger_path(path)));
+    E2LF_ASSIGN_OR_RETURN(const Header of_side, read_header(*side));
+    if (of_side.type == kTypeTrigger) triggers = std::make_unique<TriggerFile>(std::move(side), of_side.bytes);
+  }
+  auto blocks = std::make_unique<DatBlocks>(source, header);
+  return std::make_unique<RecordingReader>(std::move(blocks), std::move(header.info), source->name(), options,
+                                           std::move(triggers));
+}
 
 Result<WriterPtr> create(SinkPtr sink, const RecordingInfo& info) {
   return start(std::move(sink), info, {});

@@ -15,7 +15,6 @@
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/hdf5_file.h"
 #include "e2lf/recordings/side_triggers.h"
-#include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::formats::dsec {
 using namespace recordings::hdf5_events;
@@ -326,7 +325,7 @@ Result<ReaderPtr> open_columns(hid_t file, RecordingInfo info, const ByteSource&
   if (info.width == 0) read_size(file, places[chosen].name, info);
   auto columns = std::make_unique<ColumnBlocks>();
   E2LF_RETURN_IF_ERROR(columns->open(file, places[chosen], options, name, info));
-  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source.path()));
+  E2LF_ASSIGN_OR_RETURN(BlocksPtr triggers, open_side_triggers(source.path()));
   return std::make_unique<RecordingReader>(std::move(columns), std::move(info), name, options, std::move(triggers));
 }
 

@@ -71,7 +71,7 @@ Result<std::vector<Trigger>> read_triggers(const NpzArrays& arrays, const std::s
       ++num_bad;
     }
   }
-  std::stable_sort(triggers.begin(), triggers.end(), [](const Trigger& a, const Trigger& b) { return a.t < b.t; });
+  std::ranges::stable_sort(triggers, {}, &Trigger::t);
   return triggers;
 }
 
@@ -247,7 +247,7 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
 
 /// Creates a reader of decoded arrays; `info` contains format and size.
 Result<ReaderPtr> open_arrays(NpzArrays arrays, RecordingInfo info, const std::string& name, const OpenOptions& options,
-                              TriggersPtr side_triggers = {}) {
+                              BlocksPtr side_triggers = {}) {
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
   const NpyArray* const rows = find_rows(arrays);
   NpzColumns columns;
@@ -317,7 +317,7 @@ Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
                 "this is neither a one-dimensional array of records with fields x, y, p, t nor an array [events, 4]; "
                 "store one of them");
   }
-  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->path()));
+  E2LF_ASSIGN_OR_RETURN(BlocksPtr triggers, open_side_triggers(source->path()));
   return open_arrays(std::move(arrays), {.format = "npy"}, name, options, std::move(triggers));
 }
 

@@ -11,12 +11,8 @@
 #include <vector>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/recordings/event.h"
-#include "e2lf/recordings/io/bytes.h"
-
-namespace e2lf::formats {
-using namespace recordings;
-}
+#include "e2lf/formats/codecs.h"
+#include "e2lf/recordings/io/decompress.h"
 
 namespace e2lf::formats::rosbag {
 
@@ -74,9 +70,6 @@ using BagPtr = std::unique_ptr<Bag>;
 
 /// Returns whether messages of a type contain events.
 [[nodiscard]] bool is_event_type(const std::string& type);
-
-/// Largest plausible message, in bytes.
-inline constexpr size_t kMaxMessageBytes = size_t{1} << 26;
 
 [[nodiscard]] Result<BagPtr> open_sqlite_bag(SourcePtr source);
 [[nodiscard]] Result<BagPtr> open_mcap_bag(SourcePtr source);

@@ -12,7 +12,6 @@
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "e2lf/recordings/io/header_text.h"
-#include "e2lf/recordings/stream_choice.h"
 
 namespace e2lf::formats::rosbag {
 namespace fs = std::filesystem;
@@ -69,15 +68,6 @@ class BagFiles final : public Bag {
   BagPtr bag_;
   size_t file_ = 0;
 };
-
-}  // namespace
-
-bool is_bag_folder(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error) && !files_of_folder(path).empty();
-}
-
-namespace {
 
 /// Largest number of messages before the first one of the topic that is read.
 constexpr size_t kMaxHeldMessages = 10'000;
@@ -309,6 +299,11 @@ Result<ReaderPtr> open_bag(Result<BagPtr> opened, bool seekable, const std::stri
 }
 
 }  // namespace
+
+bool is_bag_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error) && !files_of_folder(path).empty();
+}
 
 bool detect_sqlite(std::span<const uint8_t> head) {
   using namespace std::string_view_literals;

@@ -17,6 +17,58 @@ bool is_utf16(std::span<const uint8_t> bytes) {
   return bytes.size() >= 2 && ((bytes[0] == 0xFF && bytes[1] == 0xFE) || (bytes[0] == 0xFE && bytes[1] == 0xFF));
 }
 
+/// Returns true for characters between two numbers: commas, semicolons, bars, blanks and quotes.
+bool is_separator(char c) {
+  return c == ',' || c == ' ' || c == ';' || c == '\t' || c == '\r' || c == '\n' || c == '"' || c == '\'' || c == '|';
+}
+
+/// Returns the words between separators.
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (size_t i = 0; i < line.size();) {
+    while (i < line.size() && is_separator(line[i])) ++i;
+    const size_t begin = i;
+    while (i < line.size() && !is_separator(line[i])) ++i;
+    if (i > begin) words.push_back(line.substr(begin, i - begin));
+  }
+  return words;
+}
+
+/// Parses a number such as "+12", "-0.5" or "1.04e+03" at the front of `text`: as an integer if it is one, so that all
+/// digits of a time in nanoseconds count. Returns its end, or null.
+template <typename Visit>
+const char* parse_number(const char* begin, const char* end, const Visit& visit) {
+  if (end - begin > 1 && *begin == '+' && begin[1] != '-') ++begin;
+  int64_t whole = 0;
+  double number = 0;
+  const auto as_whole = std::from_chars(begin, end, whole);
+  const bool goes_on = as_whole.ptr != end && (*as_whole.ptr == '.' || (*as_whole.ptr | 0x20) == 'e');
+  if (as_whole.ec == std::errc() && !goes_on) return visit(whole) ? as_whole.ptr : nullptr;
+  const auto as_number = std::from_chars(begin, end, number);
+  return as_number.ec == std::errc() && std::isfinite(number) && visit(number) ? as_number.ptr : nullptr;
+}
+
+/// Parses "true" or "false", ignoring case.
+std::optional<uint8_t> polarity_of(std::string_view word) {
+  const auto is = [word](std::string_view name) {
+    return std::equal(word.begin(), word.end(), name.begin(), name.end(),
+                      [](char a, char b) { return (a | 0x20) == b; });
+  };
+  return is("true") ? std::optional<uint8_t>(1) : is("false") ? std::optional<uint8_t>(0) : std::nullopt;
+}
+
+/// Parses a number, or true or false. Returns nothing for other words.
+std::optional<double> parse_cell(std::string_view word) {
+  if (const auto polarity = polarity_of(word)) return *polarity;
+  double value = 0;
+  const char* const end = word.data() + word.size();
+  const auto take = [&value](auto number) {
+    value = static_cast<double>(number);
+    return true;
+  };
+  return parse_number(word.data(), end, take) == end ? std::optional(value) : std::nullopt;
+}
+
 /// A line and its words, which comments lack.
 struct Line {
   std::string_view text;
@@ -61,14 +113,10 @@ size_t num_columns(const std::vector<Line>& lines) {
 
 /// Reads the width and the height of a sensor from two numbers.
 void read_size(const std::vector<std::string_view>& words, TextHead& head) {
-  size_t size[2] = {};
-  for (size_t i = 0; i < 2; ++i) {
-    const char* const end = words[i].data() + words[i].size();
-    const auto [next, error] = std::from_chars(words[i].data(), end, size[i]);
-    if (error != std::errc() || next != end || size[i] == 0 || size[i] > 65536) return;
-  }
-  head.width = size[0];
-  head.height = size[1];
+  const auto width = parse_side(words[0], 65536), height = parse_side(words[1], 65536);
+  if (!width || !height) return;
+  head.width = *width;
+  head.height = *height;
 }
 
 /// Reads "%geometry:640,480", below which OpenEB writes x, y, p, t.
@@ -190,62 +238,9 @@ Result<TextHead> read_head(std::span<const uint8_t> bytes, bool is_whole, const 
   return head;
 }
 
-namespace {
-
-/// Parses a number such as "+12", "-0.5" or "1.04e+03" at the front of `text`: as an integer if it is one, so that all
-/// digits of a time in nanoseconds count. Returns its end, or null.
-template <typename Visit>
-const char* parse_number(const char* begin, const char* end, const Visit& visit) {
-  if (end - begin > 1 && *begin == '+' && begin[1] != '-') ++begin;
-  int64_t whole = 0;
-  double number = 0;
-  const auto as_whole = std::from_chars(begin, end, whole);
-  const bool goes_on = as_whole.ptr != end && (*as_whole.ptr == '.' || (*as_whole.ptr | 0x20) == 'e');
-  if (as_whole.ec == std::errc() && !goes_on) return visit(whole) ? as_whole.ptr : nullptr;
-  const auto as_number = std::from_chars(begin, end, number);
-  return as_number.ec == std::errc() && std::isfinite(number) && visit(number) ? as_number.ptr : nullptr;
-}
-
-/// Parses "true" or "false", ignoring case.
-std::optional<uint8_t> polarity_of(std::string_view word) {
-  const auto is = [word](std::string_view name) {
-    return std::equal(word.begin(), word.end(), name.begin(), name.end(),
-                      [](char a, char b) { return (a | 0x20) == b; });
-  };
-  return is("true") ? std::optional<uint8_t>(1) : is("false") ? std::optional<uint8_t>(0) : std::nullopt;
-}
-
-}  // namespace
-
-bool is_separator(char c) {
-  return c == ',' || c == ' ' || c == ';' || c == '\t' || c == '\r' || c == '\n' || c == '"' || c == '\'' || c == '|';
-}
-
 bool is_comment(std::string_view line) {
   line.remove_prefix(std::min(line.size(), line.find_first_not_of(" \t")));
   return !line.empty() && (line[0] == '#' || line[0] == '%' || line[0] == ';' || line.starts_with("//"));
-}
-
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (size_t i = 0; i < line.size();) {
-    while (i < line.size() && is_separator(line[i])) ++i;
-    const size_t begin = i;
-    while (i < line.size() && !is_separator(line[i])) ++i;
-    if (i > begin) words.push_back(line.substr(begin, i - begin));
-  }
-  return words;
-}
-
-std::optional<double> parse_cell(std::string_view word) {
-  if (const auto polarity = polarity_of(word)) return *polarity;
-  double value = 0;
-  const char* const end = word.data() + word.size();
-  const auto take = [&value](auto number) {
-    value = static_cast<double>(number);
-    return true;
-  };
-  return parse_number(word.data(), end, take) == end ? std::optional(value) : std::nullopt;
 }
 
 bool parse_line(std::string_view line, const TextLayout& layout, Event& event) {

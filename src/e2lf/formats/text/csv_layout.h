@@ -21,17 +21,8 @@ struct TextLayout {
   std::string header_line;  ///< may be repeated where files were concatenated
 };
 
-/// Returns true for characters between two numbers: commas, semicolons, bars, blanks and quotes.
-[[nodiscard]] bool is_separator(char c);
-
 /// Returns true if a line is a comment, that is, begins with #, %, // or ;.
 [[nodiscard]] bool is_comment(std::string_view line);
-
-/// Returns the words between separators.
-[[nodiscard]] std::vector<std::string_view> split(std::string_view line);
-
-/// Parses a number, or true or false. Returns nothing for other words.
-[[nodiscard]] std::optional<double> parse_cell(std::string_view word);
 
 /// Parses one line, without its line ending, as an event. Times are rounded to microseconds: integral nanoseconds
 /// downwards, all others to the nearest. Returns false if the line is not an event.

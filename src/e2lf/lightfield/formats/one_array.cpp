@@ -13,7 +13,6 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
-#include "e2lf/hdf5/checked_file.h"
 #include "e2lf/hdf5/library.h"
 #include "e2lf/lightfield/formats/readers.h"
 #include "e2lf/lightfield/views.h"

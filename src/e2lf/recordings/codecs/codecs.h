@@ -19,13 +19,8 @@ namespace e2lf::recordings {
 /// states.
 [[nodiscard]] Result<ReaderPtr> open_raw(SourcePtr source, const OpenOptions& options);
 
-/// Creates a RAW recording in info.format, or in EVT3 if that is not a RAW encoding.
+/// Creates a RAW recording in info.format, or in EVT3 if that is not a RAW encoding that can be written.
 [[nodiscard]] Result<WriterPtr> create_raw(SinkPtr sink, const RecordingInfo& info);
-
-/// Create a RAW recording in one of the encodings.
-[[nodiscard]] Result<WriterPtr> create_evt2(SinkPtr sink, const RecordingInfo& info);
-[[nodiscard]] Result<WriterPtr> create_evt21(SinkPtr sink, const RecordingInfo& info);
-[[nodiscard]] Result<WriterPtr> create_evt3(SinkPtr sink, const RecordingInfo& info);
 
 }  // namespace e2lf::recordings
 

@@ -135,6 +135,45 @@ class DescriptorSource final : public ByteSource {
   bool ended_ = false;
 };
 
+class MemorySink final : public ByteSink {
+ public:
+  explicit MemorySink(std::vector<uint8_t>& bytes) : bytes_(bytes) {}
+  Result<void> write(std::span<const uint8_t> bytes) override {
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    return {};
+  }
+  Result<void> commit() override { return {}; }
+  std::string name() const override { return "memory"; }
+
+ private:
+  std::vector<uint8_t>& bytes_;
+};
+
+/// A sink for a descriptor. If a file belongs to it, commit() moves it to its path.
+class DescriptorSink final : public ByteSink {
+ public:
+  DescriptorSink(int descriptor, bool owned, std::string name, std::optional<AtomicFile> file)
+      : descriptor_(descriptor), owned_(owned), name_(std::move(name)), file_(std::move(file)) {}
+  ~DescriptorSink() override {
+    if (owned_ && descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  Result<void> write(std::span<const uint8_t> bytes) override { return write_all(descriptor_, name_, bytes); }
+  Result<void> commit() override {
+    if (!file_) return {};
+    const int descriptor = std::exchange(descriptor_, -1);
+    if (::close(descriptor) != 0) return fail_to("write", name_, errno);
+    return file_->commit();
+  }
+  std::string name() const override { return name_; }
+
+ private:
+  int descriptor_;
+  bool owned_;
+  std::string name_;
+  std::optional<AtomicFile> file_;
+};
+
 }  // namespace
 
 Result<SourcePtr> open_file_source(const std::filesystem::path& path) {
@@ -173,51 +212,6 @@ Result<std::vector<uint8_t>> read_rest(ByteSource& source, size_t limit) {
     source.consume(part.size());
   }
 }
-
-namespace {
-
-class MemorySink final : public ByteSink {
- public:
-  explicit MemorySink(std::vector<uint8_t>& bytes) : bytes_(bytes) {}
-  Result<void> write(std::span<const uint8_t> bytes) override {
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-    return {};
-  }
-  Result<void> commit() override { return {}; }
-  std::string name() const override { return "memory"; }
-
- private:
-  std::vector<uint8_t>& bytes_;
-};
-
-/// A sink for a descriptor. If a file belongs to it, commit() moves it to its path.
-class DescriptorSink final : public ByteSink {
- public:
-  DescriptorSink(int descriptor, bool owned, std::string name, std::optional<AtomicFile> file)
-      : descriptor_(descriptor), owned_(owned), name_(std::move(name)), file_(std::move(file)) {}
-  DescriptorSink(const DescriptorSink&) = delete;
-  DescriptorSink& operator=(const DescriptorSink&) = delete;
-  ~DescriptorSink() override {
-    if (owned_ && descriptor_ >= 0) ::close(descriptor_);
-  }
-
-  Result<void> write(std::span<const uint8_t> bytes) override { return write_all(descriptor_, name_, bytes); }
-  Result<void> commit() override {
-    if (!file_) return {};
-    const int descriptor = std::exchange(descriptor_, -1);
-    if (::close(descriptor) != 0) return fail_to("write", name_, errno);
-    return file_->commit();
-  }
-  std::string name() const override { return name_; }
-
- private:
-  int descriptor_;
-  bool owned_;
-  std::string name_;
-  std::optional<AtomicFile> file_;
-};
-
-}  // namespace
 
 Result<SinkPtr> open_file_sink(const std::filesystem::path& path) {
   if (path == "-") return make_descriptor_sink(STDOUT_FILENO, /*owned=*/false, "stdout");

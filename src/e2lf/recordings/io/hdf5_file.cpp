@@ -10,10 +10,6 @@
 namespace e2lf::recordings::hdf5_events {
 namespace {
 
-Error write_error(const std::string& name) {
-  return fail(ErrorCode::kIo, name, "the HDF5 library could not write; check the disk's free space");
-}
-
 std::string text_of_attribute(hid_t attribute) {
   const Handle type(H5Aget_type(attribute), H5Tclose);
   const Handle space(H5Aget_space(attribute), H5Sclose);
@@ -40,6 +36,28 @@ bool chunks_are_whole(const DatasetShape& shape, uint64_t begin, uint64_t count)
       const hsize_t offset[] = {row, column};
       if (!e2lf::hdf5::chunk_is_whole(shape.dataset.get(), shape.storage, offset)) return false;
     }
+  }
+  return true;
+}
+
+/// Returns true if the fields of records do not overlap, or for other types. The library would copy overlapping fields,
+/// which only damaged files have, beyond the record.
+bool is_sound_type(hid_t dataset) {
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  if (!type.valid()) return false;
+  if (H5Tget_class(type.get()) != H5T_COMPOUND) return true;
+  std::vector<std::pair<size_t, size_t>> fields;  // begin and end of each
+  for (unsigned i = 0; i < static_cast<unsigned>(std::max(0, H5Tget_nmembers(type.get()))); ++i) {
+    const Handle field(H5Tget_member_type(type.get(), i), H5Tclose);
+    const size_t begin = H5Tget_member_offset(type.get(), i), bytes = field.valid() ? H5Tget_size(field.get()) : 0;
+    if (bytes == 0 || bytes > H5Tget_size(type.get())) return false;
+    fields.emplace_back(begin, begin + bytes);
+  }
+  std::sort(fields.begin(), fields.end());
+  size_t end = 0;
+  for (const auto& [begin, field_end] : fields) {
+    if (begin < end || field_end > H5Tget_size(type.get())) return false;
+    end = field_end;
   }
   return true;
 }
@@ -78,43 +96,6 @@ std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t obje
   }
   return texts;
 }
-
-Result<void> write_text_attribute(hid_t object, const std::string& name, const std::string& text) {
-  const LibraryLock lock;
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.get(), H5T_VARIABLE);
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle attribute(H5Acreate2(object, name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  const char* value = text.c_str();
-  if (!attribute.valid() || H5Awrite(attribute.get(), type.get(), &value) < 0) return write_error(name);
-  return {};
-}
-
-namespace {
-
-/// Returns true if the fields of records do not overlap, or for other types. The library would copy overlapping fields,
-/// which only damaged files have, beyond the record.
-bool is_sound_type(hid_t dataset) {
-  const Handle type(H5Dget_type(dataset), H5Tclose);
-  if (!type.valid()) return false;
-  if (H5Tget_class(type.get()) != H5T_COMPOUND) return true;
-  std::vector<std::pair<size_t, size_t>> fields;  // begin and end of each
-  for (unsigned i = 0; i < static_cast<unsigned>(std::max(0, H5Tget_nmembers(type.get()))); ++i) {
-    const Handle field(H5Tget_member_type(type.get(), i), H5Tclose);
-    const size_t begin = H5Tget_member_offset(type.get(), i), bytes = field.valid() ? H5Tget_size(field.get()) : 0;
-    if (bytes == 0 || bytes > H5Tget_size(type.get())) return false;
-    fields.emplace_back(begin, begin + bytes);
-  }
-  std::sort(fields.begin(), fields.end());
-  size_t end = 0;
-  for (const auto& [begin, field_end] : fields) {
-    if (begin < end || field_end > H5Tget_size(type.get())) return false;
-    end = field_end;
-  }
-  return true;
-}
-
-}  // namespace
 
 Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std::string& location, uint64_t columns) {
   const LibraryLock lock;
@@ -162,52 +143,6 @@ Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_
     return fail(ErrorCode::kIo, location, "the HDF5 library cannot read elements from ", begin,
                 " on; the file is damaged");
   }
-  return {};
-}
-
-Result<GrowingDataset> GrowingDataset::create(hid_t parent, const std::string& name, hid_t file_type,
-                                              uint64_t chunk_length, H5Z_filter_t filter) {
-  const LibraryLock lock;
-  const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = chunk_length;
-  const Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
-  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  H5Pset_chunk(properties.get(), 1, &chunk);
-  // Optional, so that the file can be created and inspected where the filter is not installed.
-  if (filter != 0) H5Pset_filter(properties.get(), filter, H5Z_FLAG_OPTIONAL, 0, nullptr);
-  GrowingDataset result;
-  result.name_ = name;
-  result.dataset_ = Handle(
-      H5Dcreate2(parent, name.c_str(), file_type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
-  if (!result.dataset_.valid()) return write_error(name);
-  return result;
-}
-
-Result<void> GrowingDataset::append(hid_t memory_type, const void* elements, uint64_t count) {
-  if (count == 0) return {};
-  const LibraryLock lock;
-  const hsize_t start = length_, added = count, total = length_ + count;
-  if (H5Dset_extent(dataset_.get(), &total) < 0) return write_error(name_);
-  const Handle file_space(H5Dget_space(dataset_.get()), H5Sclose);
-  const Handle memory_space(H5Screate_simple(1, &added, nullptr), H5Sclose);
-  if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, &start, nullptr, &added, nullptr) < 0 ||
-      H5Dwrite(dataset_.get(), memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, elements) < 0) {
-    return write_error(name_);
-  }
-  length_ = total;
-  return {};
-}
-
-Result<void> GrowingDataset::append_chunk(const std::vector<uint8_t>& bytes, size_t size, uint64_t count,
-                                          bool is_filtered) {
-  const LibraryLock lock;
-  const hsize_t start = length_, total = length_ + count;
-  if (H5Dset_extent(dataset_.get(), &total) < 0) return write_error(name_);
-  // A bit that is set means that this filter was not applied.
-  const uint32_t filter_mask = is_filtered ? 0 : 1;
-  if (H5Dwrite_chunk(dataset_.get(), H5P_DEFAULT, filter_mask, &start, size, bytes.data()) < 0) {
-    return write_error(name_);
-  }
-  length_ = total;
   return {};
 }
 

@@ -24,9 +24,6 @@ using e2lf::hdf5::Storage;
 /// Returns all text attributes of `object`, by name.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> read_text_attributes(hid_t object);
 
-/// Writes a variable-length ASCII attribute, as Metavision does. Fails with kIo.
-[[nodiscard]] Result<void> write_text_attribute(hid_t object, const std::string& name, const std::string& text);
-
 /// A data set that is open for reading, with one dimension or with rows of several columns, and its plausible length.
 struct DatasetShape {
   Handle dataset;
@@ -46,30 +43,5 @@ struct DatasetShape {
 /// not contain them.
 [[nodiscard]] Result<void> read_elements(const DatasetShape& shape, hid_t memory_type, uint64_t begin, uint64_t count,
                                          void* out, const std::string& location);
-
-/// A one-dimensional data set that grows at its end, uncompressed.
-class GrowingDataset {
- public:
-  GrowingDataset() = default;
-  /// Creates the data set. `filter` is 0 for none, or an optional filter that the caller applies (append_chunk).
-  [[nodiscard]] static Result<GrowingDataset> create(hid_t parent, const std::string& name, hid_t file_type,
-                                                     uint64_t chunk_length, H5Z_filter_t filter = 0);
-
-  /// Appends elements of `memory_type`. Fails with kIo.
-  [[nodiscard]] Result<void> append(hid_t memory_type, const void* elements, uint64_t count);
-
-  /// Appends a chunk of `count` elements in its stored form; only the last chunk may have fewer than chunk_length
-  /// elements.
-  [[nodiscard]] Result<void> append_chunk(const std::vector<uint8_t>& bytes, size_t size, uint64_t count,
-                                          bool is_filtered);
-
-  [[nodiscard]] hid_t id() const { return dataset_.get(); }
-  [[nodiscard]] uint64_t length() const { return length_; }
-
- private:
-  Handle dataset_;
-  std::string name_;
-  uint64_t length_ = 0;
-};
 
 }  // namespace e2lf::recordings::hdf5_events

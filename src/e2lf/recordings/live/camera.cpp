@@ -33,19 +33,6 @@ CameraName parse_name(const std::string& name) {
   return {rest.substr(0, slash), slash < rest.size() ? rest.substr(slash + 1) : ""};
 }
 
-}  // namespace
-
-bool is_camera_name(const std::string& name) {
-  return name.starts_with(kCameraScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
-}
-
-size_t replay_path_size(const std::string& address) {
-  std::error_code error;
-  return std::filesystem::exists(address, error) ? address.size() : std::min(address.rfind('?'), address.size());
-}
-
-namespace {
-
 /// Returns the path that the name of a camera contains: that of a replayed recording or of a named pipe. Returns an
 /// empty path for all other cameras.
 std::filesystem::path path_of_camera(const std::string& name) {
@@ -90,20 +77,7 @@ void load_plugins(Registry& known) {
   }
 }
 
-}  // namespace
-
-std::vector<CameraPlugin> camera_plugins() {
-  const std::lock_guard<std::mutex> lock(registry().mutex);
-  load_plugins(registry());
-  return registry().plugins;
-}
-
-void add_camera_plugin(const CameraPlugin& plugin) {
-  const std::lock_guard<std::mutex> lock(registry().mutex);
-  std::erase_if(registry().plugins, [&](const CameraPlugin& known) { return known.name == plugin.name; });
-  registry().plugins.push_back(plugin);
-}
-
+/// Returns the plugin with this name; `location` is that of errors. Fails with kNotFound, listing those that exist.
 Result<CameraPlugin> find_camera_plugin(const std::string& name, const std::string& location) {
   const std::lock_guard<std::mutex> lock(registry().mutex);
   const std::vector<CameraPlugin>& plugins = registry().plugins;
@@ -119,20 +93,6 @@ Result<CameraPlugin> find_camera_plugin(const std::string& name, const std::stri
               "\"; write camera://NAME with one of ", join(names),
               ", or give the file of a plugin in E2LF_CAMERA_PLUGINS");
 }
-
-void add_camera_plugins(std::function<std::vector<CameraPlugin>()> load) {
-  const std::lock_guard<std::mutex> lock(registry().mutex);
-  registry().loaders.push_back(std::move(load));
-}
-
-Result<void> Camera::set_up(const CameraSetup& setup) {
-  if (!has_settings(setup)) return {};
-  return fail(ErrorCode::kUnsupported, "",
-              "this input has no settings of a camera (trigger inputs, biases, event rate, regions, encoding); leave "
-              "them out");
-}
-
-namespace {
 
 using Clock = std::chrono::steady_clock;
 
@@ -213,8 +173,6 @@ class CameraSource final : public LiveSource {
       : intake_(std::make_shared<Intake>(std::move(camera))),
         name_(std::move(name)),
         thread_([intake = intake_] { intake->take_bytes(); }) {}
-  CameraSource(const CameraSource&) = delete;
-  CameraSource& operator=(const CameraSource&) = delete;
   ~CameraSource() override {
     std::unique_lock<std::mutex> lock(intake_->mutex);
     intake_->is_discarding = true;
@@ -371,6 +329,39 @@ class CameraSource final : public LiveSource {
 };
 
 }  // namespace
+
+bool is_camera_name(const std::string& name) {
+  return name.starts_with(kCameraScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
+}
+
+size_t replay_path_size(const std::string& address) {
+  std::error_code error;
+  return std::filesystem::exists(address, error) ? address.size() : std::min(address.rfind('?'), address.size());
+}
+
+std::vector<CameraPlugin> camera_plugins() {
+  const std::lock_guard<std::mutex> lock(registry().mutex);
+  load_plugins(registry());
+  return registry().plugins;
+}
+
+void add_camera_plugin(const CameraPlugin& plugin) {
+  const std::lock_guard<std::mutex> lock(registry().mutex);
+  std::erase_if(registry().plugins, [&](const CameraPlugin& known) { return known.name == plugin.name; });
+  registry().plugins.push_back(plugin);
+}
+
+void add_camera_plugins(std::function<std::vector<CameraPlugin>()> load) {
+  const std::lock_guard<std::mutex> lock(registry().mutex);
+  registry().loaders.push_back(std::move(load));
+}
+
+Result<void> Camera::set_up(const CameraSetup& setup) {
+  if (!has_settings(setup)) return {};
+  return fail(ErrorCode::kUnsupported, "",
+              "this input has no settings of a camera (trigger inputs, biases, event rate, regions, encoding); leave "
+              "them out");
+}
 
 Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, const CameraSetup& setup) {
   if (!is_live_recording(name)) {

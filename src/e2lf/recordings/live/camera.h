@@ -128,9 +128,6 @@ void add_camera_plugin(const CameraPlugin& plugin);
 /// plugins. Those whose names are known are left out with a warning.
 void add_camera_plugins(std::function<std::vector<CameraPlugin>()> load);
 
-/// Returns the plugin with this name; `location` is that of errors. Fails with kNotFound, listing those that exist.
-[[nodiscard]] Result<CameraPlugin> find_camera_plugin(const std::string& name, const std::string& location);
-
 /// Returns whether a name has the form camera://NAME[/ADDRESS], replay:FILE or tcp://ADDRESS:PORT (the latter two
 /// abbreviate camera://replay/FILE and camera://tcp/ADDRESS:PORT).
 [[nodiscard]] bool is_camera_name(const std::string& name);

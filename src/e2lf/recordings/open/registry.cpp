@@ -15,14 +15,15 @@
 #include "e2lf/recordings/codecs/codecs.h"
 
 namespace e2lf::recordings {
+namespace fs = std::filesystem;
 namespace {
 
 std::deque<Codec> built_in_codecs() {
   return {
       {.name = "raw", .extensions = {".raw"}, .detect = is_raw_header, .open = open_raw, .create = create_raw},
-      {.name = "evt2", .open = open_raw, .create = create_evt2},
-      {.name = "evt2.1", .open = open_raw, .create = create_evt21},
-      {.name = "evt3", .open = open_raw, .create = create_evt3},
+      {.name = "evt2", .open = open_raw, .create = create_raw},
+      {.name = "evt2.1", .open = open_raw, .create = create_raw},
+      {.name = "evt3", .open = open_raw, .create = create_raw},
       {.name = "evt4", .open = open_raw},
       {.name = "hdf5",
        .extensions = {".hdf5"},
@@ -94,7 +95,7 @@ std::optional<std::string> foreign_file_text(std::span<const uint8_t> head) {
   return std::nullopt;
 }
 
-const Codec* codec_of_extension(const std::filesystem::path& path) {
+const Codec* codec_of_extension(const fs::path& path) {
   const std::string extension = lower_case(path.extension().string());
   if (extension.empty()) return nullptr;
   for (const Codec* codec : codecs()) {
@@ -119,7 +120,7 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   for (const Codec* codec : codecs()) {
     if (codec->detect != nullptr && codec->detect(head)) return codec;
   }
-  const std::filesystem::path path = source.path();
+  const fs::path path = source.path();
   const Codec* const by_extension = codec_of_extension(path);
   // An archive of arrays without known names is still an archive of arrays.
   const bool is_npz = by_extension != nullptr && by_extension->name == "npz" && head.front() == 'P';
@@ -134,6 +135,43 @@ Result<const Codec*> detect_codec(ByteSource& source) {
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {
   return fail(ErrorCode::kUnsupported, name, "cannot ", action, " the format ", codec.name, "; choose another");
+}
+
+/// Only formats that may contain several streams list them.
+Result<ReaderPtr> check_stream(ReaderPtr reader) {
+  const RecordingInfo& info = reader->info();
+  if (reader->options().stream.empty() || !info.streams.empty()) return reader;
+  return Error{
+      ErrorCode::kInvalidValue,
+      cat("a recording of the format ", info.format, " contains only one stream of events; leave the option out"),
+      reader->name(), Setting::kStream};
+}
+
+/// Returns the properties of a new recording: its format is the codec, except that "raw" comprises several.
+RecordingInfo info_for(const Codec& codec, RecordingInfo info) {
+  if (codec.name != "raw") info.format = codec.name;
+  return info;
+}
+
+LiveInputs live_inputs() {
+  const std::lock_guard<std::mutex> lock(codec_table().mutex);
+  return codec_table().live;
+}
+
+bool is_camera(const std::string& name) {
+  const LiveInputs live = live_inputs();
+  return live.is_name != nullptr && live.is_name(name);
+}
+
+bool is_our_trigger_file(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
+  const auto codec = codec_to_write(path, "");
+  if (codec && (*codec)->is_side_file != nullptr) return (*codec)->is_side_file(path);
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  return line == "p,id,t";
 }
 
 }  // namespace
@@ -157,21 +195,7 @@ Result<const Codec*> find_codec(const std::string& name) {
   return fail(ErrorCode::kInvalidValue, "", "unknown format \"", name, "\"; ", suggestion(name, codec_names()));
 }
 
-namespace {
-
-/// Only formats that may contain several streams list them.
-Result<ReaderPtr> check_stream(ReaderPtr reader) {
-  const RecordingInfo& info = reader->info();
-  if (reader->options().stream.empty() || !info.streams.empty()) return reader;
-  return Error{
-      ErrorCode::kInvalidValue,
-      cat("a recording of the format ", info.format, " contains only one stream of events; leave the option out"),
-      reader->name(), Setting::kStream};
-}
-
-}  // namespace
-
-Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std::string& format) {
+Result<const Codec*> codec_to_write(const fs::path& path, const std::string& format) {
   if (!format.empty()) return find_codec(format);
   if (const Codec* codec = codec_of_extension(path)) return codec;
   return Error{ErrorCode::kInvalidValue,
@@ -180,7 +204,7 @@ Result<const Codec*> codec_to_write(const std::filesystem::path& path, const std
                path.string(), Setting::kOutputFormat};
 }
 
-bool is_recording_folder(const std::filesystem::path& path) {
+bool is_recording_folder(const fs::path& path) {
   const auto all = codecs();
   return std::any_of(all.begin(), all.end(),
                      [&](const Codec* codec) { return codec->is_folder != nullptr && codec->is_folder(path); });
@@ -196,7 +220,7 @@ Result<ReaderPtr> open_recording(SourcePtr source, const OpenOptions& options) {
   return check_stream(std::move(reader));
 }
 
-Result<ReaderPtr> open_recording(const std::filesystem::path& path, const OpenOptions& options) {
+Result<ReaderPtr> open_recording(const fs::path& path, const OpenOptions& options) {
   for (const Codec* codec : codecs()) {
     if (codec->is_folder == nullptr || !codec->is_folder(path)) continue;
     E2LF_ASSIGN_OR_RETURN(auto reader, codec->open_folder(path, options));
@@ -206,24 +230,23 @@ Result<ReaderPtr> open_recording(const std::filesystem::path& path, const OpenOp
   return open_recording(std::move(source), options);
 }
 
-Result<WriterPtr> create_recording(const std::filesystem::path& path, const std::string& format,
-                                   const RecordingInfo& info) {
+Result<WriterPtr> create_recording(const fs::path& path, const std::string& format, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, codec_to_write(path, format));
   const bool to_stream = path == "-" || is_stream(path);
   if (to_stream && codec->create == nullptr && codec->create_file != nullptr) {
     return fail(ErrorCode::kUnsupported, path, "the format ", codec->name,
                 " requires seeking, which a pipe or device does not support; give a file");
   }
-  if (!to_stream && codec->create_file != nullptr) return codec->create_file(path, info);
+  if (!to_stream && codec->create_file != nullptr) return codec->create_file(path, info_for(*codec, info));
   if (codec->create == nullptr) return unsupported(*codec, "write", path.string());
   E2LF_ASSIGN_OR_RETURN(auto sink, open_file_sink(path));
-  return codec->create(std::move(sink), info);
+  return codec->create(std::move(sink), info_for(*codec, info));
 }
 
 Result<WriterPtr> create_recording(SinkPtr sink, const std::string& format, const RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(const Codec* codec, find_codec(format));
   if (codec->create == nullptr) return unsupported(*codec, "stream", sink->name());
-  return codec->create(std::move(sink), info);
+  return codec->create(std::move(sink), info_for(*codec, info));
 }
 
 void set_live_inputs(const LiveInputs& inputs) {
@@ -231,26 +254,11 @@ void set_live_inputs(const LiveInputs& inputs) {
   codec_table().live = inputs;
 }
 
-namespace {
-
-LiveInputs live_inputs() {
-  const std::lock_guard<std::mutex> lock(codec_table().mutex);
-  return codec_table().live;
-}
-
-bool is_camera(const std::string& name) {
-  const LiveInputs live = live_inputs();
-  return live.is_name != nullptr && live.is_name(name);
-}
-
-}  // namespace
-
 bool is_live_recording(const std::string& name) {
   return name == "-" || is_camera(name) || is_stream(name);
 }
 
-std::filesystem::path file_of_recording(const std::string& name) {
-  namespace fs = std::filesystem;
+fs::path file_of_recording(const std::string& name) {
   std::error_code error;
   const fs::path path = name == "-"       ? fs::canonical("/proc/self/fd/0", error)
                         : is_camera(name) ? live_inputs().file(name)
@@ -270,24 +278,8 @@ Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOption
   if (has_settings(options.camera)) {
     return fail(ErrorCode::kInvalidValue, name, "camera settings do not apply to a file; leave them out");
   }
-  return open_recording(std::filesystem::path(name), options);
+  return open_recording(fs::path(name), options);
 }
-
-namespace fs = std::filesystem;
-namespace {
-
-bool is_our_trigger_file(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
-  const auto codec = codec_to_write(path, "");
-  if (codec && (*codec)->is_side_file != nullptr) return (*codec)->is_side_file(path);
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  std::getline(file, line);
-  return line == "p,id,t";
-}
-
-}  // namespace
 
 OutputRules output_rules(const std::vector<fs::path>& inputs, bool overwrite) {
   OutputRules rules;

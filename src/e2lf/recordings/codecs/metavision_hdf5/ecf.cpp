@@ -12,8 +12,6 @@
 namespace e2lf::recordings::ecf {
 namespace {
 
-constexpr uint64_t kTimeLimit = uint64_t{1} << 62;
-
 Error truncated(size_t byte) {
   return fail(ErrorCode::kTruncated, cat("chunk byte ", byte), "an ECF chunk ends early; the file is damaged");
 }
@@ -72,10 +70,10 @@ Result<void> read_times(Cursor& in, std::span<int64_t> t) {
       gap |= static_cast<uint64_t>(count) << (4 * digits++);
       continue;
     }
-    if (now >= kTimeLimit || gap >= kTimeLimit) return overrun("a time beyond 2^62 us");
+    if (now >= kEndOfTime || gap >= kEndOfTime) return overrun("a time beyond 2^62 us");
     now += gap + (byte >> 4);
     gap = digits = 0;
-    if (now >= kTimeLimit) return overrun("a time beyond 2^62 us");
+    if (now >= kEndOfTime) return overrun("a time beyond 2^62 us");
     if (count == 15 && !in.u16(count)) return in.error();
     if (!fill_run(t, done, count, static_cast<int64_t>(now))) return overrun("a run of times longer than itself");
   }
@@ -141,42 +139,6 @@ void for_each_packed(const uint8_t* bytes, size_t count, Set&& set) {
     for (size_t j = 0; j < std::min<size_t>(4, count - i); ++j) set(i + j, values[j]);
   }
 }
-
-}  // namespace
-
-Result<size_t> event_count(std::span<const uint8_t> chunk) {
-  if (chunk.size() < 12) return truncated(chunk.size());
-  const size_t count = load_le<uint32_t>(chunk.data()) >> 2;
-  if (count > kMaxChunkEvents) return overrun("a count of more than 65535 events");
-  return count;
-}
-
-Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& e) {
-  E2LF_ASSIGN_OR_RETURN(const size_t n, event_count(chunk));
-  E2LF_REQUIRE(e.x.size() == n && e.y.size() == n && e.p.size() == n && e.t.size() == n,
-               "columns must have the chunk's number of events");
-  const uint32_t layout = chunk[0] & 3;
-  Cursor in(chunk.subspan(4));
-  E2LF_RETURN_IF_ERROR(read_times(in, e.t));
-  const size_t quads = (n + 3) / 4;
-  if (layout & 2) {
-    const uint8_t* packed = in.take(quads * 12);
-    if (packed == nullptr) return in.error();
-    for_each_packed<uint32_t>(packed, n, [&](size_t i, uint32_t value) { unpack_yxp(value, e, i); });
-    return {};
-  }
-  E2LF_RETURN_IF_ERROR((read_runs<&Cursor::u16, 5>(in, e.y, "a row run longer than itself")));
-  if (layout & 1) {
-    const uint8_t* packed = in.take(quads * 6);
-    if (packed == nullptr) return in.error();
-    for_each_packed<uint16_t>(packed, n, [&](size_t i, uint32_t value) { unpack_xp(value, e, i); });
-    return {};
-  }
-  E2LF_RETURN_IF_ERROR(read_x_groups(in, e.x));
-  return read_runs<&Cursor::u8, 7>(in, e.p, "a polarity run longer than itself");
-}
-
-namespace {
 
 constexpr size_t kTimeBytesPerEvent = 17;  // 16 digits of a gap and the run
 constexpr size_t kPlaceBytesPerEvent = 6;  // u16 y run, u16 x group, u8 p run, rounded up
@@ -290,6 +252,38 @@ uint8_t* put_packed(size_t count, const Value& value_of, uint8_t* out) {
 
 }  // namespace
 
+Result<size_t> event_count(std::span<const uint8_t> chunk) {
+  if (chunk.size() < 12) return truncated(chunk.size());
+  const size_t count = load_le<uint32_t>(chunk.data()) >> 2;
+  if (count > kMaxChunkEvents) return overrun("a count of more than 65535 events");
+  return count;
+}
+
+Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& e) {
+  E2LF_ASSIGN_OR_RETURN(const size_t n, event_count(chunk));
+  E2LF_REQUIRE(e.x.size() == n && e.y.size() == n && e.p.size() == n && e.t.size() == n,
+               "columns must have the chunk's number of events");
+  const uint32_t layout = chunk[0] & 3;
+  Cursor in(chunk.subspan(4));
+  E2LF_RETURN_IF_ERROR(read_times(in, e.t));
+  const size_t quads = (n + 3) / 4;
+  if (layout & 2) {
+    const uint8_t* packed = in.take(quads * 12);
+    if (packed == nullptr) return in.error();
+    for_each_packed<uint32_t>(packed, n, [&](size_t i, uint32_t value) { unpack_yxp(value, e, i); });
+    return {};
+  }
+  E2LF_RETURN_IF_ERROR((read_runs<&Cursor::u16, 5>(in, e.y, "a row run longer than itself")));
+  if (layout & 1) {
+    const uint8_t* packed = in.take(quads * 6);
+    if (packed == nullptr) return in.error();
+    for_each_packed<uint16_t>(packed, n, [&](size_t i, uint32_t value) { unpack_xp(value, e, i); });
+    return {};
+  }
+  E2LF_RETURN_IF_ERROR(read_x_groups(in, e.x));
+  return read_runs<&Cursor::u8, 7>(in, e.p, "a polarity run longer than itself");
+}
+
 bool can_encode(const ChunkColumns& e) {
   if (e.x.empty() || e.x.size() > kMaxChunkEvents) return false;
   uint32_t coordinates = 0, polarities = 0;
@@ -299,7 +293,8 @@ bool can_encode(const ChunkColumns& e) {
   }
   int64_t falls = e.t[0] < 0;
   for (size_t i = 1; i < e.t.size(); ++i) falls |= e.t[i] < e.t[i - 1];
-  return coordinates <= kMaxCoordinate && polarities <= 1 && falls == 0 && e.t.back() < kEndOfTime;
+  return coordinates <= kMaxCoordinate && polarities <= 1 && falls == 0 &&
+         e.t.back() < static_cast<int64_t>(kEndOfTime);
 }
 
 size_t max_encoded_size(size_t events) {

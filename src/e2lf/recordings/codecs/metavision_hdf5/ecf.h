@@ -22,7 +22,7 @@ namespace e2lf::recordings::ecf {
 
 inline constexpr size_t kMaxChunkEvents = 65535;
 inline constexpr uint16_t kMaxCoordinate = 2047;  ///< x and y have 11 bits
-inline constexpr int64_t kEndOfTime = int64_t{1} << 62;
+inline constexpr uint64_t kEndOfTime = uint64_t{1} << 62;
 
 /// The columns of one chunk, of equal length.
 struct ChunkColumns {

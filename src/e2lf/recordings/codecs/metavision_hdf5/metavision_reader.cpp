@@ -214,10 +214,6 @@ class EventChunks final : public EventBlocks {
   std::vector<EventRecord> records_;
 };
 
-}  // namespace
-
-namespace {
-
 struct Field {
   const char* name;
   size_t offset;
@@ -230,50 +226,26 @@ Handle compound_type(size_t bytes, std::initializer_list<Field> fields) {
   return type;
 }
 
-}  // namespace
-
-Handle event_type() {
-  const LibraryLock lock;
-  return compound_type(sizeof(EventRecord), {{"x", offsetof(EventRecord, x), H5T_STD_U16LE},
-                                             {"y", offsetof(EventRecord, y), H5T_STD_U16LE},
-                                             {"p", offsetof(EventRecord, p), H5T_STD_I16LE},
-                                             {"t", offsetof(EventRecord, t), H5T_STD_I64LE}});
-}
-
-Handle trigger_type() {
-  const LibraryLock lock;
-  return compound_type(sizeof(TriggerRecord), {{"p", offsetof(TriggerRecord, p), H5T_STD_I16LE},
-                                               {"t", offsetof(TriggerRecord, t), H5T_STD_I64LE},
-                                               {"id", offsetof(TriggerRecord, id), H5T_STD_I16LE}});
-}
-
-Handle index_type() {
-  const LibraryLock lock;
-  return compound_type(sizeof(IndexRecord), {{"id", offsetof(IndexRecord, id), H5T_STD_U64LE},
-                                             {"ts", offsetof(IndexRecord, ts), H5T_STD_I64LE}});
-}
-
-namespace {
-
 constexpr uint64_t kTriggerBlock = 4096;
 
-class TriggerDataset final : public TriggerSource {
+class TriggerDataset final : public EventBlocks {
  public:
   TriggerDataset(DatasetShape shape, std::string location) : shape_(std::move(shape)), location_(std::move(location)) {}
 
-  Result<bool> next(std::vector<Trigger>& block, DecodeSummary&) override {
+  Result<bool> next(EventBatch& block, DecodeSummary&) override {
+    block.clear();
     const uint64_t count = std::min(kTriggerBlock, shape_.length - next_);
     if (count == 0) return false;
     records_.resize(count);
     E2LF_RETURN_IF_ERROR(read_elements(shape_, trigger_type().get(), next_, count, records_.data(), location_));
     for (const TriggerRecord& record : records_) {
-      block.push_back({record.t, static_cast<uint16_t>(record.id), static_cast<uint8_t>(record.p > 0)});
+      block.triggers.push_back({record.t, static_cast<uint16_t>(record.id), static_cast<uint8_t>(record.p > 0)});
     }
     next_ += count;
     return true;
   }
 
-  Result<void> rewind() override {
+  Result<void> seek_before(int64_t) override {
     next_ = 0;
     return {};
   }
@@ -300,6 +272,27 @@ std::atomic<OpenLayout>& other_layout() {
 }
 
 }  // namespace
+
+Handle event_type() {
+  const LibraryLock lock;
+  return compound_type(sizeof(EventRecord), {{"x", offsetof(EventRecord, x), H5T_STD_U16LE},
+                                             {"y", offsetof(EventRecord, y), H5T_STD_U16LE},
+                                             {"p", offsetof(EventRecord, p), H5T_STD_I16LE},
+                                             {"t", offsetof(EventRecord, t), H5T_STD_I64LE}});
+}
+
+Handle trigger_type() {
+  const LibraryLock lock;
+  return compound_type(sizeof(TriggerRecord), {{"p", offsetof(TriggerRecord, p), H5T_STD_I16LE},
+                                               {"t", offsetof(TriggerRecord, t), H5T_STD_I64LE},
+                                               {"id", offsetof(TriggerRecord, id), H5T_STD_I16LE}});
+}
+
+Handle index_type() {
+  const LibraryLock lock;
+  return compound_type(sizeof(IndexRecord), {{"id", offsetof(IndexRecord, id), H5T_STD_U64LE},
+                                             {"ts", offsetof(IndexRecord, ts), H5T_STD_I64LE}});
+}
 
 void add_layout(OpenLayout open) {
   other_layout() = open;
@@ -329,7 +322,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   }
   E2LF_RETURN_IF_ERROR(refuse_table_options(options, "hdf5", name));
   E2LF_ASSIGN_OR_RETURN(BlocksPtr blocks, EventChunks::open(file.get(), name, options.threads));
-  TriggersPtr triggers;
+  BlocksPtr triggers;
   if (auto shape = open_dataset(file.get(), "EXT_TRIGGER/events", name)) {
     triggers = std::make_unique<TriggerDataset>(*std::move(shape), name + ": EXT_TRIGGER/events");
   }

@@ -6,7 +6,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
-#include "e2lf/hdf5/checked_file.h"
+#include "e2lf/hdf5/library.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/ecf.h"
@@ -23,13 +23,91 @@ constexpr size_t kBlockChunks = 16;
 /// The longest time without an element, 19 hours, which needs half a gigabyte of index.
 constexpr int64_t kMaxPauseUs = int64_t{1} << 36;
 
+Error write_error(const std::string& name) {
+  return fail(ErrorCode::kIo, name, "the HDF5 library could not write; check the disk's free space");
+}
+
+/// Writes a variable-length ASCII attribute, as Metavision does. Fails with kIo.
+Result<void> write_text_attribute(hid_t object, const std::string& name, const std::string& text) {
+  const LibraryLock lock;
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), H5T_VARIABLE);
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const char* value = text.c_str();
+  if (!attribute.valid() || H5Awrite(attribute.get(), type.get(), &value) < 0) return write_error(name);
+  return {};
+}
+
+/// A one-dimensional data set that grows at its end, uncompressed.
+class GrowingDataset {
+ public:
+  /// Creates the data set. `filter` is 0 for none, or an optional filter that the caller applies (append_chunk).
+  static Result<GrowingDataset> create(hid_t parent, const std::string& name, hid_t file_type,
+                                       H5Z_filter_t filter = 0) {
+    const LibraryLock lock;
+    const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = kChunkEvents;
+    const Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
+    const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_chunk(properties.get(), 1, &chunk);
+    // Optional, so that the file can be created and inspected where the filter is not installed.
+    if (filter != 0) H5Pset_filter(properties.get(), filter, H5Z_FLAG_OPTIONAL, 0, nullptr);
+    GrowingDataset result;
+    result.name_ = name;
+    result.dataset_ = Handle(
+        H5Dcreate2(parent, name.c_str(), file_type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
+    if (!result.dataset_.valid()) return write_error(name);
+    return result;
+  }
+
+  /// Appends elements of `memory_type`. Fails with kIo.
+  Result<void> append(hid_t memory_type, const void* elements, uint64_t count) {
+    if (count == 0) return {};
+    const LibraryLock lock;
+    const hsize_t start = length_, added = count;
+    E2LF_RETURN_IF_ERROR(grow(count));
+    const Handle file_space(H5Dget_space(dataset_.get()), H5Sclose);
+    const Handle memory_space(H5Screate_simple(1, &added, nullptr), H5Sclose);
+    if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, &start, nullptr, &added, nullptr) < 0 ||
+        H5Dwrite(dataset_.get(), memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, elements) < 0) {
+      return write_error(name_);
+    }
+    return {};
+  }
+
+  /// Appends a chunk of `count` elements in its stored form; only the last chunk may have fewer than kChunkEvents.
+  Result<void> append_chunk(const std::vector<uint8_t>& bytes, size_t size, uint64_t count, bool is_filtered) {
+    const LibraryLock lock;
+    const hsize_t start = length_;
+    E2LF_RETURN_IF_ERROR(grow(count));
+    // A bit that is set means that this filter was not applied.
+    const uint32_t filter_mask = is_filtered ? 0 : 1;
+    if (H5Dwrite_chunk(dataset_.get(), H5P_DEFAULT, filter_mask, &start, size, bytes.data()) < 0) {
+      return write_error(name_);
+    }
+    return {};
+  }
+
+  [[nodiscard]] hid_t id() const { return dataset_.get(); }
+
+ private:
+  Result<void> grow(uint64_t count) {
+    length_ += count;
+    return H5Dset_extent(dataset_.get(), &length_) < 0 ? write_error(name_) : Result<void>();
+  }
+
+  Handle dataset_;
+  std::string name_;
+  hsize_t length_ = 0;
+};
+
 /// An index data set, which contains for every 2 ms after the first element the number and time of the first element at
 /// or after it.
 class TimeIndex {
  public:
   static Result<TimeIndex> create(hid_t group) {
     TimeIndex index;
-    E2LF_ASSIGN_OR_RETURN(index.dataset_, GrowingDataset::create(group, "indexes", index_type().get(), kChunkEvents));
+    E2LF_ASSIGN_OR_RETURN(index.dataset_, GrowingDataset::create(group, "indexes", index_type().get()));
     return index;
   }
 
@@ -96,8 +174,6 @@ class MetavisionWriter final : public RecordingWriter {
         check_(info.width, info.height, file_.target().string()),
         has_small_sensor_(info.width != 0 && info.width <= ecf::kMaxCoordinate + 1 && info.height != 0 &&
                           info.height <= ecf::kMaxCoordinate + 1) {}
-  MetavisionWriter(const MetavisionWriter&) = delete;
-  MetavisionWriter& operator=(const MetavisionWriter&) = delete;
 
   Result<void> begin(const RecordingInfo& info) {
     const LibraryLock lock;
@@ -107,10 +183,8 @@ class MetavisionWriter final : public RecordingWriter {
       return Handle(H5Gcreate2(hdf5_file_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
     };
     const Handle cd = make_group("CD"), trigger = make_group("EXT_TRIGGER");
-    E2LF_ASSIGN_OR_RETURN(events_,
-                          GrowingDataset::create(cd.get(), "events", event_type().get(), kChunkEvents, kEcfFilter));
-    E2LF_ASSIGN_OR_RETURN(triggers_,
-                          GrowingDataset::create(trigger.get(), "events", trigger_type().get(), kChunkEvents));
+    E2LF_ASSIGN_OR_RETURN(events_, GrowingDataset::create(cd.get(), "events", event_type().get(), kEcfFilter));
+    E2LF_ASSIGN_OR_RETURN(triggers_, GrowingDataset::create(trigger.get(), "events", trigger_type().get()));
     E2LF_ASSIGN_OR_RETURN(event_index_, TimeIndex::create(cd.get()));
     E2LF_ASSIGN_OR_RETURN(trigger_index_, TimeIndex::create(trigger.get()));
     return {};
@@ -162,7 +236,7 @@ class MetavisionWriter final : public RecordingWriter {
   /// Returns the same as ecf::can_encode() without repeating the checks of the batch.
   bool can_encode(const ecf::ChunkColumns& columns) const {
     if (!has_small_sensor_) return ecf::can_encode(columns);
-    return columns.t.front() >= 0 && columns.t.back() < ecf::kEndOfTime;
+    return columns.t.front() >= 0 && columns.t.back() < static_cast<int64_t>(ecf::kEndOfTime);
   }
 
   void encode(const EventColumns& events, size_t begin, size_t end, EncodedChunk& out) const {

@@ -59,16 +59,6 @@ bool check_word(uint16_t word, Check& check, const SensorLimits& limits) {
   }
 }
 
-Verdict judge_time_high(const uint8_t* words, size_t count, bool ended, const Check& check) {
-  constexpr CoarseClock kClock{kPayloadMask, kMinFall, kJudges, /*believes_next=*/true};
-  const auto time_at = [words](size_t i) {
-    const auto word = load_le<uint16_t>(words + 2 * i);
-    return type_of(word) == kTimeHigh ? std::optional<uint32_t>(word & kPayloadMask) : std::nullopt;
-  };
-  const auto last = check.time_high == 0xFFFF ? std::nullopt : std::optional<uint32_t>(check.time_high & kPayloadMask);
-  return judge_coarse_time(count, ended, last, kClock, check.after_damage, check.num_rejected, time_at);
-}
-
 /// A TIME_LOW that steps back or far ahead is correct if most of the following ones continue from it rather than from
 /// the last one.
 Verdict judge_time_low(const uint8_t* words, size_t count, bool ended, const Check& check) {
@@ -138,11 +128,13 @@ Violation Codec::classify(const uint8_t* word, const Check& check, const SensorL
   return is_back ? Violation::kTimeBackwards : Violation::kTimeJump;
 }
 
-int64_t Codec::step_us(const uint8_t* word, const Check& check) {
+std::optional<uint32_t> Codec::coarse_time(const uint8_t* word) {
   const auto value = load_le<uint16_t>(word);
-  if (type_of(value) != kTimeHigh || check.time_high == 0xFFFF) return 0;
-  const uint32_t step = steps(check.time_high, value);
-  return step == 1 ? 0 : int64_t{step} << 12;
+  return type_of(value) == kTimeHigh ? std::optional(value & kPayloadMask) : std::nullopt;
+}
+
+std::optional<uint32_t> Codec::coarse_time(const Check& check) {
+  return check.time_high == 0xFFFF ? std::nullopt : std::optional(check.time_high & kPayloadMask);
 }
 
 size_t Codec::num_padding(const uint8_t* words, size_t count, const Check& check) {
@@ -152,14 +144,9 @@ size_t Codec::num_padding(const uint8_t* words, size_t count, const Check& check
   return zeros;
 }
 
-bool Codec::is_near_zero(const uint8_t* word, const Check& check) {
-  const auto value = load_le<uint16_t>(word);
-  return value < check.time_high && (value & kPayloadMask) < (kWrapRestartUs >> 12);
-}
-
 Verdict Codec::judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
-  const bool is_high = type_of(load_le<uint16_t>(words)) == kTimeHigh;
-  return is_high ? judge_time_high(words, count, ended, check) : judge_time_low(words, count, ended, check);
+  return coarse_time(words) ? judge_coarse_time<Codec>(words, count, ended, check)
+                            : judge_time_low(words, count, ended, check);
 }
 
 void Codec::accept_time(const uint8_t* word, Check& check) {
@@ -174,10 +161,6 @@ void Codec::accept_time(const uint8_t* word, Check& check) {
   check.num_rejected = 0;
   check.after_damage = false;
   check.heartbeat -= 3;
-}
-
-void Codec::reject_time(const uint8_t* word, Check& check) {
-  if (type_of(load_le<uint16_t>(word)) == kTimeHigh) ++check.num_rejected;
 }
 
 void Codec::forget(State& state, Check& check) {

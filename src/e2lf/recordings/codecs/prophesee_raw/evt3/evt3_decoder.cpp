@@ -23,6 +23,17 @@ void take_time_high(uint16_t word, State& state) {
   state.low = 0;
 }
 
+/// Sets the base of the vectors that follow.
+void take_base(uint16_t word, State& state) {
+  state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
+  state.base_p = static_cast<uint8_t>((word >> 11) & 1);
+}
+
+/// Advances the base after a vector; far outside the sensor it is not changed.
+void advance_base(uint32_t bits, State& state) {
+  if (state.base_x < 0x7FFF) state.base_x = static_cast<uint16_t>(state.base_x + bits);
+}
+
 /// Returns the part of a vector's mask that is inside the sensor, and advances the base.
 uint32_t take_vector(uint32_t mask, uint32_t bits, State& state, const SensorLimits& limits) {
   if (state.base_x == kNone) {
@@ -39,16 +50,38 @@ uint32_t take_vector(uint32_t mask, uint32_t bits, State& state, const SensorLim
   return mask;
 }
 
+/// The time that passes between two TIME_HIGH words that differ.
+constexpr int64_t kHighStepUs = int64_t{1} << 12;
+
+uint16_t word_at(const uint8_t* words, size_t i) {
+  return load_le<uint16_t>(words + 2 * i);
+}
+
+/// Takes what later words depend on from words without triggers and steps of TIME_HIGH, and leaves out their events.
+void take_context(const uint8_t* words, size_t count, State& state) {
+  if (const size_t low = find_last(words, count, only(kTimeLow)); low < count) {
+    state.low = static_cast<uint16_t>(word_at(words, low) & kPayloadMask);
+  }
+  if (const size_t row = find_last(words, count, only(kAddrY)); row < count) {
+    state.y = static_cast<uint16_t>(word_at(words, row) & kCoordinateMask);
+  }
+  const size_t base = find_last(words, count, only(kVectBaseX));
+  if (base < count) take_base(word_at(words, base), state);
+  const size_t vector = find_last(words, count, kVectors);
+  if (vector == count) return;
+  for (size_t i = base < count ? base + 1 : 0; i <= vector; ++i) {
+    const uint32_t type = word_at(words, i) >> 12;
+    if (type == kVect12 || type == kVect8) advance_base(type == kVect12 ? 12 : 8, state);
+  }
+}
+
+constexpr uint32_t kVectorPixels = 32;
+
+uint16_t make_word(Type type, uint32_t payload) {
+  return static_cast<uint16_t>((type << 12) | (payload & kPayloadMask));
+}
+
 }  // namespace
-
-void take_base(uint16_t word, State& state) {
-  state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
-  state.base_p = static_cast<uint8_t>((word >> 11) & 1);
-}
-
-void advance_base(uint32_t bits, State& state) {
-  if (state.base_x < 0x7FFF) state.base_x = static_cast<uint16_t>(state.base_x + bits);
-}
 
 size_t Codec::decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
                             ColumnSink& sink) {
@@ -134,35 +167,6 @@ void Codec::extrapolate(State& state, const State& before) {
   }
 }
 
-namespace {
-
-/// The time that passes between two TIME_HIGH words that differ.
-constexpr int64_t kHighStepUs = int64_t{1} << 12;
-
-uint16_t word_at(const uint8_t* words, size_t i) {
-  return load_le<uint16_t>(words + 2 * i);
-}
-
-/// Takes what later words depend on from words without triggers and steps of TIME_HIGH, and leaves out their events.
-void take_context(const uint8_t* words, size_t count, State& state) {
-  if (const size_t low = find_last(words, count, only(kTimeLow)); low < count) {
-    state.low = static_cast<uint16_t>(word_at(words, low) & kPayloadMask);
-  }
-  if (const size_t row = find_last(words, count, only(kAddrY)); row < count) {
-    state.y = static_cast<uint16_t>(word_at(words, row) & kCoordinateMask);
-  }
-  const size_t base = find_last(words, count, only(kVectBaseX));
-  if (base < count) take_base(word_at(words, base), state);
-  const size_t vector = find_last(words, count, kVectors);
-  if (vector == count) return;
-  for (size_t i = base < count ? base + 1 : 0; i <= vector; ++i) {
-    const uint32_t type = word_at(words, i) >> 12;
-    if (type == kVect12 || type == kVect8) advance_base(type == kVect12 ? 12 : 8, state);
-  }
-}
-
-}  // namespace
-
 size_t find_mark_scalar(const uint8_t* words, size_t count, uint16_t time_high) {
   for (size_t i = 0; i < count; ++i) {
     const uint16_t word = word_at(words, i);
@@ -192,6 +196,61 @@ size_t Codec::skip_events(const uint8_t* words, size_t count, State& state, cons
     i = mark + 1;
   }
   return i;
+}
+
+void Encoder::put_time(int64_t t_us, std::vector<uint8_t>& out) {
+  if (t_us == t_us_) return;
+  clock_.advance(t_us, [&out](uint32_t high) { put_word(out, make_word(kTimeHigh, high)); });
+  put_word(out, make_word(kTimeLow, static_cast<uint32_t>(t_us & kPayloadMask)));
+  t_us_ = t_us;
+}
+
+void Encoder::put_row(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out) {
+  const uint32_t p = events.p[begin];
+  uint32_t next_base = 0xFFFF;  // x at which a vector continues without a new base
+  for (size_t i = begin; i < end;) {
+    const uint32_t x = events.x[i];
+    const bool goes_on = x >= next_base && x < next_base + kVectorPixels && next_base + kVectorPixels <= width_;
+    const uint32_t base = goes_on ? next_base : std::min(x, width_ - std::min(width_, kVectorPixels));
+    uint32_t mask = 0;
+    size_t last = i;
+    for (; last < end && events.x[last] - base < kVectorPixels; ++last) mask |= 1u << (events.x[last] - base);
+    const size_t words = goes_on ? 3 : 4;
+    if (last - i <= words || width_ < kVectorPixels) {
+      put_word(out, make_word(kAddrX, (p << 11) | x));
+      next_base = 0xFFFF;
+      ++i;
+      continue;
+    }
+    if (!goes_on) put_word(out, make_word(kVectBaseX, (p << 11) | base));
+    put_word(out, make_word(kVect12, mask));
+    put_word(out, make_word(kVect12, mask >> 12));
+    put_word(out, make_word(kVect8, mask >> 24));
+    next_base = base + kVectorPixels;
+    i = last;
+  }
+}
+
+void Encoder::put_events(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out) {
+  for (size_t i = begin; i < end;) {
+    put_time(events.t[i], out);
+    if (events.y[i] != y_) {
+      y_ = events.y[i];
+      put_word(out, make_word(kAddrY, y_));
+    }
+    size_t last = i + 1;
+    while (last < end && events.t[last] == events.t[i] && events.y[last] == y_ && events.p[last] == events.p[i] &&
+           events.x[last] > events.x[last - 1]) {
+      ++last;
+    }
+    put_row(events, i, last, out);
+    i = last;
+  }
+}
+
+void Encoder::put_trigger(const Trigger& trigger, std::vector<uint8_t>& out) {
+  put_time(trigger.t, out);
+  put_word(out, make_word(kTrigger, (static_cast<uint32_t>(trigger.id & 0xF) << 8) | (trigger.p & 1u)));
 }
 
 }  // namespace e2lf::recordings::evt3

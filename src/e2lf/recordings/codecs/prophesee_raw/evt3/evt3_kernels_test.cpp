@@ -4,7 +4,6 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_words.h"
 
 namespace e2lf::recordings::evt3 {
 namespace {

@@ -13,7 +13,6 @@
 #include <hwy/highway.h>
 
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
-#include "e2lf/recordings/codecs/prophesee_raw/evt3/lane_groups-inl.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/expand-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -37,6 +36,15 @@ struct Cursor {
 /// The plain types: events, the words that determine their place, and ignored words. Others need a closer look.
 constexpr uint32_t kPlainTypes =
     (1u << kAddrY) | (1u << kAddrX) | (1u << kTimeLow) | (1u << kContinued4) | (1u << kOthers) | (1u << kContinued12);
+
+/// Returns the lanes shifted up by one, with `first` in lane 0.
+HWY_INLINE __m512i move_up(__m512i values, int first) {
+  const __m512i from =
+      _mm512_setr_epi32(0x0000001F, 0x20001, 0x40003, 0x60005, 0x80007, 0xA0009, 0xC000B, 0xE000D, 0x10000F, 0x120011,
+                        0x140013, 0x160015, 0x180017, 0x1A0019, 0x1C001B, 0x1E001D);
+  return _mm512_mask_mov_epi16(_mm512_permutexvar_epi16(from, values), 1,
+                               _mm512_set1_epi16(static_cast<int16_t>(first)));
+}
 
 /// Returns for each lane the number of lanes up to and including it that are set in `bits`.
 HWY_INLINE __m512i count_up_to_lane(uint32_t bits) {

@@ -95,8 +95,7 @@ class Evt4Blocks final : public EventBlocks {
 }  // namespace
 
 ReaderPtr make_reader(SourcePtr source, RecordingInfo info, const OpenOptions& options) {
-  const std::string name = source->name();
-  return std::make_unique<RecordingReader>(std::make_unique<Evt4Blocks>(std::move(source)), std::move(info), name,
+  return std::make_unique<RecordingReader>(std::make_unique<Evt4Blocks>(source), std::move(info), source->name(),
                                            options);
 }
 

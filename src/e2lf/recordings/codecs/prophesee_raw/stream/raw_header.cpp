@@ -147,12 +147,6 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
   return header;
 }
 
-HeaderPlace find_raw_header(std::span<const uint8_t> bytes, bool ended) {
-  const auto header = parse_raw_header(bytes, ended, "");
-  if (!header && header.error().code == ErrorCode::kTruncated) return HeaderPlace::kIncomplete;
-  return is_raw_header(bytes) ? HeaderPlace::kHere : HeaderPlace::kNone;
-}
-
 bool is_raw_header(std::span<const uint8_t> head) {
   const auto header = parse_raw_header(head, /*ended=*/true, "");
   if (!header) return header.error().code == ErrorCode::kFormat || header.error().code == ErrorCode::kUnsupported;

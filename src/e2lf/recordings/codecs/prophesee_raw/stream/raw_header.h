@@ -40,12 +40,6 @@ struct RawHeader {
 /// contradict the header.
 [[nodiscard]] Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options);
 
-enum class HeaderPlace { kNone, kIncomplete, kHere };
-
-/// Determines whether a header that states the encoding of its events begins at the start of `bytes`, among event
-/// words. If not `ended`, more bytes may follow, and kIncomplete requests them.
-[[nodiscard]] HeaderPlace find_raw_header(std::span<const uint8_t> bytes, bool ended);
-
 /// Returns the header of a recording in info.format, which ends with "% end". Keys of info.header are kept, except
 /// those of encoding and size, which are written anew. Keys that the vendor's software requires are added.
 [[nodiscard]] std::string raw_header_text(const RecordingInfo& info);

@@ -121,25 +121,34 @@ inline constexpr size_t kJudges = 5;
 /// reset; data are rarely missing exactly there.
 inline constexpr int64_t kWrapRestartUs = 1'000'000;
 
-/// Determines whether a coarse time that decreases by at least `min_fall` steps is a restart of the clock. This
-/// requires that three quarters of the following coarse times continue from it rather than from `last`. As many are
-/// considered as the decrease has steps, but at least kJudges and at most kRestartWitnesses. time_at(i) returns the
-/// coarse time of word i, if it has one; word 0 is the one in question, and `num_rejected` such words preceded it
-/// directly. `mask` is the range of coarse times.
-template <typename TimeAt>
-[[nodiscard]] Verdict judge_step_back(size_t count, bool ended, uint32_t last, uint32_t mask, uint32_t min_fall,
-                                      size_t num_rejected, const TimeAt& time_at) {
-  uint32_t chain = *time_at(0);
-  const uint32_t fall = (last - chain) & mask;
-  if (fall < min_fall) return Verdict::kReject;
+/// The coarse times of an encoding, which count on a circle.
+struct CoarseClock {
+  uint32_t mask;        ///< range of the times
+  unsigned step_bits;   ///< a step is 2^step_bits us
+  uint32_t min_fall;    ///< smallest number of steps back that may be a restart of the clock
+  uint32_t near_steps;  ///< after damage, the time words that follow the first one are at most this far ahead
+  bool believes_next;   ///< whether a step by one needs a single witness, so that live streams do not wait
+};
+
+/// Determines whether the coarse time of the first of `count` words, which decreases by at least kClock.min_fall steps,
+/// is a restart of the clock. This requires that three quarters of the following coarse times continue from it rather
+/// than from `last`. As many are considered as the decrease has steps, but at least kJudges and at most
+/// kRestartWitnesses; unexpected ones directly before it count, too.
+template <typename Codec>
+[[nodiscard]] Verdict judge_step_back(const uint8_t* words, size_t count, bool ended, uint32_t last,
+                                      const typename Codec::Check& check) {
+  constexpr uint32_t kMask = Codec::kClock.mask;
+  uint32_t chain = *Codec::coarse_time(words);
+  const uint32_t fall = (last - chain) & kMask;
+  if (fall < Codec::kClock.min_fall) return Verdict::kReject;
   const size_t wanted = std::clamp<size_t>(fall, kJudges, kRestartWitnesses);
   const size_t seen = std::min(count, kJudgeWords);
-  size_t counted = std::min<size_t>(num_rejected, wanted - 1), in_favour = counted;
+  size_t counted = std::min<size_t>(check.num_rejected, wanted - 1), in_favour = counted;
   for (size_t i = 1; i < seen && counted < wanted; ++i) {
-    const std::optional<uint32_t> following = time_at(i);
+    const std::optional<uint32_t> following = Codec::coarse_time(words + i * Codec::kWordBytes);
     if (!following) continue;
     ++counted;
-    if (((*following - chain) & mask) >= ((*following - last) & mask)) continue;
+    if (((*following - chain) & kMask) >= ((*following - last) & kMask)) continue;
     ++in_favour;
     chain = *following;
   }
@@ -148,34 +157,27 @@ template <typename TimeAt>
   return counted >= kFewest && 4 * in_favour >= 3 * counted ? Verdict::kRestart : Verdict::kReject;
 }
 
-/// The coarse times of an encoding, which count on a circle.
-struct CoarseClock {
-  uint32_t mask;        ///< range of the times
-  uint32_t min_fall;    ///< smallest number of steps back that may be a restart of the clock
-  uint32_t near_steps;  ///< after damage, the time words that follow the first one are at most this far ahead
-  bool believes_next;   ///< whether a step by one needs a single witness, so that live streams do not wait
-};
-
-/// Determines whether an unexpected coarse time is correct, that is, if most of the following ones continue from it
-/// rather than from `last`, the time before it, which may be unknown. A step back is correct only as a restart of the
-/// clock. The other arguments are those of judge_step_back().
-template <typename TimeAt>
-[[nodiscard]] Verdict judge_coarse_time(size_t count, bool ended, std::optional<uint32_t> last,
-                                        const CoarseClock& clock, bool after_damage, size_t num_rejected,
-                                        const TimeAt& time_at) {
-  const uint32_t time = *time_at(0), before = last.value_or(time), half_circle = clock.mask / 2 + 1;
-  const auto steps = [&clock](uint32_t from, uint32_t to) { return (to - from) & clock.mask; };
+/// Determines whether an unexpected coarse time, the first of `count` words, is correct, that is, if most of the
+/// following ones continue from it rather than from the time before it, which may be unknown. A step back is correct
+/// only as a restart of the clock.
+template <typename Codec>
+[[nodiscard]] Verdict judge_coarse_time(const uint8_t* words, size_t count, bool ended,
+                                        const typename Codec::Check& check) {
+  constexpr CoarseClock kClock = Codec::kClock;
+  const std::optional<uint32_t> last = Codec::coarse_time(check);
+  const uint32_t time = *Codec::coarse_time(words), before = last.value_or(time), half_circle = kClock.mask / 2 + 1;
+  const auto steps = [](uint32_t from, uint32_t to) { return (to - from) & kClock.mask; };
   if (steps(before, time) >= half_circle) {
-    return judge_step_back(count, ended, before, clock.mask, clock.min_fall, num_rejected, time_at);
+    return judge_step_back<Codec>(words, count, ended, before, check);
   }
-  const size_t wanted = clock.believes_next && steps(before, time) == 1 ? 1 : kJudges;
+  const size_t wanted = kClock.believes_next && steps(before, time) == 1 ? 1 : kJudges;
   const size_t seen = std::min(count, kJudgeWords);
   size_t judges = 0, in_favour = 0;
   for (size_t i = 1; i < seen && judges < wanted; ++i) {
-    const std::optional<uint32_t> following = time_at(i);
+    const std::optional<uint32_t> following = Codec::coarse_time(words + i * Codec::kWordBytes);
     if (!following) continue;
     ++judges;
-    const uint32_t limit = last ? steps(before, *following) : after_damage ? clock.near_steps : half_circle;
+    const uint32_t limit = last ? steps(before, *following) : check.after_damage ? kClock.near_steps : half_circle;
     in_favour += steps(time, *following) <= limit ? 1 : 0;
   }
   if (judges < wanted && count < kJudgeWords && !ended) return Verdict::kNeedMore;
@@ -185,10 +187,11 @@ template <typename TimeAt>
 /// A Codec is one of the three RAW encodings: words of fixed size, whose meaning depends on earlier words. RawStream
 /// decodes all of them through these static functions. `words` points to `count` words.
 ///
-///   kWordBytes, kMaxEventsPerWord
+///   kWordBytes, kMaxEventsPerWord, kClock
 ///   State            the state of decoding
 ///   Check            the state of the check, which runs ahead of decoding; its `heartbeat` is 0 or more if the stream
-///                    repeats its time continually
+///                    repeats its time continually, and `num_rejected` counts consecutive unexpected coarse times
+///   coarse_time      returns the coarse time in a word, or the last one of the check; nothing if there is none
 ///   check            returns the number of plausible words; the next one, if any, needs a closer look
 ///   count_bad        returns the number of invalid words, up to `enough`; few mean that the stream is aligned. Ignores
 ///                    the size of the sensor, because headers are known to be wrong about it
@@ -197,9 +200,7 @@ template <typename TimeAt>
 ///   judge_time       determines from the following words whether an unexpected time word is correct; kRestart if it
 ///                    steps back and most of them continue from it
 ///   num_padding      returns the number of words, from the one at which check() stopped, that only fill up a frame
-///   accept_time, reject_time  advance the check past such a word
-///   step_us          returns by how much a coarse time word jumps; 0 for other words and for the next step
-///   is_near_zero     returns whether a coarse time word follows a wrap of the clock, in its first kWrapRestartUs
+///   accept_time      advances the check past such a word
 ///   drop_word        updates the state when a word is dropped
 ///   forget           updates the state when an unknown number of words is missing
 ///   extrapolate      completes the state after a section of words to a guess of the state after `before` and all words

@@ -209,7 +209,7 @@ class WordDamage {
         if (fault == Violation::kTimeBackwards) input.summary->add(fault, input.byte(checked_ * kWordBytes));
         return accept_time(input, word, time_us);
       }
-      Codec::reject_time(word, check_);
+      if (Codec::coarse_time(word)) ++check_.num_rejected;
     }
     input.summary->add_dropped(fault, input.byte(checked_ * kWordBytes));
     problem_ = Problem::kSkipWord;
@@ -233,18 +233,22 @@ class WordDamage {
   size_t find_header(const Input& input, size_t end, bool& is_whole) const {
     const std::string_view text = as_text(input.bytes.subspan(input.position)).substr(0, end);
     for (size_t at = text.find("% "); at != std::string_view::npos; at = text.find("% ", at + 1)) {
-      const HeaderPlace place = find_raw_header(input.bytes.subspan(input.position + at), input.ended);
-      is_whole = place == HeaderPlace::kHere;
-      if (place != HeaderPlace::kNone) return at;
+      const auto bytes = input.bytes.subspan(input.position + at);
+      const auto header = parse_raw_header(bytes, input.ended, "");
+      is_whole = header || header.error().code != ErrorCode::kTruncated;
+      if (!is_whole || is_raw_header(bytes)) return at;
     }
     return kNone;
   }
 
   /// A jump in a stream with a heartbeat means that data are missing or that the clock starts again.
   Step accept_time(Input& input, const uint8_t* word, int64_t time_us) {
-    const int64_t step_us = Codec::step_us(word, check_);
-    if (step_us > 0 && has_heartbeat()) {
-      if (step_us > kWrapRestartUs && Codec::is_near_zero(word, check_)) {
+    constexpr CoarseClock kClock = Codec::kClock;
+    const auto last = Codec::coarse_time(check_), next = Codec::coarse_time(word);
+    const uint32_t steps = last && next ? (*next - *last) & kClock.mask : 0;
+    if (steps > 1 && has_heartbeat()) {
+      const int64_t step_us = int64_t{steps} << kClock.step_bits;
+      if (step_us > kWrapRestartUs && *next < *last && *next < (kWrapRestartUs >> kClock.step_bits)) {
         return jump(Problem::kRestart, checked_ * kWordBytes);
       }
       const uint64_t byte = input.byte(checked_ * kWordBytes);

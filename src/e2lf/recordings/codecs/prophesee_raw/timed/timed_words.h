@@ -5,10 +5,12 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "e2lf/base/little_endian.h"
+#include "e2lf/recordings/codecs/prophesee_raw/stream/raw_writer.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
 #include "e2lf/recordings/io/decode_summary.h"
 
@@ -95,9 +97,18 @@ struct Words {
   static constexpr size_t kMaxEventsPerWord = kEncoding == Encoding::kEvt2 ? 1 : 32;
   static constexpr size_t kHeadOffset = kEncoding == Encoding::kEvt21Little ? 4 : 0;
 
+  static constexpr CoarseClock kClock{kTimeHighMask, 6, kMinFall, kNearSteps, /*believes_next=*/false};
+
   static uint32_t head_of(const uint8_t* word) { return load_le<uint32_t>(word + kHeadOffset); }
   static uint32_t mask_of(const uint8_t* word) {
     return kEncoding == Encoding::kEvt2 ? 1 : load_le<uint32_t>(word + 4 - kHeadOffset);
+  }
+  static std::optional<uint32_t> coarse_time(const uint8_t* word) {
+    const uint32_t head = head_of(word);
+    return type_of(head) == kTimeHigh ? std::optional(head & kTimeHighMask) : std::nullopt;
+  }
+  static std::optional<uint32_t> coarse_time(const Check& check) {
+    return check.time_high == kNoTime ? std::nullopt : std::optional(check.time_high);
   }
   static bool is_known(uint32_t head) { return ((kKnownTypes >> type_of(head)) & 1) != 0; }
   static bool is_outside(uint32_t head, const SensorLimits& limits) {
@@ -160,13 +171,7 @@ struct Words {
   }
 
   static Verdict judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
-    constexpr CoarseClock kClock{kTimeHighMask, kMinFall, kNearSteps, /*believes_next=*/false};
-    const auto time_at = [words](size_t i) {
-      const uint32_t head = head_of(words + i * kWordBytes);
-      return type_of(head) == kTimeHigh ? std::optional(head & kTimeHighMask) : std::nullopt;
-    };
-    const auto last = check.time_high == kNoTime ? std::nullopt : std::optional(check.time_high);
-    return judge_coarse_time(count, ended, last, kClock, check.after_damage, check.num_rejected, time_at);
+    return judge_coarse_time<Words>(words, count, ended, check);
   }
 
   static void accept_time(const uint8_t* word, Check& check) {
@@ -176,19 +181,9 @@ struct Words {
     check.after_damage = false;
     --check.heartbeat;
   }
-  static void reject_time(const uint8_t*, Check& check) { ++check.num_rejected; }
 
   /// These encodings have a separate type for padding.
   static size_t num_padding(const uint8_t*, size_t, const Check&) { return 0; }
-
-  static bool is_near_zero(const uint8_t* word, const Check& check) {
-    const uint32_t time_high = head_of(word) & kTimeHighMask;
-    return time_high < check.time_high && time_high < (kWrapRestartUs >> 6);
-  }
-
-  static int64_t step_us(const uint8_t* word, const Check& check) {
-    return check.time_high == kNoTime ? 0 : static_cast<int64_t>(steps(check.time_high, head_of(word))) << 6;
-  }
 
   static void forget(State& state, Check& check) {
     state.need_time_high = true;
@@ -277,5 +272,93 @@ struct Codec : Words<kEncoding> {
 /// in which fewer of them are invalid. Headers are known to omit it or to be wrong. `hint` (the header's "little",
 /// "legacy" or nothing) decides if both orders are equal. `words` are the first few kilobytes.
 [[nodiscard]] Encoding find_byte_order(std::span<const uint8_t> words, const std::string& hint);
+
+inline constexpr int64_t kMaxStep = int64_t{1} << 25;   ///< a quarter of what would be read as a step back
+inline constexpr int64_t kMaxFilled = 10'000'000 / 64;  ///< pauses of up to 10 s are filled step by step
+
+/// Later starts and longer pauses would need too many words.
+inline constexpr int64_t kLongestUs = int64_t{1} << 52;
+
+using Clock = HighTimes<6, kTimeHighMask, kMaxStep, kMaxFilled>;
+
+inline uint32_t time_head(uint32_t high) {
+  return (static_cast<uint32_t>(kTimeHigh) << 28) | high;
+}
+
+inline uint32_t event_head(uint32_t p, int64_t t_us, uint32_t x, uint32_t y) {
+  return ((p & 1u) << 28) | (static_cast<uint32_t>(t_us & 0x3F) << 22) | (x << 11) | y;
+}
+
+inline uint32_t trigger_head(const Trigger& trigger) {
+  return (static_cast<uint32_t>(kTrigger) << 28) | (static_cast<uint32_t>(trigger.t & 0x3F) << 22) |
+         (static_cast<uint32_t>(trigger.id & 0x1F) << 8) | (trigger.p & 1u);
+}
+
+/// Encodes events and triggers as EVT2 words (the Encoder of RawWriter).
+class Evt2Encoder {
+ public:
+  static constexpr const char* kFormat = "evt2";
+  static constexpr int64_t kMaxFirstUs = kLongestUs, kMaxPauseUs = kLongestUs;
+  static constexpr uint16_t kMaxTriggerId = 31;
+  explicit Evt2Encoder(const RecordingInfo&) {}
+
+  void put_events(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out) {
+    for (size_t i = begin; i < end; ++i) {
+      put(event_head(events.p[i], events.t[i], events.x[i], events.y[i]), events.t[i], out);
+    }
+  }
+  void put_trigger(const Trigger& trigger, std::vector<uint8_t>& out) { put(trigger_head(trigger), trigger.t, out); }
+
+ private:
+  void put(uint32_t head, int64_t t_us, std::vector<uint8_t>& out) {
+    clock_.advance(t_us, [&out](uint32_t high) { put_word(out, time_head(high)); });
+    put_word(out, head);
+  }
+
+  Clock clock_;
+};
+
+/// Encodes events and triggers as EVT2.1 words (the Encoder of RawWriter): one word for a run of events with the same
+/// time, row, polarity and block of 32 pixels. Words are little-endian, or have their halves in "legacy" order if the
+/// key `endianness` of the info states so.
+class Evt21Encoder {
+ public:
+  static constexpr const char* kFormat = "evt2.1";
+  static constexpr int64_t kMaxFirstUs = kLongestUs, kMaxPauseUs = kLongestUs;
+  static constexpr uint16_t kMaxTriggerId = 31;
+  explicit Evt21Encoder(const RecordingInfo& info) : legacy_(info.find("endianness") == "legacy") {}
+
+  void put_events(const EventColumns& events, size_t begin, size_t end, std::vector<uint8_t>& out) {
+    constexpr uint32_t kBlock = 31;
+    for (size_t i = begin; i < end;) {
+      const int64_t t = events.t[i];
+      const uint32_t base = events.x[i] & ~kBlock;
+      uint32_t mask = 0;
+      size_t last = i;
+      do {
+        mask |= 1u << (events.x[last] & kBlock);
+        ++last;
+      } while (last < end && events.t[last] == t && events.y[last] == events.y[i] && events.p[last] == events.p[i] &&
+               (events.x[last] & ~kBlock) == base && events.x[last] > events.x[last - 1]);
+      put(event_head(events.p[i], t, base, events.y[i]), mask, t, out);
+      i = last;
+    }
+  }
+
+  void put_trigger(const Trigger& trigger, std::vector<uint8_t>& out) { put(trigger_head(trigger), 0, trigger.t, out); }
+
+ private:
+  void put(uint32_t head, uint32_t mask, int64_t t_us, std::vector<uint8_t>& out) {
+    clock_.advance(t_us, [&](uint32_t high) { put_halves(time_head(high), 0, out); });
+    put_halves(head, mask, out);
+  }
+  void put_halves(uint32_t head, uint32_t mask, std::vector<uint8_t>& out) const {
+    put_word(out, legacy_ ? head : mask);
+    put_word(out, legacy_ ? mask : head);
+  }
+
+  bool legacy_;
+  Clock clock_;
+};
 
 }  // namespace e2lf::recordings::timed

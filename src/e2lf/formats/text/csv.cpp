@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Reads text tables; declared in codecs.h.
+// Reads and writes text tables; declared in codecs.h.
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 
 #include "e2lf/base/progress.h"
@@ -226,10 +227,68 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options, const char*
   E2LF_ASSIGN_OR_RETURN(TextLayout layout, decide(*source, options, head, info));
   const bool is_seconds = layout.unit == TimeUnit::kSeconds;
   info.format = !options.format.empty() || !info.table ? format : is_seconds ? "txt" : "csv";
-  E2LF_ASSIGN_OR_RETURN(TriggersPtr triggers, open_side_triggers(source->path()));
+  E2LF_ASSIGN_OR_RETURN(BlocksPtr triggers, open_side_triggers(source->path()));
   auto lines = std::make_unique<CsvBlocks>(std::move(source), std::move(layout), info, options.threads);
   return std::make_unique<RecordingReader>(std::move(lines), std::move(info), name, options, std::move(triggers));
 }
+
+/// Size of two coordinates, a polarity and a time with separators.
+constexpr size_t kLongestWrittenLine = 5 + 5 + 1 + 21 + 4;
+constexpr size_t kMinEventsPerThread = 4096;
+
+/// Writes events [begin, end) as lines and returns the end of the text; `out` has kLongestWrittenLine bytes for each.
+char* format_lines(const EventColumns& events, size_t begin, size_t end, char* out) {
+  const auto put = [&out](auto number, char separator) {
+    out = std::to_chars(out, out + kLongestWrittenLine, number).ptr;
+    *out++ = separator;
+  };
+  for (size_t i = begin; i < end; ++i) {
+    put(events.x[i], ',');
+    put(events.y[i], ',');
+    put(events.p[i], ',');
+    put(events.t[i], '\n');
+  }
+  return out;
+}
+
+class CsvWriter final : public RecordingWriter {
+ public:
+  CsvWriter(SinkPtr sink, const RecordingInfo& info)
+      : sink_(std::move(sink)), check_(info.width, info.height, sink_->name()) {}
+
+  bool holds_triggers() const override { return false; }
+
+  Result<void> write(const EventBatch& batch) override {
+    E2LF_RETURN_IF_ERROR(check_(batch));
+    format(batch.events);
+    for (const auto& piece : pieces_) E2LF_RETURN_IF_ERROR(sink_->write(piece));
+    return {};
+  }
+
+  Result<void> finish() override { return sink_->commit(); }
+
+ private:
+  /// Sets pieces_; each part of the batch is formatted into its own part of the buffer.
+  void format(const EventColumns& events) {
+    const size_t count = events.size();
+    const size_t parts = std::clamp<size_t>(count / kMinEventsPerThread, 1, 4 * static_cast<size_t>(num_threads()));
+    if (buffer_.size() < count * kLongestWrittenLine) buffer_.resize(count * kLongestWrittenLine);
+    pieces_.resize(parts);
+    const auto begin_of = [&](size_t part) { return count * part / parts; };
+    parallel_for(parts, 1, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) {
+        char* const begin = buffer_.data() + begin_of(i) * kLongestWrittenLine;
+        const char* const end = format_lines(events, begin_of(i), begin_of(i + 1), begin);
+        pieces_[i] = {reinterpret_cast<const uint8_t*>(begin), static_cast<size_t>(end - begin)};
+      }
+    });
+  }
+
+  SinkPtr sink_;
+  BatchCheck check_;
+  Column<char> buffer_;
+  std::vector<std::span<const uint8_t>> pieces_;  ///< the lines of a batch, in parts of the buffer
+};
 
 }  // namespace
 
@@ -249,6 +308,13 @@ Result<ReaderPtr> open_csv(SourcePtr source, const OpenOptions& options) {
 
 Result<ReaderPtr> open_txt(SourcePtr source, const OpenOptions& options) {
   return open(std::move(source), options, "txt", "txyp");
+}
+
+Result<WriterPtr> create_csv(SinkPtr sink, const RecordingInfo& info) {
+  const bool has_size = info.width != 0 && info.height != 0;
+  const std::string header = has_size ? cat("%geometry:", info.width, ',', info.height, '\n') : "%x,y,p,t\n";
+  E2LF_RETURN_IF_ERROR(sink->write(as_bytes(header)));
+  return WriterPtr(std::make_unique<CsvWriter>(std::move(sink), info));
 }
 
 }  // namespace e2lf::formats::text

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include "e2lf/formats/table/table.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <vector>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/median.h"
 #include "e2lf/base/text.h"
-#include "e2lf/formats/table/table.h"
+#include "e2lf/files/elements.h"
 
 namespace e2lf::formats::table {
 namespace {
@@ -52,63 +55,8 @@ std::vector<std::string> words_of(std::string_view text) {
   return words;
 }
 
-}  // namespace
-
-ColumnName parse_column_name(std::string_view name) {
-  std::vector<std::string> words = words_of(name);
-  std::erase_if(words, [](const std::string& word) {
-    return std::find(std::begin(kFillers), std::end(kFillers), word) != std::end(kFillers);
-  });
-  ColumnName result;
-  if (words.size() > 1) result.unit = parse_time_unit(words.back());
-  if (result.unit != TimeUnit::kAuto) words.pop_back();
-  std::string joined;  // "time stamp"
-  for (const std::string& word : words) joined += word;
-  result.is_xy = joined == "xy";
-  const auto known =
-      std::find_if(std::begin(kNames), std::end(kNames), [&](const auto& k) { return k.first == joined; });
-  if (known == std::end(kNames)) return result;
-  if (known->second == Field::kT || result.unit == TimeUnit::kAuto) result.field = known->second;
-  return result;
-}
-
-KnownColumns find_fields(std::span<const std::string> names) {
-  KnownColumns columns;
-  std::array<size_t, kNumFields> counts{};
-  for (size_t i = 0; i < names.size(); ++i) {
-    const auto field = parse_column_name(names[i]).field;
-    if (!field) continue;
-    columns[of(*field)] = i;
-    ++counts[of(*field)];
-  }
-  for (size_t field = 0; field < kNumFields; ++field) {
-    if (counts[field] > 1) columns[field].reset();
-  }
-  return columns;
-}
-
-bool are_complete(const KnownColumns& columns) {
-  return std::all_of(columns.begin(), columns.end(), [](const auto& column) { return column.has_value(); });
-}
-
-TimeUnit parse_time_unit(std::string_view word) {
-  if (word.size() > 2 && word.ends_with('s')) word.remove_suffix(1);  // "secs"
-  const auto known =
-      std::find_if(std::begin(kUnitWords), std::end(kUnitWords), [&](const auto& k) { return k.first == word; });
-  return known == std::end(kUnitWords) ? TimeUnit::kAuto : known->second;
-}
-
-double us_per(TimeUnit unit) {
-  constexpr double kDurationsUs[] = {1, 1e6, 1e3, 1, 1e-3};
-  return kDurationsUs[static_cast<size_t>(unit)];
-}
-
-namespace {
-
-/// Share of the values of a column that may be damaged.
-constexpr double kMostDamaged = 0.1;
-/// No sensor is wider (px).
-constexpr double kWidestSensor = 8192;
+constexpr double kMostDamaged = 0.1;    // share of the values of a column
+constexpr double kWidestSensor = 8192;  // px; no sensor is wider
 
 Error undecided(std::string message, const std::string& location, Setting setting) {
   return {ErrorCode::kInvalidValue, std::move(message), location, setting};
@@ -148,11 +96,23 @@ Result<ColumnsOfFields> columns_of_option(const std::string& order, const TableS
                    location, Setting::kColumns);
 }
 
+/// Joins the first texts of a list for messages.
+std::string few(std::vector<std::string> texts, size_t most) {
+  const bool has_more = texts.size() > most;
+  texts.resize(std::min(most, texts.size()));
+  return join(texts) + (has_more ? ", ..." : "");
+}
+
 std::string names_text(const std::vector<std::string>& names) {
-  constexpr size_t kMost = 10;
   std::vector<std::string> texts;
-  for (size_t i = 0; i < std::min(kMost, names.size()); ++i) texts.push_back(printable(names[i]));
-  return join(texts) + (names.size() > kMost ? ", ..." : "");
+  for (const std::string& name : names) texts.push_back(printable(name));
+  return few(std::move(texts), 10);
+}
+
+std::string values_text(const std::vector<double>& values) {
+  std::vector<std::string> texts;
+  for (const double value : std::set<double>(values.begin(), values.end())) texts.push_back(cat(value));
+  return few(std::move(texts), 4);
 }
 
 Result<ColumnsOfFields> columns_of(const TableSample& sample, const OpenOptions& options, const std::string& location) {
@@ -212,15 +172,6 @@ Result<TimeUnit> unit_of(const TableSample::Column& times, const TableSample& sa
   const double span_s = std::fabs(values.back() - values.front());
   if (kRarestEvents_hz * span_s <= static_cast<double>(values.size())) return TimeUnit::kSeconds;
   return refuse("have fractions, but are too far apart to be seconds");
-}
-
-std::string values_text(std::vector<double> values) {
-  constexpr size_t kMost = 4;
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  std::vector<std::string> texts;
-  for (size_t i = 0; i < std::min(kMost, values.size()); ++i) texts.push_back(cat(values[i]));
-  return join(texts) + (values.size() > kMost ? ", ..." : "");
 }
 
 Result<PolarityCode> polarity_of(const std::vector<double>& values, const OpenOptions& options,
@@ -293,7 +244,72 @@ std::string columns_text(const TableSample& sample, const ColumnsOfFields& colum
   return join({parts[0].second, parts[1].second, parts[2].second, parts[3].second});
 }
 
+/// Calls visit(i, number) for the first `count` numbers of a column.
+template <typename Visit>
+void for_each_number(const NumberColumn& column, size_t count, const Visit& visit) {
+  if (count == 0) return;  // there may be no records to point to
+  const NumberField& field = column.field;
+  const bool known = with_element_type(field.type, [&](auto type) {
+    const uint8_t* next = column.records + field.offset;
+    for (size_t i = 0; i < count; ++i, next += field.stride) visit(i, load_element<decltype(type)>(next));
+  });
+  E2LF_REQUIRE(known, "not a type of numbers: " + field.type);
+}
+
+/// Removes the events whose bad[i] is set, and returns their number.
+size_t remove_bad(EventColumns& events, const Column<uint8_t>& bad) {
+  if (std::ranges::none_of(bad, [](uint8_t b) { return b != 0; })) return 0;
+  size_t kept = 0;
+  for (size_t i = 0; i < events.size(); ++i) {
+    if (bad[i] == 0) events.set(kept++, events[i]);
+  }
+  const size_t removed = events.size() - kept;
+  events.resize(kept);
+  return removed;
+}
+
 }  // namespace
+
+ColumnName parse_column_name(std::string_view name) {
+  std::vector<std::string> words = words_of(name);
+  std::erase_if(words, [](const std::string& word) { return std::ranges::count(kFillers, word) > 0; });
+  ColumnName result;
+  if (words.size() > 1) result.unit = parse_time_unit(words.back());
+  if (result.unit != TimeUnit::kAuto) words.pop_back();
+  const std::string joined = join(words, "");  // "time stamp"
+  result.is_xy = joined == "xy";
+  const auto* const known = std::ranges::find(kNames, joined, &std::pair<std::string_view, Field>::first);
+  if (known == std::end(kNames)) return result;
+  if (known->second == Field::kT || result.unit == TimeUnit::kAuto) result.field = known->second;
+  return result;
+}
+
+KnownColumns find_fields(std::span<const std::string> names) {
+  KnownColumns columns;
+  std::array<size_t, kNumFields> counts{};
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto field = parse_column_name(names[i]).field;
+    if (!field) continue;
+    const bool is_first = counts[of(*field)]++ == 0;
+    columns[of(*field)] = is_first ? std::optional(i) : std::nullopt;
+  }
+  return columns;
+}
+
+bool are_complete(const KnownColumns& columns) {
+  return std::ranges::all_of(columns, [](const auto& column) { return column.has_value(); });
+}
+
+TimeUnit parse_time_unit(std::string_view word) {
+  if (word.size() > 2 && word.ends_with('s')) word.remove_suffix(1);  // "secs"
+  const auto* const known = std::ranges::find(kUnitWords, word, &std::pair<std::string_view, TimeUnit>::first);
+  return known == std::end(kUnitWords) ? TimeUnit::kAuto : known->second;
+}
+
+double us_per(TimeUnit unit) {
+  constexpr double kDurationsUs[] = {1, 1e6, 1e3, 1, 1e-3};
+  return kDurationsUs[static_cast<size_t>(unit)];
+}
 
 Result<TableLayout> decide_layout(const TableSample& sample, const OpenOptions& options, const std::string& location,
                                   RecordingInfo& info) {
@@ -301,8 +317,8 @@ Result<TableLayout> decide_layout(const TableSample& sample, const OpenOptions& 
   E2LF_ASSIGN_OR_RETURN(layout.columns, columns_of(sample, options, location));
   const TableSample::Column& times = sample.columns[layout.columns[of(Field::kT)]];
   E2LF_ASSIGN_OR_RETURN(layout.unit, unit_of(times, sample, options, location));
-  const TableSample::Column& polarities = sample.columns[layout.columns[of(Field::kP)]];
-  E2LF_ASSIGN_OR_RETURN(layout.polarity, polarity_of(polarities.values, options, location));
+  const std::vector<double>& polarities = sample.columns[layout.columns[of(Field::kP)]].values;
+  E2LF_ASSIGN_OR_RETURN(layout.polarity, polarity_of(polarities, options, location));
   E2LF_RETURN_IF_ERROR(check_coordinates(sample, layout.columns, info, location));
   E2LF_RETURN_IF_ERROR(check_resolution(times, layout.unit, location));
   info.table = TableReading{columns_text(sample, layout.columns), word_of(layout.unit, kTimeUnits),
@@ -318,6 +334,66 @@ Result<void> require_mostly_events(uint64_t events, uint64_t bad, const Recordin
                cat(bad, " of ", bad + events, " rows cannot be read as ", columns, first_bad,
                    "; state the order of the columns or correct the file"),
                location, Setting::kColumns};
+}
+
+bool is_number_type(const std::string& type) {
+  return element_size(type) > 0;
+}
+
+template <typename T>
+void to_column(const NumberColumn& column, size_t count, T* out, uint8_t* bad) {
+  for_each_number(column, count, [&](size_t i, auto number) { bad[i] |= convert_one(number, out[i]); });
+}
+
+template void to_column(const NumberColumn&, size_t, uint8_t*, uint8_t*);
+template void to_column(const NumberColumn&, size_t, uint16_t*, uint8_t*);
+
+void to_times(const NumberColumn& column, TimeUnit unit, size_t count, int64_t* out, uint8_t* bad) {
+  for_each_number(column, count, [&](size_t i, auto number) { bad[i] |= convert_time(number, unit, out[i]); });
+}
+
+size_t to_events(std::span<const NumberColumn> columns, const TableLayout& layout, size_t count, EventColumns& events) {
+  const auto [x, y, p, t] = layout.columns;
+  events.resize(count);
+  Column<uint8_t> bad(count, 0);
+  to_column(columns[x], count, events.x.data(), bad.data());
+  to_column(columns[y], count, events.y.data(), bad.data());
+  for_each_number(columns[p], count, [&](size_t i, auto number) {
+    events.p[i] = layout.polarity.of(static_cast<double>(number));
+    bad[i] |= events.p[i] == PolarityCode::kNone;
+  });
+  to_times(columns[t], layout.unit, count, events.t.data(), bad.data());
+  return remove_bad(events, bad);
+}
+
+std::vector<double> to_doubles(const NumberColumn& column, size_t count) {
+  std::vector<double> values(count);
+  for_each_number(column, count, [&](size_t i, auto number) { values[i] = static_cast<double>(number); });
+  return values;
+}
+
+TableSample::Column sample_of(std::string name, const NumberColumn& column, size_t count) {
+  TableSample::Column sample{.name = std::move(name), .values = to_doubles(column, count)};
+  sample.mantissa_bits = column.field.type == "f2" ? 10 : column.field.type == "f4" ? 23 : 0;
+  return sample;
+}
+
+bool read_sensor_size(const std::function<std::vector<double>(const char* name)>& numbers, RecordingInfo& info) {
+  constexpr double kWidestPx = 65536;
+  std::vector<double> size = numbers("size");
+  if (size.size() != 2) {
+    size = numbers("sensor_resolution");
+    std::reverse(size.begin(), size.end());
+  }
+  if (size.size() != 2) {
+    size = numbers("width");
+    for (const double height : numbers("height")) size.push_back(height);
+  }
+  const auto is_side = [](double side) { return side >= 1 && side <= kWidestPx && side == std::trunc(side); };
+  if (size.size() != 2 || !is_side(size[0]) || !is_side(size[1])) return false;
+  info.width = static_cast<size_t>(size[0]);
+  info.height = static_cast<size_t>(size[1]);
+  return true;
 }
 
 }  // namespace e2lf::formats::table
