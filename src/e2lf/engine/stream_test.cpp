@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <new>
 
-#include "e2lf/model/unet.h"
+#include "e2lf/model/network.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::engine {

@@ -11,7 +11,6 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/model_parts.h"
-#include "e2lf/model/summary.h"
 #include "e2lf/video/operations.h"
 
 namespace e2lf::video {

@@ -5,7 +5,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
-#include "e2lf/model/unet.h"
+#include "e2lf/model/network.h"
 
 namespace e2lf::learn {
 namespace {

@@ -13,7 +13,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/learn/events/event_simulation.h"
 #include "e2lf/learn/run/commands.h"
-#include "e2lf/model/unet.h"
+#include "e2lf/model/network.h"
 #include "testing/test_training_data.h"
 
 namespace e2lf::learn {
