@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The target of model files: the input is one.
 #include "e2lf/model/model.h"
-#include "e2lf/model/summary.h"
 #include "e2lf/video/import_event_video.h"
 #include "require.h"
 #include "scratch.h"

@@ -148,7 +148,7 @@ Result<std::vector<LightField>> places_of(const LightField& scene, const CameraB
 Result<recon::Reconstructor> reconstructor_for(model::Model model, const CameraSetting& setting,
                                                const CameraBench& options) {
   if (model::is_conditioned_on_camera(model)) model.camera = setting.camera;
-  E2LF_ASSIGN_OR_RETURN(const auto precision, engine::precision_from_name(options.precision));
+  E2LF_ASSIGN_OR_RETURN(const auto precision, choice_of(options.precision, engine::kPrecisions, "precision"));
   return recon::Reconstructor::create(std::move(model), {.precision = precision});
 }
 

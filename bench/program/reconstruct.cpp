@@ -103,10 +103,10 @@ class Bench {
       advance();
     }
     const Timing timing = timing_of(seconds);
-    report_[engine::precision_name(precision)] = {{"seconds", to_json(timing)},
-                                                  {"gflops", operations_ / timing.median / 1e9},
-                                                  {"share_of_peak", operations_ / timing.median / peak_flops},
-                                                  {"kernels", engine.describe()}};
+    report_[word_of(precision, engine::kPrecisions)] = {{"seconds", to_json(timing)},
+                                                        {"gflops", operations_ / timing.median / 1e9},
+                                                        {"share_of_peak", operations_ / timing.median / peak_flops},
+                                                        {"kernels", engine.describe()}};
     return {};
   }
 

@@ -98,7 +98,7 @@ Result<capture::EventImages> accumulate(const std::vector<uint8_t>& bytes, size_
 
 Result<Json> measure(const RigBench& options, const capture::SensorProfile& camera, model::Model model) {
   const capture::Codes codes = *model.codes;
-  E2LF_ASSIGN_OR_RETURN(const auto precision, engine::precision_from_name(options.precision));
+  E2LF_ASSIGN_OR_RETURN(const auto precision, choice_of(options.precision, engine::kPrecisions, "precision"));
   engine::EngineOptions engine;
   engine.precision = precision;
   E2LF_ASSIGN_OR_RETURN(const auto network, recon::Reconstructor::create(std::move(model), engine));

@@ -161,8 +161,8 @@ class Bench {
       seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     }
     seconds.erase(seconds.begin());
-    report_[engine::precision_name(precision)] = {{"seconds", to_json(timing_of(seconds))},
-                                                  {"kernels", engine.describe()}};
+    report_[word_of(precision, engine::kPrecisions)] = {{"seconds", to_json(timing_of(seconds))},
+                                                        {"kernels", engine.describe()}};
     return {};
   }
 

@@ -8,7 +8,6 @@
 #include "e2lf/info/describe.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/model_parts.h"
-#include "e2lf/model/summary.h"
 #include "e2lf/video/video_model.h"
 #include "python/binding/arrays.h"
 #include "python/binding/calls.h"

@@ -97,7 +97,7 @@ class Network {
                          std::pair(map.view.y, map.view.x), std::pair(map.range.least, map.range.most));
   }
 
-  [[nodiscard]] std::string precision() const { return engine::precision_name(engine().precision()); }
+  [[nodiscard]] std::string precision() const { return word_of(engine().precision(), engine::kPrecisions); }
   [[nodiscard]] std::vector<std::string> kernels() const { return engine().describe(); }
 
  private:

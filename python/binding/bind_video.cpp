@@ -17,7 +17,7 @@ class Video {
  public:
   Video(const video::VideoModel& model, size_t width, size_t height, const std::string& precision)
       : width_(width), height_(height), tone_(model.tone), video_(without_gil([&]() -> Result<video::EventVideo> {
-          E2LF_ASSIGN_OR_RETURN(const engine::Precision number, engine::precision_from_name(precision));
+          E2LF_ASSIGN_OR_RETURN(const engine::Precision number, choice_of(precision, engine::kPrecisions, "precision"));
           return video::EventVideo::create(model, height, width, {.precision = number});
         })) {}
 

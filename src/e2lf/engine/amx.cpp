@@ -4,7 +4,6 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/result.h"
 #include "e2lf/engine/conv.h"
-#include "e2lf/engine/tap_grid.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/engine/amx.cpp"
@@ -12,7 +11,7 @@
 #include <hwy/highway.h>
 
 #include "e2lf/engine/amx-inl.h"
-#include "e2lf/engine/epilogue-inl.h"
+#include "e2lf/engine/conv_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::engine {
@@ -52,12 +51,20 @@ class AmxKernel final : public Kernel {
 
   size_t scratch_bytes() const override { return kPixels * kTileRows * sizeof(float); }
 
-  size_t num_blocks(const Strip& strip) const override { return (strip.end - strip.begin) * blocks_per_row(strip); }
+  size_t num_blocks(const Strip& strip) const override {
+    return (strip.end - strip.begin) * grid_.blocks_per_row(strip, kBlockPixels);
+  }
 
   void run_block(const Strip& strip, size_t block, std::byte* scratch) const override {
-    const size_t begin = block % blocks_per_row(strip) * kBlockPixels;
+    const size_t begin = block % grid_.blocks_per_row(strip, kBlockPixels) * kBlockPixels;
     const size_t end = std::min(begin + kBlockPixels, grid_.sums_per_row(strip));
-    Step step{strip, strip.begin + block / blocks_per_row(strip), begin, 0, 0, 0, reinterpret_cast<float*>(scratch)};
+    Step step{strip,
+              strip.begin + block / grid_.blocks_per_row(strip, kBlockPixels),
+              begin,
+              0,
+              0,
+              0,
+              reinterpret_cast<float*>(scratch)};
     size_t shaped = 0;
     for (; step.x < end; step.x += kPixels) {
       step.pixels = std::min(kPixels, end - step.x);
@@ -89,10 +96,6 @@ class AmxKernel final : public Kernel {
               const bool outside = in >= spec.in_channels || row >= taps * in_stride;
               return outside ? 0.0F : spec.tap(out, in, dy, dx);
             }};
-  }
-
-  size_t blocks_per_row(const Strip& strip) const {
-    return (grid_.sums_per_row(strip) + kBlockPixels - 1) / kBlockPixels;
   }
 
   void compute(const Step& step) const {

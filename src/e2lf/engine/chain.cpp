@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/engine/chain.h"
-
 #include <algorithm>
 #include <cstring>
 

@@ -124,10 +124,6 @@ std::vector<std::array<float, kWinogradMatrices>> transform_all(const ConvSpec& 
   return transformed;
 }
 
-std::string never(const ConvSpec& /*spec*/) {
-  return "";
-}
-
 std::string int16_refusal(const ConvSpec& spec) {
   if (!spec.int16_products) return "they are not wanted";
   return spec.in_channels < kChannelMultiple ? "too few input channels to pay for the rounding" : "";
@@ -183,11 +179,13 @@ double conv_cost(const ConvSpec& spec) {
 }
 
 const std::vector<ConvMethod>& conv_methods() {
-  static const std::vector<ConvMethod> methods = {{"amx", amx_refusal, make_amx},
-                                                  {"winograd-int16", winograd_int16_refusal, make_winograd_int16},
-                                                  {"winograd", winograd_refusal, make_winograd},
-                                                  {"direct-int16", int16_refusal, make_direct_int16},
-                                                  {"direct", never, make_direct}};
+  static const std::vector<ConvMethod> methods = {
+      {"amx", amx_refusal, make_amx},
+      {"winograd-int16", winograd_int16_refusal, [](const ConvSpec& spec) { return make_winograd(spec, true); }},
+      {"winograd", winograd_refusal, [](const ConvSpec& spec) { return make_winograd(spec); }},
+      {"direct-int16", int16_refusal, [](const ConvSpec& spec) { return make_direct(spec, true); }},
+      {"direct", [](const ConvSpec&) { return std::string(); },
+       [](const ConvSpec& spec) { return make_direct(spec); }}};
   return methods;
 }
 

@@ -99,25 +99,35 @@ struct ConvMethod {
 
 // The methods. Winograd F(4x4, 3x3) is for stride 1: each 4x4 tile of outputs takes 36 products per channel pair
 // instead of 144. Kernels larger than 3x3 are split into 3x3 parts, which see shifted copies of the input as additional
-// channels.
+// channels. With `integers`, products are of 16-bit integers, which needs int16_supported(): each tile of inputs and
+// each output channel of the weights has a scale of its own, with which sums cannot overflow.
 [[nodiscard]] std::string winograd_refusal(const ConvSpec& spec);
-[[nodiscard]] std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec);
-
-// The same with products of 16-bit integers. Each tile of inputs and each output channel of the weights has a scale of
-// its own, with which sums cannot overflow.
 [[nodiscard]] std::string winograd_int16_refusal(const ConvSpec& spec);
-[[nodiscard]] std::unique_ptr<Kernel> make_winograd_int16(const ConvSpec& spec);
+[[nodiscard]] std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec, bool integers = false);
 
 // Direct sums over the taps on AMX tiles: bfloat16, for any convolution with more than a few channels. make_amx()
 // requires that amx_refusal() is "".
 [[nodiscard]] std::string amx_refusal(const ConvSpec& spec);
 [[nodiscard]] std::unique_ptr<Kernel> make_amx(const ConvSpec& spec);
 
-// Direct sums over the taps of the kernel, for any convolution.
-[[nodiscard]] std::unique_ptr<Kernel> make_direct(const ConvSpec& spec);
+// Direct sums over the taps of the kernel, for any convolution. With `integers`, the inputs of a few pixels and each
+// output channel of the weights have a scale of their own.
+[[nodiscard]] std::unique_ptr<Kernel> make_direct(const ConvSpec& spec, bool integers = false);
 
-// The same with products of 16-bit integers. The inputs of a few pixels and each output channel of the weights have a
-// scale of their own.
-[[nodiscard]] std::unique_ptr<Kernel> make_direct_int16(const ConvSpec& spec);
+/// Composes a chain of stride-1 convolutions without anything between them into the single convolution that equals it
+/// away from the border: kernel = 1 + sum(kernel_i - 1), with taps and bias computed in double precision. ReLU,
+/// residual and types are those of the last convolution.
+[[nodiscard]] ConvSpec compose(const std::vector<ConvSpec>& chain);
+
+/// Returns the distance from the image border within which compose() differs from the chain, whose intermediate results
+/// are zero outside of the image: the sum of the radii of all but the first convolution, e.g. 4 for three 5x5 kernels.
+[[nodiscard]] size_t frame_width(const std::vector<ConvSpec>& chain);
+
+/// Returns true if computing compose(chain) costs less than the chain itself.
+[[nodiscard]] bool worth_composing(const std::vector<ConvSpec>& chain);
+
+/// Makes a kernel that computes a chain by its composition and, within the frame at the border, layer by layer. Only
+/// the last convolution may have a ReLU, and none may have a residual.
+[[nodiscard]] std::unique_ptr<Kernel> make_chain(const std::vector<ConvSpec>& chain);
 
 }  // namespace e2lf::engine

@@ -7,7 +7,6 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
-#include "e2lf/engine/chain.h"
 #include "e2lf/engine/row_memory.h"
 #include "e2lf/engine/winograd.h"
 #include "testing/test_networks.h"
@@ -171,7 +170,7 @@ TEST_F(ConvTest, Int16ProductsAreNearPlainSumsForEveryInstructionSetThatHasThem)
         // Channels of very different size keep their digits.
         for (size_t i = 0; i < spec.weight.size() / out; ++i) spec.weight[i] *= 1e-3F;
         for (const size_t width : {1, 23, 101}) {
-          EXPECT_LT(error_of(*make_winograd_int16(spec), spec, 6, width), 0.1) << isa << " " << kernel << " " << in;
+          EXPECT_LT(error_of(*make_winograd(spec, true), spec, 6, width), 0.1) << isa << " " << kernel << " " << in;
         }
       }
     }
@@ -184,8 +183,8 @@ TEST_F(ConvTest, Int16ProductsKeepTheDigitsOfDarkInputs) {
   spec.bias.assign(33, 0.0F);
   spec.int16_products = true;
   for (const float brightness : {1e-6F, 0.0F}) {
-    EXPECT_LE(error_of(*make_winograd_int16(spec), spec, 6, 23, brightness), 0.1 * brightness);
-    EXPECT_LE(error_of(*make_direct_int16(spec), spec, 6, 23, brightness), 0.01 * brightness);
+    EXPECT_LE(error_of(*make_winograd(spec, true), spec, 6, 23, brightness), 0.1 * brightness);
+    EXPECT_LE(error_of(*make_direct(spec, true), spec, 6, 23, brightness), 0.01 * brightness);
   }
 }
 
@@ -211,7 +210,7 @@ TEST_F(ConvTest, Int16ProductsAreOnlyForThoseWhoWantThem) {
   EXPECT_NE(winograd_int16_refusal(random_spec(64, 64, 1, 1)), "");
   set_max_isa("sse4").value();
   EXPECT_FALSE(int16_supported());
-  EXPECT_THROW((void)make_winograd_int16(spec), ContractError);
+  EXPECT_THROW((void)make_winograd(spec, true), ContractError);
 }
 
 TEST_F(ConvTest, StridedAndTransposedConvolutionsArePlainSumsToo) {
@@ -224,7 +223,7 @@ TEST_F(ConvTest, StridedAndTransposedConvolutionsArePlainSumsToo) {
       const size_t width = transposed ? 150 : 150 * stride;  // more than one block of sums
       EXPECT_LT(error_of(*make_direct(spec), spec, 6, width), 1e-5) << "direct " << stride << " " << transposed;
       if (int16_supported()) {
-        EXPECT_LT(error_of(*make_direct_int16(spec), spec, 6, width), 5e-3) << "int16 " << stride << " " << transposed;
+        EXPECT_LT(error_of(*make_direct(spec, true), spec, 6, width), 5e-3) << "int16 " << stride << " " << transposed;
       }
       if (!bfloat16_supported()) continue;
       spec.compute = ElementType::kBfloat16;

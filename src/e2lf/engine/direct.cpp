@@ -2,15 +2,13 @@
 // Implements make_direct() of conv.h: convolutions as sums over the taps.
 #include "e2lf/base/result.h"
 #include "e2lf/engine/conv.h"
-#include "e2lf/engine/tap_grid.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/engine/direct.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "e2lf/engine/epilogue-inl.h"
-#include "e2lf/engine/factors-inl.h"
+#include "e2lf/engine/conv_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace e2lf::engine {
@@ -23,7 +21,7 @@ constexpr size_t kBlockPixels = 96;
 
 /// Packs the weights for a kind of products. Matrix t holds tap t = dy * kernel + dx.
 template <class Products>
-typename Factors<Products>::Packed pack_weights(const ConvSpec& spec) {
+auto pack_weights(const ConvSpec& spec) {
   const size_t taps = spec.kernel * spec.kernel;
   const auto element = [&](size_t tap, size_t in, size_t out) {
     return spec.tap(out, in, tap / spec.kernel, tap % spec.kernel);
@@ -31,7 +29,7 @@ typename Factors<Products>::Packed pack_weights(const ConvSpec& spec) {
   if constexpr (Factors<Products>::kAreIntegers) {
     return pack_int16(taps, spec.in_channels, spec.out_channels, element, spec.transposed ? 1 : taps, kPanelColumns);
   } else {
-    return {Products::kType, taps, spec.in_channels, spec.out_channels, element, kPanelColumns};
+    return PackedMatrices(Products::kType, taps, spec.in_channels, spec.out_channels, element, kPanelColumns);
   }
 }
 
@@ -55,11 +53,13 @@ class DirectKernel final : public Kernel {
 
   size_t scratch_bytes() const override { return kIsScaled ? tap_rows() * row_elements() * sizeof(Factor) : 0; }
 
-  size_t num_blocks(const Strip& strip) const override { return (strip.end - strip.begin) * blocks_per_row(strip); }
+  size_t num_blocks(const Strip& strip) const override {
+    return (strip.end - strip.begin) * grid_.blocks_per_row(strip, kBlockPixels);
+  }
 
   void run_block(const Strip& strip, size_t block, std::byte* scratch) const override {
-    const size_t y = strip.begin + block / blocks_per_row(strip);
-    const size_t begin = block % blocks_per_row(strip) * kBlockPixels;
+    const size_t y = strip.begin + block / grid_.blocks_per_row(strip, kBlockPixels);
+    const size_t begin = block % grid_.blocks_per_row(strip, kBlockPixels) * kBlockPixels;
     const size_t end = HWY_MIN(begin + kBlockPixels, grid_.sums_per_row(strip));
     Block inputs{strip, y, begin, reinterpret_cast<Factor*>(scratch), 1.0F};
     if constexpr (kIsScaled) inputs.unit = make_integers(inputs, end - begin);
@@ -92,10 +92,6 @@ class DirectKernel final : public Kernel {
       kernel.compute<kVectors>(*this, column, offset, width);
     }
   };
-
-  size_t blocks_per_row(const Strip& strip) const {
-    return (grid_.sums_per_row(strip) + kBlockPixels - 1) / kBlockPixels;
-  }
 
   // The inputs of a block under one row of taps, with room for those of discarded sums.
   size_t tap_rows() const { return grid_.transposed ? 1 : grid_.kernel; }
@@ -187,12 +183,8 @@ class DirectKernel final : public Kernel {
 
 }  // namespace
 
-std::unique_ptr<Kernel> MakeDirect(const ConvSpec& spec) {
-  return make_of_floats<DirectKernel>(spec);
-}
-
-std::unique_ptr<Kernel> MakeDirectInt16(const ConvSpec& spec) {
-  return make_of_integers<DirectKernel>(spec);
+std::unique_ptr<Kernel> MakeDirect(const ConvSpec& spec, bool integers) {
+  return make_conv_kernel<DirectKernel>(spec, integers);
 }
 
 bool KnowsBfloat16() {
@@ -207,16 +199,10 @@ HWY_AFTER_NAMESPACE();
 namespace e2lf::engine {
 
 HWY_EXPORT(MakeDirect);
-HWY_EXPORT(MakeDirectInt16);
 HWY_EXPORT(KnowsBfloat16);
 
-std::unique_ptr<Kernel> make_direct(const ConvSpec& spec) {
-  return HWY_DYNAMIC_DISPATCH(MakeDirect)(spec);
-}
-
-std::unique_ptr<Kernel> make_direct_int16(const ConvSpec& spec) {
-  E2LF_REQUIRE(int16_supported(), "int16 products are not faster than float32 on this CPU");
-  return HWY_DYNAMIC_DISPATCH(MakeDirectInt16)(spec);
+std::unique_ptr<Kernel> make_direct(const ConvSpec& spec, bool integers) {
+  return HWY_DYNAMIC_DISPATCH(MakeDirect)(spec, integers);
 }
 
 bool bfloat16_supported() {

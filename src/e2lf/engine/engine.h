@@ -8,8 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
+#include "e2lf/engine/plan.h"
+#include "e2lf/engine/row_memory.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::engine {
@@ -22,8 +25,12 @@ enum class Precision {
   kInt16,     ///< convolutions with 16-bit integer products, all else in float32; kUnsupported if not faster
 };
 
-[[nodiscard]] Result<Precision> precision_from_name(const std::string& name);  ///< "auto", "float32", ...
-[[nodiscard]] const char* precision_name(Precision precision);
+/// Their names in options and results.
+inline constexpr Choice<Precision> kPrecisions[] = {{"auto", Precision::kAuto},
+                                                    {"float32", Precision::kFloat32},
+                                                    {"bfloat16", Precision::kBfloat16},
+                                                    {"float16", Precision::kFloat16},
+                                                    {"int16", Precision::kInt16}};
 
 struct EngineOptions {
   Precision precision = Precision::kAuto;
@@ -32,21 +39,6 @@ struct EngineOptions {
   /// "cpu", or a device whose kind add_device_kind() of device.h made known, such as "cuda:1". There, kAuto is float16
   /// if bfloat16, which rounds more, was checked.
   std::string device = "cpu";
-};
-
-/// The memory of a recurrent network of the previous frames. It is initially empty, which means at rest. It belongs to
-/// one engine and one image size; using it with another breaks the contract. For networks without memory, it contains
-/// working memory that consecutive runs of any engine reuse.
-class FrameState {
- public:
-  FrameState();
-  FrameState(FrameState&&) noexcept;
-  FrameState& operator=(FrameState&&) noexcept;
-  ~FrameState();
-
- private:
-  friend class Engine;
-  std::unique_ptr<struct FrameMemory> memory_;
 };
 
 /// Runs a convolutional network on whole images, on the CPU unless EngineOptions::device says otherwise. The image
@@ -64,9 +56,6 @@ class Engine {
   /// weights).
   [[nodiscard]] static Result<Engine> create(const model::Network& network, const model::Weights& weights,
                                              const EngineOptions& options = {});
-  Engine(Engine&&) noexcept;
-  Engine& operator=(Engine&&) noexcept;
-  ~Engine();
 
   /// Runs the network on one image. `input` is float32 [input_channels, height, width], `output` is float32
   /// [output_channels, height, width], both row-major. Sizes that do not match break the contract; height and width
@@ -89,9 +78,11 @@ class Engine {
   [[nodiscard]] std::vector<std::string> describe() const;
 
  private:
-  struct Impl;
-  explicit Engine(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  Plan plan_;
+  std::shared_ptr<const class DeviceNetwork> device_;  // replaces the plan if it is not null
+  Precision precision_ = Precision::kFloat32;
+  std::vector<size_t> planes_;  // see with_outputs()
+  size_t num_planes_ = 0;       // of the output
 };
 
 /// A network on a device other than the CPU. Any number of threads may run it at once.

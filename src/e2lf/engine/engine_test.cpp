@@ -66,7 +66,7 @@ TEST_F(EngineTest, GivesTheSameBitsForAnyNumberOfThreads) {
       for (const int threads : {2, 3, 7}) {
         set_num_threads(threads);
         EXPECT_EQ(run_engine(test.network, weights, input, height, width, precision), alone)
-            << test.name << " " << precision_name(precision) << " " << threads;
+            << test.name << " " << word_of(precision, kPrecisions) << " " << threads;
       }
     }
   }

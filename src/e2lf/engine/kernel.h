@@ -13,7 +13,7 @@
 namespace e2lf::engine {
 
 using kernels::element_size, kernels::ElementType, kernels::kChannelMultiple, kernels::kTileSize;
-using kernels::padded_channels, kernels::round_up;
+using kernels::padded_channels, kernels::round_up, kernels::with_element;
 
 /// Kernels read up to this many pixels beyond the last one of a row for sums that they discard.
 constexpr size_t kReadAhead = 8;
@@ -59,7 +59,9 @@ class Kernel {
   virtual ~Kernel() = default;
 
   [[nodiscard]] virtual std::string describe() const = 0;
-  [[nodiscard]] virtual Reach reach() const = 0;  ///< defined for inputs for which needs_all() is false
+
+  /// Returns the rows that it reads of inputs for which needs_all() is false: by default, those at the same place.
+  [[nodiscard]] virtual Reach reach() const { return {}; }
 
   /// Returns true if every output row needs all rows of an input, without the zeros beside them.
   [[nodiscard]] virtual bool needs_all(size_t /*input*/) const { return false; }
@@ -75,7 +77,8 @@ class Kernel {
   /// Returns the number of bytes of scratch memory (64-byte aligned) that each thread needs.
   [[nodiscard]] virtual size_t scratch_bytes() const { return 0; }
 
-  [[nodiscard]] virtual size_t num_blocks(const Strip& strip) const = 0;
+  /// Returns the number of blocks of a strip: by default, one for each row.
+  [[nodiscard]] virtual size_t num_blocks(const Strip& strip) const { return strip.end - strip.begin; }
   virtual void run_block(const Strip& strip, size_t block, std::byte* scratch) const = 0;
 };
 

@@ -38,7 +38,6 @@ class CorrelationKernel final : public Kernel {
 
   std::string describe() const override { return "correlation"; }
   Reach reach() const override { return {reach_, reach_, 1, 1}; }
-  size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
 
   void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
     const auto y = static_cast<ptrdiff_t>(strip.begin + block), width = static_cast<ptrdiff_t>(strip.width);

@@ -69,8 +69,6 @@ class PixelKernel final : public Kernel {
         sources_(sources...) {}
 
   std::string describe() const override { return name_ + " " + hwy::TargetName(HWY_TARGET); }
-  Reach reach() const override { return {}; }
-  size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
 
   void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
     const size_t y = strip.begin + block;

@@ -7,7 +7,6 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/engine/chain.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/operation.h"
 #include "e2lf/engine/reshape.h"
@@ -104,11 +103,8 @@ class PlanMaker {
     const auto plain = [](const Layer& each) {
       return each.op == Op::kConv && each.stride == 1 && each.residual.empty();
     };
-    if (!plain(layer) || layer.relu || count_readers(layer.name) != 1) return nullptr;
-    for (const Layer& reader : network_.layers) {
-      if (plain(reader) && reader.inputs[0] == layer.name) return &reader;
-    }
-    return nullptr;
+    const Layer* reader = plain(layer) && !layer.relu ? only_reader(layer) : nullptr;
+    return reader != nullptr && plain(*reader) ? reader : nullptr;
   }
 
   /// Returns the only layer that reads a result, or null if there are several.

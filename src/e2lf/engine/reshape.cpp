@@ -55,8 +55,6 @@ class ReshapeKernel final : public Kernel {
     }
   }
 
-  size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
-
   void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
     const size_t y = strip.begin + block;
     const size_t step = padded_channels(out_channels_);
@@ -134,11 +132,9 @@ bool is_reshape(const model::Layer& layer) {
 
 std::unique_ptr<Kernel> make_reshape(const model::Layer& layer, const std::vector<size_t>& in_channels,
                                      const TensorSpec& output, bool phases_first) {
-  E2LF_REQUIRE(is_reshape(layer) && !in_channels.empty(), layer.name);
-  if (output.type == ElementType::kFloat32) {
-    return std::make_unique<ReshapeKernel<float>>(layer, in_channels, output.channels, phases_first);
-  }
-  return std::make_unique<ReshapeKernel<Bfloat16>>(layer, in_channels, output.channels, phases_first);
+  return with_element(output.type, [&](auto element) -> std::unique_ptr<Kernel> {
+    return std::make_unique<ReshapeKernel<decltype(element)>>(layer, in_channels, output.channels, phases_first);
+  });
 }
 
 }  // namespace e2lf::engine

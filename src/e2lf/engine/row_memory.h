@@ -60,8 +60,10 @@ struct WholeTensor {
   [[nodiscard]] std::byte* row(size_t y) const { return memory.data() + y * row_stride; }
 };
 
-/// The states of a plan for the previous frame and for the current one. It is empty before the first frame.
-struct FrameMemory {
+/// The memory of a recurrent network of the previous frames, which Engine::run_frame() fills. It is initially empty,
+/// which means at rest. It belongs to one engine and one image size; using it with another breaks the contract. For
+/// networks without memory, it contains working memory that consecutive runs of any engine reuse.
+struct FrameState {
   std::vector<WholeTensor> before, now;  ///< one per state
   size_t height = 0, width = 0;          ///< size of the image
   RowPool rows;                        ///< rows of all other tensors; kept, because new memory would have to be cleared

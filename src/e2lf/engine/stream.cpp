@@ -32,8 +32,10 @@ size_t first_needed(const Reach& reach, size_t y) {
 // the first-level cache together.
 constexpr size_t kBlock = 64;
 
+/// Interleaves a row of planes: pixel x of channel c, at from[c * plane + x], is copied to element x * padded channels
+/// + c of `row`. The padding channels become zero.
 template <typename T>
-void read_rows(const float* from, size_t plane, size_t channels, size_t width, T* row) {
+void read_planes(const float* from, size_t plane, size_t channels, size_t width, T* row) {
   const size_t step = padded_channels(channels);
   std::fill_n(row, width * step, T{});
   for (size_t c = 0; c < channels; ++c) {
@@ -41,8 +43,11 @@ void read_rows(const float* from, size_t plane, size_t channels, size_t width, T
   }
 }
 
+/// Does the inverse: element x * padded channels + c of `row` is copied to to[planes[c] * plane + x], or, if `planes`
+/// is empty, to to[c * plane + x].
 template <typename T>
-void write_rows(const T* row, size_t channels, size_t width, float* to, size_t plane, std::span<const size_t> planes) {
+void write_planes(const T* row, size_t channels, size_t width, float* to, size_t plane,
+                  std::span<const size_t> planes) {
   const size_t step = padded_channels(channels);
   for (size_t begin = 0; begin < width; begin += kBlock) {
     const size_t end = std::min(width, begin + kBlock);
@@ -53,60 +58,33 @@ void write_rows(const T* row, size_t channels, size_t width, float* to, size_t p
   }
 }
 
-/// Interleaves a row of planes: pixel x of channel c, at from[c * plane + x], is copied to element x * padded channels
-/// + c of `row`. The padding channels become zero.
-void read_planes(const float* from, size_t plane, size_t channels, size_t width, ElementType type, std::byte* row) {
-  if (type == ElementType::kFloat32) {
-    read_rows(from, plane, channels, width, reinterpret_cast<float*>(row));
-  } else {
-    read_rows(from, plane, channels, width, reinterpret_cast<Bfloat16*>(row));
-  }
-}
-
-/// Does the inverse: element x * padded channels + c of `row` is copied to to[planes[c] * plane + x], or, if `planes`
-/// is empty, to to[c * plane + x].
-void write_planes(const std::byte* row, size_t channels, size_t width, ElementType type, float* to, size_t plane,
-                  std::span<const size_t> planes) {
-  if (type == ElementType::kFloat32) {
-    write_rows(reinterpret_cast<const float*>(row), channels, width, to, plane, planes);
-  } else {
-    write_rows(reinterpret_cast<const Bfloat16*>(row), channels, width, to, plane, planes);
-  }
-}
-
 }  // namespace
 
-Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, FrameMemory* memory)
+Stream::Stream(const Plan& plan, const Image& image, size_t begin, size_t end, FrameState& memory)
     : plan_(plan),
       image_(image),
       begin_(begin),
       end_(end),
       wide_begin_(begin > plan.halo ? begin - plan.halo : 0),
       wide_end_(std::min(image.width, end + plan.halo)),
-      pool_(memory != nullptr ? &memory->rows : &own_pool_),
-      scratch_(memory != nullptr ? &memory->scratch : &own_scratch_) {
+      memory_(memory) {
   for (const TensorSpec& spec : plan.tensors) {
-    Tensor tensor;
-    tensor.channels = spec.channels;
-    tensor.scale = spec.scale;
+    Tensor tensor{spec};
     tensor.width = (wide_end_ - wide_begin_) / spec.scale;
     tensor.height = image.height / spec.scale;
-    tensor.type = spec.type;
     tensor.pixel_bytes = padded_channels(spec.channels) * element_size(spec.type);
     tensors_.push_back(std::move(tensor));
   }
   add_margins();
-  E2LF_REQUIRE(plan.states.empty() || memory != nullptr, "recurrent networks require a FrameMemory");
   E2LF_REQUIRE((plan.states.empty() && !plan.needs_whole_rows) || (begin == 0 && end == image.width),
                "this network requires whole images");
-  if (!plan.states.empty()) open_memory(*memory);
+  if (!plan.states.empty()) open_states();
   make_tables();
-  measure_distances();
   find_readers();
   size_t scratch_bytes = 0;
   for (const Stage& stage : plan.stages) scratch_bytes = std::max(scratch_bytes, stage.kernel->scratch_bytes());
-  scratch_->resize(static_cast<size_t>(num_threads()));
-  for (AlignedBuffer& scratch : *scratch_) {
+  memory_.scratch.resize(static_cast<size_t>(num_threads()));
+  for (AlignedBuffer& scratch : memory_.scratch) {
     if (scratch.size() < scratch_bytes) scratch = AlignedBuffer(scratch_bytes);
   }
 }
@@ -125,16 +103,16 @@ void Stream::add_margins() {
 }
 
 /// Uses the memory of the previous frame, or creates it with zeros for the first frame.
-void Stream::open_memory(FrameMemory& memory) {
+void Stream::open_states() {
   const size_t states = plan_.states.size();
-  const bool is_new = memory.before.empty();
+  const bool is_new = memory_.before.empty();
   if (is_new) {
-    memory.before.resize(states);
-    memory.now.resize(states);
-    memory.height = image_.height;
-    memory.width = image_.width;
+    memory_.before.resize(states);
+    memory_.now.resize(states);
+    memory_.height = image_.height;
+    memory_.width = image_.width;
   }
-  E2LF_REQUIRE(memory.before.size() == states && memory.height == image_.height && memory.width == image_.width,
+  E2LF_REQUIRE(memory_.before.size() == states && memory_.height == image_.height && memory_.width == image_.width,
                "the memory belongs to another network or image size");
   for (size_t i = 0; i < states; ++i) {
     Tensor &recalled = tensors_[plan_.states[i].recalled], &kept = tensors_[plan_.states[i].kept];
@@ -142,11 +120,11 @@ void Stream::open_memory(FrameMemory& memory) {
     recalled.right = kept.right = std::max(recalled.right, kept.right);
     recalled.slack = kept.slack = std::max(recalled.slack, kept.slack);
     const size_t stride = spread_stride(kept.row_bytes());
-    for (auto& tensors : {&memory.before, &memory.now}) {
+    for (auto& tensors : {&memory_.before, &memory_.now}) {
       if (is_new) (*tensors)[i] = {AlignedBuffer(kept.height * stride), stride};
     }
-    recalled.whole = &memory.before[i];
-    kept.whole = &memory.now[i];
+    recalled.whole = &memory_.before[i];
+    kept.whole = &memory_.now[i];
   }
 }
 
@@ -155,8 +133,6 @@ void Stream::make_tables() {
   for (const Tensor& tensor : tensors_) row_bytes = std::max(row_bytes, tensor.row_bytes());
   zero_row_ = AlignedBuffer(row_bytes);
   for (Tensor& tensor : tensors_) {
-    // The margins above and below are the same as those to the left and right.
-    tensor.first = -static_cast<ptrdiff_t>(tensor.left);
     tensor.table.assign(tensor.left + tensor.height + tensor.right, nullptr);
     std::byte* zero = zero_row_.data() + tensor.left * tensor.pixel_bytes;
     std::fill_n(tensor.table.begin(), tensor.left, zero);
@@ -164,24 +140,18 @@ void Stream::make_tables() {
   }
 }
 
-void Stream::measure_distances() {
-  for (size_t i = plan_.stages.size(); i-- > 0;) {
-    for (const size_t read : plan_.stages[i].reads()) {
-      tensors_[read].distance = std::max(tensors_[read].distance, tensors_[i + 1].distance + 1);
-    }
-  }
-  rounds_ahead_ = tensors_.front().distance;
-}
-
+/// Finds the readers of each tensor, and its distance from the output.
 void Stream::find_readers() {
-  for (size_t i = 0; i < plan_.stages.size(); ++i) {
+  for (size_t i = plan_.stages.size(); i-- > 0;) {
     const Stage& stage = plan_.stages[i];
     for (size_t input = 0; input < stage.inputs.size(); ++input) waits_ |= stage.kernel->needs_all(input);
     for (const size_t read : stage.reads()) {
-      std::vector<size_t>& readers = tensors_[read].readers;
-      if (readers.empty() || readers.back() != i) readers.push_back(i);
+      Tensor& tensor = tensors_[read];
+      if (tensor.readers.empty() || tensor.readers.back() != i) tensor.readers.push_back(i);
+      tensor.distance = std::max(tensor.distance, tensors_[i + 1].distance + 1);
     }
   }
+  rounds_ahead_ = tensors_.front().distance;
 }
 
 size_t Stream::rows_wanted(size_t index) {
@@ -219,7 +189,7 @@ const std::vector<size_t>& Stream::rows_for(size_t output_rows) {
 
 void Stream::add_rows(Tensor& tensor, size_t end) {
   for (size_t y = tensor.done; y < end; ++y) {
-    std::byte* memory = tensor.whole != nullptr ? tensor.whole->row(y) : pool_->take(tensor.row_bytes());
+    std::byte* memory = tensor.whole != nullptr ? tensor.whole->row(y) : memory_.rows.take(tensor.row_bytes());
     std::byte* row = memory + tensor.left * tensor.pixel_bytes;
     std::memset(memory, 0, tensor.left * tensor.pixel_bytes);
     std::memset(row + tensor.width * tensor.pixel_bytes, 0, tensor.right * tensor.pixel_bytes);
@@ -246,7 +216,7 @@ void Stream::release_rows(size_t index) {
 void Stream::give_back(Tensor& tensor, size_t y) {
   std::byte*& row = tensor.table[tensor.left + y];
   if (row != nullptr && tensor.whole == nullptr) {
-    pool_->give_back(row - tensor.left * tensor.pixel_bytes, tensor.row_bytes());
+    memory_.rows.give_back(row - tensor.left * tensor.pixel_bytes, tensor.row_bytes());
   }
   row = nullptr;
 }
@@ -288,9 +258,12 @@ void Stream::plan_input(std::vector<Job>& jobs) {
   add_rows(tensor, end);
   jobs.push_back({end - begin, end, &tensor.done, [this, begin](size_t block, std::byte* /*scratch*/) {
                     const Tensor& input = tensors_.front();
-                    const size_t y = begin + block;
-                    read_planes(image_.input.data() + y * image_.width + wide_begin_, image_.height * image_.width,
-                                input.channels, input.width, input.type, input.table[input.left + y]);
+                    const size_t y = begin + block, plane = image_.height * image_.width;
+                    const float* const from = image_.input.data() + y * image_.width + wide_begin_;
+                    with_element(input.type, [&](auto element) {
+                      auto* const row = reinterpret_cast<decltype(element)*>(input.table[input.left + y]);
+                      read_planes(from, plane, input.channels, input.width, row);
+                    });
                   }});
 }
 
@@ -320,11 +293,14 @@ void Stream::plan_output(std::vector<Job>& jobs) {
   const size_t end = tensors_.back().done;
   jobs.push_back({end - begin, end, &written_, [this, begin](size_t block, std::byte* /*scratch*/) {
                     const Tensor& output = tensors_.back();
-                    const size_t y = begin + block;
-                    write_planes(output.table[output.left + y] + (begin_ - wide_begin_) * output.pixel_bytes,
-                                 output.channels, end_ - begin_, output.type,
-                                 image_.output.data() + y * image_.width + begin_, image_.height * image_.width,
-                                 image_.planes);
+                    const size_t y = begin + block, plane = image_.height * image_.width;
+                    const std::byte* const from =
+                        output.table[output.left + y] + (begin_ - wide_begin_) * output.pixel_bytes;
+                    float* const to = image_.output.data() + y * image_.width + begin_;
+                    with_element(output.type, [&](auto element) {
+                      const auto* const row = reinterpret_cast<const decltype(element)*>(from);
+                      write_planes(row, output.channels, end_ - begin_, to, plane, image_.planes);
+                    });
                   }});
 }
 
@@ -348,11 +324,11 @@ void Stream::run_jobs(const std::vector<Job>& jobs) const {
   }
   // Threads take runs of blocks, so that each loads the weights of few layers. The runs get shorter towards the end of
   // the round, so that no thread waits long for another.
-  const size_t threads = scratch_->size();
+  const size_t threads = memory_.scratch.size();
   std::atomic<size_t> next = 0;
   // parallel_for() is not used, because each thread keeps its own scratch memory from round to round, in its cache.
   run_team(threads, [&](size_t member) {
-    std::byte* const scratch = (*scratch_)[member].data();
+    std::byte* const scratch = memory_.scratch[member].data();
     size_t begin = next;
     while (begin < blocks.size()) {
       const size_t end = begin + std::max<size_t>(1, (blocks.size() - begin) / (kRunsPerThread * threads));

@@ -28,9 +28,9 @@ struct Image {
 /// read up to the halo of the plan, so that cuts leave no trace.
 class Stream {
  public:
-  /// A plan that needs whole rows must get all columns at once. So must a plan with states, which also needs `memory`;
-  /// FrameMemory::end_frame() ends the frame.
-  Stream(const Plan& plan, const Image& image, size_t begin, size_t end, FrameMemory* memory = nullptr);
+  /// A plan that needs whole rows must get all columns at once. So must a plan with states, for which
+  /// FrameState::end_frame() ends the frame.
+  Stream(const Plan& plan, const Image& image, size_t begin, size_t end, FrameState& memory);
   ~Stream();
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
@@ -41,27 +41,23 @@ class Stream {
 
   [[nodiscard]] size_t rows_done() const { return written_; }
 
-  /// Returns the memory that rows have taken so far.
-  [[nodiscard]] size_t live_bytes() const { return pool_->bytes(); }
-
  private:
   /// The rows of a tensor: a table of all rows, including those outside of the image, which are zero. Rows that do not
   /// exist are null.
-  struct Tensor {
-    std::vector<std::byte*> table;
-    ptrdiff_t first = 0;  ///< number of the row in table[0]
-    size_t channels = 0, width = 0, height = 0, scale = 1;
-    ElementType type = ElementType::kFloat32;
+  struct Tensor : TensorSpec {
+    std::vector<std::byte*> table = {};
+    size_t width = 0, height = 0;
     size_t pixel_bytes = 0;
     size_t left = 0, right = 0;          ///< zero pixels beside each row
     size_t slack = 0;                    ///< pixels after them that kernels may read, with any values
     size_t distance = 0;                 ///< largest number of stages between it and the output
     size_t done = 0;                     ///< rows [0, done) are computed
     size_t released = 0;                 ///< rows [0, released) are released
-    std::vector<size_t> readers;         ///< stages
+    std::vector<size_t> readers = {};    ///< stages
     const WholeTensor* whole = nullptr;  ///< permanent memory of its rows, if it is a state
 
-    [[nodiscard]] Rows rows() const { return {table.data(), first}; }
+    /// The margins above and below are the same as those to the left and right.
+    [[nodiscard]] Rows rows() const { return {table.data(), -static_cast<ptrdiff_t>(left)}; }
     [[nodiscard]] size_t row_bytes() const { return (left + width + right + slack) * pixel_bytes; }
   };
 
@@ -74,10 +70,9 @@ class Stream {
   };
 
   void add_margins();
-  void open_memory(FrameMemory& memory);
+  void open_states();
   void give_back(Tensor& tensor, size_t y);
   void make_tables();
-  void measure_distances();
   void find_readers();
   void add_rows(Tensor& tensor, size_t end);
   void release_rows(size_t tensor);
@@ -99,11 +94,8 @@ class Stream {
   size_t written_ = 0;
   bool waits_ = false;                              ///< true if a stage needs all of an input
   std::map<size_t, std::vector<size_t>> rows_for_;  ///< rows of each tensor, by the number of output rows
-  RowPool own_pool_;
-  RowPool* pool_;  ///< its own pool, or that of the frame memory
+  FrameState& memory_;
   AlignedBuffer zero_row_;
-  std::vector<AlignedBuffer> own_scratch_;
-  std::vector<AlignedBuffer>* scratch_;  ///< one per thread, its own or that of the frame memory
 };
 
 }  // namespace e2lf::engine

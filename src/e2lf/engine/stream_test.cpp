@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <new>
 
-#include "e2lf/model/unet.h"
+#include "e2lf/model/network.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::engine {
@@ -21,10 +21,11 @@ PanelRun run_panels(const Plan& plan, const std::vector<float>& input, size_t he
   PanelRun result;
   result.output.assign(plan.tensors.back().channels * height * width, NAN);
   for (size_t begin = 0; begin < width; begin += columns) {
-    Stream stream(plan, {input, result.output, height, width}, begin, std::min(width, begin + columns));
+    FrameState memory;
+    Stream stream(plan, {input, result.output, height, width}, begin, std::min(width, begin + columns), memory);
     while (stream.advance()) {
     }
-    result.live_bytes = std::max(result.live_bytes, stream.live_bytes());
+    result.live_bytes = std::max(result.live_bytes, memory.rows.bytes());
   }
   return result;
 }
@@ -100,7 +101,6 @@ class FailingKernel final : public Kernel {
  public:
   [[nodiscard]] std::string describe() const override { return ""; }
   [[nodiscard]] Reach reach() const override { return {1, 1}; }
-  [[nodiscard]] size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
   void run_block(const Strip& /*strip*/, size_t /*block*/, std::byte* /*scratch*/) const override {
     throw std::bad_alloc();
   }

@@ -11,8 +11,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "e2lf/engine/epilogue-inl.h"
-#include "e2lf/engine/factors-inl.h"
+#include "e2lf/engine/conv_kernel-inl.h"
 #include "e2lf/engine/winograd.h"
 #include "e2lf/kernels/winograd-inl.h"
 
@@ -27,7 +26,7 @@ constexpr size_t kFewChannels = 4;
 
 /// Packs the weights for a kind of products.
 template <class Products>
-typename Factors<Products>::Packed pack_weights(const ConvSpec& spec) {
+auto pack_weights(const ConvSpec& spec) {
   if constexpr (Factors<Products>::kAreIntegers) {
     return pack_winograd_int16(spec, kPanelColumns);
   } else {
@@ -277,12 +276,8 @@ class WinogradKernel final : public Kernel {
 
 }  // namespace
 
-std::unique_ptr<Kernel> MakeWinograd(const ConvSpec& spec) {
-  return make_of_floats<WinogradKernel>(spec);
-}
-
-std::unique_ptr<Kernel> MakeWinogradInt16(const ConvSpec& spec) {
-  return make_of_integers<WinogradKernel>(spec);
+std::unique_ptr<Kernel> MakeWinograd(const ConvSpec& spec, bool integers) {
+  return make_conv_kernel<WinogradKernel>(spec, integers);
 }
 
 bool KnowsInt16() {
@@ -301,16 +296,10 @@ HWY_AFTER_NAMESPACE();
 namespace e2lf::engine {
 
 HWY_EXPORT(MakeWinograd);
-HWY_EXPORT(MakeWinogradInt16);
 HWY_EXPORT(KnowsInt16);
 
-std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec) {
-  return HWY_DYNAMIC_DISPATCH(MakeWinograd)(spec);
-}
-
-std::unique_ptr<Kernel> make_winograd_int16(const ConvSpec& spec) {
-  E2LF_REQUIRE(int16_supported(), "int16 products are not faster than float32 on this CPU");
-  return HWY_DYNAMIC_DISPATCH(MakeWinogradInt16)(spec);
+std::unique_ptr<Kernel> make_winograd(const ConvSpec& spec, bool integers) {
+  return HWY_DYNAMIC_DISPATCH(MakeWinograd)(spec, integers);
 }
 
 bool int16_supported() {

@@ -46,24 +46,28 @@ HWY_INLINE size_t line_size(size_t reach) {
   return round_up(kChunk + 2 * reach + 2 * kLanes, kChannelMultiple);
 }
 
-/// Sums rows with weights into `line`, whose element 0 is column begin - reach. Columns outside of the image repeat the
-/// one at the edge, or are zero. The rows begin at column 0 and may be read beyond the last one.
+/// Fills `line`, whose element 0 is column begin - reach, with vectors of `at(column)`, which may read beyond the last
+/// column. Columns outside of the image repeat the one at the edge, or are zero.
+template <class At>
+HWY_INLINE void fill_line(const Chunk& chunk, size_t reach, bool repeats_edges, float* line, const At& at) {
+  const size_t left = chunk.begin < reach ? reach - chunk.begin : 0;
+  const size_t end = HWY_MIN(chunk.width + reach - chunk.begin, chunk.count + 2 * reach);
+  const ptrdiff_t offset = static_cast<ptrdiff_t>(chunk.begin) - static_cast<ptrdiff_t>(reach);
+  for (size_t i = left; i < end; i += kLanes) store_floats(at(offset + static_cast<ptrdiff_t>(i)), line + i);
+  std::fill_n(line, left, repeats_edges ? line[left] : 0.0F);
+  std::fill(line + end, line + line_size(reach), repeats_edges ? line[end - 1] : 0.0F);
+}
+
+/// Sums rows, which begin at column 0, with weights into a line as above.
 template <size_t kRows>
 HWY_INLINE void blend_rows(const float* const (&rows)[kRows], const float* weights, const Chunk& chunk, size_t reach,
                            bool repeats_edges, float* line) {
   const FloatTag d;
-  const size_t left = chunk.begin < reach ? reach - chunk.begin : 0;
-  const size_t end = HWY_MIN(chunk.width + reach - chunk.begin, chunk.count + 2 * reach);
-  const ptrdiff_t offset = static_cast<ptrdiff_t>(chunk.begin) - static_cast<ptrdiff_t>(reach);
-  for (size_t i = left; i < end; i += kLanes) {
+  fill_line(chunk, reach, repeats_edges, line, [&](ptrdiff_t column) HWY_ATTR {
     auto sum = hn::Zero(d);
-    for (size_t n = 0; n < kRows; ++n) {
-      sum = hn::MulAdd(hn::Set(d, weights[n]), load_floats(rows[n] + offset + static_cast<ptrdiff_t>(i)), sum);
-    }
-    store_floats(sum, line + i);
-  }
-  std::fill_n(line, left, repeats_edges ? line[left] : 0.0F);
-  std::fill(line + end, line + line_size(reach), repeats_edges ? line[end - 1] : 0.0F);
+    for (size_t n = 0; n < kRows; ++n) sum = hn::MulAdd(hn::Set(d, weights[n]), load_floats(rows[n] + column), sum);
+    return sum;
+  });
 }
 
 /// Copies `count` values, which may be fewer than kLanes, without touching those after them.
@@ -93,8 +97,6 @@ class PlanarKernel final : public Kernel {
   PlanarKernel(size_t channels, size_t opacities) : channels_(channels), opacities_(opacities) {}
 
   std::string describe() const override { return std::string("planes ") + hwy::TargetName(HWY_TARGET); }
-  Reach reach() const override { return {}; }
-  size_t num_blocks(const Strip& strip) const override { return strip.end - strip.begin; }
 
   void run_block(const Strip& strip, size_t block, std::byte* /*scratch*/) const override {
     const auto y = static_cast<ptrdiff_t>(strip.begin + block);

@@ -108,20 +108,14 @@ class WindowKernel final : public Kernel {
 
  private:
   void sum_down(const Rows& input, const Chunk& chunk, size_t plane, float* line) const {
-    const FloatTag d;
-    const size_t left = chunk.begin < radius_ ? radius_ - chunk.begin : 0;
-    const size_t end = HWY_MIN(chunk.width + radius_ - chunk.begin, chunk.count + 2 * radius_);
     const auto radius = static_cast<ptrdiff_t>(radius_);
-    const ptrdiff_t first = static_cast<ptrdiff_t>(plane * chunk.width + chunk.begin) - radius;
-    for (size_t i = left; i < end; i += kLanes) {
-      auto sum = hn::Zero(d);
+    fill_line(chunk, radius_, /*repeats_edges=*/false, line, [&](ptrdiff_t column) HWY_ATTR {
+      auto sum = hn::Zero(FloatTag());
       for (ptrdiff_t dy = -radius; dy <= radius; ++dy) {
-        sum = hn::Add(sum, load_floats(input.row<const float>(chunk.y + dy) + first + static_cast<ptrdiff_t>(i)));
+        sum = hn::Add(sum, load_floats(input.row<const float>(chunk.y + dy) + plane * chunk.width + column));
       }
-      store_floats(sum, line + i);
-    }
-    std::fill_n(line, left, 0.0F);
-    std::fill(line + end, line + line_, 0.0F);
+      return sum;
+    });
   }
 
   void divide(const float* evidence, const float* energy, size_t count, float* to) const {
@@ -142,18 +136,19 @@ class WindowKernel final : public Kernel {
 
 }  // namespace
 
-std::unique_ptr<Kernel> MakeSweepPlanes(size_t channels, ElementType type) {
-  return make_planar(channels, 0, type);
-}
-
-std::unique_ptr<Kernel> MakeProducts(const Sweep& sweep) {
-  return std::make_unique<ProductsKernel>(sweep);
-}
-
-std::unique_ptr<Kernel> MakeWindows(size_t disparities, size_t kernel, ElementType type) {
-  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
-    return std::make_unique<WindowKernel<decltype(element)>>(disparities, kernel);
+Result<void> PlanSweep(PlanBuilder& build, const model::Layer& layer) {
+  const TensorSpec input = build.spec(layer.inputs[0]), &output = build.spec(layer.name);
+  const Sweep sweep(layer, input.channels);
+  const auto planes = [&](size_t channels) { return TensorSpec{channels, input.scale, ElementType::kFloat32}; };
+  const size_t rows = build.add_part(layer.name + ".planes", make_planar(input.channels, 0, input.type),
+                                     {build.tensor(layer.inputs[0])}, planes(input.channels));
+  const size_t sums = build.add_part(layer.name + ".products", std::make_unique<ProductsKernel>(sweep), {rows},
+                                     planes(2 * sweep.disparities));
+  auto windows = for_element(output.type, [&](auto element) -> std::unique_ptr<Kernel> {
+    return std::make_unique<WindowKernel<decltype(element)>>(sweep.disparities, layer.kernel);
   });
+  build.set_result(layer, build.add_part(layer.name, std::move(windows), {sums}, output));
+  return {};
 }
 
 }  // namespace HWY_NAMESPACE
@@ -163,12 +158,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace e2lf::geometry {
 
-using engine::PlanBuilder;
-using model::Layer, model::LayerShape;
+using model::Integers, model::Layer, model::LayerShape;
 
-HWY_EXPORT(MakeSweepPlanes);
-HWY_EXPORT(MakeProducts);
-HWY_EXPORT(MakeWindows);
+HWY_EXPORT(PlanSweep);
 
 namespace {
 
@@ -182,25 +174,6 @@ Result<LayerShape> sweep_shape(const Layer& layer, std::span<const LayerShape> i
   }
   return LayerShape{disparities.size(), inputs[0].scale};
 }
-
-Result<void> plan_sweep(PlanBuilder& build, const Layer& layer) {
-  const engine::TensorSpec input = build.spec(layer.inputs[0]), &output = build.spec(layer.name);
-  const Sweep sweep(layer, input.channels);
-  const auto planes = [&](size_t channels) {
-    return engine::TensorSpec{channels, input.scale, engine::ElementType::kFloat32};
-  };
-  const size_t rows =
-      build.add_part(layer.name + ".planes", HWY_DYNAMIC_DISPATCH(MakeSweepPlanes)(input.channels, input.type),
-                     {build.tensor(layer.inputs[0])}, planes(input.channels));
-  const size_t sums = build.add_part(layer.name + ".products", HWY_DYNAMIC_DISPATCH(MakeProducts)(sweep), {rows},
-                                     planes(2 * sweep.disparities));
-  build.set_result(
-      layer, build.add_part(layer.name, HWY_DYNAMIC_DISPATCH(MakeWindows)(sweep.disparities, layer.kernel, output.type),
-                            {sums}, output));
-  return {};
-}
-
-using Integers = std::vector<int64_t>;
 
 /// Adds a convolution that moves each channel to all disparities: [picture, feature, disparity].
 std::string add_shifts(model::OnnxCall& call, const Sweep& sweep) {
@@ -276,7 +249,9 @@ engine::Operation plane_sweep() {
                         },
                     .reach = [](const Layer& layer) { return Sweep(layer, 0).reach + layer.kernel / 2; },
                     .onnx = export_sweep},
-          .plan = plan_sweep};
+          .plan = [](engine::PlanBuilder& build, const Layer& layer) {
+            return HWY_DYNAMIC_DISPATCH(PlanSweep)(build, layer);
+          }};
 }
 
 }  // namespace e2lf::geometry

@@ -106,16 +106,19 @@ class RenderKernel final : public Kernel {
 
 }  // namespace
 
-std::unique_ptr<Kernel> MakeOpacities(size_t planes, ElementType type) {
-  return make_planar(2 * planes, planes, type);
-}
-
-std::unique_ptr<Kernel> MakeViews(const Viewpoints& viewpoints, ElementType type) {
+Result<void> PlanRender(PlanBuilder& build, const model::Layer& layer) {
+  const Viewpoints viewpoints(layer);
+  const TensorSpec input = build.spec(layer.inputs[0]), &output = build.spec(layer.name);
+  const size_t planes =
+      build.add_part(layer.name + ".planes", make_planar(input.channels, viewpoints.planes, input.type),
+                     {build.tensor(layer.inputs[0])}, {input.channels, input.scale, ElementType::kFloat32});
   std::vector<size_t> all(viewpoints.views());
   std::iota(all.begin(), all.end(), size_t{0});
-  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
+  auto views = for_element(output.type, [&](auto element) -> std::unique_ptr<Kernel> {
     return std::make_unique<RenderKernel<decltype(element)>>(viewpoints, std::move(all));
   });
+  build.set_result(layer, build.add_part(layer.name, std::move(views), {planes}, output));
+  return {};
 }
 
 }  // namespace HWY_NAMESPACE
@@ -125,11 +128,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace e2lf::geometry {
 
-using engine::PlanBuilder;
-using model::Layer, model::LayerShape;
+using model::Integers, model::Layer, model::LayerShape;
 
-HWY_EXPORT(MakeOpacities);
-HWY_EXPORT(MakeViews);
+HWY_EXPORT(PlanRender);
 
 namespace {
 
@@ -143,19 +144,6 @@ Result<LayerShape> render_shape(const Layer& layer, std::span<const LayerShape> 
   }
   return LayerShape{numbers(layer, "rows").size() * numbers(layer, "columns").size(), inputs[0].scale};
 }
-
-Result<void> plan_render(PlanBuilder& build, const Layer& layer) {
-  const Viewpoints viewpoints(layer);
-  const engine::TensorSpec input = build.spec(layer.inputs[0]), &output = build.spec(layer.name);
-  const size_t planes =
-      build.add_part(layer.name + ".planes", HWY_DYNAMIC_DISPATCH(MakeOpacities)(viewpoints.planes, input.type),
-                     {build.tensor(layer.inputs[0])}, {input.channels, input.scale, engine::ElementType::kFloat32});
-  build.set_result(
-      layer, build.add_part(layer.name, HWY_DYNAMIC_DISPATCH(MakeViews)(viewpoints, output.type), {planes}, output));
-  return {};
-}
-
-using Integers = std::vector<int64_t>;
 
 /// Adds a convolution of each channel with kernels of its own, without padding.
 std::string add_moves(model::OnnxCall& call, const std::string& from, const std::vector<CubicShift>& shifts,
@@ -248,7 +236,9 @@ engine::Operation render_layers() {
                     },
                 .reach = [](const Layer& layer) { return Viewpoints(layer).reach; },
                 .onnx = export_render},
-      .plan = plan_render};
+      .plan = [](engine::PlanBuilder& build, const Layer& layer) {
+        return HWY_DYNAMIC_DISPATCH(PlanRender)(build, layer);
+      }};
 }
 
 }  // namespace e2lf::geometry

@@ -19,7 +19,6 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/model/model.h"
-#include "e2lf/model/summary.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/video/video_model.h"
 

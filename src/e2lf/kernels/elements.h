@@ -45,6 +45,12 @@ inline void assign(float value, Bfloat16& to) {
   to = to_bfloat16(value);
 }
 
+/// Returns visit(Element()) for the element type of a tensor.
+template <class Visit>
+auto with_element(ElementType type, const Visit& visit) {
+  return type == ElementType::kFloat32 ? visit(float()) : visit(Bfloat16());
+}
+
 /// Pixels are stored with their channels padded to this multiple. The padding holds zeros.
 inline constexpr size_t kChannelMultiple = 16;
 

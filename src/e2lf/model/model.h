@@ -103,6 +103,10 @@ enum class WeightStorage { kFloat32, kBfloat16 };
 [[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model,
                                        WeightStorage storage = WeightStorage::kFloat32);
 
+/// Summarises a model for `e2lf model info --json`: name, patterns, views, event model, constants, input, figures of
+/// the network, light efficiency of its codes (null if it has none) and provenance. The model must pass validate().
+[[nodiscard]] Json summary_json(const Model& model);
+
 /// Returns true if a file states that it is a model of frames (e2lf/video). Fails as read_model() does if it is not a
 /// model.
 [[nodiscard]] Result<bool> is_video_model(const std::filesystem::path& path);

@@ -13,24 +13,54 @@ namespace {
 
 constexpr const char* kCodesTensor = "aperture.codes";
 
-Result<const Tensor*> find_float(const Safetensors& tensors, const std::string& name, const std::string& file) {
+/// Returns the values of a tensor, which must have this shape. `remedy` says what to do if it has another.
+Result<std::vector<float>> values_of(const Safetensors& tensors, const std::string& name,
+                                     const std::vector<size_t>& shape, const std::string& file, const char* remedy) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(name, file));
-  if (tensor->type == "f4" || tensor->type == "bf16") return tensor;
-  return fail(ErrorCode::kUnsupported, cat(file, ": ", name), "the element type ", tensor->type,
-              " is not supported; save it as F32 or BF16");
+  const std::string location = cat(file, ": ", name);
+  if (tensor->type != "f4" && tensor->type != "bf16") {
+    return fail(ErrorCode::kUnsupported, location, "the element type ", tensor->type,
+                " is not supported; save it as F32 or BF16");
+  }
+  if (tensor->shape == shape) return tensor->to_float(location);
+  return fail(ErrorCode::kShape, location, "the values have shape ", shape_text(tensor->shape), " instead of ",
+              shape_text(shape), "; ", remedy);
 }
 
-Result<capture::Codes> codes_from_tensor(const Model& model, const Safetensors& tensors, const std::string& file) {
-  E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find_float(tensors, kCodesTensor, file));
-  const std::vector<size_t> expected = {model.num_patterns, model.views_y, model.views_x};
-  const std::string location = cat(file, ": ", kCodesTensor);
-  if (tensor->shape != expected) {
-    return fail(ErrorCode::kShape, location, "the codes have shape ", shape_text(tensor->shape),
-                ", but the model requires ", shape_text(expected), "; store the patterns of this model");
-  }
-  capture::Codes codes(model.num_patterns, model.views_y, model.views_x);
-  E2LF_ASSIGN_OR_RETURN(codes.values, tensor->to_float(location));
-  return codes;
+constexpr const char* kMeasurement = "measurement";
+
+bool is_of_light_fields(const Json& measurement) {
+  return measurement.is_string() &&
+         (measurement == "" || choice_of(measurement.get<std::string>(), capture::kMeasurementKinds));
+}
+
+/// The fields of the header that are plain. `has_images` adds the constant of intensity images.
+template <typename AnyModel, typename Visitor>
+void visit_header(AnyModel& model, Visitor& visit, bool has_images) {
+  E2LF_VISIT(model, visit, name, num_patterns, views_y, views_x, event_model, black_first);
+  visit.section("constants", [&](auto& inner) {
+    E2LF_VISIT(model.constants, inner, eps, tau, sigma_w, sigma_z);
+    if (has_images) inner("sigma_i", model.constants.sigma_i);
+  });
+  visit.list("input", model.input, [](auto& group, auto& inner) {
+    inner.choice("kind", group.kind, kInputKinds, ErrorCode::kUnsupported);
+    inner("scale", group.scale);
+  });
+}
+
+/// Checks that the measurement stated in the file agrees with its input.
+Result<void> check_measurement(const Model& model, const std::string& stated, const OptionReader& reader) {
+  const auto needed = measurement_of(model.input);
+  if (!needed) return Error{needed.error().code, needed.error().message, reader.child_location("input")};
+  if (stated == capture::measurement_name(*needed)) return {};
+  return fail(ErrorCode::kInvalidValue, reader.child_location(kMeasurement), "the header states ", stated,
+              ", but the inputs require ", capture::measurement_name(*needed), "; make them agree");
+}
+
+Json codes_summary(const capture::Codes& codes) {
+  Json efficiency = Json::array();
+  for (const float share : capture::light_efficiency(codes)) efficiency.push_back(json_number(share));
+  return {{"binary", capture::is_binary(codes)}, {"light_efficiency", std::move(efficiency)}};
 }
 
 }  // namespace
@@ -48,13 +78,8 @@ Result<Json> header_of(const Safetensors& tensors, const std::string& file) {
 Result<Weights> weights_from_tensors(const Network& network, const Safetensors& tensors, const std::string& file) {
   Weights weights;
   for (const WeightShape& wanted : weight_shapes(network)) {
-    E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find_float(tensors, wanted.name, file));
-    const std::string location = cat(file, ": ", wanted.name);
-    if (tensor->shape != wanted.shape) {
-      return fail(ErrorCode::kShape, location, "the weights have shape ", shape_text(tensor->shape),
-                  ", but the network requires ", shape_text(wanted.shape), "; store the weights of this network");
-    }
-    E2LF_ASSIGN_OR_RETURN(weights[wanted.name], tensor->to_float(location));
+    E2LF_ASSIGN_OR_RETURN(weights[wanted.name],
+                          values_of(tensors, wanted.name, wanted.shape, file, "store the weights of this network"));
   }
   for (const auto& entry : tensors.tensors) {
     if (entry.first == kCodesTensor || weights.contains(entry.first)) continue;
@@ -70,7 +95,11 @@ Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& fi
   E2LF_ASSIGN_OR_RETURN(Model model, header_from_json(json, cat(file, ": ", kMetadataKey, ": $")));
   E2LF_ASSIGN_OR_RETURN(model.weights, weights_from_tensors(model.network, tensors, file));
   if (tensors.tensors.contains(kCodesTensor)) {
-    E2LF_ASSIGN_OR_RETURN(model.codes, codes_from_tensor(model, tensors, file));
+    const std::vector<size_t> shape = {model.num_patterns, model.views_y, model.views_x};
+    E2LF_ASSIGN_OR_RETURN(auto values,
+                          values_of(tensors, kCodesTensor, shape, file, "store the patterns of this model"));
+    model.codes.emplace(model.num_patterns, model.views_y, model.views_x);
+    model.codes->values = std::move(values);
   }
   E2LF_RETURN_IF_ERROR(validate(model, file));
   return model;
@@ -103,30 +132,9 @@ Result<void> write_model(const std::filesystem::path& path, const Model& model, 
   return write_safetensors(path, tensors);
 }
 
-namespace {
-
-constexpr size_t kPatterns = 4;
-constexpr size_t kViews = 64;  // 8 rows of 8, numbered row by row
-constexpr const char* kReleaseCodes = "mask_4x64";
-
-Result<capture::Codes> import_codes(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(path));
-  E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(kReleaseCodes, file));
-  const std::string location = cat(file, ": ", kReleaseCodes);
-  if (tensor->shape != std::vector<size_t>{kPatterns, kViews}) {
-    return fail(ErrorCode::kShape, location, "the patterns have shape ", shape_text(tensor->shape),
-                ", but the release has ", shape_text({kPatterns, kViews}), "; give the released file");
-  }
-  capture::Codes codes(kPatterns, 8, 8);
-  E2LF_ASSIGN_OR_RETURN(codes.values, tensor->to_float(location));
-  return codes;
-}
-
-}  // namespace
-
 Result<Model> import_release(const std::filesystem::path& folder) {
-  const auto network_path = folder / "RecNet.safetensors";
+  constexpr size_t kPatterns = 4, kViews = 64;  // 8 rows of 8, numbered row by row
+  const auto network_path = folder / "RecNet.safetensors", codes_path = folder / "AcqNet.safetensors";
   Model model;
   model.name = "coded-e2lf-release";
   model.num_patterns = kPatterns;
@@ -134,7 +142,10 @@ Result<Model> import_release(const std::filesystem::path& folder) {
   model.network = recnet(kPatterns - 1, kViews);
   E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, read_safetensors(network_path));
   E2LF_ASSIGN_OR_RETURN(model.weights, weights_from_tensors(model.network, tensors, network_path.string()));
-  E2LF_ASSIGN_OR_RETURN(model.codes, import_codes(folder / "AcqNet.safetensors"));
+  E2LF_ASSIGN_OR_RETURN(const Safetensors codes, read_safetensors(codes_path));
+  model.codes.emplace(kPatterns, 8, 8);
+  E2LF_ASSIGN_OR_RETURN(model.codes->values, values_of(codes, "mask_4x64", {kPatterns, kViews}, codes_path.string(),
+                                                       "give the released file"));
   model.provenance = {
       {"source", "released weights of the Coded-E2LF paper (Baseline+BF+RA, N = 4)"},
       {"licence", "MIT, see the release"},
@@ -144,52 +155,15 @@ Result<Model> import_release(const std::filesystem::path& folder) {
   return model;
 }
 
-namespace {
-
-constexpr const char* kMeasurement = "measurement";
-
-bool is_of_light_fields(const Json& measurement) {
-  return measurement.is_string() &&
-         (measurement == "" || choice_of(measurement.get<std::string>(), capture::kMeasurementKinds));
-}
-
-/// The fields of the header that are plain. `has_images` adds the constant of intensity images.
-template <typename AnyModel, typename Visitor>
-void visit_header(AnyModel& model, Visitor& visit, bool has_images) {
-  E2LF_VISIT(model, visit, name, num_patterns, views_y, views_x, event_model, black_first);
-  visit.section("constants", [&](auto& inner) {
-    E2LF_VISIT(model.constants, inner, eps, tau, sigma_w, sigma_z);
-    if (has_images) inner("sigma_i", model.constants.sigma_i);
-  });
-  visit.list("input", model.input, [](auto& group, auto& inner) {
-    inner.choice("kind", group.kind, kInputKinds, ErrorCode::kUnsupported);
-    inner("scale", group.scale);
-  });
-}
-
-/// Checks that the measurement stated in the file agrees with its input.
-Result<void> check_measurement(const Model& model, const std::string& stated, const OptionReader& reader) {
-  const auto needed = measurement_of(model.input);
-  if (!needed) return Error{needed.error().code, needed.error().message, reader.child_location("input")};
-  if (stated == capture::measurement_name(*needed)) return {};
-  return fail(ErrorCode::kInvalidValue, reader.child_location(kMeasurement), "the header states ", stated,
-              ", but the inputs require ", capture::measurement_name(*needed), "; make them agree");
-}
-
-/// The version is checked first, because another version has other keys.
-Result<void> check_version(const Json& json, const std::string& location) {
-  if (!json.is_object()) return fail(ErrorCode::kFormat, location, "expected an object; write { ... }");
-  const Json version = json.value("format_version", Json());
-  if (version == kFormatVersion) return {};
-  return fail(ErrorCode::kUnsupported, location + ".format_version", "format version ",
-              version.is_null() ? "(none)" : json_line(version),
-              " is not supported; use a build that reads it, as this one reads ", kFormatVersion);
-}
-
-}  // namespace
-
 Result<void> check_kind(const Json& header, bool is_video, const std::string& location) {
-  E2LF_RETURN_IF_ERROR(check_version(header, location));
+  if (!header.is_object()) return fail(ErrorCode::kFormat, location, "expected an object; write { ... }");
+  // The version is checked first, because another version has other keys.
+  const Json version = header.value("format_version", Json());
+  if (version != kFormatVersion) {
+    return fail(ErrorCode::kUnsupported, location + ".format_version", "format version ",
+                version.is_null() ? "(none)" : json_line(version),
+                " is not supported; use a build that reads it, as this one reads ", kFormatVersion);
+  }
   const Json found = header.value(kMeasurement, Json(""));
   if (found != kVoxelGrid && !is_of_light_fields(found)) {
     return fail(ErrorCode::kUnsupported, location + "." + kMeasurement, "the measurement ", json_line(found),
@@ -288,6 +262,17 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   }
   if (!provenance.is_null()) model.provenance = provenance;
   return model;
+}
+
+Json summary_json(const Model& model) {
+  Json json = header_to_json(model);
+  json["measurement"] = capture::measurement_name(model.measurement());
+  json["network"] = network_summary(model.network);
+  json["codes"] = model.codes ? codes_summary(*model.codes) : Json();
+  // The provenance comes last.
+  json.erase("provenance");
+  json["provenance"] = model.provenance;
+  return json;
 }
 
 }  // namespace e2lf::model

@@ -8,7 +8,6 @@
 
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
-#include "e2lf/model/summary.h"
 #include "testing/test_files.h"
 
 namespace e2lf::model {

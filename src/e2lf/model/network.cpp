@@ -120,6 +120,29 @@ Layer conv(const std::string& name, const std::string& input, size_t out_channel
   return {.name = name, .inputs = {input}, .out_channels = out_channels, .kernel = kernel};
 }
 
+/// The weights [out, in, taps] of a convolution whose input channel c consists of channels [c * phases, (c + 1) *
+/// phases).
+std::vector<float> combine(const std::vector<float>& weight, size_t in, size_t taps, size_t phases, size_t first,
+                           std::span<const float> values) {
+  const size_t length = in * taps, channel = phases * taps;
+  std::vector<float> result;
+  for (size_t out = 0; out < weight.size() / length; ++out) {
+    const auto from = weight.begin() + static_cast<ptrdiff_t>(out * length);
+    const auto constant = from + static_cast<ptrdiff_t>(first * channel);
+    result.insert(result.end(), from, constant);
+    for (size_t i = 0; i < channel; ++i) {
+      double sum = 0;
+      for (size_t c = 0; c < values.size(); ++c) {
+        sum += double{values[c]} * constant[static_cast<ptrdiff_t>(c * channel + i)];
+      }
+      result.push_back(static_cast<float>(sum));
+    }
+    result.insert(result.end(), constant + static_cast<ptrdiff_t>(values.size() * channel),
+                  from + static_cast<ptrdiff_t>(length));
+  }
+  return result;
+}
+
 }  // namespace
 
 size_t Layer::integer(const std::string& attribute, size_t otherwise) const {
@@ -237,33 +260,6 @@ Network recnet(size_t input_channels, size_t output_channels, size_t width) {
   }
   return network;
 }
-
-namespace {
-
-/// The weights [out, in, taps] of a convolution whose input channel c consists of channels [c * phases, (c + 1) *
-/// phases).
-std::vector<float> combine(const std::vector<float>& weight, size_t in, size_t taps, size_t phases, size_t first,
-                           std::span<const float> values) {
-  const size_t length = in * taps, channel = phases * taps;
-  std::vector<float> result;
-  for (size_t out = 0; out < weight.size() / length; ++out) {
-    const auto from = weight.begin() + static_cast<ptrdiff_t>(out * length);
-    const auto constant = from + static_cast<ptrdiff_t>(first * channel);
-    result.insert(result.end(), from, constant);
-    for (size_t i = 0; i < channel; ++i) {
-      double sum = 0;
-      for (size_t c = 0; c < values.size(); ++c) {
-        sum += double{values[c]} * constant[static_cast<ptrdiff_t>(c * channel + i)];
-      }
-      result.push_back(static_cast<float>(sum));
-    }
-    result.insert(result.end(), constant + static_cast<ptrdiff_t>(values.size() * channel),
-                  from + static_cast<ptrdiff_t>(length));
-  }
-  return result;
-}
-
-}  // namespace
 
 std::optional<WeightedNetwork> with_constant_inputs(const Network& network, const Weights& weights, size_t first,
                                                     std::span<const float> values) {

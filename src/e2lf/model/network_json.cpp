@@ -99,4 +99,14 @@ Result<Network> network_from_json(const Json& json, const std::string& location)
   return network;
 }
 
+Json network_summary(const Network& network) {
+  const size_t radius = receptive_radius(network);
+  return {{"type", kType},
+          {"layers", network.layers.size()},
+          {"parameters", num_parameters(network)},
+          {"macs_per_pixel", macs_per_pixel(network)},
+          {"receptive_field_px", radius == kWholeImage ? Json() : Json(2 * radius + 1)},
+          {"size_multiple_px", size_multiple(network)}};
+}
+
 }  // namespace e2lf::model

@@ -7,6 +7,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
+#include "e2lf/model/onnx/onnx_export.h"
 
 namespace e2lf::model {
 namespace {
@@ -21,21 +22,61 @@ Error misfit(const std::string& message) {
   return fail(ErrorCode::kShape, "", message);
 }
 
+// How operations export themselves.
+
+std::string add_convolution(OnnxCall& call) {
+  const Layer& layer = call.layer;
+  const auto kernel = static_cast<int64_t>(layer.kernel), stride = static_cast<int64_t>(layer.stride);
+  OnnxGraph::Attributes attributes = {{"kernel_shape", Integers{kernel, kernel}},
+                                      {"strides", Integers{stride, stride}}};
+  call.inputs.push_back("weights/" + layer.name + ".weight");
+  call.inputs.push_back("weights/" + layer.name + ".bias");
+  if (layer.op == Op::kConvTransposed) return call.node("ConvTranspose", attributes);
+  attributes.emplace_back("pads", Integers(4, kernel == stride ? 0 : kernel / 2));
+  return call.node("Conv", attributes);
+}
+
+/// ONNX orders the result with pixels of a block before channels, whereas Op::kPixelUnshuffle has channels first.
+std::string add_unshuffle(OnnxCall& call) {
+  const size_t channels = call.input_shapes.front().channels, area = call.layer.stride * call.layer.stride;
+  Integers order;
+  for (size_t c = 0; c < channels; ++c) {
+    for (size_t pixel = 0; pixel < area; ++pixel) order.push_back(static_cast<int64_t>(pixel * channels + c));
+  }
+  const std::string blocks = call.graph.add_node("SpaceToDepth", call.inputs, "blocks/" + call.layer.name,
+                                                 {{"blocksize", static_cast<int64_t>(call.layer.stride)}});
+  const std::string indices = call.graph.add_constant("orders/" + call.layer.name, order);
+  return call.graph.add_node("Gather", {blocks, indices}, call.output, {{"axis", int64_t{1}}});
+}
+
+std::string add_shuffle(OnnxCall& call) {
+  return call.node("DepthToSpace",
+                   {{"blocksize", static_cast<int64_t>(call.layer.stride)}, {"mode", std::string("CRD")}});
+}
+
+std::string add_upsampling(OnnxCall& call) {
+  return call.resize({{"mode", std::string("nearest")},
+                      {"coordinate_transformation_mode", std::string("asymmetric")},
+                      {"nearest_mode", std::string("floor")}});
+}
+
+// The operations.
+
 Operation conv() {
-  return {
-      .name = Op::kConv,
-      .takes_stride_and_relu = true,
-      .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
-        E2LF_RETURN_IF_ERROR(check_kernel(layer));
-        return LayerShape{layer.out_channels, inputs[0].scale * layer.stride};
-      },
-      .weights =
-          [](const Layer& layer, Inputs inputs) {
-            return conv_weights(layer.name, layer.out_channels, inputs[0].channels, layer.kernel);
+  return {.name = Op::kConv,
+          .takes_stride_and_relu = true,
+          .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
+            E2LF_RETURN_IF_ERROR(check_kernel(layer));
+            return LayerShape{layer.out_channels, inputs[0].scale * layer.stride};
           },
-      // Kernels that are larger than the stride are centred on the first pixel of the output's block.
-      .reach =
-          [](const Layer& layer) { return layer.kernel == layer.stride ? 0 : layer.kernel / 2 + layer.stride - 1; }};
+          .weights =
+              [](const Layer& layer, Inputs inputs) {
+                return conv_weights(layer.name, layer.out_channels, inputs[0].channels, layer.kernel);
+              },
+          // Kernels that are larger than the stride are centred on the first pixel of the output's block.
+          .reach =
+              [](const Layer& layer) { return layer.kernel == layer.stride ? 0 : layer.kernel / 2 + layer.stride - 1; },
+          .onnx = add_convolution};
 }
 
 Operation conv_transposed() {
@@ -54,7 +95,8 @@ Operation conv_transposed() {
               },
           // Each output pixel is the product of one input pixel.
           .macs = [](const Layer& layer,
-                     Inputs inputs) { return static_cast<double>(layer.out_channels * inputs[0].channels); }};
+                     Inputs inputs) { return static_cast<double>(layer.out_channels * inputs[0].channels); },
+          .onnx = add_convolution};
 }
 
 Operation pixel_unshuffle() {
@@ -62,7 +104,8 @@ Operation pixel_unshuffle() {
           .takes_stride_and_relu = true,
           .shape = [](const Layer& layer, Inputs inputs) -> Result<LayerShape> {
             return LayerShape{inputs[0].channels * layer.stride * layer.stride, inputs[0].scale * layer.stride};
-          }};
+          },
+          .onnx = add_unshuffle};
 }
 
 Operation pixel_shuffle() {
@@ -72,18 +115,31 @@ Operation pixel_shuffle() {
             const size_t area = layer.stride * layer.stride;
             if (inputs[0].channels % area == 0) return finer_shape(layer, inputs, inputs[0].channels / area);
             return misfit(cat(inputs[0].channels, " channels are not a multiple of ", area, "; change the stride"));
-          }};
+          },
+          .onnx = add_shuffle};
 }
 
 Operation upsample() {
-  return {.name = Op::kUpsample, .takes_stride_and_relu = true, .shape = [](const Layer& layer, Inputs inputs) {
-            return finer_shape(layer, inputs, inputs[0].channels);
-          }};
+  return {.name = Op::kUpsample,
+          .takes_stride_and_relu = true,
+          .shape = [](const Layer& layer, Inputs inputs) { return finer_shape(layer, inputs, inputs[0].channels); },
+          .onnx = add_upsampling};
 }
 
-Operation sum(const char* name) {
-  return {
-      .name = name, .min_inputs = 2, .max_inputs = kAnyInputs, .takes_stride_and_relu = true, .shape = equal_shapes};
+Operation sum() {
+  return {.name = Op::kAdd,
+          .min_inputs = 2,
+          .max_inputs = kAnyInputs,
+          .takes_stride_and_relu = true,
+          .shape = equal_shapes,
+          .onnx = [](OnnxCall& call) { return call.node("Sum"); }};
+}
+
+Operation mean() {
+  Operation operation = sum();
+  operation.name = Op::kMean;
+  operation.onnx = [](OnnxCall& call) { return call.node("Mean"); };
+  return operation;
 }
 
 Operation concat() {
@@ -101,15 +157,22 @@ Operation concat() {
               }
             }
             return shape;
-          }};
+          },
+          .onnx =
+              [](OnnxCall& call) {
+                return call.node("Concat", {{"axis", int64_t{1}}});
+              }};
+}
+
+Operation sigmoid() {
+  return {.name = Op::kSigmoid, .shape = equal_shapes, .onnx = [](OnnxCall& call) { return call.node("Sigmoid"); }};
 }
 
 /// The operations of this process. Pointers to the elements of a list stay valid.
 struct Registry {
   std::mutex mutex;
-  std::list<Operation> operations = {conv(),          conv_transposed(), pixel_unshuffle(),
-                                     pixel_shuffle(), upsample(),        sum(Op::kAdd),
-                                     sum(Op::kMean),  concat(),          {.name = Op::kSigmoid, .shape = equal_shapes}};
+  std::list<Operation> operations = {conv(), conv_transposed(), pixel_unshuffle(), pixel_shuffle(), upsample(), sum(),
+                                     mean(), concat(),          sigmoid()};
 };
 
 Registry& registry() {

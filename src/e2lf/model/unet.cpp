@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/model/unet.h"
-
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
+#include "e2lf/model/network.h"
 
 namespace e2lf::model {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/model/unet.h"
-
 #include <gtest/gtest.h>
+
+#include "e2lf/model/network.h"
 
 namespace e2lf::model {
 namespace {

@@ -107,7 +107,8 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
     opened.camera = model.camera;
     opened.camera_stated_by = StatedBy::kModel;
   }
-  E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(choice.precision));
+  E2LF_ASSIGN_OR_RETURN(const engine::Precision precision,
+                        choice_of(choice.precision, engine::kPrecisions, "precision"));
   const engine::EngineOptions options{.precision = precision, .device = choice.device};
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor network, recon::Reconstructor::create(std::move(model), options));
   opened.network = std::make_shared<const recon::Reconstructor>(std::move(network));

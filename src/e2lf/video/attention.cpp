@@ -92,7 +92,6 @@ class AttentionKernel final : public Kernel {
   std::string describe() const override {
     return "attention of " + std::to_string(heads_) + " heads " + hwy::TargetName(HWY_TARGET);
   }
-  Reach reach() const override { return {}; }
   bool needs_all(size_t input) const override { return input > 0; }
   bool needs_whole_rows() const override { return true; }
   size_t scratch_bytes() const override { return Scratch::floats(size_) * sizeof(float); }
@@ -240,10 +239,12 @@ class AttentionKernel final : public Kernel {
 
 }  // namespace
 
-std::unique_ptr<Kernel> MakeAttention(size_t channels, size_t heads, ElementType type) {
-  return for_element(type, [&](auto element) -> std::unique_ptr<Kernel> {
-    return std::make_unique<AttentionKernel<decltype(element)>>(channels, heads);
-  });
+Result<void> PlanAttention(PlanBuilder& build, const model::Layer& layer) {
+  const TensorSpec& spec = build.spec(layer.name);
+  build.add(layer, for_element(spec.type, [&](auto element) -> std::unique_ptr<Kernel> {
+              return std::make_unique<AttentionKernel<decltype(element)>>(spec.channels, layer.integer("heads", 1));
+            }));
+  return {};
 }
 
 }  // namespace HWY_NAMESPACE
@@ -253,28 +254,17 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace e2lf::video {
 
-using engine::PlanBuilder;
 using model::Layer, model::LayerShape;
 
-HWY_EXPORT(MakeAttention);
+HWY_EXPORT(PlanAttention);
 
 namespace {
 
-size_t heads_of(const Layer& layer) {
-  return layer.integer("heads", 1);
-}
-
 Result<LayerShape> attention_shape(const Layer& layer, std::span<const LayerShape> inputs) {
-  const size_t channels = inputs[0].channels, heads = heads_of(layer);
+  const size_t channels = inputs[0].channels, heads = layer.integer("heads", 1);
   if (heads != 0 && channels % heads == 0) return model::equal_shapes(layer, inputs);
   return fail(ErrorCode::kInvalidValue, "", heads, " heads for ", channels,
               " channels; use a number that divides them");
-}
-
-Result<void> plan_attention(PlanBuilder& build, const Layer& layer) {
-  const engine::TensorSpec& spec = build.spec(layer.name);
-  build.add(layer, HWY_DYNAMIC_DISPATCH(MakeAttention)(spec.channels, heads_of(layer), spec.type));
-  return {};
 }
 
 }  // namespace
@@ -286,7 +276,9 @@ engine::Operation attention() {
                     .attributes = {"heads"},
                     .shape = attention_shape,
                     .reach = [](const Layer&) { return model::kWholeImage; }},
-          .plan = plan_attention};
+          .plan = [](engine::PlanBuilder& build, const Layer& layer) {
+            return HWY_DYNAMIC_DISPATCH(PlanAttention)(build, layer);
+          }};
 }
 
 }  // namespace e2lf::video

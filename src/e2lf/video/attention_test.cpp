@@ -154,10 +154,11 @@ size_t live_bytes(const TestNetwork& test, size_t height, size_t width) {
   const Plan plan = make_plan(test.network, random_weights(test.network, 3), ElementType::kFloat32).value();
   const std::vector<float> input(test.network.input_channels * height * width);
   std::vector<float> output(plan.tensors.back().channels * height * width);
-  Stream stream(plan, {input, output, height, width}, 0, width);
+  FrameState memory;
+  Stream stream(plan, {input, output, height, width}, 0, width, memory);
   while (stream.advance()) {
   }
-  return stream.live_bytes();
+  return memory.rows.bytes();
 }
 
 /// The matrix of all pairs of pixels would be 262 MB.

@@ -85,46 +85,6 @@ Result<std::string> add_mix(CheckpointImporter& importer, const std::string& nam
                       std::move(bias));
 }
 
-}  // namespace
-
-bool is_dynamic_decoder(const CheckpointImporter& importer, const std::string& key) {
-  return importer.has(key + ".dynamic_conv.compositional_coefficients");
-}
-
-Result<std::string> import_dynamic_decoder(CheckpointImporter& importer, const std::string& name,
-                                           const std::string& key, const std::string& input) {
-  const auto layer = [](const std::string& layer_name, const char* op, std::vector<std::string> inputs) {
-    return Layer{.name = layer_name, .op = op, .inputs = std::move(inputs)};
-  };
-  E2LF_ASSIGN_OR_RETURN(const size_t bins, importer.bins());
-  if (bins > kMaxBins) {
-    return fail(ErrorCode::kShape, importer.location(key), "the network has ", bins,
-                " time bins, which is too many; give the published file");
-  }
-  Layer last = layer(name + "_previous", Op::kPrevious, {});
-  last.out_channels = 1;
-  std::string x = importer.add(last);
-  x = importer.add(layer(name + "_context", Op::kConcat, {"input", x}));
-  x = add_quarter(importer, name + "_quarter", x, bins + 1);
-  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_fusion", Op::kConv, {x}), key + ".context_fusion.conv"));
-
-  const std::string atoms = key + ".dynamic_atom_generation", net = atoms + ".bases_net.";
-  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_hidden", Op::kConv, {x}), net + "0", net + "1"));
-  x = importer.add(layer(name + "_hidden_tanh", Op::kTanh, {x}));
-  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_weights", Op::kConv, {x}), net + "3", net + "4"));
-  x = importer.add(layer(name + "_coefficients", Op::kTanh, {x}));
-  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> last_conv, importer.shape(net + "3.weight", 4));
-  E2LF_ASSIGN_OR_RETURN(const Bases bases, read_bases(importer, atoms + ".bases", last_conv[0]));
-  x = add_filters(importer, name + "_filters", x, bases);
-
-  Layer filtered = layer(name + "_filtered", Op::kDynamicFilter, {input, x});
-  filtered.kernel = bases.kernel;
-  x = importer.add(filtered);
-  return add_mix(importer, name, key + ".dynamic_conv", x, bases.filters);
-}
-
-namespace {
-
 constexpr size_t kHeads = 8;
 
 std::string encoder_key(size_t scale, size_t layer) {
@@ -227,6 +187,42 @@ Result<void> check_positions(CheckpointImporter& importer) {
 }
 
 }  // namespace
+
+bool is_dynamic_decoder(const CheckpointImporter& importer, const std::string& key) {
+  return importer.has(key + ".dynamic_conv.compositional_coefficients");
+}
+
+Result<std::string> import_dynamic_decoder(CheckpointImporter& importer, const std::string& name,
+                                           const std::string& key, const std::string& input) {
+  const auto layer = [](const std::string& layer_name, const char* op, std::vector<std::string> inputs) {
+    return Layer{.name = layer_name, .op = op, .inputs = std::move(inputs)};
+  };
+  E2LF_ASSIGN_OR_RETURN(const size_t bins, importer.bins());
+  if (bins > kMaxBins) {
+    return fail(ErrorCode::kShape, importer.location(key), "the network has ", bins,
+                " time bins, which is too many; give the published file");
+  }
+  Layer last = layer(name + "_previous", Op::kPrevious, {});
+  last.out_channels = 1;
+  std::string x = importer.add(last);
+  x = importer.add(layer(name + "_context", Op::kConcat, {"input", x}));
+  x = add_quarter(importer, name + "_quarter", x, bins + 1);
+  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_fusion", Op::kConv, {x}), key + ".context_fusion.conv"));
+
+  const std::string atoms = key + ".dynamic_atom_generation", net = atoms + ".bases_net.";
+  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_hidden", Op::kConv, {x}), net + "0", net + "1"));
+  x = importer.add(layer(name + "_hidden_tanh", Op::kTanh, {x}));
+  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_weights", Op::kConv, {x}), net + "3", net + "4"));
+  x = importer.add(layer(name + "_coefficients", Op::kTanh, {x}));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> last_conv, importer.shape(net + "3.weight", 4));
+  E2LF_ASSIGN_OR_RETURN(const Bases bases, read_bases(importer, atoms + ".bases", last_conv[0]));
+  x = add_filters(importer, name + "_filters", x, bases);
+
+  Layer filtered = layer(name + "_filtered", Op::kDynamicFilter, {input, x});
+  filtered.kernel = bases.kernel;
+  x = importer.add(filtered);
+  return add_mix(importer, name, key + ".dynamic_conv", x, bases.filters);
+}
 
 bool has_transformers(const CheckpointImporter& importer) {
   return has_layer(importer, encoder_key(0, 0));

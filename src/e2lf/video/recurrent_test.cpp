@@ -218,10 +218,10 @@ TEST_F(RecurrentTest, MemoryDoesNotGrowFromFrameToFrame) {
     const size_t height = 12 * test.multiple, width = 9 * test.multiple;
     const auto input = random_values(test.network.input_channels * height * width, 5);
     std::vector<float> output(plan.tensors.back().channels * height * width);
-    FrameMemory memory;
+    FrameState memory;
     size_t first_bytes = 0;
     for (int frame = 0; frame < 3; ++frame) {
-      Stream stream(plan, {input, output, height, width}, 0, width, &memory);
+      Stream stream(plan, {input, output, height, width}, 0, width, memory);
       while (stream.advance()) {
       }
       memory.end_frame();

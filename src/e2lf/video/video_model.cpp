@@ -11,7 +11,6 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/model/model_parts.h"
-#include "e2lf/model/summary.h"
 #include "e2lf/video/operations.h"
 
 namespace e2lf::video {
@@ -43,6 +42,23 @@ Result<VideoModel> header_from(const Json& json, const std::string& location) {
   E2LF_ASSIGN_OR_RETURN(model.network, network_from_json(network, reader.child_location("network")));
   if (!provenance.is_null()) model.provenance = provenance;
   return model;
+}
+
+/// Returns the part of planes [plane, y, x] that images of the sensor's size take, in their middle.
+template <typename T>
+PlanesView<T> middle_of(const PlanesView<T>& planes, size_t height, size_t width) {
+  PlanesView<T> middle = planes;
+  middle.extents = {planes.extents[0], height, width};
+  middle.data += (planes.extents[1] - height + 1) / 2 * planes.extents[2] + (planes.extents[2] - width + 1) / 2;
+  return middle;
+}
+
+/// Maps the values at two quantiles to 0 and 1.
+void stretch(std::span<float> frame, double low_share, double high_share) {
+  std::vector<float> sorted(frame.begin(), frame.end());
+  const float low = quantile(sorted, low_share), high = quantile(sorted, high_share);
+  const float scale = high > low ? 1.0F / (high - low) : 0.0F;
+  for (float& value : frame) value = (value - low) * scale;
 }
 
 }  // namespace
@@ -117,35 +133,16 @@ Result<void> write_video_model(const std::filesystem::path& path, const VideoMod
 Json summary_json(const VideoModel& model) {
   Json json = video_header_to_json(model);
   json["network"] = model::network_summary(model.network);
-  json.erase("provenance");
-  json["provenance"] = model.provenance;
   return json;
 }
-
-namespace {
-
-/// Returns the part of planes [plane, y, x] that images of the sensor's size take, in their middle.
-template <typename T>
-PlanesView<T> middle_of(const PlanesView<T>& planes, size_t height, size_t width) {
-  PlanesView<T> middle = planes;
-  middle.extents = {planes.extents[0], height, width};
-  middle.data += (planes.extents[1] - height + 1) / 2 * planes.extents[2] + (planes.extents[2] - width + 1) / 2;
-  return middle;
-}
-
-size_t padded_to(size_t size_px, size_t multiple_px) {
-  return (size_px + multiple_px - 1) / multiple_px * multiple_px;
-}
-
-}  // namespace
 
 EventVideo::EventVideo(VideoModel model, engine::Engine engine, size_t height, size_t width)
     : model_(std::move(model)),
       engine_(std::move(engine)),
       height_(height),
       width_(width),
-      padded_height_(padded_to(height, model_.pad_multiple)),
-      padded_width_(padded_to(width, model_.pad_multiple)) {}
+      padded_height_(engine::round_up(height, model_.pad_multiple)),
+      padded_width_(engine::round_up(width, model_.pad_multiple)) {}
 
 Result<EventVideo> EventVideo::create(VideoModel model, size_t height, size_t width,
                                       const engine::EngineOptions& options) {
@@ -169,18 +166,6 @@ Result<std::vector<float>> EventVideo::next(capture::VoxelGrid grid) {
   E2LF_RETURN_IF_ERROR(engine_.run_frame(grid.values, padded_height_, padded_width_, state_, output.values));
   return is_padded ? owned(middle_of<float>(output, height_, width_)).values : std::move(output.values);
 }
-
-namespace {
-
-/// Maps the values at two quantiles to 0 and 1.
-void stretch(std::span<float> frame, double low_share, double high_share) {
-  std::vector<float> sorted(frame.begin(), frame.end());
-  const float low = quantile(sorted, low_share), high = quantile(sorted, high_share);
-  const float scale = high > low ? 1.0F / (high - low) : 0.0F;
-  for (float& value : frame) value = (value - low) * scale;
-}
-
-}  // namespace
 
 float quantile(std::span<float> values, double share) {
   E2LF_REQUIRE(!values.empty() && share >= 0.0 && share <= 1.0, "a quantile needs values and a share");

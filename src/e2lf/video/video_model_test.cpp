@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/files/safetensors.h"
-#include "e2lf/model/summary.h"
 #include "testing/test_files.h"
 #include "testing/video_networks.h"
 

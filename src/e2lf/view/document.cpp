@@ -10,7 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/model/summary.h"
+#include "e2lf/model/model.h"
 #include "e2lf/report/page.h"
 #include "e2lf/report/table.h"
 

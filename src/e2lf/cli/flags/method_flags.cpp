@@ -139,7 +139,7 @@ void note_network(const OpenedMethod& method, const fs::path& events, size_t pas
     log_warning(cat("--passes ", passes, ": the network distinguishes ", made, " position", made == 1 ? "" : "s",
                     " on its pixel grid; the number of passes is reduced to this"));
   }
-  const char* precision = engine::precision_name(network.engine().precision());
+  const char* precision = word_of(network.engine().precision(), engine::kPrecisions);
   record.resolve("precision", precision);
   record.note("precision", precision);
   record.note("passes", made);

@@ -105,7 +105,8 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
     E2LF_ASSIGN_OR_RETURN(tone, choice_of(arguments.tone, video::kFrameTones, "tone"));
   }
   record.resolve("tone", word_of(tone, video::kFrameTones));
-  E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
+  E2LF_ASSIGN_OR_RETURN(const engine::Precision precision,
+                        choice_of(arguments.precision, engine::kPrecisions, "precision"));
   E2LF_ASSIGN_OR_RETURN(video::EventVideo video,
                         video::EventVideo::create(std::move(model), info.height, info.width, {.precision = precision}));
   return FrameMaker(info.height, info.width, std::move(video), tone);

@@ -3,7 +3,7 @@
 
 #include "e2lf/engine/engine.h"
 #include "e2lf/learn/network/network_module.h"
-#include "e2lf/model/unet.h"
+#include "e2lf/model/network.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::learn {

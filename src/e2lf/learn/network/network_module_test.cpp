@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/learn/optimisers/optimisers.h"
-#include "e2lf/model/unet.h"
+#include "e2lf/model/network.h"
 
 namespace e2lf::learn {
 namespace {
@@ -96,7 +96,7 @@ TEST(NetworkModule, GradientMatchesDifferencesAlongARandomDirection) {
                         .set_requires_grad(true);
     direction[name] = torch::randn(tensor.sizes(), torch::kDouble);
   }
-  const auto loss = [&](const NamedTensors& at) { return module.forward(input, torch::kDouble, at).square().mean(); };
+  const auto loss = [&](const NamedTensors& at) { return module.forward(input, torch::kDouble, &at).square().mean(); };
   loss(weights).backward();
   double expected = 0;
   NamedTensors above, below;

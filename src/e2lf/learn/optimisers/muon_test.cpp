@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/learn/optimisers/optimisers.h"
-#include "e2lf/model/unet.h"
+#include "e2lf/model/network.h"
 
 namespace e2lf::learn {
 namespace {

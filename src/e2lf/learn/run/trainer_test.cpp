@@ -13,7 +13,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/learn/events/event_simulation.h"
 #include "e2lf/learn/run/commands.h"
-#include "e2lf/model/unet.h"
+#include "e2lf/model/network.h"
 #include "testing/test_training_data.h"
 
 namespace e2lf::learn {
@@ -206,7 +206,7 @@ TEST(Trainer, RefusesDevicesThatAreNotThere) {
     EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << name;
   }
   config.device = "cuda:99";
-  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kMissingDependency);
 }
 
 TEST(Trainer, LowersTheLossOnOneScene) {

@@ -74,7 +74,7 @@ ProtobufMessage attribute_proto_of(const std::string& name, const OnnxGraph::Att
     attribute.add_bytes(attribute_proto::kText, *text);
     attribute.add_integer(attribute_proto::kType, attribute_proto::kIsText);
   } else {
-    for (const int64_t each : std::get<std::vector<int64_t>>(value)) {
+    for (const int64_t each : std::get<Integers>(value)) {
       attribute.add_integer(attribute_proto::kIntegers, each);
     }
     attribute.add_integer(attribute_proto::kType, attribute_proto::kIsIntegers);
@@ -90,6 +90,9 @@ ProtobufMessage tensor_of(const std::string& name, std::span<const size_t> shape
   tensor.add_bytes(tensor_proto::kData, data);
   return tensor;
 }
+
+enum WireType : uint32_t { kVarint = 0, kLengthDelimited = 2 };
+constexpr uint32_t kMostFields = (uint32_t{1} << 29) - 1;
 
 }  // namespace
 
@@ -152,13 +155,6 @@ std::string OnnxGraph::file(const std::string& name,
   }
   return model.bytes();
 }
-
-namespace {
-
-enum WireType : uint32_t { kVarint = 0, kLengthDelimited = 2 };
-constexpr uint32_t kMostFields = (uint32_t{1} << 29) - 1;
-
-}  // namespace
 
 void ProtobufMessage::add_varint(uint64_t value) {
   for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<char>((value & 0x7F) | 0x80));

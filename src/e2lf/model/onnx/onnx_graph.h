@@ -32,11 +32,14 @@ class ProtobufMessage {
   std::string bytes_;
 };
 
+/// The value of an attribute, or a constant along one axis, of a graph.
+using Integers = std::vector<int64_t>;
+
 /// A graph of ONNX operations (IR version 8, opset 17, onnx.ai/onnx/operators). A tensor is identified by its name,
 /// which may be defined by one call only.
 class OnnxGraph {
  public:
-  using Attribute = std::variant<int64_t, std::string, std::vector<int64_t>>;
+  using Attribute = std::variant<int64_t, std::string, Integers>;
   using Attributes = std::vector<std::pair<std::string, Attribute>>;
 
   /// A size along one axis: a number, or a name if it is known only at run time.
