@@ -8,10 +8,9 @@
 #include <thread>
 
 #include "e2lf/live/event_preview.h"
-#include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_cycle.h"
+#include "e2lf/live/live_reader.h"
 #include "e2lf/live/pace.h"
-#include "e2lf/live/recorder.h"
 #include "e2lf/live/render.h"
 #include "e2lf/live/session.h"
 #include "e2lf/live/statistics.h"
