@@ -102,13 +102,12 @@ std::string sensor_text(const Plan& plan, size_t sensor) {
   return cat("Sensor: ", plan.sensors[sensor].config.name, ".");
 }
 
-}  // namespace
-
-std::optional<double> scene_mean(const Plan& plan, const Results& results, const Job& of, const char* metric) {
+std::optional<double> scene_mean(const Plan& plan, const Results& results, size_t method, size_t scene, size_t sensor,
+                                 const char* metric) {
   Mean mean;
   for (size_t i = 0; i < plan.jobs.size(); ++i) {
     const Job& job = plan.jobs[i];
-    if (job.method == of.method && job.scene == of.scene && job.sensor == of.sensor) {
+    if (job.method == method && job.scene == scene && job.sensor == sensor) {
       mean.add(figure(results[i], metric));
     }
   }
@@ -120,7 +119,7 @@ std::optional<double> group_mean(const Plan& plan, const Results& results, size_
   Mean mean;
   for (size_t scene = 0; scene < plan.scenes.size(); ++scene) {
     if (plan.scenes[scene].group.name != group) continue;
-    mean.add(scene_mean(plan, results, {method, scene, sensor, 0, {}, {}}, metric));
+    mean.add(scene_mean(plan, results, method, scene, sensor, metric));
   }
   return mean.value();
 }
@@ -131,6 +130,30 @@ std::optional<double> mean_of_groups(const Plan& plan, const Results& results, s
   for (const std::string& group : plan.groups) mean.add(group_mean(plan, results, method, sensor, group, metric));
   return mean.value();
 }
+
+Table result_table(const Plan& plan, const Results& results) {
+  const std::vector<Metric> metrics = metrics_of(plan, &Metric::is_repeatable, true);
+  Table table;
+  table.columns = {{"method"}, {"N", true}, {"sensor"}, {"group"}, {"scene"}, {"seed", true}};
+  for (const Metric& metric : metrics) table.columns.push_back({metric.name, true});
+  for (size_t i = 0; i < plan.jobs.size(); ++i) {
+    if (!results[i]) continue;
+    const Job& job = plan.jobs[i];
+    const Scene& scene = plan.scenes[job.scene];
+    std::vector<Cell> row = {report::text_cell(plan.methods[job.method].config.name),
+                             {std::to_string(num_patterns(plan, job.method)), num_patterns(plan, job.method)},
+                             report::text_cell(plan.sensors[job.sensor].config.name),
+                             report::text_cell(scene.group.name),
+                             report::text_cell(scene.name),
+                             {std::to_string(job.seed), job.seed}};
+    for (const Metric& metric : metrics)
+      row.push_back(report::number_cell(figure(results[i], metric.name), metric.decimals));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+}  // namespace
 
 Table quality_table(const Plan& plan, const Results& results, size_t sensor) {
   const std::vector<Metric> metrics = metrics_of(plan, &Metric::is_quality, true);
@@ -179,28 +202,6 @@ Table cost_table(const Plan& plan, const Results& results, size_t sensor) {
   return table;
 }
 
-Table result_table(const Plan& plan, const Results& results) {
-  const std::vector<Metric> metrics = metrics_of(plan, &Metric::is_repeatable, true);
-  Table table;
-  table.columns = {{"method"}, {"N", true}, {"sensor"}, {"group"}, {"scene"}, {"seed", true}};
-  for (const Metric& metric : metrics) table.columns.push_back({metric.name, true});
-  for (size_t i = 0; i < plan.jobs.size(); ++i) {
-    if (!results[i]) continue;
-    const Job& job = plan.jobs[i];
-    const Scene& scene = plan.scenes[job.scene];
-    std::vector<Cell> row = {report::text_cell(plan.methods[job.method].config.name),
-                             {std::to_string(num_patterns(plan, job.method)), num_patterns(plan, job.method)},
-                             report::text_cell(plan.sensors[job.sensor].config.name),
-                             report::text_cell(scene.group.name),
-                             report::text_cell(scene.name),
-                             {std::to_string(job.seed), job.seed}};
-    for (const Metric& metric : metrics)
-      row.push_back(report::number_cell(figure(results[i], metric.name), metric.decimals));
-    table.rows.push_back(std::move(row));
-  }
-  return table;
-}
-
 Json all_json(const Plan& plan, const Results& results) {
   Json json = {{"name", plan.name}, {"sensors", Json::array()}};
   for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
@@ -244,8 +245,6 @@ void add_pictures(const Plan& plan, const Results& results, const ResultStore& s
   }
 }
 
-}  // namespace
-
 std::string result_page(const Plan& plan, const Results& results, const ResultStore& store,
                         const std::string& command) {
   report::Page page(plan.name);
@@ -265,6 +264,8 @@ std::string result_page(const Plan& plan, const Results& results, const ResultSt
   }
   return page.html();
 }
+
+}  // namespace
 
 Result<void> write_tables(const std::filesystem::path& folder, const Plan& plan, const Results& results,
                           const ResultStore& store, const std::string& command) {
