@@ -44,7 +44,6 @@ class CyclePlot {
  private:
   static constexpr size_t kBins = 2000;
 
-  /// Keeps an item unless the plot already has the maximum number of them.
   template <typename T>
   static void keep(std::vector<T>& kept, const T& item) {
     if (kept.size() < kMaxDrawn) kept.push_back(item);
@@ -104,7 +103,6 @@ class PlacesCheck {
   size_t cycles_ = 0;
 };
 
-/// Returns a table with one row per cycle.
 report::Table cycle_table(const Json& cycles) {
   report::Table table{"The cycles, in order of time.",
                       {{"cycle", true}, {"events", true}, {"begins, us", true}, {"confidence", true}},
@@ -239,18 +237,18 @@ int run_accumulate(const std::vector<std::string>& arguments) {
       "Divide a recording into pattern cycles and sum the events of each into event images. Needs constant memory.",
       "e2lf accumulate recording.raw -o events.npz --source bursts");
   AccumulateArguments accumulation;
-  verb.app()
-      .add_option("input,-i,--input", accumulation.input,
-                  "recording, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")
+  CLI::App& app = verb.app();
+  app.add_option("input,-i,--input", accumulation.input,
+                 "recording, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")
       ->required();
-  verb.app().add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
-  add_report_option(verb.app(), accumulation.reports);
+  app.add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
+  add_report_option(app, accumulation.reports);
   add_codes_option(
-      verb.app(), accumulation.codes,
+      app, accumulation.codes,
       "the patterns that the camera showed (.json, .npy, .npz, or a model); default: as the recording or the "
       "schedule states");
-  add_cycle_options(verb.app(), accumulation.cycles);
-  add_orientation_options(verb.app(), accumulation.orientation);
+  add_cycle_options(app, accumulation.cycles);
+  add_orientation_options(app, accumulation.orientation);
   verb.stop_gently();
   return verb.run(arguments, [&] { return accumulate(accumulation, verb); });
 }

@@ -95,7 +95,6 @@ void match_transitions(const std::string& wanted, capture::Codes& codes, std::ve
   }
 }
 
-/// Returns the command that uses the camera.
 std::string next_step(const CalibrateArguments& arguments) {
   std::string command = cat("e2lf reconstruct ", shell_word(arguments.inputs.front().string()));
   const auto add = [&](const char* option, const fs::path& path) {

@@ -24,8 +24,6 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 Result<void> list_cameras(const CommonOptions& common) {
   Json cameras = Json::array();
   bool has_hal = false;
@@ -130,24 +128,23 @@ Result<void> check_camera(const CheckArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions options, open_options(arguments.input, arguments.recording));
   options.counts_reports = true;
   E2LF_ASSIGN_OR_RETURN(auto source, recordings::open_live_bytes(arguments.input.string(), options.camera));
-  const auto begin = Clock::now();
+  const auto begin = std::chrono::steady_clock::now();
   const std::chrono::duration<double> length(arguments.seconds);
   source->end_at(begin + std::chrono::duration_cast<std::chrono::nanoseconds>(length));
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_recording(
                                                std::unique_ptr<recordings::ByteSource>(std::move(source)), options));
-  const auto passed_s = [begin] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   CameraCheck check;
   recordings::EventBatch batch;
   bool has_warned = false;
   for (bool more = true; more;) {
     E2LF_ASSIGN_OR_RETURN(more, reader->read(batch));
     check.add(batch);
-    if (check.triggers() == 0 && !has_warned && more && passed_s() > kPatienceS) {
+    if (check.triggers() == 0 && !has_warned && more && seconds_since(begin) > kPatienceS) {
       diagnose::log_findings(arguments.input.string(), {diagnose::no_trigger_finding(kPatienceS)});
       has_warned = true;
     }
   }
-  const double seconds = std::max(passed_s(), 1e-3);
+  const double seconds = std::max(seconds_since(begin), 1e-3);
   const recordings::DecodeSummary summary = reader->summary();
   diagnose::Findings findings = check.findings(*reader, arguments.seconds);
   Json json = check.json(*reader, seconds);

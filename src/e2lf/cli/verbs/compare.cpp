@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf compare: compares methods over scenes, sensors and seeds, and writes tables and a page
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 
@@ -19,6 +18,7 @@
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/sibling_program.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -34,15 +34,11 @@ struct CompareArguments {
 };
 
 Result<compare::Shard> parse_shard(const std::string& text) {
-  compare::Shard shard;
-  if (text.empty()) return shard;
-  const char* const end = text.data() + text.size();
-  const auto number = std::from_chars(text.data(), end, shard.number);
-  const bool has_slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
-  const auto count = std::from_chars(has_slash ? number.ptr + 1 : end, end, shard.count);
-  if (has_slash && count.ec == std::errc() && count.ptr == end && shard.number >= 1 && shard.number <= shard.count) {
-    return shard;
-  }
+  if (text.empty()) return compare::Shard();
+  const size_t slash = text.find('/');
+  const auto number = recordings::parse_number<size_t>(text.substr(0, slash));
+  const auto count = recordings::parse_number<size_t>(slash == std::string::npos ? "" : text.substr(slash + 1));
+  if (number && count && *number >= 1 && *number <= *count) return compare::Shard{*number, *count};
   return fail(ErrorCode::kInvalidValue, "--shard " + text,
               "a shard is a number and a total, counted from 1; give e.g. 1/4");
 }

@@ -80,7 +80,6 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
   return record.write(output.record_path());
 }
 
-/// The part of a recording that is written to one file.
 struct ConvertedPart {
   fs::path named;  ///< its final path
   OutputFile output;

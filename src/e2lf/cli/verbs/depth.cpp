@@ -84,7 +84,6 @@ Result<void> write_points(const fs::path& path, const DisparityOutput& output, c
   return write_file(path, points);
 }
 
-/// Writes one file in the format of its extension.
 Result<void> write_one(const fs::path& path, const std::string& extension, const DisparityOutput& output,
                        const DisparityResult& result, const Shared& shared) {
   const Image& disparity = result.map.disparity;

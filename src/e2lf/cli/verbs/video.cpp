@@ -52,7 +52,6 @@ cycles::WindowOptions window_options(const VideoArguments& arguments) {
   return options;
 }
 
-/// Makes a frame from each window.
 class FrameMaker {
  public:
   /// Makes frames from signed events: a surplus of `full_scale` ON or OFF events is white or black.
@@ -115,7 +114,6 @@ std::string frame_name(uint64_t number) {
   return formatted("frame_%06llu.png", static_cast<unsigned long long>(number));
 }
 
-/// A summary of the result.
 struct VideoReport {
   uint64_t frames = 0, events = 0, empty = 0;
   std::string table = "frame,begin_us,end_us,events\n";

@@ -21,7 +21,6 @@
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/document.h"
-#include "e2lf/view/recording_item.h"
 #include "e2lf/view/server.h"
 
 namespace e2lf::cli {
@@ -154,9 +153,7 @@ class DocumentMaker {
     if (kind == FileKind::kEventImages) return add_event_images(path);
     if (kind == FileKind::kLightField || kind == FileKind::kCycles) return add_light_field(path, name_of(path));
     if (kind == FileKind::kRecording) return add_recording(path);
-    if (kind != FileKind::kImages) return other_kind_error(path, kind, "something that the viewer can show");
-    return fail(ErrorCode::kUnsupported, path,
-                "the viewer does not show measurements with intensity images; reconstruct a light field from it");
+    return other_kind_error(path, kind, "something that the viewer can show");
   }
 
   /// Compares every light field with the first one of the same shape.
@@ -331,23 +328,21 @@ int run_view(const std::vector<std::string>& arguments) {
             "of the same shape are compared; the first one is the ground truth.",
             "e2lf view out/demo/scene out/demo/recon");
   ViewArguments view_arguments;
-  verb.app()
-      .add_option("things", view_arguments.things, "files and folders to show, or bundled models")
+  CLI::App& app = verb.app();
+  app.add_option("things", view_arguments.things, "files and folders to show, or bundled models")
       ->required()
       ->type_name(kThingType);
-  verb.app().add_option("--disparity", view_arguments.disparity,
-                        "disparity map to show over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
-  verb.app().add_option("--export", view_arguments.page, "write a self-contained HTML file instead of serving");
-  verb.app()
-      .add_option("--port", view_arguments.port, "port of 127.0.0.1 to serve on; 0 = any free one")
+  app.add_option("--disparity", view_arguments.disparity,
+                 "disparity map to show over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
+  app.add_option("--export", view_arguments.page, "write a self-contained HTML file instead of serving");
+  app.add_option("--port", view_arguments.port, "port of 127.0.0.1 to serve on; 0 = any free one")
       ->capture_default_str();
-  verb.app()
-      .add_option("--frames", view_arguments.frames, "recordings: number of images over time")
+  app.add_option("--frames", view_arguments.frames, "recordings: number of images over time")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  add_light_field_options(verb.app(), view_arguments.light_field, /*has_views=*/true);
-  add_orientation_options(verb.app(), view_arguments.light_field.orientation);
-  add_cycle_options(verb.app(), view_arguments.cycles);
+  add_light_field_options(app, view_arguments.light_field, /*has_views=*/true);
+  add_orientation_options(app, view_arguments.light_field.orientation);
+  add_cycle_options(app, view_arguments.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] {
     std::ranges::transform(view_arguments.things, view_arguments.things.begin(), thing_named);
