@@ -86,8 +86,8 @@ void Document::add_light_field(const std::string& name, const std::shared_ptr<Li
             {"cycles", std::move(described)}});
 }
 
-void Document::add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x,
-                             const std::vector<lightfield::Image>& confidences) {
+void Document::add_disparity(size_t item, const DisparityMaps& disparity) {
+  const auto& [maps, view, confidences] = disparity;
   Json& field = items_.at(item);
   lightfield::Image all;
   for (const lightfield::Image& map : maps) {
@@ -100,7 +100,7 @@ void Document::add_disparity(size_t item, const std::vector<lightfield::Image>& 
     for (const lightfield::Image& image : images) parts.push_back(add_part(counts_part(thousandths(image))));
     return parts;
   };
-  field["disparity"] = {{"view", {view_y, view_x}},
+  field["disparity"] = {{"view", {view.y, view.x}},
                         {"range", {json_number(range.least), json_number(range.most)}},
                         {"maps", add_parts(maps)}};
   if (confidences.empty()) return;

@@ -27,8 +27,7 @@ Result<void> write_comparison_page(const std::filesystem::path& path, const Show
     cycles->add(name, shown->light_field);
     document.add_light_field(name, cycles);
     if (!error) continue;
-    const depth::ViewIndex middle = depth::middle_view(shape);
-    document.add_disparity(document.num_items() - 1, {shown->disparity}, middle.y, middle.x);
+    document.add_disparity(document.num_items() - 1, {{shown->disparity}, depth::middle_view(shape)});
   }
   view::Quality quality = view::quality_of(truth.light_field, reconstruction.light_field);
   quality.disparity = error;

@@ -52,12 +52,6 @@ std::string name_of(const fs::path& path) {
   return folder.empty() || folder == ".." ? whole.filename().string() : (folder / whole.filename()).string();
 }
 
-/// Disparity maps of one view, px per view step: one, or one for each cycle.
-struct DisparityMaps {
-  std::vector<Image> maps, confidences;
-  depth::ViewIndex view;
-};
-
 Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
   E2LF_ASSIGN_OR_RETURN(Image image, depth::read_disparity(path));
   if (image.width == shape.width && image.height == shape.height) return image;
@@ -95,13 +89,13 @@ depth::ViewIndex view_of(const fs::path& path, const lightfield::Shape& shape) {
 /// or a folder that `e2lf depth` wrote (disparity.npy and confidence.npy, in each of cycle_00000 ...). The record
 /// beside the maps states to which view they belong; without a record it is depth::middle_view(). Fails with kNotFound,
 /// kFormat, and kShape (the size or number of the maps does not match).
-Result<DisparityMaps> read_disparity(const fs::path& path, const lightfield::Shape& shape, size_t cycles) {
+Result<view::DisparityMaps> read_disparity(const fs::path& path, const lightfield::Shape& shape, size_t cycles) {
   const std::vector<fs::path> files = files_of(path);
   if (files.size() != 1 && files.size() != cycles) {
     return fail(ErrorCode::kShape, path, "there are ", files.size(), " disparity maps for ", cycles,
                 " cycles; give one, or those of this light field");
   }
-  DisparityMaps found{{}, {}, view_of(path, shape)};
+  view::DisparityMaps found{{}, view_of(path, shape)};
   for (const fs::path& file : files) {
     E2LF_ASSIGN_OR_RETURN(Image map, read_map(file, shape));
     found.maps.push_back(std::move(map));
@@ -195,8 +189,9 @@ class DocumentMaker {
   }
 
   Result<void> add_disparity(const fs::path& path, const ShownCycles& shown) {
-    E2LF_ASSIGN_OR_RETURN(const DisparityMaps found, read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
-    document_.add_disparity(shown.item, found.maps, found.view.y, found.view.x, found.confidences);
+    E2LF_ASSIGN_OR_RETURN(const view::DisparityMaps found,
+                          read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
+    document_.add_disparity(shown.item, found);
     return {};
   }
 
@@ -255,8 +250,8 @@ class DocumentMaker {
     E2LF_ASSIGN_OR_RETURN(depth::FoundDisparity found,
                           depth::judge_disparity(*reconstruction, truth.disparity, bar.callback()));
     const depth::ViewIndex view = depth::middle_view(shape);
-    document_.add_disparity(first.item, {truth.disparity}, view.y, view.x);
-    document_.add_disparity(second.item, {found.disparity}, view.y, view.x);
+    document_.add_disparity(first.item, {{truth.disparity}, view});
+    document_.add_disparity(second.item, {{found.disparity}, view});
     quality.disparity = std::move(found.error);
     quality.truth_source = truth.source;
     return {};
