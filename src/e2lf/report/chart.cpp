@@ -252,8 +252,7 @@ std::string chart_svg(const LineChart& chart) {
   const double top = legend.height + 30;
   const VerticalAxis y(y_range.open(), top, chart.has_signs);
   const HorizontalAxis x(x_range.open(), widest(y.texts) + 12);
-  const bool has_marks =
-      std::any_of(chart.marks.begin(), chart.marks.end(), [](const Marks& marks) { return !marks.marks.empty(); });
+  const bool has_marks = std::ranges::any_of(chart.marks, [](const Marks& marks) { return !marks.marks.empty(); });
   const double bottom = y.axis.page_low + (has_marks ? 9 : 0);
   std::string svg = svg_begin(kWidth, bottom + 48) + legend.svg;
   svg += bands_svg(chart.bands, x, top, y.axis.page_low);

@@ -82,14 +82,12 @@ Result<compare::Config> configuration(const CompareArguments& arguments, const V
 
 Result<void> take_over(const CompareArguments& arguments, const compare::Plan& plan,
                        const compare::ResultStore& store) {
-  std::vector<std::string> pictures;
-  for (const compare::Scene& scene : plan.scenes) pictures.push_back(compare::truth_key(scene));
   for (const fs::path& folder : arguments.merged) {
     if (!is_our_record(folder / "run.json")) {
       return fail(ErrorCode::kNotFound, folder,
                   "the folder contains no results of `e2lf compare`; give the output folder of a comparison");
     }
-    E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder), pictures));
+    E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder)));
     log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " copied"));
   }
   return {};
@@ -98,8 +96,8 @@ Result<void> take_over(const CompareArguments& arguments, const compare::Plan& p
 /// Prints the results that exist, and warns about sums that saturated and about results that are missing.
 void tell(const CompareArguments& arguments, const compare::Plan& plan, const compare::Results& results,
           size_t new_results, const Verb& verb) {
-  const auto there = static_cast<size_t>(
-      std::count_if(results.begin(), results.end(), [](const auto& result) { return result.has_value(); }));
+  const auto there =
+      static_cast<size_t>(std::ranges::count_if(results, [](const auto& result) { return result.has_value(); }));
   if (arguments.json) {
     Json json = compare::all_json(plan, results);
     json["new_results"] = new_results;
