@@ -162,9 +162,9 @@ TEST(Pace, KeepsANamedSizeAndAPaceThatHolds) {
   Pace better({50, 10}, PictureSize::kHalf);
   for (int i = 0; i < 50; ++i) better.add(0.01, 0.1);
   EXPECT_EQ(better.level(), (QualityLevel{0, PictureSize::kHalf}));
-  EXPECT_FALSE(size_from_name("auto").value().has_value());
-  EXPECT_EQ(size_from_name("half").value(), PictureSize::kHalf);
-  EXPECT_FALSE(size_from_name("Half").ok());
+  EXPECT_FALSE(choice_of("auto", kPictureSizes).value().has_value());
+  EXPECT_EQ(choice_of("half", kPictureSizes).value(), PictureSize::kHalf);
+  EXPECT_FALSE(choice_of("Half", kPictureSizes).ok());
 }
 
 TEST(RecentQuantiles, AreExactAndForgetWhatIsOld) {

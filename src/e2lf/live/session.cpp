@@ -415,7 +415,7 @@ Json Session::json() {
   json["schedule"] = {{"patterns", schedule.size()}, {"cycle_us", schedule.cycle_us()}};
   const std::lock_guard lock(settings_mutex_);
   json["size"] = size_name(pace_.level().size);
-  json["size_choice"] = named_size_ ? size_name(*named_size_) : "auto";
+  json["size_choice"] = word_of(named_size_, kPictureSizes);
   json["network"] = model(pace_.level().network).name;
   json["gain"] = tone_.gain ? Json(*tone_.gain) : Json();
   json["black"] = tone_.black ? Json(*tone_.black) : Json();

@@ -32,9 +32,7 @@ Json codes_json(const capture::Codes& codes) {
 
 Json numbers_or_null(const std::vector<double>& values) {
   Json numbers = Json::array();
-  for (const double value : values) {
-    numbers.push_back(std::isfinite(value) ? Json(std::round(value * 1000.0) / 1000.0) : Json());
-  }
+  for (const double value : values) numbers.push_back(finite_or_null(std::round(value * 1000.0) / 1000.0));
   return numbers;
 }
 

@@ -22,13 +22,11 @@ using lightfield::ByteImage;
 namespace {
 
 Json codes_json(const capture::Codes& codes) {
-  Json json;
-  json["num_patterns"] = codes.num_patterns;
-  json["views"] = {codes.views_y, codes.views_x};
-  json["black_first"] = capture::is_black_first(codes);
-  json["binary"] = capture::is_binary(codes);
-  json["light_efficiency"] = capture::light_efficiency(codes);
-  return json;
+  return {{"num_patterns", codes.num_patterns},
+          {"views", {codes.views_y, codes.views_x}},
+          {"black_first", capture::is_black_first(codes)},
+          {"binary", capture::is_binary(codes)},
+          {"light_efficiency", capture::light_efficiency(codes)}};
 }
 
 void print_codes(const capture::Codes& codes) {

@@ -29,7 +29,7 @@ namespace {
 struct LiveArguments {
   fs::path source, output, last, fine_model, depth_model;
   MethodFlags method;
-  std::string size = "auto";
+  std::optional<live::PictureSize> size;
   size_t average = 1;
   double seconds = 0;
   bool has_no_page = false, records = false;
@@ -152,7 +152,7 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   }
   E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(arguments.method));
   instrument.options.tone = method.complete(tone);
-  E2LF_ASSIGN_OR_RETURN(instrument.options.size, live::size_from_name(arguments.size));
+  instrument.options.size = arguments.size;
   instrument.options.views = arguments.orientation.after(method.views).value_or(capture::Orientation{});
   instrument.reader->set_average(arguments.average);
   if (arguments.method.codes.model.empty() && best.network->model().name != method.network->model().name) {
@@ -312,7 +312,7 @@ int run_live(const std::vector<std::string>& arguments) {
       ->required();
   add_method_options(app, live_arguments.method, "the source");
   add_tone_options(app, live_arguments.method);
-  add_choice(app, "--size", live_arguments.size, {"auto", "full", "half", "quarter"},
+  add_choice(app, "--size", live_arguments.size, live::kPictureSizes,
              "full; half or quarter (each pixel is the sum of a block of 2x2 or 4x4); auto selects the largest that "
              "keeps pace, and a better network if it does so, too");
   add_count(app, "--average", live_arguments.average, 1, live::kMostCycles,
