@@ -56,16 +56,16 @@ cycles::WindowOptions window_options(const VideoArguments& arguments) {
 struct FrameMaker {
   size_t height, width;
   float full_scale;  ///< a surplus of this many ON or OFF events is white or black
-  std::optional<video::EventVideo> video = {};
+  std::optional<video::EventVideo> network = {};
   video::FrameTone tone = video::FrameTone::kNone;
   double network_s = 0.0;  ///< time that voxel grids and the network took
 
   Result<lightfield::ByteImage> make(const cycles::EventWindow& window) {
     lightfield::Image frame(width, height, 1);
-    if (video) {
+    if (network) {
       const auto begin = std::chrono::steady_clock::now();
       E2LF_ASSIGN_OR_RETURN(frame.pixels,
-                            video->next(cycles::voxelise(window.events, video->model().bins, height, width)));
+                            network->next(cycles::voxelise(window.events, network->model().bins, height, width)));
       network_s += seconds_since(begin);
       video::apply_frame_tone(tone, frame.pixels);
     } else {
@@ -93,7 +93,7 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
   }
   record.resolve("tone", word_of(maker.tone, video::kFrameTones));
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision, engine::precision_from_name(arguments.precision));
-  E2LF_ASSIGN_OR_RETURN(maker.video,
+  E2LF_ASSIGN_OR_RETURN(maker.network,
                         video::EventVideo::create(std::move(model), info.height, info.width, {.precision = precision}));
   return maker;
 }
@@ -162,7 +162,7 @@ Json report_json(const VideoArguments& arguments, const VideoReport& report, con
     json["triggers"] = windows.triggers();
     json["events_outside_of_windows"] = windows.events_outside();
   }
-  if (maker.video) json["network_s"] = maker.network_s;
+  if (maker.network) json["network_s"] = maker.network_s;
   return json;
 }
 
