@@ -102,14 +102,14 @@ py::object compare(const py::array& truth, const py::array& reconstruction, bool
   const auto a = light_field_of(as_light_field(truth), "truth");
   const auto b = light_field_of(as_light_field(reconstruction), "reconstruction");
   const ProgressFn told = progress_of(progress);
-  if (fit == "none") return to_python(eval::to_json(without_gil([&] { return eval::compare(*a, *b, {clamp}, told); })));
+  if (fit == "none") return to_python(eval::to_json(without_gil([&] { return eval::compare(*a, *b, clamp, told); })));
   if (a->extents != b->extents)
     throw ResultError({ErrorCode::kShape, "the two light fields differ in shape", "reconstruction"});
   eval::Tone tone;
   Json report = eval::to_json(without_gil([&]() -> Result<eval::LightFieldMetrics> {
     if (fit == "gain") tone.gain = eval::best_gain(*a, *b);
     if (fit != "gain") tone = eval::best_tone(*a, *b);
-    return eval::compare(*a, toned(*b, tone), {clamp}, told);
+    return eval::compare(*a, toned(*b, tone), clamp, told);
   }));
   report["fitted_gain"] = tone.gain;
   report["fitted_black"] = tone.black;

@@ -34,7 +34,6 @@ Error invalid(const std::string& message, const std::string& location) {
   return fail(ErrorCode::kInvalidValue, location, message);
 }
 
-/// Checks that every item has a name and that no name occurs twice.
 template <typename Item>
 Result<void> check_names(const std::vector<Item>& items, const std::string& location) {
   if (items.empty()) return invalid("the list is empty; add at least one entry", location);

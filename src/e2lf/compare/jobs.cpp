@@ -100,10 +100,11 @@ Result<void> ResultStore::keep(const Plan& plan, const Job& job, const Json& fig
   return write_file(file(job.key, ".json"), json_text(json));
 }
 
-Result<size_t> ResultStore::take_over(const Plan& plan, const ResultStore& other,
-                                      const std::vector<std::string>& picture_keys) const {
+Result<size_t> ResultStore::take_over(const Plan& plan, const ResultStore& other) const {
   size_t taken = 0;
-  for (const std::string& key : picture_keys) E2LF_RETURN_IF_ERROR(keep_picture(key, other.picture(key)));
+  for (const Scene& scene : plan.scenes) {
+    E2LF_RETURN_IF_ERROR(keep_picture(truth_key(scene), other.picture(truth_key(scene))));
+  }
   for (const Job& job : plan.jobs) {
     if (find(job)) continue;
     const auto figures = other.find(job);

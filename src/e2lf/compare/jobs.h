@@ -29,10 +29,9 @@ class ResultStore {
                                   const std::vector<uint8_t>& png) const;
   [[nodiscard]] Result<void> keep_picture(const std::string& key, const std::vector<uint8_t>& png) const;
 
-  /// Copies the results of the plan that only the other folder has, with their pictures, and the pictures of
-  /// `picture_keys`. Returns the number of results. Fails with kIo.
-  [[nodiscard]] Result<size_t> take_over(const Plan& plan, const ResultStore& other,
-                                         const std::vector<std::string>& picture_keys) const;
+  /// Copies the results of the plan that only the other folder has, with their pictures, and those of the true scenes.
+  /// Returns the number of results. Fails with kIo.
+  [[nodiscard]] Result<size_t> take_over(const Plan& plan, const ResultStore& other) const;
 
  private:
   [[nodiscard]] std::filesystem::path file(const std::string& key, const char* extension) const;

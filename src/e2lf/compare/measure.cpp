@@ -76,7 +76,6 @@ double measured_us(const ComparedMethod& method, const cycles::Schedule& schedul
   return pattern_us * static_cast<double>(method.codes.num_patterns);
 }
 
-/// Adds the total cost of all cycles.
 void add_costs(const ComparedMethod& method, const std::vector<capture::Measurement>& cycles, Json& figures) {
   const auto count = static_cast<double>(cycles.size());
   double total = 0;
@@ -102,7 +101,6 @@ void add_quality(const eval::LightFieldMetrics& quality, Json& figures) {
   for (const auto& view : quality.views) figures["views_psnr_db"].push_back(finite_or_null(view.metrics.psnr_db));
 }
 
-/// Finds the disparities of a result and compares them with the true ones.
 Result<void> add_disparity(const lightfield::Image& truth, Outcome& outcome) {
   if (truth.pixels.empty()) return {};
   E2LF_ASSIGN_OR_RETURN(depth::FoundDisparity found, depth::judge_disparity(outcome.light_field, truth));
@@ -233,7 +231,6 @@ Result<Outcome> JobRunner::run_method(const Job& job, const LightField& truth, c
   return outcome;
 }
 
-/// Runs a network that makes frames while the views are scanned.
 Result<Outcome> JobRunner::run_scan(const Job& job, const LightField& truth, const ProgressFn& progress) {
   const Sensor& sensor = plan_.sensors[job.sensor];
   if (sensor.camera.is_pixel() || sensor.config.cycles > 1) {

@@ -2,7 +2,6 @@
 #include "e2lf/compare/plan.h"
 
 #include <algorithm>
-#include <charconv>
 #include <fnmatch.h>
 #include <map>
 
@@ -13,6 +12,7 @@
 #include "e2lf/files/sha256.h"
 #include "e2lf/model/model.h"
 #include "e2lf/pipeline/method.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/video/video_model.h"
 
 namespace e2lf::compare {
@@ -51,7 +51,6 @@ Json scan_identity(const Sensor& sensor) {
           {"cycles", sensor.config.cycles}};
 }
 
-/// Makes a plan.
 class Planner {
  public:
   Planner(const Config& config, const Surroundings& surroundings) : config_(config), surroundings_(surroundings) {}
@@ -158,12 +157,8 @@ class Planner {
   Result<std::vector<Scene>> find_scenes(const std::string& name, const GroupConfig& group) {
     std::vector<Scene> scenes;
     if (name == "demo" || name.starts_with("demo:")) {
-      uint64_t seed = 0;
-      const std::string number = name == "demo" ? "1" : name.substr(5);
-      const auto read = std::from_chars(number.data(), number.data() + number.size(), seed);
-      if (read.ec != std::errc() || read.ptr != number.data() + number.size()) {
-        return fail(ErrorCode::kInvalidValue, group.name, "\"", name, "\" has no number; write e.g. demo:2");
-      }
+      const auto seed = recordings::parse_number<uint64_t>(name == "demo" ? "1" : name.substr(5));
+      if (!seed) return fail(ErrorCode::kInvalidValue, group.name, "\"", name, "\" has no number; write e.g. demo:2");
       scenes.push_back({name, {}, seed, group, {}});
       return scenes;
     }

@@ -191,8 +191,8 @@ TEST_F(PlanTest, TheStoreFindsWhatWasMadeOfTheSameAlone) {
   Job forged = plan->jobs[0];
   forged.key = job.key;
   EXPECT_FALSE(store.find(forged));
-  EXPECT_EQ(other.take_over(*plan, store, {}).value(), 1U);
-  EXPECT_EQ(other.take_over(*plan, store, {}).value(), 0U);
+  EXPECT_EQ(other.take_over(*plan, store).value(), 1U);
+  EXPECT_EQ(other.take_over(*plan, store).value(), 0U);
   EXPECT_EQ(other.find(job), store.find(job));
   EXPECT_THAT(other.picture(job.key), ElementsAre(1, 2, 3));
   ASSERT_TRUE(write_file(folder_ / "out" / "results" / (job.key + ".json"), std::string("{\"inputs\": 1}")));

@@ -54,24 +54,15 @@ std::optional<double> figure(const std::optional<Json>& result, const char* metr
   return result->at(metric).get<double>();
 }
 
-/// Computes a mean, which is missing if any of its values is missing.
-class Mean {
- public:
-  void add(const std::optional<double>& value) {
-    is_whole_ = is_whole_ && value;
-    sum_ += value.value_or(0.0);
-    ++count_;
+/// Returns the mean, which is missing if any of the values is missing.
+std::optional<double> mean_of(const std::vector<std::optional<double>>& values) {
+  double sum = 0;
+  for (const std::optional<double>& value : values) {
+    if (!value) return std::nullopt;
+    sum += *value;
   }
-  [[nodiscard]] std::optional<double> value() const {
-    if (!is_whole_ || count_ == 0) return std::nullopt;
-    return sum_ / static_cast<double>(count_);
-  }
-
- private:
-  double sum_ = 0;
-  size_t count_ = 0;
-  bool is_whole_ = true;
-};
+  return values.empty() ? std::nullopt : std::optional(sum / static_cast<double>(values.size()));
+}
 
 /// Makes a cell "28.40/0.8330" with its values, or an empty one if a value is missing.
 template <typename ValueOf>
@@ -101,35 +92,59 @@ std::string sensor_text(const Plan& plan, size_t sensor) {
   return cat("Sensor: ", plan.sensors[sensor].config.name, ".");
 }
 
-}  // namespace
-
-std::optional<double> scene_mean(const Plan& plan, const Results& results, const Job& of, const char* metric) {
-  Mean mean;
+std::optional<double> scene_mean(const Plan& plan, const Results& results, size_t method, size_t scene, size_t sensor,
+                                 const char* metric) {
+  std::vector<std::optional<double>> values;
   for (size_t i = 0; i < plan.jobs.size(); ++i) {
     const Job& job = plan.jobs[i];
-    if (job.method == of.method && job.scene == of.scene && job.sensor == of.sensor) {
-      mean.add(figure(results[i], metric));
+    if (job.method == method && job.scene == scene && job.sensor == sensor) {
+      values.push_back(figure(results[i], metric));
     }
   }
-  return mean.value();
+  return mean_of(values);
 }
 
 std::optional<double> group_mean(const Plan& plan, const Results& results, size_t method, size_t sensor,
                                  const std::string& group, const char* metric) {
-  Mean mean;
+  std::vector<std::optional<double>> values;
   for (size_t scene = 0; scene < plan.scenes.size(); ++scene) {
     if (plan.scenes[scene].group.name != group) continue;
-    mean.add(scene_mean(plan, results, {method, scene, sensor, 0, {}, {}}, metric));
+    values.push_back(scene_mean(plan, results, method, scene, sensor, metric));
   }
-  return mean.value();
+  return mean_of(values);
 }
 
 std::optional<double> mean_of_groups(const Plan& plan, const Results& results, size_t method, size_t sensor,
                                      const char* metric) {
-  Mean mean;
-  for (const std::string& group : plan.groups) mean.add(group_mean(plan, results, method, sensor, group, metric));
-  return mean.value();
+  std::vector<std::optional<double>> values;
+  for (const std::string& group : plan.groups)
+    values.push_back(group_mean(plan, results, method, sensor, group, metric));
+  return mean_of(values);
 }
+
+Table result_table(const Plan& plan, const Results& results) {
+  const std::vector<Metric> metrics = metrics_of(plan, &Metric::is_repeatable, true);
+  Table table;
+  table.columns = {{"method"}, {"N", true}, {"sensor"}, {"group"}, {"scene"}, {"seed", true}};
+  for (const Metric& metric : metrics) table.columns.push_back({metric.name, true});
+  for (size_t i = 0; i < plan.jobs.size(); ++i) {
+    if (!results[i]) continue;
+    const Job& job = plan.jobs[i];
+    const Scene& scene = plan.scenes[job.scene];
+    std::vector<Cell> row = {report::text_cell(plan.methods[job.method].config.name),
+                             {std::to_string(num_patterns(plan, job.method)), num_patterns(plan, job.method)},
+                             report::text_cell(plan.sensors[job.sensor].config.name),
+                             report::text_cell(scene.group.name),
+                             report::text_cell(scene.name),
+                             {std::to_string(job.seed), job.seed}};
+    for (const Metric& metric : metrics)
+      row.push_back(report::number_cell(figure(results[i], metric.name), metric.decimals));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+}  // namespace
 
 Table quality_table(const Plan& plan, const Results& results, size_t sensor) {
   const std::vector<Metric> metrics = metrics_of(plan, &Metric::is_quality, true);
@@ -178,28 +193,6 @@ Table cost_table(const Plan& plan, const Results& results, size_t sensor) {
   return table;
 }
 
-Table result_table(const Plan& plan, const Results& results) {
-  const std::vector<Metric> metrics = metrics_of(plan, &Metric::is_repeatable, true);
-  Table table;
-  table.columns = {{"method"}, {"N", true}, {"sensor"}, {"group"}, {"scene"}, {"seed", true}};
-  for (const Metric& metric : metrics) table.columns.push_back({metric.name, true});
-  for (size_t i = 0; i < plan.jobs.size(); ++i) {
-    if (!results[i]) continue;
-    const Job& job = plan.jobs[i];
-    const Scene& scene = plan.scenes[job.scene];
-    std::vector<Cell> row = {report::text_cell(plan.methods[job.method].config.name),
-                             {std::to_string(num_patterns(plan, job.method)), num_patterns(plan, job.method)},
-                             report::text_cell(plan.sensors[job.sensor].config.name),
-                             report::text_cell(scene.group.name),
-                             report::text_cell(scene.name),
-                             {std::to_string(job.seed), job.seed}};
-    for (const Metric& metric : metrics)
-      row.push_back(report::number_cell(figure(results[i], metric.name), metric.decimals));
-    table.rows.push_back(std::move(row));
-  }
-  return table;
-}
-
 Json all_json(const Plan& plan, const Results& results) {
   Json json = {{"name", plan.name}, {"sensors", Json::array()}};
   for (size_t sensor = 0; sensor < plan.sensors.size(); ++sensor) {
@@ -243,8 +236,6 @@ void add_pictures(const Plan& plan, const Results& results, const ResultStore& s
   }
 }
 
-}  // namespace
-
 std::string result_page(const Plan& plan, const Results& results, const ResultStore& store,
                         const std::string& command) {
   report::Page page(plan.name);
@@ -264,6 +255,8 @@ std::string result_page(const Plan& plan, const Results& results, const ResultSt
   }
   return page.html();
 }
+
+}  // namespace
 
 Result<void> write_tables(const std::filesystem::path& folder, const Plan& plan, const Results& results,
                           const ResultStore& store, const std::string& command) {

@@ -31,41 +31,24 @@ struct Metric {
 /// The figures of each job of a plan, as far as they exist.
 using Results = std::vector<std::optional<Json>>;
 
-/// Returns the mean of a metric over the seeds of one method, scene and sensor. Returns nothing if a result or its
-/// figure is missing, because a mean over fewer seeds is not comparable.
-[[nodiscard]] std::optional<double> scene_mean(const Plan& plan, const Results& results, const Job& of,
-                                               const char* metric);
-
-/// Return the mean over the scenes of a group, and the mean over the groups as in the paper. Return nothing if a value
-/// is missing.
-[[nodiscard]] std::optional<double> group_mean(const Plan& plan, const Results& results, size_t method, size_t sensor,
-                                               const std::string& group, const char* metric);
-[[nodiscard]] std::optional<double> mean_of_groups(const Plan& plan, const Results& results, size_t method,
-                                                   size_t sensor, const char* metric);
-
 /// Makes a table with methods in rows, and groups and (if there are several) their mean in columns. A cell holds the
-/// metrics of quality, "28.40/0.8330".
+/// metrics of quality, "28.40/0.8330": the mean over the seeds of each scene, then over the scenes of the group. It is
+/// empty if a result or its figure is missing, because a mean over fewer of them is not comparable.
 [[nodiscard]] report::Table quality_table(const Plan& plan, const Results& results, size_t sensor);
 
 /// Makes a table with methods in rows and the costs of a light field in columns, as means of groups. It has only the
 /// column of names if no such metric is requested.
 [[nodiscard]] report::Table cost_table(const Plan& plan, const Results& results, size_t sensor);
 
-/// Makes a table with one row per result and the metrics that are identical in every run.
-[[nodiscard]] report::Table result_table(const Plan& plan, const Results& results);
-
 /// Returns all tables as JSON: {"name", "sensors": [{"sensor", "quality", "cost"}], "results": [...]}.
 [[nodiscard]] Json all_json(const Plan& plan, const Results& results);
-
-/// Makes the page of a comparison as a single file: tables and pictures. `command` is shown as the command that made
-/// it.
-[[nodiscard]] std::string result_page(const Plan& plan, const Results& results, const ResultStore& store,
-                                      const std::string& command);
 
 /// The names of the files of write_tables().
 inline constexpr const char* kTableFiles[] = {"index.html", "table.csv", "table.json", "table.tex"};
 
-/// Writes the page and the tables of a comparison to an existing folder. Fails with kIo.
+/// Writes the page, with tables and pictures in a single file, and the tables of a comparison to an existing folder.
+/// table.csv has one row per result and the metrics that are identical in every run. The page shows `command` as the
+/// command that made it. Fails with kIo.
 [[nodiscard]] Result<void> write_tables(const std::filesystem::path& folder, const Plan& plan, const Results& results,
                                         const ResultStore& store, const std::string& command);
 

@@ -4,11 +4,23 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "e2lf/files/file.h"
+#include "testing/test_files.h"
+
 namespace e2lf::compare {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
+
+/// Returns the text of a file of write_tables().
+std::string written(const Plan& plan, const Results& results, const char* file) {
+  const TestFolder folder;
+  EXPECT_TRUE(write_tables(folder.path(), plan, results, ResultStore("nowhere"), "e2lf compare 'c'"));
+  const std::vector<uint8_t> bytes = read_file(folder / file).value();
+  return {bytes.begin(), bytes.end()};
+}
 
 /// Two methods, groups of two scenes and of one, one sensor, two seeds.
 Plan small_plan() {
@@ -53,23 +65,30 @@ Results results_of(const Plan& plan) {
   return results;
 }
 
+/// The means of PSNR of the first method: of each group, and of all.
+std::vector<Json> psnr_of_groups(const Plan& plan, const Results& results) {
+  std::vector<Json> means;
+  const report::Table table = quality_table(plan, results, 0);
+  for (size_t column = 2; column < table.columns.size(); ++column) {
+    const Json& value = table.rows[0][column].value;
+    means.push_back(value.is_null() ? Json() : value["psnr_db"]);
+  }
+  return means;
+}
+
 TEST(Tables, MeansAreOverSeedsThenScenesThenGroups) {
-  const Plan plan = small_plan();
+  Plan plan = small_plan();
   const Results results = results_of(plan);
-  EXPECT_EQ(scene_mean(plan, results, plan.jobs[0], "psnr_db"), 11.5);
-  EXPECT_EQ(group_mean(plan, results, 0, 0, "A", "psnr_db"), 16.5);
-  EXPECT_EQ(group_mean(plan, results, 0, 0, "B", "psnr_db"), 31.5);
-  EXPECT_EQ(mean_of_groups(plan, results, 0, 0, "psnr_db"), 24.0);
+  EXPECT_THAT(psnr_of_groups(plan, results), ElementsAre(16.5, 31.5, 24.0));
+  plan.scenes[1].group.name = "B";
+  EXPECT_THAT(psnr_of_groups(plan, results), ElementsAre(11.5, 26.5, 19.0));
 }
 
 TEST(Tables, AMissingResultLeavesItsMeansEmpty) {
   const Plan plan = small_plan();
   Results results = results_of(plan);
   results[1].reset();
-  EXPECT_FALSE(scene_mean(plan, results, plan.jobs[0], "psnr_db"));
-  EXPECT_FALSE(group_mean(plan, results, 0, 0, "A", "psnr_db"));
-  EXPECT_FALSE(mean_of_groups(plan, results, 0, 0, "psnr_db"));
-  EXPECT_EQ(group_mean(plan, results, 0, 0, "B", "psnr_db"), 31.5);
+  EXPECT_THAT(psnr_of_groups(plan, results), ElementsAre(Json(), 31.5, Json()));
   const report::Table table = quality_table(plan, results, 0);
   EXPECT_EQ(table.rows[0][2].text, "");
   EXPECT_EQ(table.rows[0][3].text, "31.50/0.5000");
@@ -98,7 +117,7 @@ TEST(Tables, SayWhichMethodsAreNotThere) {
 
 TEST(Tables, TheResultsHaveWhatIsTheSameInEveryRunAlone) {
   const Plan plan = small_plan();
-  const std::string csv = report::table_csv(result_table(plan, results_of(plan)));
+  const std::string csv = written(plan, results_of(plan), "table.csv");
   EXPECT_TRUE(
       csv.starts_with("method,N,sensor,group,scene,seed,psnr_db,ssim,events_per_pixel\r\n"
                       "one,4,paper,A,a1,1,11.0,0.5,7.0\r\n"))
@@ -110,7 +129,7 @@ TEST(Tables, TheResultsHaveWhatIsTheSameInEveryRunAlone) {
 
 TEST(ResultPage, HoldsTablesAndNoLink) {
   const Plan plan = small_plan();
-  const std::string html = result_page(plan, results_of(plan), ResultStore("nowhere"), "e2lf compare 'c'");
+  const std::string html = written(plan, results_of(plan), "index.html");
   EXPECT_THAT(html, HasSubstr("a &lt;plan&gt;"));
   EXPECT_THAT(html, HasSubstr("two &amp; more"));
   EXPECT_THAT(html, HasSubstr("24.00/0.5000"));

@@ -12,6 +12,8 @@ namespace e2lf::compare {
 namespace {
 
 constexpr size_t kSide = 8, kViews = kSide * kSide;
+constexpr int64_t kViewUs = 10000;  // for which each view is shown
+constexpr int64_t kFrameUs = 1000;  // the frame interval of v2e
 
 /// The line and the position in it at step `i` of a back-and-forth path along lines of 8.
 struct Place {
@@ -27,7 +29,7 @@ Result<streams::EventStream> make_stream(const ScanOptions& options, const light
   streams::StreamOptions stream;
   stream.model = streams::StreamModel::kV2e;
   stream.v2e.pos_thres = stream.v2e.neg_thres = options.tau;
-  stream.v2e.frame_us = options.frame_us;
+  stream.v2e.frame_us = kFrameUs;
   stream.seed = stream.map_seed = options.seed;
   return streams::EventStream::create(stream, shape.height, shape.width);
 }
@@ -40,8 +42,8 @@ recordings::EventColumns show(const lightfield::LightField& scene, const ScanOpt
   std::vector<float> light(size);
   for (size_t i = 0; i < size; ++i) light[i] = options.gain * values[i];
   streams::LightSegment segment;
-  segment.begin_us = segment.pattern_begin_us = static_cast<int64_t>(number) * options.view_us;
-  segment.end_us = segment.pattern_end_us = segment.begin_us + options.view_us;
+  segment.begin_us = segment.pattern_begin_us = static_cast<int64_t>(number) * kViewUs;
+  segment.end_us = segment.pattern_end_us = segment.begin_us + kViewUs;
   segment.from = segment.to = light;
   segment.pattern = number;
   recordings::EventColumns events;
@@ -67,7 +69,6 @@ std::vector<size_t> scan_order() {
 
 Result<ScanResult> scan_to_light_field(const video::VideoModel& model, const lightfield::LightField& scene,
                                        const ScanOptions& options, const ProgressFn& progress) {
-  using Clock = std::chrono::steady_clock;
   const lightfield::Shape& shape = scene.shape();
   if (shape.views_y != kSide || shape.views_x != kSide || shape.channels != 1) {
     return fail(ErrorCode::kShape, "", "a scan of views requires 8x8 grey views, but the light field has ",
@@ -85,17 +86,17 @@ Result<ScanResult> scan_to_light_field(const video::VideoModel& model, const lig
     const recordings::EventColumns events = show(scene, options, i, order[i], stream);
     num_events += events.size();
     if (i == 0) continue;  // nothing has changed yet
-    const Clock::time_point begin = Clock::now();
+    const auto begin = std::chrono::steady_clock::now();
     E2LF_ASSIGN_OR_RETURN(std::vector<float> frame,
                           video.next(cycles::voxelise(events, model.bins, shape.height, shape.width)));
-    result.reconstruct_s += std::chrono::duration<double>(Clock::now() - begin).count();
+    result.reconstruct_s += seconds_since(begin);
     if (i < second_begin) continue;
     video::apply_frame_tone(model.tone, frame);
     std::copy(frame.begin(), frame.end(),
               result.light_field.data().begin() + static_cast<std::ptrdiff_t>(order[i] * frame.size()));
   }
   result.events_per_pixel = static_cast<double>(num_events) / static_cast<double>(shape.view_size());
-  result.measurement_ms = static_cast<double>(order.size()) * static_cast<double>(options.view_us) / 1000;
+  result.measurement_ms = static_cast<double>(order.size()) * static_cast<double>(kViewUs) / 1000;
   return result;
 }
 

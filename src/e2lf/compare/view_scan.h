@@ -17,10 +17,8 @@ namespace e2lf::compare {
 [[nodiscard]] std::vector<size_t> scan_order();
 
 struct ScanOptions {
-  float tau = 0.30F;        ///< both mean thresholds of the v2e pixels
-  float gain = 1.0F;        ///< scene brightness
-  int64_t view_us = 10000;  ///< time for which each view is shown
-  int64_t frame_us = 1000;  ///< frame interval of v2e
+  float tau = 0.30F;  ///< both mean thresholds of the v2e pixels
+  float gain = 1.0F;  ///< scene brightness
   uint64_t seed = 0;
 };
 

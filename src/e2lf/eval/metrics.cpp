@@ -58,18 +58,28 @@ std::vector<float> take_channel(std::span<const float> view, size_t channel, siz
   return plane;
 }
 
-/// Returns the values that are measured.
-std::vector<float> measured_values(std::span<const float> reconstruction, const MetricOptions& options) {
+std::vector<float> measured_values(std::span<const float> reconstruction, bool clamp) {
   std::vector<float> measured(reconstruction.begin(), reconstruction.end());
-  if (options.clamp) {
+  if (clamp) {
     for (float& value : measured) value = std::clamp(value, 0.0F, 1.0F);
   }
   return measured;
 }
 
-Metrics compare_views(std::span<const float> truth, std::span<const float> reconstruction, const Shape& shape,
-                      const MetricOptions& options) {
-  const std::vector<float> measured = measured_values(reconstruction, options);
+/// Calls body(number, true values, values) for each view, in several threads.
+template <typename Body>
+void for_each_view(const LightFieldView& truth, const LightFieldView& reconstruction, const Body& body) {
+  const size_t columns = truth.extents[1];
+  parallel_for(truth.extents[0] * columns, 1, [&](size_t begin, size_t end) {
+    std::vector<float> scratch[2];
+    for (size_t view = begin; view < end; ++view) {
+      const size_t y = view / columns, x = view % columns;
+      body(view, truth[y][x].values(scratch[0]), reconstruction[y][x].values(scratch[1]));
+    }
+  });
+}
+
+Metrics compare_views(std::span<const float> truth, std::span<const float> measured, const Shape& shape) {
   Metrics metrics;
   metrics.psnr_db = psnr_from_mse(mean_squared_error(truth, measured));
   for (size_t channel = 0; channel < shape.channels; ++channel) {
@@ -174,44 +184,34 @@ EpiError epi_error(const LightFieldView& truth, const LightFieldView& reconstruc
           std::sqrt(total.error_squares / total.truth_squares)};
 }
 
-Result<LightFieldMetrics> compare(const LightFieldView& truth, const LightFieldView& reconstruction,
-                                  const MetricOptions& options, const ProgressFn& progress) {
+Result<LightFieldMetrics> compare(const LightFieldView& truth, const LightFieldView& reconstruction, bool clamp,
+                                  const ProgressFn& progress) {
   E2LF_RETURN_IF_ERROR(check(truth, reconstruction));
   const Shape shape = lightfield::shape_of(truth);
   LightFieldMetrics result;
   result.views.resize(shape.num_views());
   std::mutex mutex;
   size_t done = 0;
-  parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
-    std::vector<float> scratch[2];
-    for (size_t view = begin; view < end; ++view) {
-      const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-      result.views[view] = {view_y, view_x,
-                            compare_views(truth[view_y][view_x].values(scratch[0]),
-                                          reconstruction[view_y][view_x].values(scratch[1]), shape, options)};
-      const std::lock_guard lock(mutex);
-      ++done;
-      if (progress) progress(done, shape.num_views());
-    }
-  });
+  for_each_view(truth, reconstruction,
+                [&](size_t view, std::span<const float> expected, std::span<const float> values) {
+                  result.views[view] = {view / shape.views_x, view % shape.views_x,
+                                        compare_views(expected, measured_values(values, clamp), shape)};
+                  const std::lock_guard lock(mutex);
+                  ++done;
+                  if (progress) progress(done, shape.num_views());
+                });
   result.mean = mean_of(result.views);
-  result.epi = epi_error(truth, reconstruction, options.clamp);
+  result.epi = epi_error(truth, reconstruction, clamp);
   return result;
 }
 
-std::vector<double> psnr_of_views(const LightFieldView& truth, const LightFieldView& reconstruction,
-                                  const MetricOptions& options) {
+std::vector<double> psnr_of_views(const LightFieldView& truth, const LightFieldView& reconstruction) {
   E2LF_REQUIRE(truth.extents == reconstruction.extents, "light fields of one shape are compared");
-  const Shape shape = lightfield::shape_of(truth);
-  std::vector<double> psnr_db(shape.num_views());
-  parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
-    std::vector<float> scratch[2];
-    for (size_t view = begin; view < end; ++view) {
-      const size_t y = view / shape.views_x, x = view % shape.views_x;
-      const std::vector<float> measured = measured_values(reconstruction[y][x].values(scratch[0]), options);
-      psnr_db[view] = psnr_from_mse(mean_squared_error(truth[y][x].values(scratch[1]), measured));
-    }
-  });
+  std::vector<double> psnr_db(lightfield::shape_of(truth).num_views());
+  for_each_view(truth, reconstruction,
+                [&](size_t view, std::span<const float> expected, std::span<const float> values) {
+                  psnr_db[view] = psnr_from_mse(mean_squared_error(expected, measured_values(values, /*clamp=*/true)));
+                });
   return psnr_db;
 }
 

@@ -32,10 +32,6 @@ struct EpiError {
 /// the contract.
 [[nodiscard]] EpiError epi_error(const LightFieldView& truth, const LightFieldView& reconstruction, bool clamp);
 
-struct MetricOptions {
-  bool clamp = true;  ///< clamps the reconstruction to [0, 1] first, as saving it as a picture would
-};
-
 /// The metrics of one view, or their means. For colour, PSNR is computed over all channels and SSIM is averaged over
 /// them.
 struct Metrics {
@@ -57,16 +53,16 @@ struct LightFieldMetrics {
   std::vector<ViewMetrics> views;  ///< in view order
 };
 
-/// Compares a reconstruction with the true light field. Float values are used as they are, without rounding to 8 bits.
-/// The views are distributed among threads; the figures do not depend on their number. Fails with kShape (different
-/// shapes, or views smaller than 11x11) and kInvalidValue (NaN or infinity; the location names the view).
+/// Compares a reconstruction with the true light field. Float values are used as they are, without rounding to 8 bits;
+/// `clamp` limits the reconstruction to [0, 1] first, as saving it as a picture would. The views are distributed among
+/// threads; the figures do not depend on their number. Fails with kShape (different shapes, or views smaller than
+/// 11x11) and kInvalidValue (NaN or infinity; the location names the view).
 [[nodiscard]] Result<LightFieldMetrics> compare(const LightFieldView& truth, const LightFieldView& reconstruction,
-                                                const MetricOptions& options = {}, const ProgressFn& progress = {});
+                                                bool clamp = true, const ProgressFn& progress = {});
 
 /// Computes the PSNR of each view, in view order, as compare() does for any size of views. It is infinite for equal
 /// views. Different shapes break the contract.
-[[nodiscard]] std::vector<double> psnr_of_views(const LightFieldView& truth, const LightFieldView& reconstruction,
-                                                const MetricOptions& options = {});
+[[nodiscard]] std::vector<double> psnr_of_views(const LightFieldView& truth, const LightFieldView& reconstruction);
 
 /// Returns the factor g that minimises the squared error between the truth and g times the reconstruction, so that a
 /// method made for another brightness is not penalised for that alone. It is 0 for a black reconstruction. Different

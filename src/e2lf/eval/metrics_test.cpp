@@ -62,7 +62,7 @@ TEST(Compare, ClampsTheReconstructionUnlessToldNotTo) {
   for (float& value : truth.data()) value = 1.0F;
   for (float& value : reconstruction.data()) value = 1.5F;
   EXPECT_EQ(compare(truth, reconstruction)->mean.psnr_db, std::numeric_limits<double>::infinity());
-  EXPECT_NEAR(compare(truth, reconstruction, {.clamp = false})->mean.psnr_db, -20 * std::log10(0.5), 1e-9);
+  EXPECT_NEAR(compare(truth, reconstruction, /*clamp=*/false)->mean.psnr_db, -20 * std::log10(0.5), 1e-9);
 }
 
 TEST(Compare, AveragesTheSsimOfColourChannels) {

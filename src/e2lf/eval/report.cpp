@@ -20,7 +20,6 @@ report::Cell quality_cell(double value, int decimals) {
   return std::isinf(value) ? report::Cell{"inf", nullptr} : report::number_cell(value, decimals);
 }
 
-/// The columns of gains and black levels.
 struct ToneColumn {
   const char *name, *key;
   std::optional<double> EvalRow::*value;
@@ -47,27 +46,19 @@ Json to_json(const LightFieldMetrics& quality) {
 }
 
 Json to_json(const EventStatistics& events) {
-  return {{"events_per_pixel", events.events_per_pixel},
-          {"total_events_per_pixel", events.total_events_per_pixel},
-          {"min_measurement_ms", events.min_measurement_ms},
-          {"bits_per_sensor_pixel", events.bits_per_sensor_pixel},
-          {"bits_per_light_field_pixel", events.bits_per_light_field_pixel},
-          {"events_per_light_field_pixel", events.events_per_light_field_pixel}};
+  FieldWriter writer;
+  E2LF_VISIT(events, writer, events_per_pixel, total_events_per_pixel, min_measurement_ms, bits_per_sensor_pixel,
+             bits_per_light_field_pixel, events_per_light_field_pixel);
+  return std::move(writer).json();
 }
 
 Json to_json(const depth::DisparityError& error) {
-  Json json{{"bad_07_percent", error.bad_07_percent},
-            {"bad_20_percent", error.bad_20_percent},
-            {"mean_absolute_px", error.mean_absolute_px},
-            {"slope", error.slope},
-            {"num_pixels", error.num_pixels},
-            {"most_certain", Json::array()}};
-  for (const depth::ErrorPart& part : error.most_certain) {
-    json["most_certain"].push_back({{"pixels_percent", part.pixels_percent},
-                                    {"bad_20_percent", part.bad_20_percent},
-                                    {"mean_absolute_px", part.mean_absolute_px}});
-  }
-  return json;
+  FieldWriter writer;
+  E2LF_VISIT(error, writer, bad_07_percent, bad_20_percent, mean_absolute_px, slope, num_pixels);
+  writer.list("most_certain", error.most_certain, [](const auto& part, auto& inner) {
+    E2LF_VISIT(part, inner, pixels_percent, bad_20_percent, mean_absolute_px);
+  });
+  return std::move(writer).json();
 }
 
 Json to_json(const EvalRow& row) {

@@ -19,7 +19,6 @@ namespace {
 
 using lightfield::Image;
 
-/// The components of a format.
 struct Recipe {
   const char* container;
   std::array<AVCodecID, 2> codecs;  ///< the first one with an available encoder is used
@@ -43,7 +42,7 @@ AVPixelFormat pixels_of(FilmFormat format, bool has_colour) {
   return has_colour ? AV_PIX_FMT_RGB8 : AV_PIX_FMT_GRAY8;
 }
 
-struct FfmpegFilm final : FilmFile {
+struct FfmpegFilm {
   std::string name;
   size_t width, height, channels;  ///< of the frames given
   AVFormatContext* container = nullptr;
@@ -58,7 +57,7 @@ struct FfmpegFilm final : FilmFile {
       : name(std::move(name_)), width(first.width), height(first.height), channels(first.channels) {}
   FfmpegFilm(const FfmpegFilm&) = delete;
   FfmpegFilm& operator=(const FfmpegFilm&) = delete;
-  ~FfmpegFilm() override {
+  ~FfmpegFilm() {
     av_packet_free(&packet);
     av_frame_free(&frame);
     sws_freeContext(converter);
@@ -67,7 +66,6 @@ struct FfmpegFilm final : FilmFile {
     avformat_free_context(container);
   }
 
-  /// Converts the return code of a library call to a result.
   [[nodiscard]] Result<void> check(int code, const char* what, ErrorCode kind = ErrorCode::kInternal) const {
     if (code >= 0) return {};
     std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
@@ -76,8 +74,8 @@ struct FfmpegFilm final : FilmFile {
                  name};
   }
 
-  Result<void> open(const FilmOptions& options) {
-    const Recipe& recipe = kRecipes[static_cast<size_t>(options.format)];
+  Result<void> open(FilmFormat format, int frames_per_s) {
+    const Recipe& recipe = kRecipes[static_cast<size_t>(format)];
     const AVCodec* const codec = encoder_of(recipe);
     if (codec == nullptr) {
       return fail(ErrorCode::kMissingDependency, name, "this build of FFmpeg has no encoder for ", recipe.container,
@@ -92,7 +90,7 @@ struct FfmpegFilm final : FilmFile {
     if (encoder == nullptr || stream == nullptr || frame == nullptr || packet == nullptr) {
       return check(AVERROR(ENOMEM), "begin");
     }
-    set_up(options, recipe);
+    set_up(format, frames_per_s, recipe);
     E2LF_RETURN_IF_ERROR(check(avcodec_open2(encoder, codec, nullptr), "open the encoder"));
     E2LF_RETURN_IF_ERROR(
         check(avcodec_parameters_from_context(stream->codecpar, encoder), "describe the film in its file"));
@@ -101,13 +99,13 @@ struct FfmpegFilm final : FilmFile {
     return make_converter();
   }
 
-  void set_up(const FilmOptions& options, const Recipe& recipe) const {
-    const bool is_even = options.format != FilmFormat::kGif;
+  void set_up(FilmFormat format, int frames_per_s, const Recipe& recipe) const {
+    const bool is_even = format != FilmFormat::kGif;
     encoder->width = static_cast<int>(is_even ? width & ~size_t{1} : width);
     encoder->height = static_cast<int>(is_even ? height & ~size_t{1} : height);
-    encoder->time_base = {1, options.frames_per_s};
-    encoder->framerate = {options.frames_per_s, 1};
-    encoder->pix_fmt = pixels_of(options.format, channels == 3);
+    encoder->time_base = {1, frames_per_s};
+    encoder->framerate = {frames_per_s, 1};
+    encoder->pix_fmt = pixels_of(format, channels == 3);
     // The same frames give the same file, so it contains no version.
     encoder->flags |= AV_CODEC_FLAG_BITEXACT;
     container->flags |= AVFMT_FLAG_BITEXACT;
@@ -143,7 +141,7 @@ struct FfmpegFilm final : FilmFile {
     }
   }
 
-  Result<void> add(const Image& image) override {
+  Result<void> add(const Image& image) {
     E2LF_REQUIRE(image.width == width && image.height == height && image.channels == channels,
                  "all frames have one size");
     const lightfield::ByteImage bytes = lightfield::to_bytes(image);
@@ -155,7 +153,7 @@ struct FfmpegFilm final : FilmFile {
     return encode(frame);
   }
 
-  Result<void> finish() override {
+  Result<void> finish() {
     E2LF_RETURN_IF_ERROR(encode(nullptr));
     E2LF_RETURN_IF_ERROR(check(av_write_trailer(container), "write", ErrorCode::kIo));
     return check(avio_closep(&container->pb), "write", ErrorCode::kIo);
@@ -168,17 +166,22 @@ Result<void> check_film_support() {
   return {};
 }
 
-Result<std::unique_ptr<FilmFile>> FilmFile::create(const std::filesystem::path& path, const FilmOptions& options,
-                                                   const Image& first) {
-  E2LF_REQUIRE(options.frames_per_s >= 1 && options.frames_per_s <= 100, "the frame rate must be 1 to 100 Hz");
+Result<void> write_film(const std::filesystem::path& path, FilmFormat format, const Film& film,
+                        const ProgressFn& progress) {
+  E2LF_REQUIRE(film.frames_per_s >= 1 && film.frames_per_s <= 100, "the frame rate must be 1 to 100 Hz");
+  const Image first = film.frame_at(0);
   if (first.width < 2 || first.height < 2 || first.width > 16384 || first.height > 16384) {
     return fail(ErrorCode::kUnsupported, path, "a film cannot have ", first.width, "x", first.height,
                 " px; use 2 to 16384 px in each direction");
   }
   av_log_set_level(AV_LOG_QUIET);
-  auto film = std::make_unique<FfmpegFilm>(path.string(), first);
-  E2LF_RETURN_IF_ERROR(film->open(options));
-  return std::unique_ptr<FilmFile>(std::move(film));
+  FfmpegFilm file(path.string(), first);
+  E2LF_RETURN_IF_ERROR(file.open(format, film.frames_per_s));
+  for (size_t frame = 0; frame < film.frames; ++frame) {
+    E2LF_RETURN_IF_ERROR(file.add(frame == 0 ? first : film.frame_at(frame)));
+    if (progress) progress(frame + 1, film.frames);
+  }
+  return file.finish();
 }
 
 }  // namespace e2lf::film

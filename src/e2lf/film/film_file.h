@@ -2,9 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
+#include <functional>
 #include <string>
 
+#include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/image.h"
@@ -29,28 +30,18 @@ enum class FilmFormat {
 /// Fails with kMissingDependency if this build has no libraries for films.
 [[nodiscard]] Result<void> check_film_support();
 
-struct FilmOptions {
-  FilmFormat format = FilmFormat::kGif;
+/// Pictures of one size, frame_at(0), frame_at(1), ..., at a constant rate.
+struct Film {
+  std::function<lightfield::Image(size_t frame)> frame_at = {};
+  size_t frames = 1;
   int frames_per_s = 25;  ///< 1 to 100
 };
 
-/// Writes pictures of one size as a film with the FFmpeg libraries. WebM and MP4 need even sizes; an odd last row or
-/// column is cut off.
-class FilmFile {
- public:
-  /// Creates the film. The first frame determines the size and whether there is colour. Fails with kMissingDependency
-  /// (a build without the libraries, or libraries without an encoder), kUnsupported (sides outside of 2 to 16384 px),
-  /// kIo and kInternal.
-  [[nodiscard]] static Result<std::unique_ptr<FilmFile>> create(const std::filesystem::path& path,
-                                                                const FilmOptions& options,
-                                                                const lightfield::Image& first);
-  virtual ~FilmFile() = default;
-
-  /// Adds a frame. Another size breaks the contract. Fails with kIo and kInternal.
-  [[nodiscard]] virtual Result<void> add(const lightfield::Image& frame) = 0;
-
-  /// Finishes the file; no frames may be added afterwards. Fails as add() does.
-  [[nodiscard]] virtual Result<void> finish() = 0;
-};
+/// Writes a film with the FFmpeg libraries. The first frame determines the size and whether there is colour. WebM and
+/// MP4 need even sizes; an odd last row or column is cut off. Frames of another size break the contract. Fails with
+/// kMissingDependency (a build without the libraries, or libraries without an encoder), kUnsupported (sides outside of
+/// 2 to 16384 px), kIo and kInternal.
+[[nodiscard]] Result<void> write_film(const std::filesystem::path& path, FilmFormat format, const Film& film,
+                                      const ProgressFn& progress = {});
 
 }  // namespace e2lf::film

@@ -23,12 +23,10 @@ Image frame(size_t number, size_t channels) {
 
 Result<void> write(const std::filesystem::path& path, size_t frames, size_t channels) {
   E2LF_ASSIGN_OR_RETURN(const FilmFormat format, film_format_of(path));
-  E2LF_ASSIGN_OR_RETURN(const auto film, FilmFile::create(path, {format, 10}, frame(0, channels)));
-  for (size_t i = 0; i < frames; ++i) E2LF_RETURN_IF_ERROR(film->add(frame(i, channels)));
-  return film->finish();
+  return write_film(path, format, {[channels](size_t i) { return frame(i, channels); }, frames, 10});
 }
 
-class Film : public testing::Test {
+class FilmFile : public testing::Test {
  protected:
   void SetUp() override {
     if (!check_film_support()) GTEST_SKIP() << "this build writes no films";
@@ -40,7 +38,7 @@ class Film : public testing::Test {
       (std::string("e2lf_film_") + testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
-TEST_F(Film, GifHasTheSizeAndEveryFrame) {
+TEST_F(FilmFile, GifHasTheSizeAndEveryFrame) {
   const auto path = folder_ / "a.gif";
   ASSERT_TRUE(write(path, 5, 1).ok());
   const std::vector<uint8_t> bytes = read_file(path).value();
@@ -57,7 +55,7 @@ TEST_F(Film, GifHasTheSizeAndEveryFrame) {
   EXPECT_EQ(bytes.back(), 0x3B);
 }
 
-TEST_F(Film, WebmAndMp4BeginAsTheyShould) {
+TEST_F(FilmFile, WebmAndMp4BeginAsTheyShould) {
   ASSERT_TRUE(write(folder_ / "a.webm", 5, 3).ok());
   const std::vector<uint8_t> webm = read_file(folder_ / "a.webm").value();
   const std::vector<uint8_t> ebml = {0x1A, 0x45, 0xDF, 0xA3};
@@ -67,7 +65,7 @@ TEST_F(Film, WebmAndMp4BeginAsTheyShould) {
   EXPECT_EQ(std::string(mp4.begin() + 4, mp4.begin() + 8), "ftyp");
 }
 
-TEST_F(Film, IsTheSameEachTime) {
+TEST_F(FilmFile, IsTheSameEachTime) {
   for (const char* name : {"a.gif", "a.mp4"}) {
     ASSERT_TRUE(write(folder_ / name, 3, 1).ok());
     const std::vector<uint8_t> first = read_file(folder_ / name).value();
@@ -76,7 +74,7 @@ TEST_F(Film, IsTheSameEachTime) {
   }
 }
 
-TEST_F(Film, SaysWhereItCannotWrite) {
+TEST_F(FilmFile, SaysWhereItCannotWrite) {
   const auto result = write(folder_ / "absent" / "a.gif", 1, 1);
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.error().code, ErrorCode::kIo);

@@ -11,9 +11,9 @@ Result<void> check_film_support() {
               "and libswscale-dev and build again");
 }
 
-Result<std::unique_ptr<FilmFile>> FilmFile::create(const std::filesystem::path& /*path*/,
-                                                   const FilmOptions& /*options*/, const lightfield::Image& /*first*/) {
-  return check_film_support().error();
+Result<void> write_film(const std::filesystem::path& /*path*/, FilmFormat /*format*/, const Film& /*film*/,
+                        const ProgressFn& /*progress*/) {
+  return check_film_support();
 }
 
 }  // namespace e2lf::film

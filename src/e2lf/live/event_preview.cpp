@@ -54,13 +54,11 @@ double sharpness_of(const capture::EventImages& images) {
   return weights > 0 ? sum / weights : 0;
 }
 
-EventPreview::EventPreview(size_t width, size_t height) : width_(width), height_(height) {}
-
 void EventPreview::add(const recordings::EventBatch& batch) {
   const recordings::EventColumns& events = batch.events;
   if (events.empty()) return;
   const std::lock_guard lock(mutex_);
-  if (!is_asked_ || finished_) return;
+  if (!asked_ || finished_) return;
   if (signed_.empty()) {
     signed_.resize(width_ * height_);
     all_.resize(width_ * height_);
@@ -102,14 +100,13 @@ void EventPreview::add_cycle(uint64_t number, const capture::EventImages& images
 
 bool EventPreview::is_asked(Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
-  return is_asked_ && now - asked_ < kPatience;
+  return asked_ && now - *asked_ < kPatience;
 }
 
 std::optional<EventPicture> EventPreview::take(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   // A picture that was not taken for a long time is out of date.
-  if (now - asked_ >= kPatience) finished_.reset();
-  is_asked_ = true;
+  if (asked_ && now - *asked_ >= kPatience) finished_.reset();
   asked_ = now;
   if (finished_) finished_->cycle = cycle_;
   return std::exchange(finished_, std::nullopt);

@@ -45,7 +45,7 @@ class EventPreview {
  public:
   static constexpr int64_t kWindowUs = 30'000;
 
-  EventPreview(size_t width, size_t height);
+  EventPreview(size_t width, size_t height) : width_(width), height_(height) {}
 
   /// Adds a batch of events. Called by the reading thread.
   void add(const recordings::EventBatch& batch);
@@ -66,8 +66,7 @@ class EventPreview {
 
   size_t width_, height_;
   mutable std::mutex mutex_;
-  Clock::time_point asked_{};
-  bool is_asked_ = false;
+  std::optional<Clock::time_point> asked_;
   std::optional<int64_t> begin_us_;
   std::vector<int16_t> signed_;
   std::vector<uint16_t> all_;

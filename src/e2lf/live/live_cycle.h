@@ -5,15 +5,13 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <limits>
-#include <optional>
-#include <utility>
 #include <vector>
 
-#include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
+#include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/lightfield/light_field.h"
-#include "e2lf/live/pace.h"
 
 namespace e2lf::live {
 using Clock = std::chrono::steady_clock;
@@ -49,51 +47,36 @@ class ArrivalClock {
 };
 
 /// A pattern cycle as the camera delivered it.
-struct LiveCycle {
-  capture::Measurement counts;  ///< event images, summed over the last `cycles` cycles
-  size_t cycles = 1;
-  uint64_t number = 0;  ///< number of the cycle in the recording
-  int64_t begin_us = 0, end_us = 0;
-  uint64_t events = 0;
-  float confidence = 1;
+struct LiveCycle : cycles::Cycle {
+  size_t cycles = 1;               ///< the number of cycles, of which it is the last one, that `images` sums
   double cycle_s = 0;              ///< time from the previous cycle to this one; 0 = unknown
   Clock::time_point last_event{};  ///< arrival of its last event at this host
 };
 
-/// The parameters for rendering a light field. Viewpoints are in view steps from the centre of the grid, as in the
-/// viewer.
-struct RenderSettings {
-  float x = 0.5F, y = 0.5F;  ///< viewpoint, to the right and downwards; by default one of the four central views
-  float focus = 0;           ///< disparity of the plane in focus, in px of the full resolution per view step
-  float radius = 0;          ///< radius of the round aperture, in view steps; 0 = only the viewpoint
-  std::optional<uint32_t> row = {}, column = {};  ///< EPIs to cut, in px of the full resolution; empty = none
-  bool operator==(const RenderSettings&) const = default;
+/// Computes event images of a lower resolution: each count is the sum over a block of side x side pixels (2 or 4),
+/// limited to the range of int16. Odd last rows and columns are left out. `sums` is resized if its shape differs,
+/// otherwise its memory is used again. A network takes the sums as those of side^2 cycles of one pixel. Images that are
+/// smaller than a block break the contract.
+void sum_blocks(const capture::EventImages& images, size_t side, capture::EventImages& sums);
+
+/// Maximum number of cycles of a static scene that are summed.
+inline constexpr size_t kMostCycles = 16;
+
+/// Sums the event images of the last cycles of a static scene. Memory is bounded by kMostCycles cycles.
+class CycleSum {
+ public:
+  /// Adds the images of a cycle and replaces them by the sum over the last `wanted` cycles (1 to kMostCycles), or over
+  /// all cycles if fewer were added. Returns the number of cycles in the sum. Sums saturate at the range of int16.
+  /// Images whose shape differs from that of the previous ones start a new sum.
+  size_t add(capture::EventImages& images, size_t wanted);
+
+ private:
+  std::deque<capture::EventImages> last_;
+  std::vector<int32_t> sum_;
 };
 
-/// The light field of a cycle.
-struct LiveField {
-  lightfield::LightField light_field;  ///< upright, as computed by the network; see `black` and `gain`
-  std::vector<size_t> views;           ///< numbers of the views that are set, in order; empty = all
-  RenderSettings settings;             ///< the parameters that determined the views
-  LiveCycle cycle;                     ///< always in full resolution
-  QualityLevel level;
-  float black = 0, gain = 1;  ///< displayed values are gain * (value - black)
-  double reconstruct_s = 0;
-  uint64_t serial = 0;  ///< counts the light fields from 1
-
-  /// Returns a copy without the light field.
-  [[nodiscard]] LiveField without_views() const {
-    return {{}, {}, settings, cycle, level, black, gain, reconstruct_s, serial};
-  }
-
-  /// Sets all views by make(*this). If this fails, those of `views` are still the only ones that are set.
-  template <typename Make>
-  Result<void> complete(const Make& make) {
-    const std::vector<size_t> set = std::exchange(views, {});
-    Result<void> made = make(*this);
-    if (!made) views = set;
-    return made;
-  }
-};
+/// Returns a light field whose pixels are repeated to blocks until it has this size, of which its own size is a part:
+/// the inverse of sum_blocks(). The last pixels also fill a rest.
+[[nodiscard]] lightfield::LightField enlarged(const lightfield::LightField& light_field, size_t height, size_t width);
 
 }  // namespace e2lf::live

@@ -2,11 +2,80 @@
 #include "e2lf/live/live_reader.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
 #include <utility>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/recordings/io/bytes.h"
 
 namespace e2lf::live {
+namespace fs = std::filesystem;
+
+Recorder::Recorder(fs::path folder, recordings::RecordingInfo info)
+    : folder_(std::move(folder)), info_(std::move(info)) {
+  info_.format = "evt3";
+}
+
+Result<void> Recorder::begin() {
+  const std::lock_guard lock(mutex_);
+  if (writer_) return {};
+  if (folder_.empty()) {
+    return Error{ErrorCode::kInvalidValue, "no folder for recordings was given; start e2lf live with -o FOLDER", ""};
+  }
+  int descriptor = -1;
+  do {
+    file_ = folder_ / formatted("recording_%03zu.raw", number_++);
+    descriptor = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (descriptor < 0 && errno == EEXIST);
+  if (descriptor < 0) return fail_to("create", file_, errno);
+  error_.clear();
+  auto sink = recordings::make_descriptor_sink(descriptor, /*owned=*/true, file_.string());
+  E2LF_ASSIGN_OR_RETURN(writer_, recordings::create_recording(std::move(sink), "evt3", info_));
+  return {};
+}
+
+Result<void> Recorder::finish() {
+  if (!writer_) return {};
+  const Result<void> finished = writer_->finish();
+  writer_.reset();
+  if (!finished) error_ = finished.error().text();
+  return finished;
+}
+
+Result<void> Recorder::end() {
+  const std::lock_guard lock(mutex_);
+  return finish();
+}
+
+bool Recorder::is_recording() const {
+  const std::lock_guard lock(mutex_);
+  return writer_ != nullptr;
+}
+
+void Recorder::write(const recordings::EventBatch& batch) {
+  const std::lock_guard lock(mutex_);
+  if (!writer_) return;
+  const Result<void> written = writer_->write(batch);
+  if (written) return;
+  // The file keeps what was written before; of two errors, the first one states the cause.
+  (void)finish();
+  error_ = written.error().text();
+  log_warning(cat("the recording has ended: ", error_));
+}
+
+Json Recorder::json() const {
+  const std::lock_guard lock(mutex_);
+  std::error_code error;
+  const uintmax_t bytes = fs::file_size(file_, error);
+  return {{"can_record", !folder_.empty()},
+          {"is_recording", writer_ != nullptr},
+          {"file", file_.string()},
+          {"bytes", error ? 0 : bytes},
+          {"error", error_}};
+}
 
 Result<std::unique_ptr<LiveReader>> LiveReader::open(const OpenCycles& open, const ReadingOptions& options) {
   auto reader = std::make_unique<LiveReader>();
@@ -86,13 +155,8 @@ Result<bool> LiveReader::next(LiveCycle& cycle) {
   ++taken_;
   next->confidence = rig_.add(*next, cycles_->options());
   statistics_.add_cycle(next->confidence);
-  cycle.number = next->number;
-  cycle.begin_us = next->begin_us;
-  cycle.end_us = next->slices.back().end_us;
-  cycle.events = next->events;
-  cycle.confidence = next->confidence;
   // Until bytes have arrived without delay, the clock estimates arrivals too late; events that were read have arrived.
-  cycle.last_event = std::min(arrivals_.arrival_of(cycle.end_us), Clock::now());
+  cycle.last_event = std::min(arrivals_.arrival_of(next->slices.back().end_us), Clock::now());
   cycle.cycle_s = 0;
   if (previous_ && previous_->first < next->number) {
     cycle.cycle_s = 1e-6 * static_cast<double>(next->begin_us - previous_->second) /
@@ -100,8 +164,8 @@ Result<bool> LiveReader::next(LiveCycle& cycle) {
   }
   previous_ = {next->number, next->begin_us};
   preview_->add_cycle(next->number, next->images);
-  cycle.counts = std::move(next->images);
-  cycle.cycles = sum_.add(cycle.counts.events, average_);
+  static_cast<cycles::Cycle&>(cycle) = *std::move(next);
+  cycle.cycles = sum_.add(cycle.images, average_);
   return true;
 }
 

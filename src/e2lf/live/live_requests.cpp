@@ -136,7 +136,7 @@ std::optional<Answer> command(Session& session, const std::string& name, const P
     session.reader().set_average(std::clamp<size_t>(cycles, 1, kMostCycles));
   } else if (name == "size") {
     const auto to = parameters.find("to");
-    const auto size = size_from_name(to == parameters.end() ? "" : to->second);
+    const auto size = choice_of(to == parameters.end() ? "" : to->second, kPictureSizes, "size", "size");
     if (!size) return refuse(size.error());
     session.set_size(*size);
   } else if (name == "brightness") {

@@ -8,10 +8,9 @@
 #include <thread>
 
 #include "e2lf/live/event_preview.h"
-#include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_cycle.h"
+#include "e2lf/live/live_reader.h"
 #include "e2lf/live/pace.h"
-#include "e2lf/live/recorder.h"
 #include "e2lf/live/render.h"
 #include "e2lf/live/session.h"
 #include "e2lf/live/statistics.h"
@@ -163,9 +162,9 @@ TEST(Pace, KeepsANamedSizeAndAPaceThatHolds) {
   Pace better({50, 10}, PictureSize::kHalf);
   for (int i = 0; i < 50; ++i) better.add(0.01, 0.1);
   EXPECT_EQ(better.level(), (QualityLevel{0, PictureSize::kHalf}));
-  EXPECT_FALSE(size_from_name("auto").value().has_value());
-  EXPECT_EQ(size_from_name("half").value(), PictureSize::kHalf);
-  EXPECT_FALSE(size_from_name("Half").ok());
+  EXPECT_FALSE(choice_of("auto", kPictureSizes).value().has_value());
+  EXPECT_EQ(choice_of("half", kPictureSizes).value(), PictureSize::kHalf);
+  EXPECT_FALSE(choice_of("Half", kPictureSizes).ok());
 }
 
 TEST(RecentQuantiles, AreExactAndForgetWhatIsOld) {

@@ -1,27 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/live/pace.h"
 
-#include "e2lf/base/choice.h"
+#include "e2lf/base/result.h"
 
 namespace e2lf::live {
-namespace {
-
-constexpr Choice<std::optional<PictureSize>> kSizes[] = {
-    {"full", PictureSize::kFull}, {"half", PictureSize::kHalf}, {"quarter", PictureSize::kQuarter}, {"auto", {}}};
-
-}  // namespace
-
-const char* size_name(PictureSize size) {
-  return word_of(std::optional(size), kSizes);
-}
-
-Result<std::optional<PictureSize>> size_from_name(const std::string& name) {
-  return choice_of(name, kSizes, "size", "size");
-}
-
-size_t block_side(PictureSize size) {
-  return size_t{1} << static_cast<size_t>(size);
-}
 
 Pace::Pace(const std::vector<double>& macs_per_pixel, std::optional<PictureSize> named) {
   E2LF_REQUIRE(!macs_per_pixel.empty(), "without a network there is no pace");

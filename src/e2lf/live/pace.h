@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "e2lf/base/result.h"
+#include "e2lf/base/choice.h"
 
 namespace e2lf::live {
 
@@ -15,11 +15,16 @@ enum class PictureSize {
   kHalf,     ///< one for each block of 2x2: see sum_blocks()
   kQuarter,  ///< one for each block of 4x4
 };
-[[nodiscard]] const char* size_name(PictureSize size);  ///< "full", "half", "quarter"
-/// Parses the name of a size; returns nothing for "auto". Fails with kInvalidValue for any other word.
-[[nodiscard]] Result<std::optional<PictureSize>> size_from_name(const std::string& name);
+/// The words for the sizes; auto leaves the size to the pace.
+inline constexpr Choice<std::optional<PictureSize>> kPictureSizes[] = {
+    {"auto", {}}, {"full", PictureSize::kFull}, {"half", PictureSize::kHalf}, {"quarter", PictureSize::kQuarter}};
+[[nodiscard]] constexpr const char* size_name(PictureSize size) {
+  return word_of(std::optional(size), kPictureSizes);
+}
 /// Returns the number of pixels along the side of a block: 1, 2 or 4.
-[[nodiscard]] size_t block_side(PictureSize size);
+[[nodiscard]] constexpr size_t block_side(PictureSize size) {
+  return size_t{1} << static_cast<size_t>(size);
+}
 
 /// The network and the resolution with which light fields are reconstructed.
 struct QualityLevel {

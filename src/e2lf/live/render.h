@@ -3,13 +3,52 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "e2lf/base/result.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/refocus.h"
 #include "e2lf/live/live_cycle.h"
+#include "e2lf/live/pace.h"
 
 namespace e2lf::live {
+
+/// The parameters for rendering a light field. Viewpoints are in view steps from the centre of the grid, as in the
+/// viewer.
+struct RenderSettings {
+  float x = 0.5F, y = 0.5F;  ///< viewpoint, to the right and downwards; by default one of the four central views
+  float focus = 0;           ///< disparity of the plane in focus, in px of the full resolution per view step
+  float radius = 0;          ///< radius of the round aperture, in view steps; 0 = only the viewpoint
+  std::optional<uint32_t> row = {}, column = {};  ///< EPIs to cut, in px of the full resolution; empty = none
+  bool operator==(const RenderSettings&) const = default;
+};
+
+/// The light field of a cycle.
+struct LiveField {
+  lightfield::LightField light_field;  ///< upright, as computed by the network; see `black` and `gain`
+  std::vector<size_t> views;           ///< numbers of the views that are set, in order; empty = all
+  RenderSettings settings;             ///< the parameters that determined the views
+  LiveCycle cycle;                     ///< always in full resolution
+  QualityLevel level;
+  float black = 0, gain = 1;  ///< displayed values are gain * (value - black)
+  double reconstruct_s = 0;
+  uint64_t serial = 0;  ///< counts the light fields from 1
+
+  /// Returns a copy without the light field.
+  [[nodiscard]] LiveField without_views() const {
+    return {{}, {}, settings, cycle, level, black, gain, reconstruct_s, serial};
+  }
+
+  /// Sets all views by make(*this). If this fails, those of `views` are still the only ones that are set.
+  template <typename Make>
+  Result<void> complete(const Make& make) {
+    const std::vector<size_t> set = std::exchange(views, {});
+    Result<void> made = make(*this);
+    if (!made) views = set;
+    return made;
+  }
+};
 
 /// The images of a light field that are sent to the browser.
 struct Picture {

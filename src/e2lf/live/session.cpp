@@ -5,7 +5,6 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/live/event_sums.h"
 #include "e2lf/pipeline/event_depth.h"
 #include "e2lf/recon/reconstruct.h"
 
@@ -35,6 +34,19 @@ FieldReport report_of(const LiveCycle& cycle, const QualityLevel& level, double 
           seconds_since(cycle.last_event)};
 }
 
+/// The event images in the resolution of a picture, and how many values of the camera each count sums.
+struct SizedImages {
+  const capture::EventImages& images;
+  size_t samples;
+};
+
+/// `sums` is the memory of those that are smaller than the images of the cycle.
+SizedImages images_of(const LiveCycle& cycle, PictureSize size, capture::EventImages& sums) {
+  const size_t side = block_side(size);
+  if (side > 1) sum_blocks(cycle.images, side, sums);
+  return {side > 1 ? sums : cycle.images, cycle.cycles * side * side};
+}
+
 bool is_recent(Clock::rep asked) {
   constexpr std::chrono::seconds kAskedRecently{1};
   return Clock::now().time_since_epoch().count() - asked < Clock::duration(kAskedRecently).count();
@@ -48,8 +60,7 @@ Session::Session(std::unique_ptr<LiveReader> reader, std::vector<FieldMaker> mak
       options_(std::move(options)),
       pace_(pace_of(options_.size)),
       named_size_(options_.size),
-      gain_(options_.gain),
-      black_(options_.black) {
+      tone_(options_.tone) {
   if (options_.depth) depth_maker_.emplace(*options_.depth);
 }
 
@@ -138,15 +149,13 @@ Result<FieldReport> Session::make_depth(const LiveCycle& cycle) {
     const std::lock_guard lock(settings_mutex_);
     level.size = named_size_.value_or(PictureSize::kHalf);
   }
-  const size_t side = block_side(level.size), samples = cycle.cycles * side * side;
-  if (side > 1) sum_blocks(cycle.counts.events, side, depth_sums_);
-  const capture::EventImages& events = side > 1 ? depth_sums_ : cycle.counts.events;
+  const auto [events, samples] = images_of(cycle, level.size, depth_sums_);
   FieldMaker& maker = *depth_maker_;
-  E2LF_RETURN_IF_ERROR(maker.make(capture::Measurement(events), samples, {}, depth_outputs_));
+  E2LF_RETURN_IF_ERROR(maker.make(events, samples, {}, depth_outputs_));
   E2LF_ASSIGN_OR_RETURN(
       pipeline::EventDepth found,
       pipeline::depth_of_outputs(maker.reconstructor().model(), depth_outputs_, events, samples, options_.views));
-  for (float& value : found.map.disparity.pixels) value *= static_cast<float>(side);
+  for (float& value : found.map.disparity.pixels) value *= static_cast<float>(block_side(level.size));
   next->disparity = std::move(found.map.disparity);
   next->confidence = std::move(found.map.confidence);
   next->picture = std::move(found.picture);
@@ -198,7 +207,7 @@ LiveField Session::prepare() {
   LiveField field;
   LiveCycle dark;
   dark.cycles = reader_->average();
-  dark.counts.events = capture::EventImages(cycles.schedule().num_images(), info.height, info.width);
+  dark.images = capture::EventImages(cycles.schedule().num_images(), info.height, info.width);
   {
     const std::lock_guard lock(settings_mutex_);
     field.level = pace_.level();
@@ -211,14 +220,14 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const Clock::time_point begin = Clock::now();
   // While cycles that had waited are worked off, the time that they take is not the pace. At the start, this is so.
   const bool is_behind = seconds_since(std::exchange(began_, begin)) < kWorkedOff * cycle.cycle_s;
-  const bool has_events = !capture::is_without_events(cycle.counts.events);
+  const bool has_events = !capture::is_without_events(cycle.images);
   bool finds_tone = false;
   // The check would take the processors from the first cycles, whose pace determines the size.
   if (made_ >= kFirstCycles) begin_check(cycle);
   {
     const std::lock_guard lock(settings_mutex_);
     field.level = pace_.level();
-    finds_tone = has_events && (!gain_ || !black_);
+    finds_tone = has_events && (!tone_.gain || !tone_.black);
   }
   choose_views(field);
   // The tone is that of the exact values.
@@ -233,10 +242,10 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const bool changes = field.level == pace_.level() && pace_.add(field.reconstruct_s, cycle_s);
   const QualityLevel level = pace_.level();
   // As pipeline::FieldSequence determines the brightness.
-  if (finds_tone && !black_) black_ = recon::auto_black(field.light_field);
-  if (finds_tone && !gain_) gain_ = recon::auto_gain(field.light_field, *black_);
-  field.black = black_.value_or(0.0F);
-  field.gain = gain_.value_or(1.0F);
+  if (finds_tone && !tone_.black) tone_.black = recon::auto_black(field.light_field);
+  if (finds_tone && !tone_.gain) tone_.gain = recon::auto_gain(field.light_field, *tone_.black);
+  field.black = tone_.black.value_or(0.0F);
+  field.gain = tone_.gain.value_or(1.0F);
   lock.unlock();
   if (changes && options_.on_level) options_.on_level(level);
   return {};
@@ -246,10 +255,10 @@ void Session::begin_check(const LiveCycle& cycle) {
   // Wrong times explain whatever the check would find.
   const auto source = reader_->cycles().options().source;
   if (!options_.check || checking_.joinable() || diagnose::is_doubtful(cycle.confidence, source) ||
-      capture::is_without_events(cycle.counts.events)) {
+      capture::is_without_events(cycle.images)) {
     return;
   }
-  checking_ = std::thread([this, events = cycle.counts.events] { reader_->add_findings(options_.check(events)); });
+  checking_ = std::thread([this, events = cycle.images] { reader_->add_findings(options_.check(events)); });
 }
 
 /// While the settings change, all views are made, so that the next picture need not wait for another light field.
@@ -262,15 +271,11 @@ void Session::choose_views(LiveField& field) {
   field.views = needs_all ? std::vector<size_t>() : views_of(grid, render_settings_);
 }
 
-/// Makes field.views of a cycle.
 Result<void> Session::make_views(const LiveCycle& cycle, bool exactly, LiveField& field) {
   const std::lock_guard lock(maker_mutex_);
+  const auto [images, samples] = images_of(cycle, field.level.size, sums_);
   FieldMaker& maker = makers_[field.level.network];
-  const size_t side = block_side(field.level.size), samples = cycle.cycles * side * side;
-  if (side > 1) sum_blocks(cycle.counts.events, side, sums_.events);
-  const capture::Measurement& counts = side > 1 ? sums_ : cycle.counts;
-  E2LF_RETURN_IF_ERROR(exactly ? maker.make_exactly(counts, samples, field.light_field)
-                               : maker.make(counts, samples, field.views, field.light_field));
+  E2LF_RETURN_IF_ERROR(maker.make(images, samples, field.views, field.light_field, exactly));
   if (!options_.views.is_upright()) lightfield::orient(field.light_field, options_.views);
   return {};
 }
@@ -398,8 +403,7 @@ void Session::set_size(std::optional<PictureSize> size) {
 
 void Session::measure_tone() {
   const std::lock_guard lock(settings_mutex_);
-  gain_ = options_.gain;
-  black_ = options_.black;
+  tone_ = options_.tone;
 }
 
 Json Session::json() {
@@ -411,10 +415,10 @@ Json Session::json() {
   json["schedule"] = {{"patterns", schedule.size()}, {"cycle_us", schedule.cycle_us()}};
   const std::lock_guard lock(settings_mutex_);
   json["size"] = size_name(pace_.level().size);
-  json["size_choice"] = named_size_ ? size_name(*named_size_) : "auto";
+  json["size_choice"] = word_of(named_size_, kPictureSizes);
   json["network"] = model(pace_.level().network).name;
-  json["gain"] = gain_ ? Json(*gain_) : Json();
-  json["black"] = black_ ? Json(*black_) : Json();
+  json["gain"] = tone_.gain ? Json(*tone_.gain) : Json();
+  json["black"] = tone_.black ? Json(*tone_.black) : Json();
   json["error"] = error_ ? Json(error_->text()) : Json();
   return json;
 }

@@ -19,6 +19,7 @@
 #include "e2lf/live/live_reader.h"
 #include "e2lf/live/pace.h"
 #include "e2lf/live/render.h"
+#include "e2lf/pipeline/field_sequence.h"
 #include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::live {
@@ -31,38 +32,26 @@ class FieldMaker {
   /// The input of the network must be event images.
   explicit FieldMaker(recon::Reconstructor reconstructor) : reconstructor_(std::move(reconstructor)) {}
 
-  /// Computes the values of one pass of recon::Reconstructor::reconstruct() into `field`, except for rounding; see
-  /// recon::Reconstructor::prepared_for(). Reuses the memory that the first call allocated. The network may compute
-  /// only the given views; see reconstruct_into(). Fails as that function does.
-  [[nodiscard]] Result<void> make(const capture::Measurement& measurement, size_t samples,
-                                  std::span<const size_t> views, lightfield::LightField& field) {
-    if (!fast_ || samples != samples_) {
+  /// Computes the values of one pass of recon::Reconstructor::reconstruct() into `field`: to the bit if `exactly`, and
+  /// otherwise except for rounding, see recon::Reconstructor::prepared_for(), in the memory that the first call
+  /// allocated. The network may compute only the given views; see reconstruct_into(). Fails as that function does.
+  [[nodiscard]] Result<void> make(const capture::EventImages& images, size_t samples, std::span<const size_t> views,
+                                  lightfield::LightField& field, bool exactly = false) {
+    if (!exactly && (!fast_ || samples != samples_)) {
       E2LF_ASSIGN_OR_RETURN(fast_, reconstructor_.prepared_for(samples));
       memory_ = {};
       samples_ = samples;
     }
-    return make_with(*fast_, measurement, samples, views, memory_, field);
-  }
-
-  /// Computes all views to the bit as reconstruct() does. Any thread may call it.
-  [[nodiscard]] Result<void> make_exactly(const capture::Measurement& measurement, size_t samples,
-                                          lightfield::LightField& field) const {
-    recon::ReconstructionMemory memory;
-    return make_with(reconstructor_, measurement, samples, {}, memory, field);
+    const recon::Reconstructor& network = exactly ? reconstructor_ : *fast_;
+    const lightfield::Shape shape = network.field_shape(images);
+    if (!(field.shape() == shape)) field = lightfield::LightField::unset(shape);
+    recon::ReconstructionMemory memory_once;
+    return network.reconstruct_into(images, samples, views, exactly ? memory_once : memory_, field);
   }
 
   [[nodiscard]] const recon::Reconstructor& reconstructor() const { return reconstructor_; }
 
  private:
-  [[nodiscard]] static Result<void> make_with(const recon::Reconstructor& network,
-                                              const capture::Measurement& measurement, size_t samples,
-                                              std::span<const size_t> views, recon::ReconstructionMemory& memory,
-                                              lightfield::LightField& field) {
-    const lightfield::Shape shape = network.field_shape(measurement);
-    if (!(field.shape() == shape)) field = lightfield::LightField::unset(shape);
-    return network.reconstruct_into(measurement, samples, views, memory, field);
-  }
-
   recon::Reconstructor reconstructor_;
   std::optional<recon::Reconstructor> fast_;  ///< the network prepared for samples_
   size_t samples_ = 0;
@@ -130,8 +119,8 @@ struct FieldReport {
 };
 
 struct SessionOptions {
-  std::optional<PictureSize> size = {};            ///< empty = selected by the pace
-  std::optional<float> gain = {}, black = {};      ///< empty = determined from the first cycle that has events
+  std::optional<PictureSize> size = {};  ///< empty = selected by the pace
+  pipeline::Tone tone = {.gain = {}, .black = {}};
   capture::Orientation views = {};                 ///< orientation in which the views are reconstructed
   std::optional<recon::Reconstructor> depth = {};  ///< network of disparities, for the same event images
   /// Judges the events of the twenty-first cycle, or of the last one of a shorter source, in a thread of its own; empty
@@ -227,7 +216,7 @@ class Session {
   std::unique_ptr<LiveReader> reader_;
   std::recursive_mutex maker_mutex_;
   std::vector<FieldMaker> makers_;
-  capture::Measurement sums_;  ///< sums over blocks of the cycle that is being reconstructed
+  capture::EventImages sums_;  ///< sums over blocks of the cycle that is being reconstructed
   SessionOptions options_;
   NewestSlot<LiveCycle> slot_;
   uint64_t made_ = 0;
@@ -236,7 +225,7 @@ class Session {
   mutable std::mutex settings_mutex_;
   Pace pace_;
   std::optional<PictureSize> named_size_;  ///< empty = the pace determines the size
-  std::optional<float> gain_, black_;
+  pipeline::Tone tone_;
   std::optional<Error> error_;
 
   // The newest light field. The reconstruction thread swaps it, so that it waits for at most one picture.

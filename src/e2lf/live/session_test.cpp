@@ -5,7 +5,6 @@
 
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/live/event_sums.h"
 #include "e2lf/live/live_requests.h"
 #include "e2lf/pipeline/field_sequence.h"
 #include "e2lf/recordings/open/registry.h"
@@ -86,11 +85,11 @@ TEST(FieldMaker, MakesTheLightFieldOfTheReconstructorInTheSameMemory) {
   lightfield::LightField field;
   const float* memory = nullptr;
   for (const uint64_t number : {0, 1}) {
-    const capture::Measurement counts(cycle_images(number));
+    const capture::EventImages counts = cycle_images(number);
     ASSERT_TRUE(maker.make(counts, 2, {}, field).ok());
     const auto expected = maker.reconstructor().reconstruct(counts, {}, 1, 2).value();
     lightfield::LightField exact;
-    ASSERT_TRUE(maker.make_exactly(counts, 2, exact).ok());
+    ASSERT_TRUE(maker.make(counts, 2, {}, exact, /*exactly=*/true).ok());
     EXPECT_TRUE(std::ranges::equal(exact.data(), expected.data()));
     expect_near(field, expected);
     // Some views are made alone, and the others stay.
@@ -112,12 +111,12 @@ TEST(FieldMaker, MakesTheLightFieldOfTheReconstructorInTheSameMemory) {
   capture::EventImages odd(3, 13, 17);
   odd.values.assign(odd.values.size(), 1);
   const std::vector<size_t> one = {9};
-  ASSERT_TRUE(maker.make(capture::Measurement(odd), 1, one, field).ok());
+  ASSERT_TRUE(maker.make(odd, 1, one, field).ok());
   const auto expected = maker.reconstructor().reconstruct(odd).value();
   for (size_t i = 0; i < field.shape().view_size(); ++i) {
     EXPECT_NEAR(field.view(1, 1)[i], expected.view(1, 1)[i], 0.02) << "pixel " << i;
   }
-  EXPECT_FALSE(maker.make(capture::Measurement(capture::EventImages(2, 16, 16)), 1, {}, field).ok());
+  EXPECT_FALSE(maker.make(capture::EventImages(2, 16, 16), 1, {}, field).ok());
 }
 
 TEST(Session, EachCycleIsShownOrCountedAndTheLastOneIsShown) {
@@ -150,7 +149,7 @@ TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   ASSERT_TRUE(session.wait().ok());
   const auto frozen = session.freeze();
   ASSERT_TRUE(frozen.has_value());
-  EXPECT_EQ(frozen->cycle.counts.events, cycle_images(0));
+  EXPECT_EQ(frozen->cycle.images, cycle_images(0));
   const recon::Reconstructor network = reconstructor();
   pipeline::FieldSequence sequence([&](const capture::MeasurementView& measured,
                                        const ProgressFn& progress) { return network.reconstruct(measured, progress); },
@@ -165,8 +164,7 @@ TEST(Session, AStillLookIsGivenItsViewsAloneAndANewOneTheOthers) {
   const TestFolder folder;
   write_recording(folder / "a.raw", 3);
   SessionOptions options;
-  options.gain = 1.0F;
-  options.black = 0.0F;
+  options.tone = {.gain = 1.0F, .black = 0.0F};
   options.size = PictureSize::kFull;
   Session session(open_replay(folder / "a.raw"), one_maker(), options);
   session.start();
@@ -209,8 +207,7 @@ TEST(Session, HalfSizeTakesTheSumsOfBlocksAsFourCycles) {
   write_recording(folder / "a.raw", 1);
   SessionOptions options;
   options.size = PictureSize::kHalf;
-  options.gain = 1.0F;
-  options.black = 0.0F;
+  options.tone = {.gain = 1.0F, .black = 0.0F};
   Session session(open_replay(folder / "a.raw"), one_maker(), options);
   session.start();
   ASSERT_TRUE(session.wait().ok());

@@ -44,7 +44,6 @@ void Statistics::add_batch(const recordings::EventBatch& batch, Clock::time_poin
   const std::lock_guard lock(mutex_);
   if (now - window_begin_ >= kWindow) {
     rates_ = rates_of_window(now);
-    has_rates_ = true;
     window_begin_ = now;
     window_events_ = window_on_ = 0;
     window_triggers_.clear();
@@ -59,7 +58,7 @@ void Statistics::add_batch(const recordings::EventBatch& batch, Clock::time_poin
     ++window_triggers_[trigger.id];
   }
   if (batch.events.empty()) return;
-  if (!std::exchange(has_time_, true)) first_us_ = batch.events.t.front();
+  if (!first_us_) first_us_ = batch.events.t.front();
   last_us_ = std::max(last_us_, batch.events.t.back());
 }
 
@@ -120,10 +119,10 @@ Statistics::Rates Statistics::rates_of_window(Clock::time_point now) const {
 Json Statistics::json(Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
   // If nothing arrives, no batch ends the window.
-  const bool is_old = !has_rates_ || now - window_begin_ >= 2 * kWindow;
-  const Rates rates = is_old ? rates_of_window(now) : rates_;
+  const bool is_old = !rates_ || now - window_begin_ >= 2 * kWindow;
+  const Rates rates = is_old ? rates_of_window(now) : *rates_;
   Json json = {{"seconds", seconds_between(begin_, now)},
-               {"recorded_s", 1e-6 * static_cast<double>(last_us_ - first_us_)},
+               {"recorded_s", 1e-6 * static_cast<double>(last_us_ - first_us_.value_or(0))},
                {"events", events_},
                {"cycles", cycles_},
                {"fields", fields_},
@@ -138,11 +137,6 @@ Json Statistics::json(Clock::time_point now) const {
                {"least_confidence", least_confidence_}};
   json.update(report_);
   return json;
-}
-
-uint64_t Statistics::fields() const {
-  const std::lock_guard lock(mutex_);
-  return fields_;
 }
 
 }  // namespace e2lf::live

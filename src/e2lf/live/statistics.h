@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -52,8 +53,6 @@ class Statistics {
   /// Returns all figures: totals, latencies, the rates of the last second, and the report of the reader.
   [[nodiscard]] Json json(Clock::time_point now = Clock::now()) const;
 
-  [[nodiscard]] uint64_t fields() const;
-
  private:
   struct Rates {
     double events_hz = 0, on_share = 0;
@@ -69,10 +68,9 @@ class Statistics {
   uint64_t events_ = 0, cycles_ = 0, skipped_ = 0, fields_ = 0;
   uint64_t window_events_ = 0, window_on_ = 0;
   std::map<uint16_t, uint64_t> window_triggers_, triggers_;
-  Rates rates_;
-  bool has_rates_ = false;
-  int64_t first_us_ = 0, last_us_ = 0;
-  bool has_time_ = false;
+  std::optional<Rates> rates_;
+  std::optional<int64_t> first_us_;
+  int64_t last_us_ = 0;
   float confidence_ = 1, least_confidence_ = 1;
   RecentQuantiles latency_s_, reconstruct_s_;
   Json report_ = Json::object();

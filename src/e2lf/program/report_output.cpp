@@ -12,8 +12,8 @@ namespace e2lf::program {
 namespace fs = std::filesystem;
 void add_report_option(CLI::App& app, std::vector<fs::path>& names) {
   const auto check = [](std::string& text) {
-    const auto format = report::file_format_of(text);
-    return format ? std::string() : format.error().text();
+    const auto known = report::check_extension(text);
+    return known ? std::string() : known.error().text();
   };
   app.add_option(
          "--report", names,
@@ -26,16 +26,15 @@ void add_report_option(CLI::App& app, std::vector<fs::path>& names) {
 Result<ReportOutput> ReportOutput::open(const std::vector<fs::path>& names, const OutputRules& rules) {
   ReportOutput made;
   for (const fs::path& name : names) {
-    E2LF_ASSIGN_OR_RETURN(const report::FileFormat format, report::file_format_of(name));
     E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(name, rules));
-    made.files_.push_back({format, std::move(output)});
+    made.files_.push_back({name, std::move(output)});
   }
   return made;
 }
 
 Result<void> ReportOutput::write(const report::Page& page) {
   for (File& file : files_) {
-    E2LF_ASSIGN_OR_RETURN(const std::string text, report::file_text(page, file.format));
+    E2LF_ASSIGN_OR_RETURN(const std::string text, report::file_text(page, file.name));
     E2LF_RETURN_IF_ERROR(write_file(file.output.path(), text));
     E2LF_RETURN_IF_ERROR(file.output.commit());
   }

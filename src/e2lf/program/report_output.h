@@ -28,7 +28,7 @@ class ReportOutput {
 
  private:
   struct File {
-    report::FileFormat format;
+    std::filesystem::path name;
     OutputFile output;
   };
   std::vector<File> files_;

@@ -252,8 +252,7 @@ std::string chart_svg(const LineChart& chart) {
   const double top = legend.height + 30;
   const VerticalAxis y(y_range.open(), top, chart.has_signs);
   const HorizontalAxis x(x_range.open(), widest(y.texts) + 12);
-  const bool has_marks =
-      std::any_of(chart.marks.begin(), chart.marks.end(), [](const Marks& marks) { return !marks.marks.empty(); });
+  const bool has_marks = std::ranges::any_of(chart.marks, [](const Marks& marks) { return !marks.marks.empty(); });
   const double bottom = y.axis.page_low + (has_marks ? 9 : 0);
   std::string svg = svg_begin(kWidth, bottom + 48) + legend.svg;
   svg += bands_svg(chart.bands, x, top, y.axis.page_low);
@@ -270,16 +269,16 @@ std::string chart_svg(const LineChart& chart) {
   return svg + "</svg>\n";
 }
 
-std::string grid_svg(const CellGrid& grid) {
-  E2LF_REQUIRE(grid.columns > 0 && grid.values.size() % grid.columns == 0, "a grid needs whole rows");
-  const double rows = static_cast<double>(grid.values.size() / grid.columns);
-  std::string svg = svg_begin(static_cast<double>(grid.columns) * grid.cell_px, rows * grid.cell_px);
-  for (size_t i = 0; i < grid.values.size(); ++i) {
-    const double x = static_cast<double>(i % grid.columns) * grid.cell_px;
-    const double y = static_cast<double>(i / grid.columns) * grid.cell_px;
-    const auto level = std::lround(255 * std::clamp(grid.values[i], 0.0, 1.0));
-    svg += cat("<rect x=\"", x, "\" y=\"", y, "\" width=\"", grid.cell_px, "\" height=\"", grid.cell_px,
-               "\" fill=\"rgb(", level, ',', level, ',', level, ")\" stroke=\"#888\" stroke-width=\"0.4\"/>\n");
+std::string grid_svg(const std::vector<double>& values, size_t columns) {
+  constexpr size_t kCellPx = 8;
+  E2LF_REQUIRE(columns > 0 && values.size() % columns == 0, "a grid needs whole rows");
+  std::string svg =
+      svg_begin(static_cast<double>(columns * kCellPx), static_cast<double>(values.size() / columns * kCellPx));
+  for (size_t i = 0; i < values.size(); ++i) {
+    const auto level = std::lround(255 * std::clamp(values[i], 0.0, 1.0));
+    svg += cat("<rect x=\"", i % columns * kCellPx, "\" y=\"", i / columns * kCellPx, "\" width=\"", kCellPx,
+               "\" height=\"", kCellPx, "\" fill=\"rgb(", level, ',', level, ',', level,
+               ")\" stroke=\"#888\" stroke-width=\"0.4\"/>\n");
   }
   return svg + "</svg>\n";
 }

@@ -74,14 +74,9 @@ struct LineChart {
 /// are no points, it covers the bands and marks.
 [[nodiscard]] std::string chart_svg(const LineChart& chart);
 
-/// A grid of cells, such as the views of an aperture, from 0 (black) to 1 (white).
-struct CellGrid {
-  size_t columns = 8;
-  std::vector<double> values;  ///< row by row; the rows must be complete
-  double cell_px = 12;
-};
-
-[[nodiscard]] std::string grid_svg(const CellGrid& grid);
+/// Draws a grid of cells, such as the views of an aperture, from 0 (black) to 1 (white). `values` are given row by row;
+/// rows that are not complete break the contract.
+[[nodiscard]] std::string grid_svg(const std::vector<double>& values, size_t columns);
 
 /// Turns a chart made by the functions above into an SVG file of its own, black on white with a margin.
 [[nodiscard]] std::string file_svg(const std::string& svg);

@@ -127,8 +127,8 @@ TEST(Charts, EscapeNames) {
   EXPECT_THAT(svg, HasSubstr("a &amp; b"));
 }
 
-TEST(CellGrid, BrightnessIsTheValue) {
-  const std::string svg = grid_svg({.columns = 2, .values = {0, 1}});
+TEST(Grid, BrightnessIsTheValue) {
+  const std::string svg = grid_svg({0, 1}, 2);
   EXPECT_THAT(svg, HasSubstr("rgb(0,0,0)"));
   EXPECT_THAT(svg, HasSubstr("rgb(255,255,255)"));
 }

@@ -112,26 +112,25 @@ std::string Page::html() const {
       title, "</title><style>", kStyle, "</style></head><body>\n<h1>", title, "</h1>\n", body_, "</body></html>\n");
 }
 
-Result<FileFormat> file_format_of(const std::filesystem::path& path) {
-  const std::string extension = path.extension().string();
-  if (extension == ".html") return FileFormat::kHtml;
-  if (extension == ".csv") return FileFormat::kCsv;
-  if (extension == ".tex") return FileFormat::kLatex;
-  if (extension == ".svg") return FileFormat::kSvg;
+Result<void> check_extension(const std::filesystem::path& path) {
+  for (const char* known : {".html", ".csv", ".tex", ".svg"}) {
+    if (path.extension() == known) return {};
+  }
   return fail(
       ErrorCode::kUnsupported, path,
       "reports are pages (.html), their tables (.csv, .tex) or their first chart (.svg); use one of these extensions");
 }
 
-Result<std::string> file_text(const Page& page, FileFormat format) {
-  if (format == FileFormat::kHtml) return page.html();
-  if (format == FileFormat::kSvg) {
+Result<std::string> file_text(const Page& page, const std::filesystem::path& path) {
+  E2LF_RETURN_IF_ERROR(check_extension(path));
+  if (path.extension() == ".html") return page.html();
+  if (path.extension() == ".svg") {
     if (page.first_drawing().empty())
       return fail(ErrorCode::kUnsupported, "", "there is no chart to write as .svg; write a page (.html)");
     return file_svg(page.first_drawing());
   }
   E2LF_REQUIRE(!page.tables().empty(), "a table can only be written to a page with tables");
-  if (format == FileFormat::kCsv) return table_csv(page.tables().front());
+  if (path.extension() == ".csv") return table_csv(page.tables().front());
   std::string text;
   for (const Table& table : page.tables()) text += (text.empty() ? "" : "\n") + table_latex(table);
   return text;

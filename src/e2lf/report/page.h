@@ -53,20 +53,13 @@ class Page {
   std::vector<Table> tables_;
 };
 
-/// The contents of a report file.
-enum class FileFormat {
-  kHtml,   ///< the page
-  kCsv,    ///< its first table
-  kLatex,  ///< all of its tables
-  kSvg,    ///< its first drawing
-};
+/// Returns the text of a report file: the page (.html), its first table (.csv), all of its tables (.tex) or its first
+/// drawing (.svg). A page without tables breaks the contract for .csv and .tex. Fails with kUnsupported for .svg if the
+/// page has no drawing, and as check_extension() does.
+[[nodiscard]] Result<std::string> file_text(const Page& page, const std::filesystem::path& path);
 
-/// Determines the format from the extension .html, .csv, .tex or .svg. Fails with kUnsupported for any other.
-[[nodiscard]] Result<FileFormat> file_format_of(const std::filesystem::path& path);
-
-/// Returns the text of a report file. A page without tables breaks the contract for kCsv and kLatex. Fails with
-/// kUnsupported for kSvg if the page has no drawing.
-[[nodiscard]] Result<std::string> file_text(const Page& page, FileFormat format);
+/// Fails with kUnsupported if a report file cannot have the extension of `path`.
+[[nodiscard]] Result<void> check_extension(const std::filesystem::path& path);
 
 /// Escapes a text for HTML and XML, for use in elements and in quoted attributes: `& < > " '` become entities. Bytes
 /// that are not valid UTF-8, which names of files may contain, and characters that XML forbids become U+FFFD.

@@ -75,18 +75,16 @@ TEST(FileText, IsThePageOrItsTables) {
   Table second{"two", {{"m"}}, {{text_cell("x")}}};
   Page page("title");
   page.facts({{"threads", 2}}).table(first).table(second);
-  EXPECT_EQ(file_text(page, FileFormat::kHtml).value(), page.html());
-  EXPECT_EQ(file_text(page, FileFormat::kCsv).value(), "number\r\n1.25\r\n");
-  const std::string latex = file_text(page, FileFormat::kLatex).value();
+  EXPECT_EQ(file_text(page, "a.html").value(), page.html());
+  EXPECT_EQ(file_text(page, "a.csv").value(), "number\r\n1.25\r\n");
+  const std::string latex = file_text(page, "a.tex").value();
   EXPECT_LT(latex.find("\\caption{one}"), latex.find("\\caption{two}"));
   EXPECT_THAT(latex, Not(HasSubstr("threads")));
 }
 
-TEST(FileFormat, IsTheExtension) {
-  EXPECT_EQ(file_format_of("a/b.html").value(), FileFormat::kHtml);
-  EXPECT_EQ(file_format_of("b.csv").value(), FileFormat::kCsv);
-  EXPECT_EQ(file_format_of("b.tex").value(), FileFormat::kLatex);
-  const auto other = file_format_of("b.pdf");
+TEST(ReportFile, FormatIsTheExtension) {
+  for (const char* known : {"a/b.html", "b.csv", "b.tex"}) EXPECT_TRUE(check_extension(known)) << known;
+  const auto other = check_extension("b.pdf");
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().code, ErrorCode::kUnsupported);
 }

@@ -15,11 +15,14 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
+#include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_error.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/model/model.h"
+#include "e2lf/recordings/recording.h"
 #include "e2lf/view/light_field_cycles.h"
 
 namespace e2lf::view {
@@ -36,6 +39,13 @@ struct Quality {
 /// Computes the figures without those of the disparity. Different shapes break the contract.
 [[nodiscard]] Quality quality_of(const lightfield::LightField& truth, const lightfield::LightField& reconstruction);
 
+/// Disparity maps of one view, in px per view step: one, or one for each cycle.
+struct DisparityMaps {
+  std::vector<lightfield::Image> maps;
+  depth::ViewIndex view;
+  std::vector<lightfield::Image> confidences = {};  ///< of the same pixels, in [0, 1], if they are known
+};
+
 /// Makes the bytes of a part, which is a PNG or deflated int16. It may be called from any thread.
 using Part = std::function<Result<std::vector<uint8_t>>()>;
 
@@ -49,12 +59,10 @@ class Document {
   /// Marks the document as growing, so that the page requests the description repeatedly.
   void set_growing() { is_growing_ = true; }
 
-  /// Adds disparity maps to a light field, given by its number among the items: one map, or one per cycle, in px per
-  /// view step, for the pixels of view (view_y, view_x). Maps of another size than the views break the contract. Values
-  /// are stored in thousandths and clamped to +-32 px; values that are not finite are stored as unknown. `confidences`,
-  /// in [0, 1], are those of the same pixels, if they are known.
-  void add_disparity(size_t item, const std::vector<lightfield::Image>& maps, size_t view_y, size_t view_x,
-                     const std::vector<lightfield::Image>& confidences = {});
+  /// Adds disparity maps to a light field, given by its number among the items. Maps of another size than the views
+  /// break the contract. Values are stored in thousandths and clamped to +-32 px; values that are not finite are stored
+  /// as unknown.
+  void add_disparity(size_t item, const DisparityMaps& disparity);
 
   /// Adds event images of one or more cycles, all of one shape. `codes` may be null.
   void add_event_images(const std::string& name, const std::vector<capture::EventImages>& cycles,
@@ -82,6 +90,22 @@ class Document {
   std::vector<Part> parts_;
   bool is_growing_ = false;
 };
+
+/// Opens a recording from its beginning, several times.
+struct RecordingSource {
+  /// Opens it for a sensor of this size if the recording does not state one; 0 = as stated.
+  std::function<Result<std::unique_ptr<recordings::RecordingReader>>(size_t width, size_t height)> open;
+  /// Opens its cycles; `on_batch` is called with everything that is read. If empty, no cycles are searched.
+  std::function<Result<cycles::CycleReader>(const std::function<void(const recordings::EventBatch&)>& on_batch)>
+      open_cycles;
+};
+
+/// Adds a recording as at most `num_frames` (>= 1) images of events accumulated over equal intervals, with its event
+/// rate, its triggers and the cycles found in it (none if they cannot be determined). It is read twice, or three times
+/// if the search for cycles ends early. Times are relative to the first event or trigger. Fails as the reader does, and
+/// with kInvalidValue if there are no events.
+[[nodiscard]] Result<void> add_recording(Document& document, const std::string& name, const RecordingSource& source,
+                                         size_t num_frames);
 
 /// Returns a part that holds these counts as int16, little-endian, deflated (zlib).
 [[nodiscard]] Part counts_part(std::span<const int16_t> counts);

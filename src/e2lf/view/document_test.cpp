@@ -42,7 +42,7 @@ TEST(Document, DisparitiesAreThousandthsWithTheirUsualRange) {
   map.pixels[199] = 100.0F;
   lightfield::Image confidence = map;
   confidence.pixels[7] = 0.25F;
-  document.add_disparity(0, {map}, 4, 3, {confidence});
+  document.add_disparity(0, {{map}, {4, 3}, {confidence}});
   const Json disparity = Json::parse(document.description())["items"][0]["disparity"];
   EXPECT_EQ(disparity["view"], (Json{4, 3}));
   EXPECT_EQ(disparity["range"], (Json{0.01, 1.98}));

@@ -38,21 +38,10 @@ Result<std::shared_ptr<LightFieldCycles>> LightFieldCycles::open(const fs::path&
 }
 
 void LightFieldCycles::add(const std::string& name, lightfield::LightField light_field) {
-  const std::lock_guard lock(mutex_);
   E2LF_REQUIRE(paths_.empty() || light_field.shape() == shape_, "the cycles of a recording have one shape");
   shape_ = light_field.shape();
   added_.push_back(std::make_shared<const lightfield::LightField>(std::move(light_field)));
   paths_.emplace_back(name);
-}
-
-size_t LightFieldCycles::size() const {
-  const std::lock_guard lock(mutex_);
-  return paths_.size();
-}
-
-lightfield::Shape LightFieldCycles::shape() const {
-  const std::lock_guard lock(mutex_);
-  return shape_;
 }
 
 std::string LightFieldCycles::label(size_t cycle) const {
@@ -62,8 +51,8 @@ std::string LightFieldCycles::label(size_t cycle) const {
 }
 
 Result<std::shared_ptr<const lightfield::LightField>> LightFieldCycles::read(size_t cycle) {
-  const std::lock_guard lock(mutex_);
   if (!added_.empty()) return added_.at(cycle);
+  const std::lock_guard lock(mutex_);
   if (kept_ && kept_cycle_ == cycle) return kept_;
   const fs::path& path = paths_[cycle];
   E2LF_ASSIGN_OR_RETURN(auto light_field, lightfield::read_light_field(path, options_));

@@ -14,8 +14,7 @@
 namespace e2lf::view {
 
 /// One light field, or the light fields of the cycles of a recording. They are read when they are viewed, and the last
-/// one is kept in memory. A running reconstruction can add to them. All functions except label() may be called from any
-/// thread.
+/// one is kept in memory. Once all cycles are there, all functions may be called from any thread.
 class LightFieldCycles {
  public:
   /// Begins without cycles; add() adds them.
@@ -31,8 +30,8 @@ class LightFieldCycles {
   /// Adds a cycle, which stays in memory. Another shape than that of the first one breaks the contract.
   void add(const std::string& name, lightfield::LightField light_field);
 
-  [[nodiscard]] size_t size() const;
-  [[nodiscard]] lightfield::Shape shape() const;
+  [[nodiscard]] size_t size() const { return paths_.size(); }
+  [[nodiscard]] const lightfield::Shape& shape() const { return shape_; }
   [[nodiscard]] std::string label(size_t cycle) const;
 
   /// Reads a whole cycle. Fails as read_light_field does, and with kShape if it has another shape than the first one.
@@ -50,9 +49,9 @@ class LightFieldCycles {
   std::vector<std::filesystem::path> paths_;
   lightfield::ReadOptions options_;
   lightfield::Shape shape_;
-  mutable std::mutex mutex_;
   std::vector<Kept> added_;  ///< all cycles, if they were added
-  Kept kept_;                ///< the one read last
+  std::mutex mutex_;         ///< of the following
+  Kept kept_;                ///< the cycle read last
   size_t kept_cycle_ = 0;
 };
 

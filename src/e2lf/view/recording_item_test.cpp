@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/view/recording_item.h"
-
 #include <fstream>
 #include <gtest/gtest.h>
 
+#include "e2lf/view/document.h"
 #include "testing/test_files.h"
 
 namespace e2lf::view {

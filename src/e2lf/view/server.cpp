@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <chrono>
 #include <cstring>
 #include <httplib.h>
@@ -18,6 +17,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::view {
 
@@ -276,12 +276,9 @@ class DocumentServer : public Server {
     } else if (name == "document.json") {
       response.set_content(now->description, "application/json");
     } else {
-      size_t number = 0;
-      const char* const end = name.data() + name.size();
-      const bool is_part = name.starts_with("part/") && name.size() > 5 &&
-                           std::from_chars(name.data() + 5, end, number) == std::from_chars_result{end, std::errc()};
-      if (!is_part || number >= now->document.parts().size()) return false;
-      const auto bytes = now->document.parts()[number]();
+      const auto number = recordings::parse_number<size_t>(name.starts_with("part/") ? name.substr(5) : "");
+      if (!number || *number >= now->document.parts().size()) return false;
+      const auto bytes = now->document.parts()[*number]();
       if (!bytes) {
         refuse(response, 500, bytes.error().text().c_str());
       } else {

@@ -122,11 +122,7 @@ void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord
 void note_network(const OpenedMethod& method, const fs::path& events, size_t passes, RunRecord& record) {
   const recon::Reconstructor& network = *method.network;
   const bool is_pixel = method.camera && method.camera->is_pixel();
-  if (method.bundled) {
-    record.add_input(*method.bundled);
-    record.resolve("model", method.bundled->stem().string());
-    say_taken(network.model().name, is_pixel && method.camera_stated_by != StatedBy::kModel);
-  }
+  if (method.bundled) say_taken(network.model().name, is_pixel && method.camera_stated_by != StatedBy::kModel);
   note_patterns(method, events, record);
   if (!method.takes_sums() && is_pixel) {
     log_warning(cat("the events are those of physical pixels (", method.camera->name, "), which ", network.model().name,
@@ -145,12 +141,8 @@ void note_network(const OpenedMethod& method, const fs::path& events, size_t pas
   record.note("passes", made);
 }
 
-void note_classical(const OpenedMethod& method, const fs::path& events, const fs::path& model, RunRecord& record) {
-  if (method.bundled) {
-    record.add_input(*method.bundled);
-    record.resolve("codes", method.bundled->stem().string());
-    log_info(cat("no patterns were given; using those of ", method.bundled->stem().string()));
-  }
+void say_classical(const OpenedMethod& method, const fs::path& events, const fs::path& model) {
+  if (method.bundled) log_info(cat("no patterns were given; using those of ", method.bundled->stem().string()));
   if (method.codes->stated_by == StatedBy::kNone) {
     log_warning("the camera may have shown other patterns; give those of the camera with --codes");
   } else if (!pipeline::are_patterns_stated(method.codes)) {
@@ -170,10 +162,14 @@ void note_method(const OpenedMethod& method, const fs::path& events, const fs::p
     record.note("camera", capture::to_json(*method.camera));
     record.note("camera_stated_by", stated_by_name(method.camera_stated_by, "--camera"));
   }
+  if (method.bundled) {
+    record.add_input(*method.bundled);
+    record.resolve(method.network ? "model" : "codes", method.bundled->stem().string());
+  }
   if (method.network) {
     note_network(method, events, passes, record);
   } else {
-    note_classical(method, events, model, record);
+    say_classical(method, events, model);
   }
   if (!method.codes) return;
   const capture::SensorConstants& constants = method.codes->constants;

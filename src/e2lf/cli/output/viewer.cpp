@@ -9,7 +9,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/live/event_sums.h"
+#include "e2lf/live/live_cycle.h"
 #include "e2lf/live/live_requests.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/document.h"
@@ -27,8 +27,7 @@ Result<void> write_comparison_page(const std::filesystem::path& path, const Show
     cycles->add(name, shown->light_field);
     document.add_light_field(name, cycles);
     if (!error) continue;
-    const depth::ViewIndex middle = depth::middle_view(shape);
-    document.add_disparity(document.num_items() - 1, {shown->disparity}, middle.y, middle.x);
+    document.add_disparity(document.num_items() - 1, {{shown->disparity}, depth::middle_view(shape)});
   }
   view::Quality quality = view::quality_of(truth.light_field, reconstruction.light_field);
   quality.disparity = error;
@@ -52,11 +51,13 @@ Kept keep(lightfield::LightField light_field) {
   return kept;
 }
 
-class ServedLivePage : public LivePage {
+class ServedLivePage {
  public:
   ServedLivePage(live::Session& session, FineMethod fine, std::shared_ptr<recordings::RunningCamera> camera)
       : session_(session), method_(std::move(fine)), camera_(std::move(camera)) {}
-  ~ServedLivePage() override {
+  ServedLivePage(const ServedLivePage&) = delete;
+  ServedLivePage& operator=(const ServedLivePage&) = delete;
+  ~ServedLivePage() {
     if (server_) server_->end();
     for (std::thread* thread : {&serving_, &refining_}) {
       if (thread->joinable()) thread->join();
@@ -70,9 +71,9 @@ class ServedLivePage : public LivePage {
     return {};
   }
 
-  [[nodiscard]] std::string url() const override { return server_->url(); }
+  [[nodiscard]] std::string url() const { return server_->url(); }
 
-  Result<void> finish() override {
+  Result<void> finish() {
     if (!stop_requested()) {
       hide_progress();
       std::fprintf(stderr, "the source has ended; the last light field is shown at %s; press Ctrl-C to end\n",
@@ -214,11 +215,11 @@ class ServedLivePage : public LivePage {
 
 }  // namespace
 
-Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine,
-                                                  std::shared_ptr<recordings::RunningCamera> camera, uint16_t port) {
-  auto page = std::make_unique<ServedLivePage>(session, std::move(fine), std::move(camera));
+Result<LivePage> start_live_page(live::Session& session, FineMethod fine,
+                                 std::shared_ptr<recordings::RunningCamera> camera, uint16_t port) {
+  const auto page = std::make_shared<ServedLivePage>(session, std::move(fine), std::move(camera));
   E2LF_RETURN_IF_ERROR(page->start(port));
-  return std::unique_ptr<LivePage>(std::move(page));
+  return LivePage{page->url(), [page] { return page->finish(); }};
 }
 
 }  // namespace e2lf::cli

@@ -47,18 +47,14 @@ using FineMethod = std::function<Result<lightfield::LightField>(const live::Live
 /// the views of the last frozen light field and of the same cycle reconstructed in the best quality. Its additional
 /// commands (POST) are freeze and fine, which return {"name"} of the light field that the page will contain, and
 /// camera?name=&value=, which changes a setting of the camera; the statistics list those settings as "camera".
-class LivePage {
- public:
-  virtual ~LivePage() = default;
-  [[nodiscard]] virtual std::string url() const = 0;
-  /// Continues to serve until stop_requested(). Fails with kIo.
-  [[nodiscard]] virtual Result<void> finish() = 0;
+struct LivePage {
+  std::string url;
+  std::function<Result<void>()> finish;  ///< continues to serve until stop_requested(); fails with kIo
 };
 
 /// Starts serving. `session` must outlive the page, which changes the settings of `camera`. Fails with kIo if the port
 /// is in use, and with kMissingDependency in a build without the viewer.
-[[nodiscard]] Result<std::unique_ptr<LivePage>> start_live_page(live::Session& session, FineMethod fine,
-                                                                std::shared_ptr<recordings::RunningCamera> camera,
-                                                                uint16_t port);
+[[nodiscard]] Result<LivePage> start_live_page(live::Session& session, FineMethod fine,
+                                               std::shared_ptr<recordings::RunningCamera> camera, uint16_t port);
 
 }  // namespace e2lf::cli

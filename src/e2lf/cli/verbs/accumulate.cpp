@@ -31,27 +31,17 @@ struct AccumulateArguments {
   OrientationFlags orientation;
 };
 
-/// Collects the data for the plot of a recording while it is divided into cycles.
-class CyclePlot {
- public:
-  void add(const recordings::EventBatch& batch) { rate_.add(batch); }
-  void add(const cycles::Mark& mark) { keep(found_.marks, mark); }
+/// The data for the plot of a recording, which are collected while it is divided into cycles.
+struct CyclePlot {
+  recordings::EventRateCounter rate{2000};
+  FoundCycles found;
+
+  void add(const cycles::Mark& mark) {
+    if (found.marks.size() < kMaxDrawn) found.marks.push_back(mark);
+  }
   void add(const cycles::Cycle& cycle) {
-    keep(found_.cycles, FoundCycle{cycle.number, cycle.confidence, cycle.slices});
+    if (found.cycles.size() < kMaxDrawn) found.cycles.push_back({cycle.number, cycle.confidence, cycle.slices});
   }
-  [[nodiscard]] std::string svg() const { return report::chart_svg(rate_chart(rate_.rate(), found_)); }
-
- private:
-  static constexpr size_t kBins = 2000;
-
-  /// Keeps an item unless the plot already has the maximum number of them.
-  template <typename T>
-  static void keep(std::vector<T>& kept, const T& item) {
-    if (kept.size() < kMaxDrawn) kept.push_back(item);
-  }
-
-  recordings::EventRateCounter rate_{kBins};
-  FoundCycles found_;
 };
 
 /// Lets the progress bar, the check of the rig and, unless it is null, the plot see what is read.
@@ -60,7 +50,7 @@ void observe(cycles::CycleOptions& options, ProgressBar& bar, diagnose::RigCheck
     events += batch.events.size();
     rig.add(batch);
     bar.update(events, 0);
-    if (plot != nullptr) plot->add(batch);
+    if (plot != nullptr) plot->rate.add(batch);
   };
   if (plot != nullptr) options.on_mark = [plot](const cycles::Mark& mark) { plot->add(mark); };
 }
@@ -104,7 +94,6 @@ class PlacesCheck {
   size_t cycles_ = 0;
 };
 
-/// Returns a table with one row per cycle.
 report::Table cycle_table(const Json& cycles) {
   report::Table table{"The cycles, in order of time.",
                       {{"cycle", true}, {"events", true}, {"begins, us", true}, {"confidence", true}},
@@ -132,7 +121,7 @@ std::string cycle_curve(const Json& cycles, const char* member, const char* labe
 Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const Json& cycles, const CyclePlot& plot,
                                  const std::optional<capture::EventImages>& first) {
   report::Page page = verb_page(cat("Pattern cycles in ", input.string()));
-  page.facts(facts).heading("Events over time").drawing(plot.svg());
+  page.facts(facts).heading("Events over time").drawing(report::chart_svg(rate_chart(plot.rate.rate(), plot.found)));
   if (first) {
     page.heading("The first cycle").paragraph("Events of each transition: red is ON, blue is OFF, grey is none.");
     E2LF_RETURN_IF_ERROR(add_pictures({{event_picture(*first), "event images"}}, 1600, page));
@@ -239,18 +228,18 @@ int run_accumulate(const std::vector<std::string>& arguments) {
       "Divide a recording into pattern cycles and sum the events of each into event images. Needs constant memory.",
       "e2lf accumulate recording.raw -o events.npz --source bursts");
   AccumulateArguments accumulation;
-  verb.app()
-      .add_option("input,-i,--input", accumulation.input,
-                  "recording, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")
+  CLI::App& app = verb.app();
+  app.add_option("input,-i,--input", accumulation.input,
+                 "recording, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")
       ->required();
-  verb.app().add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
-  add_report_option(verb.app(), accumulation.reports);
+  app.add_option("-o,--output", accumulation.output, "event images to write (.npz)")->required();
+  add_report_option(app, accumulation.reports);
   add_codes_option(
-      verb.app(), accumulation.codes,
+      app, accumulation.codes,
       "the patterns that the camera showed (.json, .npy, .npz, or a model); default: as the recording or the "
       "schedule states");
-  add_cycle_options(verb.app(), accumulation.cycles);
-  add_orientation_options(verb.app(), accumulation.orientation);
+  add_cycle_options(app, accumulation.cycles);
+  add_orientation_options(app, accumulation.orientation);
   verb.stop_gently();
   return verb.run(arguments, [&] { return accumulate(accumulation, verb); });
 }

@@ -32,50 +32,33 @@ struct CalibrateArguments {
   CycleFlags cycles;
 };
 
-/// All cycles of an input, and the patterns that it states.
-struct Source {
-  calibrate::StillScene scene;
-  std::optional<capture::Codes> codes;
-};
-
-Result<Source> read_source(const fs::path& path, const CycleFlags& flags, const Verb& verb, RunRecord& record) {
+/// Reads all cycles of an input, and takes over the patterns that it states. Fails if `codes` are other ones, which an
+/// input before has stated.
+Result<calibrate::StillScene> read_scene(const fs::path& path, const CycleFlags& flags, const Verb& verb,
+                                         RunRecord& record, std::optional<capture::Codes>& codes) {
   diagnose::RigCheck rig;
   E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, flags, 1, verb, rig));
   if (input.measurement() != capture::MeasurementKind::kEventImages) {
     return fail(ErrorCode::kInvalidValue, path, "a calibration requires event images, but this is the measurement ",
                 capture::measurement_name(input.measurement()), "; give a recording or event images");
   }
-  Source source;
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
   diagnose::log_findings(path.string(), diagnose::findings_from_text(setup.findings));
-  source.codes = std::move(setup.codes);
+  if (codes && setup.codes && *codes != *setup.codes) {
+    return fail(ErrorCode::kInvalidValue, path,
+                "the inputs were recorded with different patterns; calibrate from each separately");
+  }
+  if (setup.codes) codes = std::move(setup.codes);
+  calibrate::StillScene scene;
   while (true) {
     E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::CycleImages> cycle, input.next());
     if (!cycle) break;
-    source.scene.cycles.push_back(std::move(cycle->images.events));
+    scene.cycles.push_back(std::move(cycle->images.events));
   }
-  if (input.is_recording() && source.scene.cycles.empty()) return no_cycle_error(path, rig, input.reader());
+  if (input.is_recording() && scene.cycles.empty()) return no_cycle_error(path, rig, input.reader());
   if (input.is_recording()) diagnose::log_findings(path.string(), rig.findings(input.reader()));
   record.add_input(path);
-  return source;
-}
-
-/// Returns the patterns of the inputs, which must be the same for all.
-Result<capture::Codes> common_codes(const CalibrateArguments& arguments, const std::vector<Source>& sources,
-                                    const std::optional<model::Model>& model, RunRecord& record) {
-  std::optional<capture::Codes> codes;
-  for (size_t i = 0; i < sources.size(); ++i) {
-    if (codes && sources[i].codes && *codes != *sources[i].codes) {
-      return fail(ErrorCode::kInvalidValue, arguments.inputs[i],
-                  "the inputs were recorded with different patterns; calibrate from each separately");
-    }
-    if (sources[i].codes) codes = sources[i].codes;
-  }
-  E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::KnownCodes> known, find_codes(arguments.codes, model, codes, record));
-  if (!known) {
-    return fail(ErrorCode::kNotFound, "", "the patterns of the events are not known; give --codes FILE");
-  }
-  return std::move(known->codes);
+  return scene;
 }
 
 /// Makes the patterns and the events those of the same transitions: patterns of a whole cycle for its events, and with
@@ -95,7 +78,6 @@ void match_transitions(const std::string& wanted, capture::Codes& codes, std::ve
   }
 }
 
-/// Returns the command that uses the camera.
 std::string next_step(const CalibrateArguments& arguments) {
   std::string command = cat("e2lf reconstruct ", shell_word(arguments.inputs.front().string()));
   const auto add = [&](const char* option, const fs::path& path) {
@@ -116,23 +98,23 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, inputs, ".json"));
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(capture::SensorProfile start, load_camera(arguments.camera, record));
-  std::vector<Source> sources;
-  for (const fs::path& path : arguments.inputs) {
-    E2LF_ASSIGN_OR_RETURN(Source source, read_source(path, arguments.cycles, verb, record));
-    sources.push_back(std::move(source));
-  }
-  E2LF_ASSIGN_OR_RETURN(std::optional<model::Model> model, read_named_model(arguments.codes, record));
-  E2LF_ASSIGN_OR_RETURN(capture::Codes codes, common_codes(arguments, sources, model, record));
   std::vector<calibrate::StillScene> scenes;
-  for (Source& source : sources) scenes.push_back(std::move(source.scene));
-  match_transitions(arguments.cycles.choice.transitions, codes, scenes);
+  std::optional<capture::Codes> stated;
+  for (const fs::path& path : arguments.inputs) {
+    E2LF_ASSIGN_OR_RETURN(calibrate::StillScene scene, read_scene(path, arguments.cycles, verb, record, stated));
+    scenes.push_back(std::move(scene));
+  }
+  E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(arguments.codes, record));
+  E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::KnownCodes> known, find_codes(arguments.codes, model, stated, record));
+  if (!known) return fail(ErrorCode::kNotFound, "", "the patterns of the events are not known; give --codes FILE");
+  match_transitions(arguments.cycles.choice.transitions, known->codes, scenes);
   start.name = arguments.name.empty() ? arguments.output.stem().string() : arguments.name;
   record.end_step("read");
 
   ProgressBar bar("calibrate", common.quiet || common.json);
   E2LF_ASSIGN_OR_RETURN(
       const calibrate::Calibration calibration,
-      calibrate::calibrate(scenes, codes, start,
+      calibrate::calibrate(scenes, known->codes, start,
                            {.held = arguments.held, .is_even = arguments.is_even, .progress = bar.callback()}));
   record.end_step("calibrate");
   for (const std::string& warning : calibration.warnings) log_warning(warning);

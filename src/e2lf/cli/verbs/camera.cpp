@@ -24,8 +24,6 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 Result<void> list_cameras(const CommonOptions& common) {
   Json cameras = Json::array();
   bool has_hal = false;
@@ -57,31 +55,33 @@ Result<void> list_cameras(const CommonOptions& common) {
 }
 
 /// Statistics of the events and triggers that a camera sent.
-class CameraCheck {
- public:
-  void add(const recordings::EventBatch& batch) {
-    diagnose::add(batch.triggers, inputs_);
-    events_ += batch.events.size();
-    for (const int64_t t_us : batch.events.t) {
-      if (last_us_) longest_pause_us_ = std::max(longest_pause_us_, t_us - *last_us_);
-      last_us_ = t_us;
-    }
-    triggers_ += batch.triggers.size();
-  }
+struct CameraCheck {
+  diagnose::TriggerInputs inputs;
+  uint64_t events = 0, triggers = 0;
+  std::optional<int64_t> last_us;
+  int64_t longest_pause_us = 0;
 
-  [[nodiscard]] uint64_t triggers() const { return triggers_; }
+  void add(const recordings::EventBatch& batch) {
+    diagnose::add(batch.triggers, inputs);
+    events += batch.events.size();
+    for (const int64_t t_us : batch.events.t) {
+      if (last_us) longest_pause_us = std::max(longest_pause_us, t_us - *last_us);
+      last_us = t_us;
+    }
+    triggers += batch.triggers.size();
+  }
 
   [[nodiscard]] Json json(const recordings::RecordingReader& reader, double seconds) const {
     const recordings::DecodeSummary summary = reader.summary();
-    Json channels = diagnose::to_json(inputs_);
+    Json channels = diagnose::to_json(inputs);
     for (Json& channel : channels) {
       channel["rising_per_s"] = channel["rising"].get<double>() / seconds;
       channel["falling_per_s"] = channel["falling"].get<double>() / seconds;
     }
     return {{"seconds", seconds},
             {"events_per_s", static_cast<double>(summary.events()) / seconds},
-            {"on_share", events_ == 0 ? 0.0 : static_cast<double>(summary.events_on) / static_cast<double>(events_)},
-            {"longest_pause_us", longest_pause_us_},
+            {"on_share", events == 0 ? 0.0 : static_cast<double>(summary.events_on) / static_cast<double>(events)},
+            {"longest_pause_us", longest_pause_us},
             {"gaps", summary.num_gaps},
             {"trigger_channels", channels},
             {"sensor", sensor_json(summary)},
@@ -90,15 +90,11 @@ class CameraCheck {
             {"header", header_json(reader.info())}};
   }
 
-  [[nodiscard]] diagnose::Findings findings(const recordings::RecordingReader& reader, double seconds) const {
-    return diagnose::check_camera(reader, events_, triggers_, seconds);
-  }
-
   [[nodiscard]] std::string text(const Json& json, const recordings::DecodeSummary& summary) const {
     std::string text =
         formatted("events:    %.3f M/s, %.1f %% ON, longest pause %lld us\n", json["events_per_s"].get<double>() * 1e-6,
-                  json["on_share"].get<double>() * 100, static_cast<long long>(longest_pause_us_));
-    text += cat("triggers:  ", triggers_, "\n");
+                  json["on_share"].get<double>() * 100, static_cast<long long>(longest_pause_us));
+    text += cat("triggers:  ", triggers, "\n");
     for (const Json& channel : json["trigger_channels"]) {
       text += cat("           channel ", channel["channel"].get<int>(), ": ", channel["rising_per_s"].get<double>(),
                   " rising and ", channel["falling_per_s"].get<double>(), " falling edges per second\n");
@@ -111,12 +107,6 @@ class CameraCheck {
     }
     return text;
   }
-
- private:
-  diagnose::TriggerInputs inputs_;
-  uint64_t events_ = 0, triggers_ = 0;
-  std::optional<int64_t> last_us_;
-  int64_t longest_pause_us_ = 0;
 };
 
 struct CheckArguments {
@@ -130,26 +120,25 @@ Result<void> check_camera(const CheckArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions options, open_options(arguments.input, arguments.recording));
   options.counts_reports = true;
   E2LF_ASSIGN_OR_RETURN(auto source, recordings::open_live_bytes(arguments.input.string(), options.camera));
-  const auto begin = Clock::now();
+  const auto begin = std::chrono::steady_clock::now();
   const std::chrono::duration<double> length(arguments.seconds);
   source->end_at(begin + std::chrono::duration_cast<std::chrono::nanoseconds>(length));
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_recording(
                                                std::unique_ptr<recordings::ByteSource>(std::move(source)), options));
-  const auto passed_s = [begin] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   CameraCheck check;
   recordings::EventBatch batch;
   bool has_warned = false;
   for (bool more = true; more;) {
     E2LF_ASSIGN_OR_RETURN(more, reader->read(batch));
     check.add(batch);
-    if (check.triggers() == 0 && !has_warned && more && passed_s() > kPatienceS) {
+    if (check.triggers == 0 && !has_warned && more && seconds_since(begin) > kPatienceS) {
       diagnose::log_findings(arguments.input.string(), {diagnose::no_trigger_finding(kPatienceS)});
       has_warned = true;
     }
   }
-  const double seconds = std::max(passed_s(), 1e-3);
+  const double seconds = std::max(seconds_since(begin), 1e-3);
   const recordings::DecodeSummary summary = reader->summary();
-  diagnose::Findings findings = check.findings(*reader, arguments.seconds);
+  diagnose::Findings findings = diagnose::check_camera(*reader, check.events, check.triggers, arguments.seconds);
   Json json = check.json(*reader, seconds);
   json["findings"] = diagnose::to_json(findings);
   std::printf("%s", verb.common().json ? json_text(json).c_str() : printable(check.text(json, summary)).c_str());

@@ -22,13 +22,11 @@ using lightfield::ByteImage;
 namespace {
 
 Json codes_json(const capture::Codes& codes) {
-  Json json;
-  json["num_patterns"] = codes.num_patterns;
-  json["views"] = {codes.views_y, codes.views_x};
-  json["black_first"] = capture::is_black_first(codes);
-  json["binary"] = capture::is_binary(codes);
-  json["light_efficiency"] = capture::light_efficiency(codes);
-  return json;
+  return {{"num_patterns", codes.num_patterns},
+          {"views", {codes.views_y, codes.views_x}},
+          {"black_first", capture::is_black_first(codes)},
+          {"binary", capture::is_binary(codes)},
+          {"light_efficiency", capture::light_efficiency(codes)}};
 }
 
 void print_codes(const capture::Codes& codes) {
@@ -70,33 +68,21 @@ struct RenderArguments {
   unsigned bits = 8;
 };
 
-/// One image of a cycle, in the order of the schedule.
-struct NamedFrame {
-  std::string file;
-  ByteImage picture;
-};
-
-std::vector<NamedFrame> named_frames(DisplaySequence& sequence) {
-  std::vector<NamedFrame> frames;
-  for (ByteImage& picture : sequence.frames) {
-    std::string name = sequence.schedule.patterns[frames.size()].name;
-    std::replace(name.begin(), name.end(), ' ', '_');
-    frames.push_back(
-        {cat("frame_", frames.size() < 10 ? "0" : "", frames.size(), "_", name, ".png"), std::move(picture)});
-  }
-  return frames;
+std::string file_of_frame(const cycles::Schedule& schedule, size_t number) {
+  std::string name = schedule.patterns[number].name;
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return cat("frame_", number < 10 ? "0" : "", number, "_", name, ".png");
 }
 
 /// Returns thumbnails of all frames in one image, in which flips and rotations can be checked.
-ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
+ByteImage sheet_of(const std::vector<ByteImage>& frames) {
   constexpr size_t kColumns = 4, kWidth = 320, kGap = 4;
-  const ByteImage& first = frames.front().picture;
-  const size_t height = std::max<size_t>(1, first.height * kWidth / first.width);
+  const size_t height = std::max<size_t>(1, frames.front().height * kWidth / frames.front().width);
   const size_t columns = std::min(kColumns, frames.size()), rows = (frames.size() + columns - 1) / columns;
   ByteImage sheet(columns * (kWidth + kGap) - kGap, rows * (height + kGap) - kGap, 1);
   std::fill(sheet.pixels.begin(), sheet.pixels.end(), uint8_t{96});
   for (size_t i = 0; i < frames.size(); ++i) {
-    const ByteImage& frame = frames[i].picture;
+    const ByteImage& frame = frames[i];
     for (size_t y = 0; y < height; ++y) {
       const size_t to = (i / columns * (height + kGap) + y) * sheet.width + i % columns * (kWidth + kGap);
       for (size_t x = 0; x < kWidth; ++x) {
@@ -108,22 +94,16 @@ ByteImage sheet_of(const std::vector<NamedFrame>& frames) {
 }
 
 /// Returns the table for a program that controls the display: each frame with its start and its duration.
-std::string csv_of(const cycles::Schedule& schedule, const std::vector<NamedFrame>& frames) {
+std::string csv_of(const cycles::Schedule& schedule) {
   std::string text = "index,file,name,begin_us,duration_us,event_image\n";
   int64_t begin_us = 0;
-  for (size_t i = 0; i < frames.size(); ++i) {
+  for (size_t i = 0; i < schedule.size(); ++i) {
     const cycles::ScheduledPattern& pattern = schedule.patterns[i];
-    text += cat(i, ',', frames[i].file, ',', csv_cell(pattern.name), ',', begin_us, ',', pattern.duration_us, ',',
-                pattern.image ? std::to_string(*pattern.image) : "", '\n');
+    text += cat(i, ',', file_of_frame(schedule, i), ',', csv_cell(pattern.name), ',', begin_us, ',',
+                pattern.duration_us, ',', pattern.image ? std::to_string(*pattern.image) : "", '\n');
     begin_us += pattern.interval_us();
   }
   return text;
-}
-
-Result<void> write_frame(const fs::path& folder, const NamedFrame& frame, unsigned bits) {
-  E2LF_ASSIGN_OR_RETURN(const auto bytes,
-                        bits == 1 ? encode_bilevel_png(frame.picture) : lightfield::encode_png(frame.picture));
-  return write_file(folder / frame.file, bytes);
 }
 
 Result<void> check_depth(const RenderArguments& arguments, const capture::Codes& codes) {
@@ -134,21 +114,25 @@ Result<void> check_depth(const RenderArguments& arguments, const capture::Codes&
 
 Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   RunRecord record(verb);
-  E2LF_ASSIGN_OR_RETURN(DisplaySequence sequence, display_sequence(arguments.display, record));
+  E2LF_ASSIGN_OR_RETURN(const DisplaySequence sequence, display_sequence(arguments.display, record));
   E2LF_RETURN_IF_ERROR(check_depth(arguments, sequence.codes));
-  const std::vector<NamedFrame> frames = named_frames(sequence);
+  const std::vector<ByteImage>& frames = sequence.frames;
   const CodesSource& source = arguments.display.codes;
   E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {source.model, source.codes}));
-  for (const NamedFrame& frame : frames) E2LF_RETURN_IF_ERROR(write_frame(folder.path(), frame, arguments.bits));
+  for (size_t i = 0; i < frames.size(); ++i) {
+    E2LF_ASSIGN_OR_RETURN(const auto bytes, arguments.bits == 1 ? lightfield::encode_bilevel_png(frames[i])
+                                                                : lightfield::encode_png(frames[i]));
+    E2LF_RETURN_IF_ERROR(write_file(folder.path() / file_of_frame(sequence.schedule, i), bytes));
+  }
   E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.json", cycles::schedule_text(sequence.schedule)));
-  E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.csv", csv_of(sequence.schedule, frames)));
+  E2LF_RETURN_IF_ERROR(write_file(folder.path() / "schedule.csv", csv_of(sequence.schedule)));
   E2LF_RETURN_IF_ERROR(capture::write_codes(folder.path() / "codes.json", sequence.codes));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder.path() / "contact_sheet.png", sheet_of(frames)));
   record.end_step("render");
   E2LF_RETURN_IF_ERROR(commit(folder, record));
   if (!verb.common().quiet) {
     std::printf("%zu frames of %zux%zu px in %s: look at contact_sheet.png; schedule.json is for --schedule\n",
-                frames.size(), frames.front().picture.width, frames.front().picture.height, arguments.output.c_str());
+                frames.size(), frames.front().width, frames.front().height, arguments.output.c_str());
   }
   return {};
 }

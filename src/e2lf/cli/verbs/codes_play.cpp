@@ -36,7 +36,39 @@ class Screen {
 
   /// Opens a window that covers a display, counted from 0. Fails with kNotFound (no such display) and kIo (no
   /// graphics).
-  [[nodiscard]] static Result<std::unique_ptr<Screen>> open(int display);
+  [[nodiscard]] static Result<std::unique_ptr<Screen>> open(int display) {
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+    SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "nearest");
+    if (SDL_Init(SDL_INIT_VIDEO) != 0) return graphics_error("no display is available");
+    auto screen = std::make_unique<Screen>();
+    const int count = SDL_GetNumVideoDisplays();
+    if (display >= count) {
+      return fail(ErrorCode::kNotFound, "--display", "there is no display ", display, "; give a number from 0 to ",
+                  count - 1);
+    }
+    if (SDL_GetDesktopDisplayMode(display, &screen->mode_) != 0) return graphics_error("the display mode is unknown");
+    const auto place = static_cast<int>(SDL_WINDOWPOS_CENTERED_DISPLAY(static_cast<unsigned>(display)));
+    screen->window_ = SDL_CreateWindow("e2lf codes play", place, place, screen->mode_.w, screen->mode_.h,
+                                       SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS);
+    if (screen->window_ == nullptr) return graphics_error("no window can be opened on the display");
+    if (SDL_GetWindowDisplayIndex(screen->window_) != display) {
+      return fail(
+          ErrorCode::kIo, "--display",
+          "the display server shows the window on another display, as servers with several screens do; join the "
+          "displays to one desktop (xrandr)");
+    }
+    SDL_ShowCursor(SDL_DISABLE);
+    screen->renderer_ = SDL_CreateRenderer(screen->window_, -1, SDL_RENDERER_PRESENTVSYNC);
+    if (screen->renderer_ == nullptr) screen->renderer_ = SDL_CreateRenderer(screen->window_, -1, 0);
+    if (screen->renderer_ == nullptr) return graphics_error("the display cannot be drawn to");
+    SDL_RendererInfo info{};
+    const bool is_known = SDL_GetRendererInfo(screen->renderer_, &info) == 0;
+    // The software renderer only simulates a refresh.
+    screen->is_synchronised_ =
+        is_known && (info.flags & SDL_RENDERER_PRESENTVSYNC) != 0 && (info.flags & SDL_RENDERER_SOFTWARE) == 0;
+    if (!screen->is_synchronised_) SDL_RenderSetVSync(screen->renderer_, 0);
+    return screen;
+  }
   Screen() = default;
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
@@ -58,14 +90,49 @@ class Screen {
   [[nodiscard]] bool is_synchronised() const { return is_synchronised_; }
 
   /// Loads grey pictures that have the size of the display. Fails with kIo.
-  [[nodiscard]] Result<void> load(const std::vector<lightfield::ByteImage>& pictures);
+  [[nodiscard]] Result<void> load(const std::vector<lightfield::ByteImage>& pictures) {
+    for (const lightfield::ByteImage& picture : pictures) {
+      SDL_Texture* const texture = SDL_CreateTexture(renderer_, SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STATIC,
+                                                     static_cast<int>(picture.width), static_cast<int>(picture.height));
+      if (texture == nullptr) return graphics_error("a pattern cannot be loaded");
+      textures_.push_back(texture);
+      std::vector<uint32_t> colours;
+      colours.reserve(picture.pixels.size());
+      for (const uint8_t grey : picture.pixels) colours.push_back(0xFF000000U | grey * 0x010101U);
+      const int row_bytes = static_cast<int>(picture.width * sizeof(uint32_t));
+      if (SDL_UpdateTexture(texture, nullptr, colours.data(), row_bytes) != 0) {
+        return graphics_error("a pattern cannot be loaded");
+      }
+    }
+    return {};
+  }
 
   /// Shows one of the pictures from the next refresh on, with a white or black square of `corner_px` in the lower right
   /// corner. Returns the time at which it was shown. Fails with kIo.
-  [[nodiscard]] Result<Clock::time_point> show(size_t picture, int corner_px, bool is_corner_white);
+  [[nodiscard]] Result<Clock::time_point> show(size_t picture, int corner_px, bool is_corner_white) {
+    if (SDL_RenderCopy(renderer_, textures_[picture], nullptr, nullptr) != 0) {
+      return graphics_error("a pattern cannot be shown");
+    }
+    if (corner_px > 0) {
+      const uint8_t grey = is_corner_white ? 255 : 0;
+      const SDL_Rect corner = {mode_.w - corner_px, mode_.h - corner_px, corner_px, corner_px};
+      SDL_SetRenderDrawColor(renderer_, grey, grey, grey, 255);
+      SDL_RenderFillRect(renderer_, &corner);
+    }
+    SDL_RenderPresent(renderer_);
+    return Clock::now();
+  }
 
   /// Returns true if the user closed the window or pressed Escape.
-  [[nodiscard]] static bool is_closed();
+  [[nodiscard]] static bool is_closed() {
+    bool is_closed = false;
+    SDL_Event event;
+    while (SDL_PollEvent(&event) != 0) {
+      is_closed =
+          is_closed || event.type == SDL_QUIT || (event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_ESCAPE);
+    }
+    return is_closed;
+  }
 
  private:
   SDL_DisplayMode mode_{};
@@ -74,80 +141,6 @@ class Screen {
   bool is_synchronised_ = false;
   std::vector<SDL_Texture*> textures_;
 };
-
-Result<std::unique_ptr<Screen>> Screen::open(int display) {
-  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
-  SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "nearest");
-  if (SDL_Init(SDL_INIT_VIDEO) != 0) return graphics_error("no display is available");
-  auto screen = std::make_unique<Screen>();
-  const int count = SDL_GetNumVideoDisplays();
-  if (display >= count) {
-    return fail(ErrorCode::kNotFound, "--display", "there is no display ", display, "; give a number from 0 to ",
-                count - 1);
-  }
-  if (SDL_GetDesktopDisplayMode(display, &screen->mode_) != 0) return graphics_error("the display mode is unknown");
-  const auto place = static_cast<int>(SDL_WINDOWPOS_CENTERED_DISPLAY(static_cast<unsigned>(display)));
-  screen->window_ = SDL_CreateWindow("e2lf codes play", place, place, screen->mode_.w, screen->mode_.h,
-                                     SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS);
-  if (screen->window_ == nullptr) return graphics_error("no window can be opened on the display");
-  if (SDL_GetWindowDisplayIndex(screen->window_) != display) {
-    return fail(ErrorCode::kIo, "--display",
-                "the display server shows the window on another display, as servers with several screens do; join the "
-                "displays to one desktop (xrandr)");
-  }
-  SDL_ShowCursor(SDL_DISABLE);
-  screen->renderer_ = SDL_CreateRenderer(screen->window_, -1, SDL_RENDERER_PRESENTVSYNC);
-  if (screen->renderer_ == nullptr) screen->renderer_ = SDL_CreateRenderer(screen->window_, -1, 0);
-  if (screen->renderer_ == nullptr) return graphics_error("the display cannot be drawn to");
-  SDL_RendererInfo info{};
-  const bool is_known = SDL_GetRendererInfo(screen->renderer_, &info) == 0;
-  // The software renderer only simulates a refresh.
-  screen->is_synchronised_ =
-      is_known && (info.flags & SDL_RENDERER_PRESENTVSYNC) != 0 && (info.flags & SDL_RENDERER_SOFTWARE) == 0;
-  if (!screen->is_synchronised_) SDL_RenderSetVSync(screen->renderer_, 0);
-  return screen;
-}
-
-Result<void> Screen::load(const std::vector<lightfield::ByteImage>& pictures) {
-  for (const lightfield::ByteImage& picture : pictures) {
-    SDL_Texture* const texture = SDL_CreateTexture(renderer_, SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STATIC,
-                                                   static_cast<int>(picture.width), static_cast<int>(picture.height));
-    if (texture == nullptr) return graphics_error("a pattern cannot be loaded");
-    textures_.push_back(texture);
-    std::vector<uint32_t> colours;
-    colours.reserve(picture.pixels.size());
-    for (const uint8_t grey : picture.pixels) colours.push_back(0xFF000000U | grey * 0x010101U);
-    const int row_bytes = static_cast<int>(picture.width * sizeof(uint32_t));
-    if (SDL_UpdateTexture(texture, nullptr, colours.data(), row_bytes) != 0) {
-      return graphics_error("a pattern cannot be loaded");
-    }
-  }
-  return {};
-}
-
-Result<Screen::Clock::time_point> Screen::show(size_t picture, int corner_px, bool is_corner_white) {
-  if (SDL_RenderCopy(renderer_, textures_[picture], nullptr, nullptr) != 0) {
-    return graphics_error("a pattern cannot be shown");
-  }
-  if (corner_px > 0) {
-    const uint8_t grey = is_corner_white ? 255 : 0;
-    const SDL_Rect corner = {mode_.w - corner_px, mode_.h - corner_px, corner_px, corner_px};
-    SDL_SetRenderDrawColor(renderer_, grey, grey, grey, 255);
-    SDL_RenderFillRect(renderer_, &corner);
-  }
-  SDL_RenderPresent(renderer_);
-  return Clock::now();
-}
-
-bool Screen::is_closed() {
-  bool is_closed = false;
-  SDL_Event event;
-  while (SDL_PollEvent(&event) != 0) {
-    is_closed =
-        is_closed || event.type == SDL_QUIT || (event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_ESCAPE);
-  }
-  return is_closed;
-}
 
 using Clock = Screen::Clock;
 
@@ -159,7 +152,6 @@ struct PlayArguments {
   uint64_t cycles = 0;  ///< 0 = until the user ends it
 };
 
-/// A pattern that was shown.
 struct Flip {
   uint64_t cycle = 0;
   size_t pattern = 0;

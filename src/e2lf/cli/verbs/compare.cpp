@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf compare: compares methods over scenes, sensors and seeds, and writes tables and a page
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 
@@ -19,6 +18,7 @@
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/sibling_program.h"
+#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -34,15 +34,11 @@ struct CompareArguments {
 };
 
 Result<compare::Shard> parse_shard(const std::string& text) {
-  compare::Shard shard;
-  if (text.empty()) return shard;
-  const char* const end = text.data() + text.size();
-  const auto number = std::from_chars(text.data(), end, shard.number);
-  const bool has_slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
-  const auto count = std::from_chars(has_slash ? number.ptr + 1 : end, end, shard.count);
-  if (has_slash && count.ec == std::errc() && count.ptr == end && shard.number >= 1 && shard.number <= shard.count) {
-    return shard;
-  }
+  if (text.empty()) return compare::Shard();
+  const size_t slash = text.find('/');
+  const auto number = recordings::parse_number<size_t>(text.substr(0, slash));
+  const auto count = recordings::parse_number<size_t>(slash == std::string::npos ? "" : text.substr(slash + 1));
+  if (number && count && *number >= 1 && *number <= *count) return compare::Shard{*number, *count};
   return fail(ErrorCode::kInvalidValue, "--shard " + text,
               "a shard is a number and a total, counted from 1; give e.g. 1/4");
 }
@@ -86,14 +82,12 @@ Result<compare::Config> configuration(const CompareArguments& arguments, const V
 
 Result<void> take_over(const CompareArguments& arguments, const compare::Plan& plan,
                        const compare::ResultStore& store) {
-  std::vector<std::string> pictures;
-  for (const compare::Scene& scene : plan.scenes) pictures.push_back(compare::truth_key(scene));
   for (const fs::path& folder : arguments.merged) {
     if (!is_our_record(folder / "run.json")) {
       return fail(ErrorCode::kNotFound, folder,
                   "the folder contains no results of `e2lf compare`; give the output folder of a comparison");
     }
-    E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder), pictures));
+    E2LF_ASSIGN_OR_RETURN(const size_t taken, store.take_over(plan, compare::ResultStore(folder)));
     log_info(cat(folder.string(), ": ", taken, taken == 1 ? " result" : " results", " copied"));
   }
   return {};
@@ -102,8 +96,8 @@ Result<void> take_over(const CompareArguments& arguments, const compare::Plan& p
 /// Prints the results that exist, and warns about sums that saturated and about results that are missing.
 void tell(const CompareArguments& arguments, const compare::Plan& plan, const compare::Results& results,
           size_t new_results, const Verb& verb) {
-  const auto there = static_cast<size_t>(
-      std::count_if(results.begin(), results.end(), [](const auto& result) { return result.has_value(); }));
+  const auto there =
+      static_cast<size_t>(std::ranges::count_if(results, [](const auto& result) { return result.has_value(); }));
   if (arguments.json) {
     Json json = compare::all_json(plan, results);
     json["new_results"] = new_results;

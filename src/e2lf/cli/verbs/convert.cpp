@@ -47,16 +47,11 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field,
                         read_with_progress(arguments.input, read, common.quiet));
   ProgressBar bar("write", common.quiet);
-  if (folder) {
-    E2LF_RETURN_IF_ERROR(lightfield::write_views(folder->path(), light_field, write.format, bar.callback()));
-    record.end_step("convert");
-    E2LF_RETURN_IF_ERROR(commit(*folder, record));
-  } else {
-    bar.update(0, 1);
-    E2LF_RETURN_IF_ERROR(lightfield::write_light_field(file->path(), light_field, write));
-    record.end_step("convert");
-    E2LF_RETURN_IF_ERROR(commit(*file, record));
-  }
+  bar.update(0, 1);
+  E2LF_RETURN_IF_ERROR(folder ? lightfield::write_views(folder->path(), light_field, write.format, bar.callback())
+                              : lightfield::write_light_field(file->path(), light_field, write));
+  record.end_step("convert");
+  E2LF_RETURN_IF_ERROR(folder ? commit(*folder, record) : commit(*file, record));
   hide_progress();
   const lightfield::Shape& shape = light_field.shape();
   print_result(common, {{"views", {shape.views_y, shape.views_x}}, {"height", shape.height}, {"width", shape.width}},
@@ -80,7 +75,6 @@ Result<void> write_record(RunRecord& record, const fs::path& input, const Orient
   return record.write(output.record_path());
 }
 
-/// The part of a recording that is written to one file.
 struct ConvertedPart {
   fs::path named;  ///< its final path
   OutputFile output;

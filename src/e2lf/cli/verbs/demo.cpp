@@ -44,13 +44,11 @@ Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, 
               "the model contains no aperture patterns, which the camera of the demo needs; give a model that does");
 }
 
-/// Writes the scene with the true disparities of its middle view.
 Result<void> write_scene(const fs::path& folder, const LightField& scene, const lightfield::Image& disparity) {
   E2LF_RETURN_IF_ERROR(lightfield::write_views(folder, scene, lightfield::LightFieldFormat::kPng8));
   return write_npy(folder / "gt_disparity.npy", make_npy<float>({disparity.height, disparity.width}, disparity.pixels));
 }
 
-/// Writes images that are focused on the front and on the back of the scene.
 Result<void> write_refocused(const fs::path& folder, const LightField& light_field) {
   const lightfield::Aperture open = lightfield::full_aperture(light_field.shape());
   E2LF_RETURN_IF_ERROR(
@@ -138,14 +136,13 @@ int run_demo(const std::vector<std::string>& arguments) {
   Verb verb("demo", "Render a scene, simulate the events of a coded-aperture camera, reconstruct the light field.",
             "e2lf demo -o out/demo --overwrite");
   DemoArguments demo_arguments;
-  verb.app().add_option("-o,--output", demo_arguments.output, "folder to write")->capture_default_str();
-  add_model_option(verb.app(), "-m,--model", demo_arguments.model, "model file or bundled model; default: e2lf-n8");
-  verb.app()
-      .add_option("--width", demo_arguments.width, "width of each view, px")
+  CLI::App& app = verb.app();
+  app.add_option("-o,--output", demo_arguments.output, "folder to write")->capture_default_str();
+  add_model_option(app, "-m,--model", demo_arguments.model, "model file or bundled model; default: e2lf-n8");
+  app.add_option("--width", demo_arguments.width, "width of each view, px")
       ->check(CLI::Range(16, 8192))
       ->capture_default_str();
-  verb.app()
-      .add_option("--height", demo_arguments.height, "height of each view, px")
+  app.add_option("--height", demo_arguments.height, "height of each view, px")
       ->check(CLI::Range(16, 8192))
       ->capture_default_str();
   return verb.run(arguments, [&] { return demo(demo_arguments, verb); });

@@ -82,7 +82,6 @@ Result<void> write_points(const fs::path& path, const DisparityOutput& output, c
   return write_file(path, points);
 }
 
-/// Writes one file in the format of its extension.
 Result<void> write_one(const fs::path& path, const std::string& extension, const DisparityOutput& output,
                        const DisparityResult& result, const Shared& shared) {
   const Image& disparity = result.map.disparity;
@@ -128,29 +127,23 @@ void print_maps(const DisparityOutput& output, const CommonOptions& common, cons
                              first["shown_px"][0].get<double>(), first["shown_px"][1].get<double>())));
 }
 
-Error no_map_error(const DisparityOutput& output) {
-  return fail(ErrorCode::kNotFound, output.input, "the recording contains no complete cycle; use a longer recording");
+bool is_disparity_file(const fs::path& output) {
+  const std::string extension = output.extension().string();
+  return extension == ".npy" || extension == ".pfm" || extension == ".png" || extension == ".ply";
 }
 
-Result<void> to_file(const DisparityOutput& output, const DisparitySource& source, RunRecord& record,
-                     const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output.output, verb, {output.input}));
-  E2LF_ASSIGN_OR_RETURN(const std::optional<DisparityResult> result, source());
-  if (!result) return no_map_error(output);
-  record.end_step("estimate");
-  Shared shared;
-  share(output, result->map, shared);
-  E2LF_RETURN_IF_ERROR(write_one(file.path(), output.output.extension().string(), output, *result, shared));
-  record.note("maps", Json::array({json_of(*result, shared)}));
-  E2LF_RETURN_IF_ERROR(commit(file, record));
-  print_maps(output, verb.common(), Json::array({json_of(*result, shared)}));
-  return {};
-}
-
-/// Writes the folder of one map, or one folder for each of them, which appears complete when it is done.
-Result<void> to_folder(const DisparityOutput& output, const DisparitySource& source, RunRecord& record,
-                       const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(output.output, verb, {output.input}));
+/// Writes the first map to a file, or the folder of one map, or one folder for each of them, which appears complete
+/// when it is done.
+Result<void> write_disparities(const DisparityOutput& output, const DisparitySource& source, RunRecord& record,
+                               const Verb& verb) {
+  std::optional<OutputFile> file;
+  std::optional<ResultFolder> folder;
+  if (is_disparity_file(output.output)) {
+    E2LF_ASSIGN_OR_RETURN(file, open_output(output.output, verb, {output.input}));
+  } else {
+    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(output.output, verb, {output.input}));
+  }
+  const bool is_one = file || output.is_one;
   Shared shared;
   Json maps = Json::array();
   while (maps.empty() || !stop_requested()) {
@@ -160,33 +153,29 @@ Result<void> to_folder(const DisparityOutput& output, const DisparitySource& sou
     if (!*result) break;
     share(output, (*result)->map, shared);
     maps.push_back(json_of(**result, shared));
-    fs::path part = folder.path();
-    if (!output.is_one) {
-      E2LF_ASSIGN_OR_RETURN(part, folder.begin_part((*result)->name));
+    fs::path place = file ? file->path() : folder->path();
+    if (!is_one) {
+      E2LF_ASSIGN_OR_RETURN(place, folder->begin_part((*result)->name));
     }
-    E2LF_RETURN_IF_ERROR(write_all(part, output, **result, shared));
-    if (output.is_one) break;
-    E2LF_RETURN_IF_ERROR(folder.commit_part((*result)->name, {{"map", maps.back()}}));
-    if (maps.size() == 1) E2LF_RETURN_IF_ERROR(folder.commit(record.json_so_far()));
+    E2LF_RETURN_IF_ERROR(file ? write_one(place, output.output.extension().string(), output, **result, shared)
+                              : write_all(place, output, **result, shared));
+    if (is_one) break;
+    E2LF_RETURN_IF_ERROR(folder->commit_part((*result)->name, {{"map", maps.back()}}));
+    if (maps.size() == 1) E2LF_RETURN_IF_ERROR(folder->commit(record.json_so_far()));
   }
-  if (maps.empty()) return no_map_error(output);
+  if (maps.empty()) {
+    return fail(ErrorCode::kNotFound, output.input, "the recording contains no complete cycle; use a longer recording");
+  }
   record.end_step("estimate");
   record.note("maps", maps);
-  E2LF_ASSIGN_OR_RETURN(Json about, record.json());
-  E2LF_RETURN_IF_ERROR(output.is_one ? folder.commit(std::move(about)) : folder.update_record(std::move(about)));
+  if (is_one) {
+    E2LF_RETURN_IF_ERROR(file ? commit(*file, record) : commit(*folder, record));
+  } else {
+    E2LF_ASSIGN_OR_RETURN(Json about, record.json());
+    E2LF_RETURN_IF_ERROR(folder->update_record(std::move(about)));
+  }
   print_maps(output, verb.common(), maps);
   return {};
-}
-
-bool is_disparity_file(const fs::path& output) {
-  const std::string extension = output.extension().string();
-  return extension == ".npy" || extension == ".pfm" || extension == ".png" || extension == ".ply";
-}
-
-Result<void> write_disparities(const DisparityOutput& output, const DisparitySource& source, RunRecord& record,
-                               const Verb& verb) {
-  return is_disparity_file(output.output) ? to_file(output, source, record, verb)
-                                          : to_folder(output, source, record, verb);
 }
 
 struct DepthArguments {

@@ -31,7 +31,6 @@ struct EvalArguments {
   std::vector<fs::path> reports;
 };
 
-/// A reconstruction to compare, and its name.
 struct Candidate {
   std::string name;
   fs::path path;
@@ -240,7 +239,7 @@ Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField 
   }
   {
     ProgressBar bar("compare", quiet);
-    E2LF_ASSIGN_OR_RETURN(compared.row.quality, eval::compare(truth, compared.field, {}, bar.callback()));
+    E2LF_ASSIGN_OR_RETURN(compared.row.quality, eval::compare(truth, compared.field, /*clamp=*/true, bar.callback()));
   }
   E2LF_RETURN_IF_ERROR(compare_disparity(true_scene, compared, quiet));
   return compared;

@@ -81,13 +81,11 @@ int run_info(const std::vector<std::string>& arguments) {
   Verb verb("info", "Describe a file or folder: a recording, event images, a light field, a model or settings.",
             "e2lf info recording.raw --report rate.svg");
   InfoArguments info;
-  verb.app()
-      .add_option("path,-i,--input", info.path, "file or folder, or a bundled model")
-      ->required()
-      ->type_name(kThingType);
-  add_report_option(verb.app(), info.reports);
-  add_recording_options(verb.app(), info.recording, kRecordingOptions);
-  add_light_field_options(verb.app(), info.light_field, /*has_views=*/true);
+  CLI::App& app = verb.app();
+  app.add_option("path,-i,--input", info.path, "file or folder, or a bundled model")->required()->type_name(kThingType);
+  add_report_option(app, info.reports);
+  add_recording_options(app, info.recording, kRecordingOptions);
+  add_light_field_options(app, info.light_field, /*has_views=*/true);
   verb.stop_gently();
   return verb.run(arguments, [&] { return print_info(info, verb); });
 }

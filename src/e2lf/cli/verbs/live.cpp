@@ -29,7 +29,7 @@ namespace {
 struct LiveArguments {
   fs::path source, output, last, fine_model, depth_model;
   MethodFlags method;
-  std::string size = "auto";
+  std::optional<live::PictureSize> size;
   size_t average = 1;
   double seconds = 0;
   bool has_no_page = false, records = false;
@@ -66,7 +66,6 @@ class Deadline {
   std::jthread thread_;
 };
 
-/// The parts from which a session is created.
 struct Instrument {
   std::unique_ptr<live::LiveReader> reader;
   std::vector<live::FieldMaker> makers;  ///< from the best network to the fastest
@@ -82,7 +81,7 @@ FineMethod fine_method(recon::Reconstructor network, const capture::Orientation&
       return network.reconstruct(counts, progress, network.num_passes(kPasses), frozen.cycle.cycles);
     };
     pipeline::FieldSequence sequence(method, {.gain = frozen.gain, .black = frozen.black});
-    E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(frozen.cycle.counts));
+    E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(frozen.cycle.images));
     if (!views.is_upright()) lightfield::orient(field.light_field, views);
     return std::move(field.light_field);
   };
@@ -98,17 +97,6 @@ Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, cons
   if (model.measurement() == capture::MeasurementKind::kEventImages) return method;
   return fail(ErrorCode::kShape, arguments.source, model.name, " takes the measurement ",
               capture::measurement_name(model.measurement()), "; use a model that takes event images");
-}
-
-/// Returns the check of the first cycle against its events.
-using EventsCheck = std::function<diagnose::Findings(const capture::EventImages&)>;
-Result<EventsCheck> check_of(const pipeline::OpenedMethod& method) {
-  E2LF_ASSIGN_OR_RETURN(std::optional<diagnose::FieldCheck> check, diagnose::FieldCheck::create(method, {}));
-  return EventsCheck([check = std::move(check)](const capture::EventImages& events) {
-    if (!check) return diagnose::Findings();
-    const auto explained = check->judge_events(events);
-    return explained && *explained ? (*explained)->findings : diagnose::Findings();
-  });
 }
 
 /// Opens the network of disparities: the one that is named, or else the bundled one for the patterns, if there is one.
@@ -162,18 +150,22 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   if (!arguments.fine_model.empty() || method.bundled) {
     E2LF_ASSIGN_OR_RETURN(best, open_network(arguments, cycles, std::move(choice)));
   }
-  E2LF_ASSIGN_OR_RETURN(pipeline::Tone tone, tone_of(arguments.method));
-  tone = method.complete(tone);
-  E2LF_ASSIGN_OR_RETURN(instrument.options.size, live::size_from_name(arguments.size));
-  instrument.options.gain = tone.gain;
-  instrument.options.black = tone.black;
+  E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(arguments.method));
+  instrument.options.tone = method.complete(tone);
+  instrument.options.size = arguments.size;
   instrument.options.views = arguments.orientation.after(method.views).value_or(capture::Orientation{});
   instrument.reader->set_average(arguments.average);
   if (arguments.method.codes.model.empty() && best.network->model().name != method.network->model().name) {
     instrument.makers.emplace_back(*best.network);
   }
   instrument.makers.emplace_back(*method.network);
-  E2LF_ASSIGN_OR_RETURN(instrument.options.check, check_of(method));
+  E2LF_ASSIGN_OR_RETURN(std::optional<diagnose::FieldCheck> check, diagnose::FieldCheck::create(method, {}));
+  if (check) {
+    instrument.options.check = [check = *std::move(check)](const capture::EventImages& events) {
+      const auto explained = check.judge_events(events);
+      return explained && *explained ? (*explained)->findings : diagnose::Findings();
+    };
+  }
   instrument.fine = fine_method(*best.network, instrument.options.views);
   return instrument;
 }
@@ -212,7 +204,6 @@ void print_totals(const Json& totals, const CommonOptions& common) {
   }
 }
 
-/// Writes the last light field.
 Result<void> write_last(live::Session& session, OutputFile& output, const RunRecord& record) {
   const auto last = session.freeze();
   if (!last) return {};
@@ -235,14 +226,14 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
     instrument.options.on_field = [&common](const live::FieldReport& field) { print_field(field, common); };
   }
   live::Session session(std::move(instrument.reader), std::move(instrument.makers), std::move(instrument.options));
-  std::unique_ptr<LivePage> page;
+  std::optional<LivePage> page;
   if (!arguments.has_no_page) {
     E2LF_ASSIGN_OR_RETURN(page, start_live_page(session, std::move(instrument.fine),
                                                 arguments.cycles.recording.open.camera.running, arguments.port));
     if (common.json) {
-      std::printf("%s\n", Json{{"url", page->url()}}.dump().c_str());
+      std::printf("%s\n", Json{{"url", page->url}}.dump().c_str());
     } else {
-      std::printf("open %s in a browser; press Ctrl-C to end\n", page->url().c_str());
+      std::printf("open %s in a browser; press Ctrl-C to end\n", page->url.c_str());
     }
     std::fflush(stdout);
   }
@@ -321,7 +312,7 @@ int run_live(const std::vector<std::string>& arguments) {
       ->required();
   add_method_options(app, live_arguments.method, "the source");
   add_tone_options(app, live_arguments.method);
-  add_choice(app, "--size", live_arguments.size, {"auto", "full", "half", "quarter"},
+  add_choice(app, "--size", live_arguments.size, live::kPictureSizes,
              "full; half or quarter (each pixel is the sum of a block of 2x2 or 4x4); auto selects the largest that "
              "keeps pace, and a better network if it does so, too");
   add_count(app, "--average", live_arguments.average, 1, live::kMostCycles,

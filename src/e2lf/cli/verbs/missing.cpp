@@ -18,9 +18,8 @@ Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const 
   return no_viewer_error();
 }
 
-Result<std::unique_ptr<LivePage>> start_live_page(live::Session& /*session*/, FineMethod /*fine*/,
-                                                  std::shared_ptr<recordings::RunningCamera> /*camera*/,
-                                                  uint16_t /*port*/) {
+Result<LivePage> start_live_page(live::Session& /*session*/, FineMethod /*fine*/,
+                                 std::shared_ptr<recordings::RunningCamera> /*camera*/, uint16_t /*port*/) {
   return no_viewer_error();
 }
 

@@ -189,36 +189,19 @@ Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, con
   return range;
 }
 
-constexpr int kFramesPerS = 20;
-
-using FrameFn = std::function<Image(size_t frame)>;
-
-Result<FrameFn> frame_maker(const AnimateArguments& arguments, const LightField& light_field, RunRecord& record) {
+Result<film::Film> film_of(const AnimateArguments& arguments, const LightField& light_field, RunRecord& record) {
   const lightfield::Shape& shape = light_field.shape();
+  film::Film film{.frames = arguments.frames, .frames_per_s = 20};
   if (arguments.path == "focus") {
     E2LF_ASSIGN_OR_RETURN(const depth::DisparityRange range, focus_range(arguments, light_field, record));
-    return FrameFn([&light_field, path = film::focus_sweep(range.least, range.most, arguments.frames)](size_t frame) {
+    film.frame_at = [&, path = film::focus_sweep(range.least, range.most, film.frames)](size_t frame) {
       return lightfield::refocus(light_field, path[frame], lightfield::full_aperture(light_field.shape()));
-    });
+    };
+    return film;
   }
-  const auto path =
-      arguments.path == "orbit" ? film::orbit(shape, arguments.frames) : film::sweep(shape, arguments.frames);
-  return FrameFn([&light_field, path, still = arguments.still](size_t frame) {
-    return film::picture_from(light_field, path[frame], still);
-  });
-}
-
-Result<void> write_film(const fs::path& file, film::FilmFormat format, const AnimateArguments& arguments,
-                        const FrameFn& frame_at, bool is_quiet) {
-  ProgressBar bar("animate", is_quiet);
-  const Image first = frame_at(0);
-  E2LF_ASSIGN_OR_RETURN(const auto film, film::FilmFile::create(file, {format, kFramesPerS}, first));
-  E2LF_RETURN_IF_ERROR(film->add(first));
-  for (size_t frame = 1; frame < arguments.frames; ++frame) {
-    E2LF_RETURN_IF_ERROR(film->add(frame_at(frame)));
-    bar.update(frame, arguments.frames);
-  }
-  return film->finish();
+  const auto path = arguments.path == "orbit" ? film::orbit(shape, film.frames) : film::sweep(shape, film.frames);
+  film.frame_at = [&, path](size_t frame) { return film::picture_from(light_field, path[frame], arguments.still); };
+  return film;
 }
 
 Result<void> animate(const AnimateArguments& arguments, const Verb& verb) {
@@ -230,8 +213,11 @@ Result<void> animate(const AnimateArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet,
                                      {arguments.still, arguments.from.value_or(0), arguments.to.value_or(0)}));
-  E2LF_ASSIGN_OR_RETURN(const FrameFn frame_at, frame_maker(arguments, light_field, record));
-  E2LF_RETURN_IF_ERROR(write_film(output.path(), format, arguments, frame_at, common.quiet));
+  E2LF_ASSIGN_OR_RETURN(const film::Film film, film_of(arguments, light_field, record));
+  {
+    ProgressBar bar("animate", common.quiet);
+    E2LF_RETURN_IF_ERROR(film::write_film(output.path(), format, film, bar.callback()));
+  }
   record.end_step("animate");
   E2LF_RETURN_IF_ERROR(commit(output, record));
   if (!common.quiet) std::printf("%zu frames in %s\n", arguments.frames, arguments.output.c_str());

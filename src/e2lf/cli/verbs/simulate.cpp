@@ -153,7 +153,6 @@ bool is_stream(const SimulateArguments& arguments, const Setup& setup) {
   return !sensor::event_model_from_name(model) && streams::stream_model_from_name(model);
 }
 
-/// One cycle of a simulation.
 struct SimulatedCycle {
   capture::Measurement measured;  ///< of a recording, only that of the first cycle is needed
   recordings::EventBatch batch;   ///< for recordings: its events and triggers
@@ -185,7 +184,6 @@ Result<NextCycle> counted_cycles(const SimulateArguments& arguments, const Setup
       });
 }
 
-/// Simulates the events one by one with a virtual rig.
 Result<NextCycle> played_cycles(const SimulateArguments& arguments, const Setup& setup,
                                 const streams::StreamOptions& stream, StreamScene& scene) {
   const capture::Codes& codes = setup.known.codes;
@@ -252,7 +250,6 @@ class SimulatedFile {
   fs::path measurements_path_;
 };
 
-/// Fails if an option would have no effect.
 Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, bool is_stream, const Verb& verb) {
   const auto useless = [](const char* flag, const char* why) {
     return fail(ErrorCode::kInvalidValue, flag, why, "; leave it out");

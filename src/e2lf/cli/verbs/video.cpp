@@ -52,71 +52,57 @@ cycles::WindowOptions window_options(const VideoArguments& arguments) {
   return options;
 }
 
-/// Makes a frame from each window.
-class FrameMaker {
- public:
-  /// Makes frames from signed events: a surplus of `full_scale` ON or OFF events is white or black.
-  FrameMaker(size_t height, size_t width, int full_scale)
-      : height_(height), width_(width), full_scale_(static_cast<float>(full_scale)) {}
-  FrameMaker(size_t height, size_t width, video::EventVideo video, video::FrameTone tone)
-      : height_(height), width_(width), video_(std::move(video)), tone_(tone) {}
+/// Makes a frame from each window: with the network, or else from its signed events.
+struct FrameMaker {
+  size_t height, width;
+  float full_scale;  ///< a surplus of this many ON or OFF events is white or black
+  std::optional<video::EventVideo> network = {};
+  video::FrameTone tone = video::FrameTone::kNone;
+  double network_s = 0.0;  ///< time that voxel grids and the network took
 
   Result<lightfield::ByteImage> make(const cycles::EventWindow& window) {
-    lightfield::Image frame(width_, height_, 1);
-    if (video_) {
+    lightfield::Image frame(width, height, 1);
+    if (network) {
       const auto begin = std::chrono::steady_clock::now();
       E2LF_ASSIGN_OR_RETURN(frame.pixels,
-                            video_->next(cycles::voxelise(window.events, video_->model().bins, height_, width_)));
-      network_s_ += seconds_since(begin);
-      video::apply_frame_tone(tone_, frame.pixels);
+                            network->next(cycles::voxelise(window.events, network->model().bins, height, width)));
+      network_s += seconds_since(begin);
+      video::apply_frame_tone(tone, frame.pixels);
     } else {
-      frame.pixels = cycles::signed_counts(window.events, height_, width_);
-      for (float& value : frame.pixels) value = 0.5F + 0.5F * value / full_scale_;
+      frame.pixels = cycles::signed_counts(window.events, height, width);
+      for (float& value : frame.pixels) value = 0.5F + 0.5F * value / full_scale;
     }
     return lightfield::to_bytes(frame);
   }
-
-  [[nodiscard]] bool has_network() const { return video_.has_value(); }
-  /// Returns the time that voxel grids and the network took, s.
-  [[nodiscard]] double network_s() const { return network_s_; }
-
- private:
-  size_t height_, width_;
-  float full_scale_ = 1.0F;
-  std::optional<video::EventVideo> video_;
-  video::FrameTone tone_ = video::FrameTone::kNone;
-  double network_s_ = 0.0;
 };
 
 Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recordings::RecordingInfo& info,
                                     RunRecord& record) {
+  FrameMaker maker{info.height, info.width, static_cast<float>(arguments.full_scale)};
   if (arguments.model.empty()) {
-    if (arguments.tone != "auto") {
-      return fail(ErrorCode::kInvalidValue, "--tone",
-                  "plain frames have a fixed tone; leave it out or give a model with -m");
-    }
-    return FrameMaker(info.height, info.width, arguments.full_scale);
+    if (arguments.tone == "auto") return maker;
+    return fail(ErrorCode::kInvalidValue, "--tone",
+                "plain frames have a fixed tone; leave it out or give a model with -m");
   }
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(arguments.model));
   record.add_input(arguments.model, bytes);
   E2LF_ASSIGN_OR_RETURN(video::VideoModel model, video::decode_video_model(bytes, arguments.model.string()));
-  video::FrameTone tone = model.tone;
+  maker.tone = model.tone;
   if (arguments.tone != "auto") {
-    E2LF_ASSIGN_OR_RETURN(tone, choice_of(arguments.tone, video::kFrameTones, "tone"));
+    E2LF_ASSIGN_OR_RETURN(maker.tone, choice_of(arguments.tone, video::kFrameTones, "tone"));
   }
-  record.resolve("tone", word_of(tone, video::kFrameTones));
+  record.resolve("tone", word_of(maker.tone, video::kFrameTones));
   E2LF_ASSIGN_OR_RETURN(const engine::Precision precision,
                         choice_of(arguments.precision, engine::kPrecisions, "precision"));
-  E2LF_ASSIGN_OR_RETURN(video::EventVideo video,
+  E2LF_ASSIGN_OR_RETURN(maker.network,
                         video::EventVideo::create(std::move(model), info.height, info.width, {.precision = precision}));
-  return FrameMaker(info.height, info.width, std::move(video), tone);
+  return maker;
 }
 
 std::string frame_name(uint64_t number) {
   return formatted("frame_%06llu.png", static_cast<unsigned long long>(number));
 }
 
-/// A summary of the result.
 struct VideoReport {
   uint64_t frames = 0, events = 0, empty = 0;
   std::string table = "frame,begin_us,end_us,events\n";
@@ -177,7 +163,7 @@ Json report_json(const VideoArguments& arguments, const VideoReport& report, con
     json["triggers"] = windows.triggers();
     json["events_outside_of_windows"] = windows.events_outside();
   }
-  if (maker.has_network()) json["network_s"] = maker.network_s();
+  if (maker.network) json["network_s"] = maker.network_s;
   return json;
 }
 

@@ -21,7 +21,6 @@
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/document.h"
-#include "e2lf/view/recording_item.h"
 #include "e2lf/view/server.h"
 
 namespace e2lf::cli {
@@ -52,12 +51,6 @@ std::string name_of(const fs::path& path) {
   const fs::path folder = whole.parent_path().filename();
   return folder.empty() || folder == ".." ? whole.filename().string() : (folder / whole.filename()).string();
 }
-
-/// Disparity maps of one view, px per view step: one, or one for each cycle.
-struct DisparityMaps {
-  std::vector<Image> maps, confidences;
-  depth::ViewIndex view;
-};
 
 Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
   E2LF_ASSIGN_OR_RETURN(Image image, depth::read_disparity(path));
@@ -96,13 +89,13 @@ depth::ViewIndex view_of(const fs::path& path, const lightfield::Shape& shape) {
 /// or a folder that `e2lf depth` wrote (disparity.npy and confidence.npy, in each of cycle_00000 ...). The record
 /// beside the maps states to which view they belong; without a record it is depth::middle_view(). Fails with kNotFound,
 /// kFormat, and kShape (the size or number of the maps does not match).
-Result<DisparityMaps> read_disparity(const fs::path& path, const lightfield::Shape& shape, size_t cycles) {
+Result<view::DisparityMaps> read_disparity(const fs::path& path, const lightfield::Shape& shape, size_t cycles) {
   const std::vector<fs::path> files = files_of(path);
   if (files.size() != 1 && files.size() != cycles) {
     return fail(ErrorCode::kShape, path, "there are ", files.size(), " disparity maps for ", cycles,
                 " cycles; give one, or those of this light field");
   }
-  DisparityMaps found{{}, {}, view_of(path, shape)};
+  view::DisparityMaps found{{}, view_of(path, shape)};
   for (const fs::path& file : files) {
     E2LF_ASSIGN_OR_RETURN(Image map, read_map(file, shape));
     found.maps.push_back(std::move(map));
@@ -154,9 +147,7 @@ class DocumentMaker {
     if (kind == FileKind::kEventImages) return add_event_images(path);
     if (kind == FileKind::kLightField || kind == FileKind::kCycles) return add_light_field(path, name_of(path));
     if (kind == FileKind::kRecording) return add_recording(path);
-    if (kind != FileKind::kImages) return other_kind_error(path, kind, "something that the viewer can show");
-    return fail(ErrorCode::kUnsupported, path,
-                "the viewer does not show measurements with intensity images; reconstruct a light field from it");
+    return other_kind_error(path, kind, "something that the viewer can show");
   }
 
   /// Compares every light field with the first one of the same shape.
@@ -198,8 +189,9 @@ class DocumentMaker {
   }
 
   Result<void> add_disparity(const fs::path& path, const ShownCycles& shown) {
-    E2LF_ASSIGN_OR_RETURN(const DisparityMaps found, read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
-    document_.add_disparity(shown.item, found.maps, found.view.y, found.view.x, found.confidences);
+    E2LF_ASSIGN_OR_RETURN(const view::DisparityMaps found,
+                          read_disparity(path, shown.cycles->shape(), shown.cycles->size()));
+    document_.add_disparity(shown.item, found);
     return {};
   }
 
@@ -258,8 +250,8 @@ class DocumentMaker {
     E2LF_ASSIGN_OR_RETURN(depth::FoundDisparity found,
                           depth::judge_disparity(*reconstruction, truth.disparity, bar.callback()));
     const depth::ViewIndex view = depth::middle_view(shape);
-    document_.add_disparity(first.item, {truth.disparity}, view.y, view.x);
-    document_.add_disparity(second.item, {found.disparity}, view.y, view.x);
+    document_.add_disparity(first.item, {{truth.disparity}, view});
+    document_.add_disparity(second.item, {{found.disparity}, view});
     quality.disparity = std::move(found.error);
     quality.truth_source = truth.source;
     return {};
@@ -331,23 +323,21 @@ int run_view(const std::vector<std::string>& arguments) {
             "of the same shape are compared; the first one is the ground truth.",
             "e2lf view out/demo/scene out/demo/recon");
   ViewArguments view_arguments;
-  verb.app()
-      .add_option("things", view_arguments.things, "files and folders to show, or bundled models")
+  CLI::App& app = verb.app();
+  app.add_option("things", view_arguments.things, "files and folders to show, or bundled models")
       ->required()
       ->type_name(kThingType);
-  verb.app().add_option("--disparity", view_arguments.disparity,
-                        "disparity map to show over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
-  verb.app().add_option("--export", view_arguments.page, "write a self-contained HTML file instead of serving");
-  verb.app()
-      .add_option("--port", view_arguments.port, "port of 127.0.0.1 to serve on; 0 = any free one")
+  app.add_option("--disparity", view_arguments.disparity,
+                 "disparity map to show over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
+  app.add_option("--export", view_arguments.page, "write a self-contained HTML file instead of serving");
+  app.add_option("--port", view_arguments.port, "port of 127.0.0.1 to serve on; 0 = any free one")
       ->capture_default_str();
-  verb.app()
-      .add_option("--frames", view_arguments.frames, "recordings: number of images over time")
+  app.add_option("--frames", view_arguments.frames, "recordings: number of images over time")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  add_light_field_options(verb.app(), view_arguments.light_field, /*has_views=*/true);
-  add_orientation_options(verb.app(), view_arguments.light_field.orientation);
-  add_cycle_options(verb.app(), view_arguments.cycles);
+  add_light_field_options(app, view_arguments.light_field, /*has_views=*/true);
+  add_orientation_options(app, view_arguments.light_field.orientation);
+  add_cycle_options(app, view_arguments.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] {
     std::ranges::transform(view_arguments.things, view_arguments.things.begin(), thing_named);

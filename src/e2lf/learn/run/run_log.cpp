@@ -121,9 +121,7 @@ void add_patterns(const PatternState& state, report::Page& page) {
   page.heading(cat("After ", report::tick_text(state.samples, 0), " samples"), 4).begin_row();
   for (size_t begin = 0; begin + kCells <= state.cells.size(); begin += kCells) {
     const auto first = state.cells.begin() + static_cast<ptrdiff_t>(begin);
-    report::CellGrid grid{kSide, {first, first + kCells}};
-    grid.cell_px = 8;
-    page.drawing(report::grid_svg(grid));
+    page.drawing(report::grid_svg({first, first + kCells}, kSide));
   }
   page.end_row();
 }

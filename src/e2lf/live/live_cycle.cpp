@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/live/event_sums.h"
+#include "e2lf/live/live_cycle.h"
 
 #include <algorithm>
 #include <vector>
