@@ -45,10 +45,8 @@ uint64_t available_memory_bytes() {
 Result<void> require_memory(uint64_t bytes, const std::string& remedy, const std::string& location) {
   const uint64_t available = available_memory_bytes();
   if (bytes <= available) return {};
-  return Error{
-      ErrorCode::kUnsupported,
-      cat("this takes about ", gib_text(bytes), " of memory, and ", gib_text(available), " are free; ", remedy),
-      location};
+  return fail(ErrorCode::kUnsupported, location, "this takes about ", gib_text(bytes), " of memory, and ",
+              gib_text(available), " are free; ", remedy);
 }
 
 }  // namespace e2lf

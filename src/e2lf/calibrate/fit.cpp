@@ -11,7 +11,6 @@
 
 #include "e2lf/base/threads.h"
 #include "e2lf/calibrate/count_distribution.h"
-#include "e2lf/capture/patterns/codes.h"
 
 namespace e2lf::calibrate {
 namespace {

@@ -308,10 +308,9 @@ Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& addre
   const bool is_read = format == "EVT2" || format == "EVT21" || format == "EVT2.1" || format == "EVT3";
   if (is_read && (encoding.empty() || format == hal_encoding(encoding))) return device;
   const std::vector<std::string> offered = identity->get_available_data_encoding_formats();
-  return Error{ErrorCode::kUnsupported,
-               cat("the camera sends ", header_text(format), is_read ? "" : ", which e2lf cannot read", "; it offers ",
-                   header_text(join(offered)), ", of which e2lf reads the encodings evt2, evt2.1 and evt3"),
-               "camera://metavision"};
+  return fail(ErrorCode::kUnsupported, "camera://metavision", "the camera sends ", header_text(format),
+              is_read ? "" : ", which e2lf cannot read", "; it offers ", header_text(join(offered)),
+              ", of which e2lf reads the encodings evt2, evt2.1 and evt3");
 }
 
 Result<CameraPtr> open_metavision_camera(const std::string& address) {

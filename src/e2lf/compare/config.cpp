@@ -8,7 +8,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/compare/tables.h"
-#include "e2lf/files/options.h"
 
 namespace e2lf::compare {
 namespace {

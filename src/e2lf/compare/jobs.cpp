@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <set>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/compare/measure.h"
 #include "e2lf/compare/tables.h"
 #include "e2lf/files/file.h"

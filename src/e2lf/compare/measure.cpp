@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/compare/view_scan.h"

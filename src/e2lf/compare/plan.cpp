@@ -7,7 +7,6 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/sha256.h"
 #include "e2lf/model/model.h"

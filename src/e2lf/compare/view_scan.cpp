@@ -6,7 +6,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/event_windows.h"
 #include "e2lf/streams/event_stream.h"
-#include "e2lf/video/video_model.h"
 
 namespace e2lf::compare {
 namespace {

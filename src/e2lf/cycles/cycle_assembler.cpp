@@ -5,7 +5,6 @@
 #include <functional>
 
 #include "e2lf/base/result.h"
-#include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {
 namespace {

@@ -2,7 +2,6 @@
 #include "e2lf/cycles/cycle_reader.h"
 
 #include <algorithm>
-#include <deque>
 
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/cycle_assembler.h"
@@ -228,7 +227,7 @@ class CycleReader::Impl {
 Result<CycleReader> CycleReader::open(std::unique_ptr<recordings::RecordingReader> reader,
                                       const CycleOptions& options) {
   E2LF_RETURN_IF_ERROR(validate(options.schedule, "schedule"));
-  const auto invalid = [](const std::string& message) { return Error{ErrorCode::kInvalidValue, message, ""}; };
+  const auto invalid = [](const std::string& message) { return fail(ErrorCode::kInvalidValue, "", message); };
   if (options.tracker.first_pattern && *options.tracker.first_pattern >= options.schedule.size()) {
     return invalid(cat("the first pattern is ", *options.tracker.first_pattern, " of a schedule of ",
                        options.schedule.size(), "; count from 0"));

@@ -6,7 +6,6 @@
 
 #include "e2lf/base/choice.h"
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf::cycles {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <numeric>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"

@@ -6,10 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/depth/matching_cost.h"
 #include "e2lf/depth/plane_fit.h"
 #include "e2lf/depth/view_order.h"
 #include "e2lf/lightfield/views.h"

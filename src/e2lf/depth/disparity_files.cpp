@@ -2,7 +2,6 @@
 #include "e2lf/depth/disparity_files.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>

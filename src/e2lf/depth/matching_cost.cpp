@@ -6,7 +6,6 @@
 #include <cmath>
 #include <mutex>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/lightfield/refocus.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/depth/view_order.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>

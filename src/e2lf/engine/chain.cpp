@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cstring>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"

@@ -2,11 +2,9 @@
 #include "e2lf/engine/operation.h"
 
 #include <algorithm>
-#include <map>
 #include <mutex>
 #include <numeric>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::engine {

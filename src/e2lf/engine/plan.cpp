@@ -5,9 +5,7 @@
 #include <map>
 #include <set>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/engine/conv.h"
 #include "e2lf/engine/operation.h"
 #include "e2lf/engine/reshape.h"
 #include "e2lf/model/model_parts.h"

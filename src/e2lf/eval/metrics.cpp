@@ -9,9 +9,7 @@
 #include <mutex>
 #include <numeric>
 #include <utility>
-#include <vector>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/options.h"
 
 namespace e2lf::eval {
 namespace {

@@ -5,7 +5,6 @@
 #include <zlib.h>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf {

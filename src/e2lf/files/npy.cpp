@@ -2,15 +2,9 @@
 #include "e2lf/files/npy.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cstring>
-#include <functional>
-#include <numeric>
-#include <optional>
 #include <string_view>
-#include <type_traits>
-#include <utility>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
@@ -70,11 +64,10 @@ Result<ElementCode> parse_code(const std::string& text, const std::string& locat
   }
   if (code.size == 0 || code.type == "bf16") {
     const bool is_object = code.type == "O";
-    return Error{ErrorCode::kUnsupported,
-                 is_object ? "the elements are Python objects, which are not read; save each array of numbers by its "
-                             "name with numpy.savez"
-                           : cat("elements of type \"", text, "\" are not supported; store plain numbers"),
-                 location};
+    return fail(ErrorCode::kUnsupported, location,
+                is_object ? "the elements are Python objects, which are not read; save each array of numbers by its "
+                            "name with numpy.savez"
+                          : cat("elements of type \"", text, "\" are not supported; store plain numbers"));
   }
   return code;
 }

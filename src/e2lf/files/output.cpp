@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <iterator>
-#include <string>
 #include <string_view>
 
 #include "e2lf/base/text.h"

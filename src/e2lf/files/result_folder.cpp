@@ -8,11 +8,9 @@
 #include <set>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <vector>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/options.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::zip {

@@ -12,8 +12,6 @@ extern "C" {
 #include <algorithm>
 #include <array>
 
-#include "e2lf/base/text.h"
-
 namespace e2lf::film {
 namespace {
 

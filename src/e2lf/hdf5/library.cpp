@@ -7,12 +7,9 @@
 #include <fcntl.h>
 #include <iterator>
 #include <map>
-#include <memory>
 #include <new>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <utility>
-#include <vector>
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"

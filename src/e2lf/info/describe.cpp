@@ -16,7 +16,6 @@
 #include "e2lf/files/safetensors.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/learn/data/packed_data.h"
-#include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recordings/open/registry.h"

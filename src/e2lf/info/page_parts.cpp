@@ -7,7 +7,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/report/chart.h"
 
 namespace e2lf::info {
 

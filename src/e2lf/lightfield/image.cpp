@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "e2lf/base/little_endian.h"
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <span>
-#include <vector>
 
 #include "e2lf/base/memory.h"
 #include "e2lf/base/result.h"

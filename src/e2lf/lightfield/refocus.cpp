@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/lightfield/refocus.h"
 
-#include <algorithm>
 #include <numeric>
 
 #include "e2lf/base/threads.h"

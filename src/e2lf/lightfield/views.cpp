@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/live/live_cycle.h"
 
-#include <algorithm>
-#include <vector>
-
 #include "e2lf/base/result.h"
 
 namespace e2lf::live {

@@ -23,7 +23,7 @@ Result<void> Recorder::begin() {
   const std::lock_guard lock(mutex_);
   if (writer_) return {};
   if (folder_.empty()) {
-    return Error{ErrorCode::kInvalidValue, "no folder for recordings was given; start e2lf live with -o FOLDER", ""};
+    return fail(ErrorCode::kInvalidValue, "", "no folder for recordings was given; start e2lf live with -o FOLDER");
   }
   int descriptor = -1;
   do {

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/live/session.h"
 
-#include <utility>
-
 #include "e2lf/base/progress.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/pipeline/event_depth.h"
-#include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::live {
 

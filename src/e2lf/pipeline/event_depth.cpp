@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "e2lf/base/result.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/model/model.h"

@@ -3,7 +3,6 @@
 
 #include <chrono>
 
-#include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
 
 namespace e2lf::pipeline {

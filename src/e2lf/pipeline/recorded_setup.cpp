@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/pipeline/recorded_setup.h"
 
-#include "e2lf/capture/measurement/recorded_setup.h"
-#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/result_folder.h"

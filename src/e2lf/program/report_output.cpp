@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/program/report_output.h"
 
-#include <vector>
-
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/program/sibling_program.h"

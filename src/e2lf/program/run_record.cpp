@@ -3,18 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <span>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/options.h"
 #include "e2lf/files/sha256.h"
 #include "e2lf/info/version.h"
 #include "e2lf/program/option_values.h"
-#include "e2lf/program/verb.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -5,10 +5,8 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <exception>
-#include <filesystem>
 #include <iostream>
 #include <new>
 #include <unistd.h>
@@ -16,13 +14,10 @@
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
-#include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/files/options.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/files/workspace.h"
 #include "e2lf/info/version.h"
-#include "e2lf/program/option_values.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::program {

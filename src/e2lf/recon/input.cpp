@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/input.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
 
 namespace e2lf::recon {

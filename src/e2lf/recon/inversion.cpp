@@ -6,9 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <utility>
-#include <vector>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recon/input.h"

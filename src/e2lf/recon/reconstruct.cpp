@@ -5,12 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <utility>
-#include <vector>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/model/model.h"
 #include "e2lf/model/network.h"
 
 namespace e2lf::recon {

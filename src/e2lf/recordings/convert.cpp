@@ -10,7 +10,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/recordings/side_triggers.h"
 
 namespace e2lf::recordings {

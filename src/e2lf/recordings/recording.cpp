@@ -2,13 +2,10 @@
 #include "e2lf/recordings/recording.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <sstream>
-#include <utility>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::recordings {

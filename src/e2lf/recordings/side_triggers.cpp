@@ -2,7 +2,6 @@
 #include "e2lf/recordings/side_triggers.h"
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 #include <string_view>
 

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
-#include <string>
 
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/event.h"

@@ -2,7 +2,6 @@
 #include "e2lf/recordings/timeline.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "e2lf/base/text.h"

@@ -2,11 +2,8 @@
 #include "e2lf/report/page.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <string_view>
 #include <utility>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/report/chart.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/sensor/block_kernels.h"
 
-#include <cstdint>
 #include <numbers>
 
 #undef HWY_TARGET_INCLUDE

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/block_kernels.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/streams/event_stream.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,8 +22,7 @@ class Checks {
  public:
   Checks& in(const char* name, double value, double low, double high) {
     if (result_ && !(value >= low && value <= high)) {
-      result_ =
-          Error{ErrorCode::kInvalidValue, cat(name, " is ", value, "; use a number from ", low, " to ", high), ""};
+      result_ = fail(ErrorCode::kInvalidValue, "", name, " is ", value, "; use a number from ", low, " to ", high);
     }
     return *this;
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/streams/receptor.h"
 
-#include <cmath>
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/streams/receptor.cpp"
 // The first of these includes this file again, once for each instruction set; the last must come after it.

@@ -6,7 +6,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/sensor/event_model.h"
 

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "e2lf/base/text.h"
-#include "e2lf/model/model_parts.h"
 #include "e2lf/video/import_event_video.h"
 
 namespace e2lf::video {

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "e2lf/base/text.h"
-#include "e2lf/model/model_parts.h"
 
 namespace e2lf::video {
 

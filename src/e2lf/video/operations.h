@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string>
-
 #include "e2lf/engine/operation.h"
 
 namespace e2lf::video {

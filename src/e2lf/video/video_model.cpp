@@ -4,12 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
-#include "e2lf/base/choice.h"
-#include "e2lf/base/result.h"
 #include "e2lf/files/file.h"
-#include "e2lf/files/options.h"
 #include "e2lf/model/model_parts.h"
 #include "e2lf/video/operations.h"
 

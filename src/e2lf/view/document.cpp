@@ -10,7 +10,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/model/model.h"
 #include "e2lf/recordings/event_rate.h"
 #include "e2lf/report/page.h"
 #include "e2lf/report/table.h"
@@ -192,7 +191,7 @@ Result<Overview> survey(const RecordingSource& source, const std::string& name) 
   const recordings::DecodeSummary summary = reader->summary();
   overview.num_events = summary.events();
   if (overview.num_events == 0) {
-    return Error{ErrorCode::kInvalidValue, "the recording holds no events; there is nothing to show", name};
+    return fail(ErrorCode::kInvalidValue, name, "the recording holds no events; there is nothing to show");
   }
   if (overview.info.width != 0) {
     overview.width = overview.info.width;
@@ -337,7 +336,7 @@ Result<void> write_page(const std::filesystem::path& path, const Document& docum
     if (progress) progress(number + 1, document.parts().size());
   }
   out << page.substr(place + kPlace.size());
-  if (!out.flush()) return Error{ErrorCode::kIo, "cannot write; check space and permissions", path.string()};
+  if (!out.flush()) return fail(ErrorCode::kIo, path, "cannot write; check space and permissions");
   return {};
 }
 

@@ -57,7 +57,7 @@ Result<std::shared_ptr<const lightfield::LightField>> LightFieldCycles::read(siz
   const fs::path& path = paths_[cycle];
   E2LF_ASSIGN_OR_RETURN(auto light_field, lightfield::read_light_field(path, options_));
   if (!(light_field.shape() == shape_)) {
-    return Error{ErrorCode::kShape, "has another size than the first cycle; show it separately", path.string()};
+    return fail(ErrorCode::kShape, path, "has another size than the first cycle; show it separately");
   }
   kept_ = std::make_shared<const lightfield::LightField>(std::move(light_field));
   kept_cycle_ = cycle;

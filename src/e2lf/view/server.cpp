@@ -219,7 +219,7 @@ class DocumentServer : public Server {
     const bool is_wanted = has_ended_.exchange(true);
     stopper.join();
     if (is_good || is_wanted || stop_requested()) return {};
-    return Error{ErrorCode::kIo, "the server failed; try again", url()};
+    return fail(ErrorCode::kIo, url(), "the server failed; try again");
   }
 
  private:

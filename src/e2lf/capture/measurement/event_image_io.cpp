@@ -7,7 +7,6 @@
 #include <limits>
 #include <string>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"

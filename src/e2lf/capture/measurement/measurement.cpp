@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/capture/measurement/measurement.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace e2lf::capture {

@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/options.h"
 
 namespace e2lf::capture {
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/strided_view.h"
 #include "e2lf/base/text.h"
 

@@ -3,11 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::capture {

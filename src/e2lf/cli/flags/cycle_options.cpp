@@ -4,8 +4,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/info/file_kind.h"
-#include "e2lf/info/recording_report.h"
-#include "e2lf/program/option_values.h"
 #include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::cli {

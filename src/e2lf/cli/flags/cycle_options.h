@@ -14,7 +14,6 @@
 #include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/pipeline/method.h"
-#include "e2lf/program/option_values.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/flags/display_flags.h"
 
-#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
 

@@ -7,7 +7,6 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/program/option_values.h"
-#include "e2lf/program/run_record.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,7 +11,6 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/formats/codecs.h"
-#include "e2lf/recordings/io/decompress.h"
 
 namespace e2lf::formats::rosbag {
 

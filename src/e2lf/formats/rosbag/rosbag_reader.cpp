@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <fstream>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"

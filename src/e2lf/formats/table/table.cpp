@@ -3,10 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <cstdio>
 #include <set>
-#include <vector>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/median.h"

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <mutex>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 namespace e2lf::learn {

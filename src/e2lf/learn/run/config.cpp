@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/options.h"
 
 namespace e2lf::learn {
 namespace {

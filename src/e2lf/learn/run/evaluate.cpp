@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/run/evaluate.h"
 
-#include "e2lf/learn/events/event_simulation.h"
-
 namespace e2lf::learn {
 
 Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field, const SampleConstants& constants,

@@ -9,7 +9,6 @@
 #include <torch/cuda.h>
 
 #include "e2lf/base/isa.h"
-#include "e2lf/base/text.h"
 
 namespace e2lf::learn {
 

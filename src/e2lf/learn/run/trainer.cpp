@@ -13,7 +13,6 @@
 #include "e2lf/files/options.h"
 #include "e2lf/learn/data/draws.h"
 #include "e2lf/learn/events/event_simulation.h"
-#include "e2lf/learn/optimisers/optimisers.h"
 #include "e2lf/learn/run/torch_setup.h"
 
 namespace e2lf::learn {

@@ -3,8 +3,6 @@
 // declared in readers.h.
 #include <iterator>
 #include <optional>
-#include <span>
-#include <string_view>
 #include <vector>
 
 #include "e2lf/base/log.h"

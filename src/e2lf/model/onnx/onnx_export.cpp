@@ -5,12 +5,9 @@
 #include <map>
 #include <span>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/options.h"
-#include "e2lf/model/model.h"
-#include "e2lf/model/onnx/onnx_graph.h"
 #include "e2lf/model/operation.h"
 
 namespace e2lf::model {

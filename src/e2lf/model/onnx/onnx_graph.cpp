@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/onnx/onnx_graph.h"
 
-#include <string_view>
-
 #include "e2lf/base/result.h"
 
 namespace e2lf::model {

@@ -5,13 +5,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <optional>
 #include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "e2lf/base/progress.h"
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 

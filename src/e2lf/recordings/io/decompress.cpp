@@ -4,7 +4,6 @@
 #include <lz4frame.h>
 #include <memory>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 
 #ifdef E2LF_HAVE_ZSTD

@@ -3,16 +3,12 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <cstdio>
 #include <deque>
-#include <mutex>
-#include <sstream>
 #include <thread>
 #include <utility>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/recordings/open/registry.h"
 
@@ -201,7 +197,7 @@ class CameraSource final : public LiveSource {
       } else if (is_stopping_ && Clock::now() >= last_end()) {
         has_hung_ = intake_->has_ended = true;
         intake_->error =
-            Error{ErrorCode::kIo, "the camera was stopped, but its driver does not return; restart the camera", name_};
+            fail(ErrorCode::kIo, name_, "the camera was stopped, but its driver does not return; restart the camera");
       } else {
         report_silence(lock);
         intake_->changed.wait_for(lock, kNap);  // a signal does not notify this condition variable

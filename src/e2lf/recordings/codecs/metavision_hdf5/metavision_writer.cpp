@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Writes Metavision HDF5; declared in codecs.h.
 #include <algorithm>
-#include <optional>
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"

@@ -2,7 +2,6 @@
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <tuple>
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/io/bytes.h"

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_codec.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/word_damage.h"

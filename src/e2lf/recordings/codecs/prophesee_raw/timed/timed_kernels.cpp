@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The kernels of timed_words.h.
 #include <algorithm>
-#include <bit>
 #include <utility>
 
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_words.h"
