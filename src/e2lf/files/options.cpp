@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "e2lf/base/text.h"
+
 namespace e2lf {
 
 Json json_number(float value) {
@@ -76,7 +78,8 @@ Result<void> apply_override(Json& config, const std::string& assignment) {
 OptionReader::OptionReader(const Json& object, std::string location)
     : object_(&object), location_(std::move(location)) {
   if (!object.is_object() && !object.is_null()) {
-    error_ = fail(ErrorCode::kFormat, location_, "expected an object, found ", object.type_name(), "; write { ... }");
+    error_ =
+        Error{ErrorCode::kFormat, cat("expected an object, found ", object.type_name(), "; write { ... }"), location_};
   }
 }
 
@@ -89,8 +92,8 @@ const Json& OptionReader::child(const std::string& key) {
 void OptionReader::fail(const std::string& key, const char* kind) {
   if (error_) return;
   const std::string text = json_line(object_->at(key));
-  error_ = fail(ErrorCode::kInvalidValue, child_location(key), "a value of the wrong type or out of range (", text,
-                "); give ", kind);
+  error_ = Error{ErrorCode::kInvalidValue, cat("a value of the wrong type or out of range (", text, "); give ", kind),
+                 child_location(key)};
 }
 
 Result<void> OptionReader::finish() const {
