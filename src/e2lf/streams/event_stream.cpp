@@ -196,9 +196,10 @@ void ReadoutQueue::pass(recordings::EventColumns& events, size_t begin) {
 
 Result<EventStream> EventStream::create(const StreamOptions& options, size_t height, size_t width) {
   E2LF_RETURN_IF_ERROR(validate(options));
-  constexpr size_t kMost = size_t{std::numeric_limits<uint16_t>::max()} + 1;
-  if (height < 1 || width < 1 || height > kMost || width > kMost || height * width > kMost * kMost - 1) {
-    return fail(ErrorCode::kShape, "", "a sensor of ", width, "x", height, " pixels cannot be; use 1 to ", kMost);
+  constexpr size_t kMostPixels = size_t{std::numeric_limits<uint16_t>::max()} + 1;
+  if (height < 1 || width < 1 || height > kMostPixels || width > kMostPixels ||
+      height * width > kMostPixels * kMostPixels - 1) {
+    return fail(ErrorCode::kShape, "", "a sensor of ", width, "x", height, " pixels cannot be; use 1 to ", kMostPixels);
   }
   return EventStream(options, height, width);
 }

@@ -200,8 +200,8 @@ std::optional<std::span<const uint8_t>> elements_of(const FlatBuffer& packet, st
   return packet.vector_field(*root, kElementsField, bytes_each);
 }
 
-/// Appends the events of an EVTS packet. Returns false, without appending any, if it is not one or is
-/// truncated. Negative coordinates become 65535, which is outside any sensor.
+/// Appends the events of an EVTS packet. Returns false, without appending any, if it is not one or is truncated.
+/// Negative coordinates become 65535, which is outside any sensor.
 bool append_events(const FlatBuffer& packet, EventColumns& events) {
   const auto elements = elements_of(packet, "EVTS", kEventBytes);
   if (!elements) return false;
