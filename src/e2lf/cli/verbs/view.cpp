@@ -147,7 +147,9 @@ class DocumentMaker {
     if (kind == FileKind::kEventImages) return add_event_images(path);
     if (kind == FileKind::kLightField || kind == FileKind::kCycles) return add_light_field(path, name_of(path));
     if (kind == FileKind::kRecording) return add_recording(path);
-    return other_kind_error(path, kind, "something that the viewer can show");
+    if (kind != FileKind::kImages) return other_kind_error(path, kind, "something that the viewer can show");
+    return fail(ErrorCode::kUnsupported, path,
+                "the viewer does not show measurements with intensity images; reconstruct a light field from it");
   }
 
   /// Compares every light field with the first one of the same shape.
