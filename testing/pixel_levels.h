@@ -7,7 +7,7 @@
 #include "e2lf/capture/profile/sensor_profile.h"
 
 /// The physical pixel exists in four forms: for images of counts (sensor/pixel_model.h), for tensors with gradients
-/// (learn/events/pixel_model.h), as probabilities (calibrate/count_distribution.h) and event by event
+/// (learn/events/event_simulation.h), as probabilities (calibrate/count_distribution.h) and event by event
 /// (streams/event_stream.h). A test named AgreesWithTheOtherFormsOfThePhysicalPixel compares each with the levels that
 /// are computed here in small steps.
 namespace e2lf::capture {

@@ -2,36 +2,21 @@
 #include "e2lf/device/torch_device.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cstring>
 #include <torch/torch.h>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/learn/network/network_module.h"
+#include "e2lf/learn/run/torch_setup.h"
 
 namespace e2lf::device {
 namespace {
 
 using engine::Precision;
 
-/// Returns the device of torch with this name. Fails with kInvalidValue and, if the machine lacks it, with
-/// kMissingDependency.
+/// Returns the device of torch with this name. Fails as learn::open_device() does.
 Result<torch::Device> device_of(const std::string& name) {
-  if (name == "torch-cpu") return torch::Device(torch::kCPU);
-  int number = 0;
-  const char *const begin = name.data() + std::min(name.size(), std::strlen("cuda:")), *const end =
-                                                                                           name.data() + name.size();
-  const auto parsed = std::from_chars(begin, end, number);
-  if (name != "cuda" && (!name.starts_with("cuda:") || parsed.ec != std::errc() || parsed.ptr != end || number < 0)) {
-    return Error{ErrorCode::kInvalidValue, cat("\"", name, "\" is not a device; use cpu, cuda or cuda:N"), ""};
-  }
-  const auto devices = static_cast<int>(torch::cuda::device_count());
-  if (number < devices) return torch::Device(torch::kCUDA, static_cast<torch::DeviceIndex>(number));
-  return Error{ErrorCode::kMissingDependency,
-               cat("torch finds ", devices, " CUDA devices on this machine, not ", name,
-                   "; use cpu, or install a driver and a torch with CUDA"),
-               ""};
+  return learn::open_device(name == "torch-cpu" ? "cpu" : name);
 }
 
 /// Returns the type of the computation. Fails with kUnsupported.
@@ -41,8 +26,8 @@ Result<torch::ScalarType> type_of(const engine::EngineOptions& options, const to
                        (options.precision == Precision::kAuto && is_checked && device.is_cuda());
   if (options.precision == Precision::kInt16 || (is_half && !device.is_cuda())) {
     return Error{ErrorCode::kUnsupported,
-                 cat("the device ", options.device, " does not compute in ", engine::precision_name(options.precision),
-                     "; use precision auto"),
+                 cat("the device ", options.device, " does not compute in ",
+                     word_of(options.precision, engine::kPrecisions), "; use precision auto"),
                  ""};
   }
   if (is_half) return torch::kHalf;
@@ -61,7 +46,7 @@ class TorchNetwork : public engine::DeviceNetwork {
     const torch::InferenceMode without_gradients;
     const auto channels = static_cast<int64_t>(module_.network().input_channels);
     const auto side = static_cast<int64_t>(multiple_);
-    static_cast<void>(module_.forward(torch::zeros({1, channels, side, side}).to(device_), type_, weights_));
+    static_cast<void>(module_.forward(torch::zeros({1, channels, side, side}).to(device_), type_, &weights_));
     return {};
   }
 
@@ -76,7 +61,7 @@ class TorchNetwork : public engine::DeviceNetwork {
       const auto image = torch::from_blob(
           const_cast<float*>(input.data()),
           {1, static_cast<int64_t>(channels), static_cast<int64_t>(height), static_cast<int64_t>(width)});
-      const auto result = module_.forward(image.to(device_), type_, weights_).to(torch::kCPU, torch::kFloat);
+      const auto result = module_.forward(image.to(device_), type_, &weights_).to(torch::kCPU, torch::kFloat);
       E2LF_REQUIRE(static_cast<size_t>(result.numel()) == output.size(), "the output has another size");
       torch::from_blob(output.data(), result.sizes()).copy_(result);
       return {};
@@ -91,7 +76,7 @@ class TorchNetwork : public engine::DeviceNetwork {
     return type_ == torch::kHalf ? Precision::kFloat16 : Precision::kBfloat16;
   }
   [[nodiscard]] std::vector<std::string> describe() const override {
-    return {cat("torch ", TORCH_VERSION, " on ", device_.str(), ", ", engine::precision_name(precision()))};
+    return {cat("torch ", TORCH_VERSION, " on ", device_.str(), ", ", word_of(precision(), engine::kPrecisions))};
   }
 
  private:

@@ -158,12 +158,13 @@ struct Int16Products {
 };
 #endif
 
-/// Adds to sums[i][j] the product of row i of `a` (rows are `a_stride` elements apart) and column vector j of a packed
-/// panel whose rows are `width` columns wide, over `depth` elements.
+/// Adds to sums[i][j] the product of row i of `a` (rows are `a_stride` elements apart, and their elements `a_step`) and
+/// column vector j of a packed panel whose rows are `width` columns wide, over `depth` elements. If kStep is not 1,
+/// a_step is.
 template <class Products, size_t kRows, size_t kVectors>
 HWY_INLINE void multiply_accumulate(const typename Products::Factor* HWY_RESTRICT a, size_t a_stride,
                                     const typename Products::Factor* HWY_RESTRICT panel, size_t width, size_t depth,
-                                    typename Products::Sum (&sums)[kRows][kVectors]) {
+                                    typename Products::Sum (&sums)[kRows][kVectors], size_t a_step = 1) {
   constexpr size_t kStep = Products::kStep;
   for (size_t k = 0; k < depth; k += kStep) {
     typename Products::Vec columns[kVectors];
@@ -171,7 +172,7 @@ HWY_INLINE void multiply_accumulate(const typename Products::Factor* HWY_RESTRIC
     for (size_t j = 0; j < kVectors; ++j) columns[j] = Products::load(panel + j * kLanes * kStep);
     E2LF_UNROLL
     for (size_t i = 0; i < kRows; ++i) {
-      const auto row = Products::broadcast(a + i * a_stride + k);
+      const auto row = Products::broadcast(a + i * a_stride + k * a_step);
       E2LF_UNROLL
       for (size_t j = 0; j < kVectors; ++j) sums[i][j] = Products::multiply_add(row, columns[j], sums[i][j]);
     }

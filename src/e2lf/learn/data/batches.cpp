@@ -12,10 +12,6 @@ namespace {
 enum SeedPurpose : uint64_t { kNoise = 1, kSynthesis = 2, kSamples = 3, kValidation = 4 };
 constexpr uint64_t kFirstPool = 32;  // light fields synthesised before the first step
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 int64_t scene_stride(const DataConfig& data) {
   return static_cast<int64_t>(std::max<uint64_t>(1, data.patch_stride));
 }
@@ -119,7 +115,8 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
   double places = 0;
   for (size_t i = 0; i < batches.dataset_.scenes.size(); ++i) {
     const Scene& scene = batches.dataset_.scenes[i];
-    if (contains(config.data.validation, scene.name) || contains(config.data.exclude, scene.name)) continue;
+    const auto is_in = [&](const auto& names) { return std::ranges::find(names, scene.name) != names.end(); };
+    if (is_in(config.data.validation) || is_in(config.data.exclude)) continue;
     if (scene.views.size(1) < patch || scene.views.size(2) < patch) continue;
     batches.scenes_.push_back(i);
     places += static_cast<double>(num_places(scene.views.size(1), patch, stride) *
@@ -140,8 +137,8 @@ void Batches::synthesise_validation() {
   SynthesiserOptions options = config_.data.synthesiser;
   options.size = std::max<int64_t>(options.size, 64);
   for (uint64_t i = 1; i <= kScenes; ++i) {
-    const auto views = synthesise(dataset_.textures, options, mix_seed(config_.seed, kValidation, i), device_);
-    dataset_.scenes.push_back({cat("synthesised ", i), views_last(views)});
+    const auto scene = synthesise(dataset_.textures, options, mix_seed(config_.seed, kValidation, i), device_);
+    dataset_.scenes.push_back({cat("synthesised ", i), views_last(scene.views)});
     config_.data.validation.push_back(dataset_.scenes.back().name);
   }
 }
@@ -152,8 +149,8 @@ void Batches::advance_pool(uint64_t step) {
   pool_end_ = std::max(pool_end_, end - std::min(end, config_.data.pool));
   const std::vector<double> times = pattern_times(config_.patterns);
   for (; pool_end_ < end; ++pool_end_) {
-    pool_.push_back(synthesise_moving(dataset_.textures, config_.data.synthesiser,
-                                      mix_seed(config_.seed, kSynthesis, pool_end_), device_, times));
+    pool_.push_back(synthesise(dataset_.textures, config_.data.synthesiser,
+                               mix_seed(config_.seed, kSynthesis, pool_end_), device_, times));
     pool_.back().views = views_last(pool_.back().views);
     if (pool_.size() > config_.data.pool) pool_.pop_front();
   }

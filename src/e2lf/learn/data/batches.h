@@ -69,10 +69,9 @@ class Batches {
   std::optional<capture::SensorProfile> camera_;
   Dataset dataset_;
   torch::Device device_;
-  std::vector<size_t> scenes_;  // indices of the scenes for training
-  std::vector<double>
-      cumulative_places_;  // number of patch positions up to each scene; all positions are equally likely
-  uint64_t pool_end_ = 0;  // number of light fields synthesised since step 0
+  std::vector<size_t> scenes_;             // indices of the scenes for training
+  std::vector<double> cumulative_places_;  // patch positions up to each scene; all are equally likely
+  uint64_t pool_end_ = 0;                  // number of light fields synthesised since step 0
   std::deque<MovingScene> pool_;
 };
 

@@ -62,10 +62,10 @@ TEST(TransformViews, MovesViewsAndPixelsTogether) {
 
 TEST(Synthesise, DependsOnTheSeedAlone) {
   const SynthesiserOptions options{.size = 32};
-  const auto first = synthesise({}, options, 5, torch::kCPU);
+  const auto first = synthesise({}, options, 5, torch::kCPU).views;
   EXPECT_EQ(first.sizes(), (std::vector<int64_t>{64, 32, 32}));
-  EXPECT_TRUE(torch::equal(first, synthesise({}, options, 5, torch::kCPU)));
-  EXPECT_FALSE(torch::equal(first, synthesise({}, options, 6, torch::kCPU)));
+  EXPECT_TRUE(torch::equal(first, synthesise({}, options, 5, torch::kCPU).views));
+  EXPECT_FALSE(torch::equal(first, synthesise({}, options, 6, torch::kCPU).views));
 }
 
 TEST(ViewsOf, AgreesWithTorchsSampling) {
@@ -112,19 +112,19 @@ TEST(Surfaces, MoveByTheirOffset) {
 
 TEST(Synthesise, AMovingSceneIsTheStillOneAtTimeZeroToTheBit) {
   SynthesiserOptions options{.size = 32, .motion_px_per_cycle = 4.0, .still_share = 0.0};
-  const auto still = synthesise({}, options, 5, torch::kCPU);
-  const auto moving = synthesise_moving({}, options, 5, torch::kCPU, {-1.0, 0.0});
+  const auto still = synthesise({}, options, 5, torch::kCPU).views;
+  const auto moving = synthesise({}, options, 5, torch::kCPU, {-1.0, 0.0});
   EXPECT_TRUE(torch::equal(moving.views, still));
   ASSERT_EQ(moving.at_times.size(0), 2);
   EXPECT_TRUE(torch::equal(moving.at_times[1], still));
   EXPECT_FALSE(torch::equal(moving.at_times[0], still));
   options.still_share = 1.0;
-  EXPECT_FALSE(synthesise_moving({}, options, 5, torch::kCPU, {-1.0, 0.0}).at_times.defined());
+  EXPECT_FALSE(synthesise({}, options, 5, torch::kCPU, {-1.0, 0.0}).at_times.defined());
 }
 
 TEST(Synthesise, WithoutDisparityAllViewsAreEqual) {
   SynthesiserOptions options{.size = 32, .max_disparity = 0.0, .slant_share = 0.0};
-  const auto views = synthesise({}, options, 7, torch::kCPU);
+  const auto views = synthesise({}, options, 7, torch::kCPU).views;
   EXPECT_TRUE(torch::equal(views, views.slice(0, 0, 1).expand_as(views)));
 }
 
@@ -140,7 +140,7 @@ TEST(Synthesise, APlaneMovesByTheSameDisparityAlongRowsAndColumns) {
                                    .procedural_share = 0.0};
   size_t moving = 0;
   for (uint64_t seed = 0; seed < 8; ++seed) {
-    const auto views = synthesise(photos, options, seed, torch::kCPU).to(torch::kFloat).reshape({8, 8, 64, 64});
+    const auto views = synthesise(photos, options, seed, torch::kCPU).views.to(torch::kFloat).reshape({8, 8, 64, 64});
     // A point at x in view (r, c) is at x + d in view (r, c + 1), and at x + 4 d four views on.
     const auto mismatch = [&](int64_t shift, bool rows) {
       const auto a = views[2][2], b = rows ? views[6][2] : views[2][6];

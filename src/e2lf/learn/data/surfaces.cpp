@@ -8,22 +8,28 @@
 #include "e2lf/base/result.h"
 #include "e2lf/learn/data/dataset.h"
 
-#if E2LF_LEARN_KERNELS
-#include "e2lf/learn/data/view_renderer.h"
-#endif
-
 namespace e2lf::learn {
 namespace {
 
 constexpr double kCentralView = 3.5;
 
+/// Coordinates of the pixels from the centre, px: y is [side, 1], x is [1, side].
+struct Coordinates {
+  torch::Tensor y, x;
+};
+
+Coordinates centred_coordinates(int64_t side, torch::Device device) {
+  const auto axis =
+      torch::arange(side, torch::device(device).dtype(torch::kFloat)) - 0.5 * static_cast<double>(side - 1);
+  return {axis.unsqueeze(1), axis.unsqueeze(0)};
+}
+
 /// Returns the points where the rays meet a plane, as sampling positions [64, size, size, 2] (x, y) of grid_sample in a
 /// map of `side` px.
 torch::Tensor ray_positions(const Plane& plane, int64_t size, int64_t side, torch::Device device) {
-  const auto options = torch::device(device).dtype(torch::kFloat);
-  const auto pixel = torch::arange(size, options) - 0.5 * static_cast<double>(size - 1);
-  const auto view = torch::arange(kViewsPerSide, options) - kCentralView;
-  const auto y = pixel.view({1, 1, size, 1}) - plane.offset_y, x = pixel.view({1, 1, 1, size}) - plane.offset_x;
+  const Coordinates pixel = centred_coordinates(size, device);
+  const auto view = torch::arange(kViewsPerSide, torch::device(device).dtype(torch::kFloat)) - kCentralView;
+  const auto y = pixel.y - plane.offset_y, x = pixel.x - plane.offset_x;
   const auto view_y = view.view({kViewsPerSide, 1, 1, 1}), view_x = view.view({1, kViewsPerSide, 1, 1});
   // A point q of the central view appears at p = q + view * d(q) with d(q) = centre + slope . q; solved for d.
   const auto tilt = plane.slope_y * view_y + plane.slope_x * view_x;
@@ -80,45 +86,6 @@ torch::Tensor render_views(const std::vector<Surface>& surfaces, int64_t size) {
 }
 #endif
 
-}  // namespace
-
-torch::Tensor views_of_reference(const std::vector<Surface>& surfaces, int64_t size) {
-  require_surfaces(surfaces);
-  torch::Tensor picture;
-  for (const Surface& surface : surfaces) {
-    const auto& brightness = surface.brightness;
-    const auto positions = ray_positions(surface.plane, size, brightness.size(0), brightness.device());
-    if (!picture.defined()) {
-      picture = project(brightness.unsqueeze(0), positions).squeeze(1);
-      continue;
-    }
-    const auto layer = project(torch::stack({brightness, surface.coverage}), positions);
-    picture = torch::lerp(picture, layer.select(1, 0), layer.select(1, 1).clamp(0.0, 1.0));
-  }
-  return picture;
-}
-
-torch::Tensor views_of(const std::vector<Surface>& surfaces, int64_t size) {
-  require_surfaces(surfaces);
-#if E2LF_LEARN_KERNELS
-  if (surfaces.front().brightness.device().is_cpu()) return render_views(surfaces, size);
-#endif
-  return views_of_reference(surfaces, size);
-}
-
-namespace {
-
-/// Coordinates of the pixels from the centre, px: y is [side, 1], x is [1, side].
-struct Coordinates {
-  torch::Tensor y, x;
-};
-
-Coordinates centred_coordinates(int64_t side, torch::Device device) {
-  const auto axis =
-      torch::arange(side, torch::device(device).dtype(torch::kFloat)) - 0.5 * static_cast<double>(side - 1);
-  return {axis.unsqueeze(1), axis.unsqueeze(0)};
-}
-
 /// Smooth noise of unit variance with features of about `feature_px`.
 torch::Tensor smooth_noise(int64_t side, double feature_px, torch::Device device) {
   const auto cells = std::max<int64_t>(2, static_cast<int64_t>(static_cast<double>(side) / feature_px) + 1);
@@ -158,6 +125,30 @@ torch::Tensor smooth_shading(int64_t side, Draws& draws, torch::Device device) {
 }
 
 }  // namespace
+
+torch::Tensor views_of_reference(const std::vector<Surface>& surfaces, int64_t size) {
+  require_surfaces(surfaces);
+  torch::Tensor picture;
+  for (const Surface& surface : surfaces) {
+    const auto& brightness = surface.brightness;
+    const auto positions = ray_positions(surface.plane, size, brightness.size(0), brightness.device());
+    if (!picture.defined()) {
+      picture = project(brightness.unsqueeze(0), positions).squeeze(1);
+      continue;
+    }
+    const auto layer = project(torch::stack({brightness, surface.coverage}), positions);
+    picture = torch::lerp(picture, layer.select(1, 0), layer.select(1, 1).clamp(0.0, 1.0));
+  }
+  return picture;
+}
+
+torch::Tensor views_of(const std::vector<Surface>& surfaces, int64_t size) {
+  require_surfaces(surfaces);
+#if E2LF_LEARN_KERNELS
+  if (surfaces.front().brightness.device().is_cpu()) return render_views(surfaces, size);
+#endif
+  return views_of_reference(surfaces, size);
+}
 
 torch::Tensor photo_texture(const std::vector<torch::Tensor>& photos, int64_t side, Draws& draws) {
   const auto& photo = photos[draws.below(photos.size())];

@@ -89,19 +89,13 @@ void move(std::vector<Surface>& surfaces, const std::vector<Velocity>& velocitie
 
 }  // namespace
 
-torch::Tensor synthesise(const std::vector<torch::Tensor>& textures, const SynthesiserOptions& options, uint64_t seed,
-                         torch::Device device) {
-  torch::NoGradGuard no_grad;
-  return render(draft_scene(textures, options, seed, device), options.size);
-}
-
-MovingScene synthesise_moving(const std::vector<torch::Tensor>& textures, const SynthesiserOptions& options,
-                              uint64_t seed, torch::Device device, const std::vector<double>& times) {
+MovingScene synthesise(const std::vector<torch::Tensor>& textures, const SynthesiserOptions& options, uint64_t seed,
+                       torch::Device device, const std::vector<double>& times) {
   torch::NoGradGuard no_grad;
   SceneDraft draft = draft_scene(textures, options, seed, device);
   MovingScene scene{render(draft, options.size), {}};
   Draws draws(seed, 1);  // another stream, so that the scene itself does not depend on its motion
-  if (options.motion_px_per_cycle <= 0.0 || draws.chance(options.still_share)) return scene;
+  if (times.empty() || options.motion_px_per_cycle <= 0.0 || draws.chance(options.still_share)) return scene;
   // A moving camera moves everything alike.
   const bool is_of_camera = draws.chance(0.5);
   std::vector<Velocity> velocities;

@@ -17,23 +17,18 @@ struct SynthesiserOptions {
   double still_share = 0.5;        ///< share of scenes that stand still, if others move
 };
 
-/// Synthesises a random light field, uint8 [64, size, size]: textured planes behind one another, slanted or not, with
-/// hard, soft and fine occlusion edges, some with highlights. `textures` are photographs uint8 [y, x] of at least 64x64
-/// px; if there are none, all textures are procedural. The result depends only on `seed`, with which torch's generator
-/// is reseeded.
-[[nodiscard]] torch::Tensor synthesise(const std::vector<torch::Tensor>& textures, const SynthesiserOptions& options,
-                                       uint64_t seed, torch::Device device);
-
-/// A synthesised scene at several times.
+/// A light field at several times.
 struct MovingScene {
-  torch::Tensor views;     ///< what synthesise() returns: the scene at time 0
+  torch::Tensor views;     ///< the scene at time 0, uint8 [64, size, size]
   torch::Tensor at_times;  ///< uint8 [times, 64, size, size]; undefined if the scene stands still
 };
 
-/// Synthesises a scene whose surfaces move at constant velocities, in one direction together or each in its own, of up
-/// to options.motion_px_per_cycle, and returns it at time 0 and at the given times in cycles.
-[[nodiscard]] MovingScene synthesise_moving(const std::vector<torch::Tensor>& textures,
-                                            const SynthesiserOptions& options, uint64_t seed, torch::Device device,
-                                            const std::vector<double>& times);
+/// Synthesises a random light field: textured planes behind one another, slanted or not, with hard, soft and fine
+/// occlusion edges, some with highlights. `textures` are photographs uint8 [y, x] of at least 64x64 px; if there are
+/// none, all textures are procedural. The result depends only on `seed`, with which torch's generator is reseeded. If
+/// there are `times`, in cycles, the surfaces move at constant velocities of up to options.motion_px_per_cycle, in one
+/// direction together or each in its own.
+[[nodiscard]] MovingScene synthesise(const std::vector<torch::Tensor>& textures, const SynthesiserOptions& options,
+                                     uint64_t seed, torch::Device device, const std::vector<double>& times = {});
 
 }  // namespace e2lf::learn

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/data/view_renderer.h"
-
+// Implements render_view() of surfaces.h.
 #include <algorithm>
 #include <array>
 #include <vector>
+
+#include "e2lf/learn/data/surfaces.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/learn/data/view_renderer.cpp"

@@ -36,6 +36,25 @@ torch::Tensor distant_point(const std::vector<torch::Tensor>& earlier) {
   return best;
 }
 
+/// Returns the sign of the last non-zero count up to each transition, or 0 before the first.
+torch::Tensor last_change(const torch::Tensor& events) {
+  std::vector<torch::Tensor> signs;
+  for (int64_t k = 0; k < events.size(1); ++k) {
+    const auto now = torch::sign(events.select(1, k).detach());
+    signs.push_back(k == 0 ? now : torch::where(now == 0, signs.back(), now));
+  }
+  return torch::stack(signs, 1);
+}
+
+/// Computes the views of a lens-array image by bilinear interpolation between the centres of the lenses.
+torch::Tensor lens_views(const torch::Tensor& image) {
+  namespace functional = torch::nn::functional;
+  const std::vector<int64_t> size = {image.size(2), image.size(3)};
+  return functional::interpolate(
+      torch::pixel_unshuffle(image, capture::kLensPixels),
+      functional::InterpolateFuncOptions().size(size).mode(torch::kBilinear).align_corners(false));
+}
+
 }  // namespace
 
 SampleConstants repeat_constants(const capture::SensorConstants& constants, int64_t batch, torch::Device device) {
@@ -131,18 +150,17 @@ CodedLight coded_light(const torch::Tensor& light_field, const torch::Tensor& co
   return light;
 }
 
-SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device) {
-  const auto w = torch::randn(shape, torch::device(device));
-  return {w, torch::randn(shape, torch::device(device))};
-}
-
 SensorNoise draw_noise(capture::MeasurementKind measurement, int64_t batch, int64_t num_patterns, int64_t height,
                        int64_t width, torch::Device device) {
+  const auto draw = [&](int64_t planes) { return torch::randn({batch, planes, height, width}, torch::device(device)); };
   SensorNoise noise;
   // Events are drawn first, so that measurements without images have the same noise as before images were added.
-  if (capture::has_events(measurement)) noise = draw_noise({batch, num_patterns - 1, height, width}, device);
+  if (capture::has_events(measurement)) {
+    noise.w = draw(num_patterns - 1);
+    noise.z = draw(num_patterns - 1);
+  }
   const auto images = static_cast<int64_t>(capture::num_images(measurement, static_cast<size_t>(num_patterns)));
-  if (images > 0) noise.image = torch::randn({batch, images, height, width}, torch::device(device));
+  if (images > 0) noise.image = draw(images);
   return noise;
 }
 
@@ -192,29 +210,6 @@ capture::Codes to_codes(const torch::Tensor& codes, size_t views_y, size_t views
   std::copy_n(values.data_ptr<float>(), result.values.size(), result.values.begin());
   return result;
 }
-
-namespace {
-
-/// Returns the sign of the last non-zero count up to each transition, or 0 before the first.
-torch::Tensor last_change(const torch::Tensor& events) {
-  std::vector<torch::Tensor> signs;
-  for (int64_t k = 0; k < events.size(1); ++k) {
-    const auto now = torch::sign(events.select(1, k).detach());
-    signs.push_back(k == 0 ? now : torch::where(now == 0, signs.back(), now));
-  }
-  return torch::stack(signs, 1);
-}
-
-/// Computes the views of a lens-array image by bilinear interpolation between the centres of the lenses.
-torch::Tensor lens_views(const torch::Tensor& image) {
-  namespace functional = torch::nn::functional;
-  const std::vector<int64_t> size = {image.size(2), image.size(3)};
-  return functional::interpolate(
-      torch::pixel_unshuffle(image, capture::kLensPixels),
-      functional::InterpolateFuncOptions().size(size).mode(torch::kBilinear).align_corners(false));
-}
-
-}  // namespace
 
 torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::InputGroup>& groups,
                           const SampleConstants& constants, const torch::Tensor& images) {

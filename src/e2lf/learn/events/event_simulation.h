@@ -7,12 +7,24 @@
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/learn/events/pixel_model.h"
 #include "e2lf/learn/network/network_module.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::learn {
 using capture::EventModel;
+
+/// Constants of the physical pixels of each sample, on the device of the light fields unless stated otherwise.
+struct PixelSamples {
+  torch::Tensor is_pixel;      ///< bool [batch] on the CPU; false for samples of the paper's models
+  torch::Tensor constants;     ///< float32 [batch, capture::kNumPixelConstants]
+  torch::Tensor transmission;  ///< float32 [batch, number of codes]; that of black is 1
+  int64_t cycles = 1;          ///< number of cycles over which the counts are averaged
+
+  /// Returns one constant, float32 [batch, 1, 1].
+  [[nodiscard]] torch::Tensor at(capture::PixelConstant constant) const {
+    return constants.select(1, static_cast<int64_t>(constant)).reshape({-1, 1, 1});
+  }
+};
 
 /// Sensor constants of each sample: float32 [batch, 1, 1] each, on the device of the light fields.
 struct SampleConstants {
@@ -90,8 +102,8 @@ struct CodedLight {
 
 /// The random quantities of the sensor.
 struct SensorNoise {
-  torch::Tensor w;  ///< noise of the log intensity: standard normal, float32 [batch, N - 1, y, x]
-  torch::Tensor z;  ///< noise of the threshold: standard normal, of the same shape
+  torch::Tensor w = {};  ///< noise of the log intensity: standard normal, float32 [batch, N - 1, y, x]
+  torch::Tensor z = {};  ///< noise of the threshold: standard normal, of the same shape
   /// The distance of each pixel's initial reference above the first log intensity, in thresholds, float32 [batch, y,
   /// x]; none if undefined. After the change to black, the last event of a pixel leaves its reference anywhere between
   /// 0 and 1.
@@ -99,10 +111,8 @@ struct SensorNoise {
   torch::Tensor image = {};  ///< noise of intensity images: standard normal; undefined if there are none
 };
 
-/// Draws w and z from torch's generator.
-[[nodiscard]] SensorNoise draw_noise(at::IntArrayRef shape, torch::Device device);
-
-/// Draws the random quantities of a measurement of light fields [batch, 64, height, width] with N patterns.
+/// Draws the random quantities of a measurement of light fields [batch, 64, height, width] with N patterns from torch's
+/// generator, except the residue.
 [[nodiscard]] SensorNoise draw_noise(capture::MeasurementKind measurement, int64_t batch, int64_t num_patterns,
                                      int64_t height, int64_t width, torch::Device device);
 
@@ -117,6 +127,23 @@ struct SensorNoise {
 /// has the gradient of the identity.
 [[nodiscard]] torch::Tensor simulate_events(const torch::Tensor& intensities, const SampleConstants& constants,
                                             const SensorNoise& noise, EventModel event_model);
+
+/// Computes the event images [batch, P - 1, y, x], averaged over the cycles, of pixels that follow the light with a
+/// lag. The camera's cycle has a closed-form solution: the inverse of the last code, black, codes 2 to N, and for a
+/// whole cycle their inverses and black again. `intensities` [batch, P, y, x] are the coded intensities of the N codes
+/// (P = N) or of capture::whole_cycle() of them (P = 2N + 1); the first is black. `full` is the intensity with all
+/// cells open, [batch, y, x], or [batch, P, y, x] if it changes from pattern to pattern. An inverse transmits the light
+/// of the open aperture that its code blocks. The change to black causes the OFF events that bring the reference down
+/// to the level.
+///
+/// The log intensity u of the photoreceptor obeys du/dt = K (J - exp u) with J = (I + eps) / eps. This is linear in w =
+/// exp(-u), so that w relaxes to 1 / J at the rate K J. The level of the amplifier relaxes to u at its own rate. At the
+/// end of a pattern, the level with its noise is compared with the reference: count = trunc((level - reference) /
+/// threshold), and the reference moves by threshold * count. After black, the reference lies up to reset_span OFF
+/// thresholds above the level. The function draws from torch's generator: thresholds once per pixel, everything else
+/// once per cycle. Rounding has the gradient of the identity.
+[[nodiscard]] torch::Tensor simulate_pixel_events(const torch::Tensor& intensities, const torch::Tensor& full,
+                                                  const PixelSamples& samples);
 
 [[nodiscard]] torch::Tensor to_tensor(const capture::Codes& codes, torch::Device device);  ///< [N, views]
 [[nodiscard]] capture::Codes to_codes(const torch::Tensor& codes, size_t views_y, size_t views_x);

@@ -20,7 +20,8 @@ SampleConstants noise_free(int64_t batch, torch::ScalarType type = torch::kFloat
 }
 
 SensorNoise draw_noise_like(const torch::Tensor& intensities) {
-  return draw_noise(intensities.slice(1, 1).sizes(), torch::kCPU);
+  return draw_noise(capture::MeasurementKind::kEventImages, intensities.size(0), intensities.size(1),
+                    intensities.size(2), intensities.size(3), torch::kCPU);
 }
 
 /// Largest difference between the gradient of `loss` at x and central differences.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/events/pixel_model.h"
-
+// Implements simulate_pixel_events() of event_simulation.h.
 #include <vector>
+
+#include "e2lf/learn/events/event_simulation.h"
 
 namespace e2lf::learn {
 namespace {

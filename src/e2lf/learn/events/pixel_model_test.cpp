@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/events/pixel_model.h"
+#include "e2lf/sensor/pixel_model.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
 
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/learn/events/event_simulation.h"
-#include "e2lf/sensor/pixel_model.h"
 #include "testing/pixel_levels.h"
 
 namespace e2lf::learn {

@@ -9,7 +9,6 @@
 #include <hwy/highway.h>
 
 #include "e2lf/kernels/winograd-inl.h"
-#include "e2lf/learn/kernels/matrix_product-inl.h"
 
 #ifndef E2LF_LEARN_WINOGRAD_CONV_ONCE
 #define E2LF_LEARN_WINOGRAD_CONV_ONCE
@@ -65,7 +64,70 @@ namespace e2lf::learn {
 namespace HWY_NAMESPACE {
 namespace {
 
-using kn::kTaps;
+namespace hn = hwy::HWY_NAMESPACE;
+namespace kn = kernels::HWY_NAMESPACE;
+
+using kn::FloatTag, kn::FloatVec, kn::kGemmRows, kn::kGemmVectors, kn::kLanes, kn::kTaps;
+
+// Products of small matrices.
+
+/// A matrix that is read element by element: (row, column) is at data[row * row_step + column * column_step].
+struct Factor {
+  const float* data;
+  size_t row_step, column_step;
+};
+
+/// Computes the product of kRows rows of `a` and kVectors vectors of columns of `b`, and stores it in `product` or adds
+/// it (kAdd). The rows of `b`, which is aligned, and of `product` have `columns` elements.
+template <bool kAdd, size_t kRows, size_t kVectors>
+HWY_INLINE void multiply_block(const Factor& a, size_t depth, const float* HWY_RESTRICT b, size_t columns,
+                               float* HWY_RESTRICT product) {
+  const FloatTag d;
+  FloatVec sums[kRows][kVectors];
+  E2LF_UNROLL
+  for (size_t i = 0; i < kRows; ++i) {
+    E2LF_UNROLL
+    for (size_t j = 0; j < kVectors; ++j)
+      sums[i][j] = kAdd ? hn::LoadU(d, product + i * columns + j * kLanes) : hn::Zero(d);
+  }
+  kn::multiply_accumulate<kn::FloatProducts>(a.data, a.row_step, b, columns, depth, sums, a.column_step);
+  E2LF_UNROLL
+  for (size_t i = 0; i < kRows; ++i) {
+    E2LF_UNROLL
+    for (size_t j = 0; j < kVectors; ++j) hn::StoreU(sums[i][j], d, product + i * columns + j * kLanes);
+  }
+}
+
+/// Computes the product of all rows for kVectors vectors of columns.
+template <bool kAdd, size_t kVectors>
+HWY_INLINE void multiply_rows(Factor a, size_t rows, size_t depth, const float* b, size_t columns, float* product) {
+  static_assert(kGemmRows == 6);
+  for (; rows >= kGemmRows; rows -= kGemmRows) {
+    multiply_block<kAdd, kGemmRows, kVectors>(a, depth, b, columns, product);
+    a.data += kGemmRows * a.row_step;
+    product += kGemmRows * columns;
+  }
+  if (rows == 1) multiply_block<kAdd, 1, kVectors>(a, depth, b, columns, product);
+  if (rows == 2) multiply_block<kAdd, 2, kVectors>(a, depth, b, columns, product);
+  if (rows == 3) multiply_block<kAdd, 3, kVectors>(a, depth, b, columns, product);
+  if (rows == 4) multiply_block<kAdd, 4, kVectors>(a, depth, b, columns, product);
+  if (rows == 5) multiply_block<kAdd, 5, kVectors>(a, depth, b, columns, product);
+}
+
+/// Computes product = a b, or product += a b (kAdd), where `a` is [rows, depth], `b` is [depth, columns], and `columns`
+/// is a multiple of 16.
+template <bool kAdd>
+void multiply(const Factor& a, size_t rows, size_t depth, const float* b, size_t columns, float* product) {
+  size_t column = 0;
+  for (; column + kGemmVectors * kLanes <= columns; column += kGemmVectors * kLanes) {
+    multiply_rows<kAdd, kGemmVectors>(a, rows, depth, b + column, columns, product + column);
+  }
+  for (; column < columns; column += kLanes) {
+    multiply_rows<kAdd, 1>(a, rows, depth, b + column, columns, product + column);
+  }
+}
+
+// Transforms of tiles.
 
 /// Access to kLanes channels of a pixel.
 struct WholeVector {

@@ -25,46 +25,6 @@ torch::Tensor initial_weight(const Layer& layer, const model::WeightShape& tenso
   return layer.residual.empty() ? weight : weight.zero_();
 }
 
-}  // namespace
-
-NetworkModule::NetworkModule(model::Network network, torch::Device device) : network_(std::move(network)) {
-  for (const model::WeightShape& tensor : model::weight_shapes(network_)) {
-    const Layer& layer = network_.layers[tensor.layer];
-    torch::Tensor weight = initial_weight(layer, tensor);
-    // Stored as our kernels read it and return its gradient: [kernel, kernel, in, out].
-    if (device.is_cpu() && layer.op == Op::kConv && layer.kernel == 3 && weight.dim() == 4)
-      weight = weight.permute({2, 3, 1, 0}).contiguous().permute({3, 2, 0, 1});
-    parameters_[tensor.name] = weight.to(device).set_requires_grad(true);
-  }
-}
-
-torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarType compute, const NamedTensors& weights,
-                                     NamedTensors* input_means) const {
-  std::map<std::string, torch::Tensor> values = {
-      {"input", input.to(compute).contiguous(at::MemoryFormat::ChannelsLast)}};
-  torch::Tensor x;
-  for (const Layer& layer : network_.layers) {
-    const auto weight = [&](const std::string& part) { return weights.at(layer.name + part).to(compute); };
-    if (layer.op == Op::kConv || layer.op == Op::kConvTransposed) {
-      const torch::Tensor& from = values.at(layer.inputs.front());
-      if (input_means != nullptr && layer.op == Op::kConv) {
-        (*input_means)[layer.name] = from.detach().mean({0, 2, 3}).to(torch::kFloat);
-      }
-      const auto residual = layer.residual.empty() ? torch::Tensor() : values.at(layer.residual);
-      x = convolve(layer, from, weight(".weight"), weight(".bias"), residual);
-    } else {
-      TorchCall call{layer, {}, weight};
-      for (const std::string& name : layer.inputs) call.inputs.push_back(values.at(name));
-      x = find_operation(layer.op)(call);
-      if (layer.relu) x = torch::relu(x);
-    }
-    values[layer.name] = x;
-  }
-  return x.to(input.scalar_type());
-}
-
-namespace {
-
 /// Returns whether a layer reads the input, or its unshuffled pixels.
 bool reads_input(const model::Network& network, const Layer& layer) {
   const auto is_unshuffled_input = [&](const std::string& name) {
@@ -74,66 +34,6 @@ bool reads_input(const model::Network& network, const Layer& layer) {
   };
   return layer.op == Op::kConv && (layer.inputs.front() == "input" || is_unshuffled_input(layer.inputs.front()));
 }
-
-}  // namespace
-
-model::Weights widen_inputs(const model::Network& network, model::Weights weights, const model::Network& wider,
-                            const std::vector<InputOrigin>& origins) {
-  E2LF_REQUIRE(origins.size() == wider.input_channels, "each input channel needs an origin");
-  if (network.layers != wider.layers) return weights;
-  for (const Layer& layer : network.layers) {
-    // [out, in, kernel, kernel], where `in` runs over the input channels, or over the pixels unshuffled from each of
-    // them.
-    const auto found = weights.find(layer.name + ".weight");
-    const size_t outputs = layer.out_channels;
-    if (!reads_input(network, layer) || found == weights.end()) continue;
-    const size_t block = found->second.size() / outputs / network.input_channels;
-    std::vector<float> values(outputs * wider.input_channels * block);
-    for (size_t out = 0; out < outputs; ++out) {
-      for (size_t channel = 0; channel < wider.input_channels; ++channel) {
-        const InputOrigin& origin = origins[channel];
-        if (!origin.channel) continue;
-        const float* from = &found->second[(out * network.input_channels + *origin.channel) * block];
-        float* to = &values[(out * wider.input_channels + channel) * block];
-        std::transform(from, from + block, to, [&](float weight) { return weight * origin.factor; });
-      }
-    }
-    found->second = std::move(values);
-  }
-  return weights;
-}
-
-Result<void> load_weights(const NamedTensors& parameters, const model::Weights& weights, const std::string& location) {
-  torch::NoGradGuard no_grad;
-  for (const auto& [name, tensor] : parameters) {
-    const auto found = weights.find(name);
-    if (found == weights.end()) {
-      return fail(ErrorCode::kNotFound, location, "no weights for \"", name, "\"; the file is for another network");
-    }
-    if (static_cast<int64_t>(found->second.size()) != tensor.numel()) {
-      return fail(ErrorCode::kShape, location, "\"", name, "\" has ", found->second.size(), " values instead of ",
-                  tensor.numel(), "; the file is for another network");
-    }
-    auto target = tensor;
-    target.copy_(torch::tensor(at::ArrayRef<float>(found->second)).reshape(tensor.sizes()));
-  }
-  return {};
-}
-
-model::Weights to_weights(const NamedTensors& parameters) {
-  model::Weights weights;
-  for (const auto& [name, tensor] : parameters) {
-    const auto values = tensor.detach().to(torch::kCPU, torch::kFloat).contiguous();
-    const float* data = values.data_ptr<float>();
-    weights[name].assign(data, data + values.numel());
-  }
-  return weights;
-}
-
-namespace {
-
-using model::Layer;
-using model::Op;
 
 bool on_cpu_in_float(const torch::Tensor& x) {
   return x.is_cpu() && x.scalar_type() == torch::kFloat;
@@ -209,6 +109,96 @@ Registry& registry() {
 }
 
 }  // namespace
+
+NetworkModule::NetworkModule(model::Network network, torch::Device device) : network_(std::move(network)) {
+  for (const model::WeightShape& tensor : model::weight_shapes(network_)) {
+    const Layer& layer = network_.layers[tensor.layer];
+    torch::Tensor weight = initial_weight(layer, tensor);
+    // Stored as our kernels read it and return its gradient: [kernel, kernel, in, out].
+    if (device.is_cpu() && layer.op == Op::kConv && layer.kernel == 3 && weight.dim() == 4)
+      weight = weight.permute({2, 3, 1, 0}).contiguous().permute({3, 2, 0, 1});
+    parameters_[tensor.name] = weight.to(device).set_requires_grad(true);
+  }
+}
+
+torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarType compute, const NamedTensors* weights,
+                                     NamedTensors* input_means) const {
+  if (weights == nullptr) weights = &parameters_;
+  std::map<std::string, torch::Tensor> values = {
+      {"input", input.to(compute).contiguous(at::MemoryFormat::ChannelsLast)}};
+  torch::Tensor x;
+  for (const Layer& layer : network_.layers) {
+    const auto weight = [&](const std::string& part) { return weights->at(layer.name + part).to(compute); };
+    if (layer.op == Op::kConv || layer.op == Op::kConvTransposed) {
+      const torch::Tensor& from = values.at(layer.inputs.front());
+      if (input_means != nullptr && layer.op == Op::kConv) {
+        (*input_means)[layer.name] = from.detach().mean({0, 2, 3}).to(torch::kFloat);
+      }
+      const auto residual = layer.residual.empty() ? torch::Tensor() : values.at(layer.residual);
+      x = convolve(layer, from, weight(".weight"), weight(".bias"), residual);
+    } else {
+      TorchCall call{layer, {}, weight};
+      for (const std::string& name : layer.inputs) call.inputs.push_back(values.at(name));
+      x = find_operation(layer.op)(call);
+      if (layer.relu) x = torch::relu(x);
+    }
+    values[layer.name] = x;
+  }
+  return x.to(input.scalar_type());
+}
+
+model::Weights widen_inputs(const model::Network& network, model::Weights weights, const model::Network& wider,
+                            const std::vector<InputOrigin>& origins) {
+  E2LF_REQUIRE(origins.size() == wider.input_channels, "each input channel needs an origin");
+  if (network.layers != wider.layers) return weights;
+  for (const Layer& layer : network.layers) {
+    // [out, in, kernel, kernel], where `in` runs over the input channels, or over the pixels unshuffled from each of
+    // them.
+    const auto found = weights.find(layer.name + ".weight");
+    const size_t outputs = layer.out_channels;
+    if (!reads_input(network, layer) || found == weights.end()) continue;
+    const size_t block = found->second.size() / outputs / network.input_channels;
+    std::vector<float> values(outputs * wider.input_channels * block);
+    for (size_t out = 0; out < outputs; ++out) {
+      for (size_t channel = 0; channel < wider.input_channels; ++channel) {
+        const InputOrigin& origin = origins[channel];
+        if (!origin.channel) continue;
+        const float* from = &found->second[(out * network.input_channels + *origin.channel) * block];
+        float* to = &values[(out * wider.input_channels + channel) * block];
+        std::transform(from, from + block, to, [&](float weight) { return weight * origin.factor; });
+      }
+    }
+    found->second = std::move(values);
+  }
+  return weights;
+}
+
+Result<void> load_weights(const NamedTensors& parameters, const model::Weights& weights, const std::string& location) {
+  torch::NoGradGuard no_grad;
+  for (const auto& [name, tensor] : parameters) {
+    const auto found = weights.find(name);
+    if (found == weights.end()) {
+      return fail(ErrorCode::kNotFound, location, "no weights for \"", name, "\"; the file is for another network");
+    }
+    if (static_cast<int64_t>(found->second.size()) != tensor.numel()) {
+      return fail(ErrorCode::kShape, location, "\"", name, "\" has ", found->second.size(), " values instead of ",
+                  tensor.numel(), "; the file is for another network");
+    }
+    auto target = tensor;
+    target.copy_(torch::tensor(at::ArrayRef<float>(found->second)).reshape(tensor.sizes()));
+  }
+  return {};
+}
+
+model::Weights to_weights(const NamedTensors& parameters) {
+  model::Weights weights;
+  for (const auto& [name, tensor] : parameters) {
+    const auto values = tensor.detach().to(torch::kCPU, torch::kFloat).contiguous();
+    const float* data = values.data_ptr<float>();
+    weights[name].assign(data, data + values.numel());
+  }
+  return weights;
+}
 
 torch::Tensor convolve(const Layer& layer, const torch::Tensor& input, const torch::Tensor& weight,
                        const torch::Tensor& bias, const torch::Tensor& residual) {

@@ -30,16 +30,11 @@ class NetworkModule {
   /// Applies the network to `input`, float32 [batch, input_channels, y, x], where y and x are multiples of
   /// model::size_multiple(). Returns float32 [batch, output_channels, y, x]. Convolutions are computed in the type
   /// `compute` (kFloat or kBFloat16) and channels-last. The master weights are float32 and converted on the fly, so
-  /// that the gradients are float32.
-  [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute) const {
-    return forward(input, compute, parameters_);
-  }
-
-  /// Applies the network with other weights of the same names and shapes, e.g. their moving average. If `input_means`
-  /// is not null, it receives the mean [in] over pixels and batch of the input of each convolution that is not
-  /// transposed, by layer name.
+  /// that the gradients are float32. `weights` are others of the same names and shapes, e.g. their moving average;
+  /// null = parameters(). If `input_means` is not null, it receives the mean [in] over pixels and batch of the input of
+  /// each convolution that is not transposed, by layer name.
   [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute,
-                                      const NamedTensors& weights, NamedTensors* input_means = nullptr) const;
+                                      const NamedTensors* weights = nullptr, NamedTensors* input_means = nullptr) const;
 
   /// Returns the parameters "<layer>.weight" and "<layer>.bias": leaves that require gradients.
   [[nodiscard]] const NamedTensors& parameters() const { return parameters_; }

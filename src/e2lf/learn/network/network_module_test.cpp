@@ -96,7 +96,7 @@ TEST(NetworkModule, GradientMatchesDifferencesAlongARandomDirection) {
                         .set_requires_grad(true);
     direction[name] = torch::randn(tensor.sizes(), torch::kDouble);
   }
-  const auto loss = [&](const NamedTensors& at) { return module.forward(input, torch::kDouble, at).square().mean(); };
+  const auto loss = [&](const NamedTensors& at) { return module.forward(input, torch::kDouble, &at).square().mean(); };
   loss(weights).backward();
   double expected = 0;
   NamedTensors above, below;

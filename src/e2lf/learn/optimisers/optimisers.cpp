@@ -10,15 +10,31 @@ namespace {
 constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
 constexpr double kEpsilon = 1e-8;  // of Muon, too: weights with hardly any gradient hardly move
 
+constexpr double kMomentum = 0.95;
+constexpr double kSize = 0.2;  // root mean square of Adam's typical steps, in learning rates
+constexpr int kIterations = 5;
+constexpr double kLinear = 3.4445, kCubic = -4.7750, kQuintic = 2.0315;
+
+/// Returns the weights as a matrix, in the order in which our kernels store those of 3x3 convolutions, which are
+/// therefore not copied.
+torch::Tensor as_matrix(const torch::Tensor& weights) {
+  return weights.permute({2, 3, 1, 0}).reshape({-1, weights.size(0)});
+}
+
+torch::Tensor as_weights(const torch::Tensor& matrix, const torch::Tensor& like) {
+  return matrix.reshape({like.size(2), like.size(3), like.size(1), like.size(0)}).permute({3, 2, 0, 1});
+}
+
+NamedTensors zeros_like(const NamedTensors& tensors) {
+  torch::NoGradGuard no_grad;
+  NamedTensors zeros;
+  for (const auto& [name, tensor] : tensors) zeros[name] = torch::zeros_like(tensor);
+  return zeros;
+}
+
 }  // namespace
 
-Adam::Adam(const NamedTensors& parameters) {
-  torch::NoGradGuard no_grad;
-  for (const auto& [name, tensor] : parameters) {
-    first_[name] = torch::zeros_like(tensor);
-    second_[name] = torch::zeros_like(tensor);
-  }
-}
+Adam::Adam(const NamedTensors& parameters) : first_(zeros_like(parameters)), second_(zeros_like(parameters)) {}
 
 void Adam::update(const NamedTensors& parameters, double learning_rate, uint64_t step) {
   torch::NoGradGuard no_grad;
@@ -73,29 +89,7 @@ NamedTensors clone(const NamedTensors& tensors) {
   return copies;
 }
 
-namespace {
-
-constexpr double kMomentum = 0.95;
-constexpr double kSize = 0.2;  // root mean square of Adam's typical steps, in learning rates
-constexpr int kIterations = 5;
-constexpr double kLinear = 3.4445, kCubic = -4.7750, kQuintic = 2.0315;
-
-/// Returns the weights as a matrix, in the order in which our kernels store those of 3x3 convolutions, which are
-/// therefore not copied.
-torch::Tensor as_matrix(const torch::Tensor& weights) {
-  return weights.permute({2, 3, 1, 0}).reshape({-1, weights.size(0)});
-}
-
-torch::Tensor as_weights(const torch::Tensor& matrix, const torch::Tensor& like) {
-  return matrix.reshape({like.size(2), like.size(3), like.size(1), like.size(0)}).permute({3, 2, 0, 1});
-}
-
-}  // namespace
-
-Muon::Muon(const NamedTensors& weights) {
-  torch::NoGradGuard no_grad;
-  for (const auto& [name, tensor] : weights) momenta_[name] = torch::zeros_like(tensor);
-}
+Muon::Muon(const NamedTensors& weights) : momenta_(zeros_like(weights)) {}
 
 void Muon::update(const NamedTensors& weights, double learning_rate) {
   torch::NoGradGuard no_grad;

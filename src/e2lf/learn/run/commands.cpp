@@ -99,23 +99,6 @@ Result<std::filesystem::path> run_and_export(const std::filesystem::path& config
   return model;
 }
 
-}  // namespace
-
-Result<std::filesystem::path> train(const std::filesystem::path& config_path, const std::filesystem::path& run,
-                                    const std::vector<std::string>& overrides, const ProgressFn& progress,
-                                    const std::function<bool()>& keep_going) {
-  return guarded(config_path,
-                 [&] { return run_and_export(config_path, run, /*is_new=*/true, overrides, progress, keep_going); });
-}
-
-Result<std::filesystem::path> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
-                                     const ProgressFn& progress, const std::function<bool()>& keep_going) {
-  return guarded(
-      run, [&] { return run_and_export(run / "config.json", run, /*is_new=*/false, overrides, progress, keep_going); });
-}
-
-namespace {
-
 /// Checks that an export does not replace a file that its run needs to continue.
 Result<void> check_export(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
   E2LF_RETURN_IF_ERROR(check_output(model, overwrite));
@@ -130,6 +113,19 @@ Result<void> check_export(const std::filesystem::path& run, const std::filesyste
 }
 
 }  // namespace
+
+Result<std::filesystem::path> train(const std::filesystem::path& config_path, const std::filesystem::path& run,
+                                    const std::vector<std::string>& overrides, const ProgressFn& progress,
+                                    const std::function<bool()>& keep_going) {
+  return guarded(config_path,
+                 [&] { return run_and_export(config_path, run, /*is_new=*/true, overrides, progress, keep_going); });
+}
+
+Result<std::filesystem::path> resume(const std::filesystem::path& run, const std::vector<std::string>& overrides,
+                                     const ProgressFn& progress, const std::function<bool()>& keep_going) {
+  return guarded(
+      run, [&] { return run_and_export(run / "config.json", run, /*is_new=*/false, overrides, progress, keep_going); });
+}
 
 Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
   return guarded(run, [&]() -> Result<void> {

@@ -5,7 +5,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
-#include "e2lf/model/network.h"
 
 namespace e2lf::learn {
 namespace {
@@ -149,17 +148,9 @@ Json to_json(const Config& config) {
 }
 
 model::Network make_network(const Config& config) {
-  const size_t num_patterns = config.patterns.num_patterns;
-  size_t channels = 0;
-  for (const model::InputGroup& group : config.input) {
-    channels += model::num_input_channels({group}, num_patterns);
-  }
-  if (config.network.type == "recnet") return model::recnet(channels);
-  return model::unet({.input_channels = channels,
-                      .widths = {config.network.widths.begin(), config.network.widths.end()},
-                      .blocks = {config.network.blocks.begin(), config.network.blocks.end()},
-                      .head_width = config.network.head_width,
-                      .head_blocks = config.network.head_blocks});
+  model::UnetOptions options = config.network;
+  options.input_channels = model::num_input_channels(config.input, config.patterns.num_patterns);
+  return config.network.type == "recnet" ? model::recnet(options.input_channels) : model::unet(options);
 }
 
 }  // namespace e2lf::learn

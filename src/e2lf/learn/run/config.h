@@ -64,11 +64,9 @@ struct SensorConfig {
   std::array<double, 2> gain = {0.15, 1.0};  ///< log-uniform range of the gain of the others
 };
 
-struct NetworkConfig {
+/// The numbers of channels at both ends follow from the inputs and the views.
+struct NetworkConfig : model::UnetOptions {
   std::string type = "unet";  ///< "unet" or "recnet"
-  std::vector<uint64_t> widths = {80, 96, 128};
-  std::vector<uint64_t> blocks = {2, 2, 2};
-  uint64_t head_width = 32, head_blocks = 0;
 };
 
 struct TrainConfig {

@@ -21,7 +21,7 @@ Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_
         all_pixel ? of_pixels : torch::where(is_pixel.to(events.device()).reshape({-1, 1, 1, 1}), of_pixels, events);
   }
   const auto inputs = form_inputs(events, pipeline.input, constants, images);
-  return {events, pipeline.network->forward(inputs, pipeline.compute, *pipeline.weights, pipeline.input_means)};
+  return {events, pipeline.network->forward(inputs, pipeline.compute, pipeline.weights, pipeline.input_means)};
 }
 
 SceneScore evaluate_scene(const Pipeline& pipeline, const Scene& scene, const SampleConstants& constants,

@@ -6,6 +6,7 @@
 #include "e2lf/learn/data/dataset.h"
 #include "e2lf/learn/events/event_simulation.h"
 #include "e2lf/learn/network/network_module.h"
+#include "e2lf/learn/run/run_log.h"
 
 namespace e2lf::learn {
 
@@ -32,12 +33,6 @@ struct Reconstruction {
 [[nodiscard]] Reconstruction reconstruct(const Pipeline& pipeline, const torch::Tensor& light_field,
                                          const SampleConstants& constants, const SensorNoise& noise,
                                          const MovingSamples& moving = {});
-
-struct SceneScore {
-  std::string name;
-  double psnr_db = 0;  ///< mean over the views of the output, clamped to [0, 1]
-  double events_per_pixel = 0;
-};
 
 /// Simulates and reconstructs a whole scene with one sample of constants. Its right and lower edges are cropped to a
 /// multiple of 16 px. The noise depends only on `seed`, with which torch's generator is reseeded.

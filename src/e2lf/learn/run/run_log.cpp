@@ -167,15 +167,15 @@ Result<void> RunLog::add(const StepRow& row) const {
                          row.gradient_norm, ',', row.samples_per_s, ',', row.open_cells, ',', row.binarity));
 }
 
-Result<void> RunLog::add(const ScoreRow& row) const {
+Result<void> RunLog::add(uint64_t step, uint64_t samples, const SceneScore& score) const {
   return append_line(
       folder_ / kScores, "step,samples,scene,psnr_db,events_per_pixel",
-      cat(row.step, ',', row.samples, ',', csv_cell(row.scene), ',', row.psnr_db, ',', row.events_per_pixel));
+      cat(step, ',', samples, ',', csv_cell(score.name), ',', score.psnr_db, ',', score.events_per_pixel));
 }
 
-Result<void> RunLog::add(const PatternRow& row) const {
-  std::string line = cat(row.step, ',', row.samples);
-  for (const float cell : row.cells) line += cat(',', static_cast<double>(static_cast<int>(cell * 1000)) / 1000);
+Result<void> RunLog::add(uint64_t step, uint64_t samples, std::span<const float> cells) const {
+  std::string line = cat(step, ',', samples);
+  for (const float cell : cells) line += cat(',', static_cast<double>(static_cast<int>(cell * 1000)) / 1000);
   return append_line(folder_ / kPatterns, "step,samples,cells of pattern 0 row by row then pattern 1 ...", line);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,20 +17,14 @@ struct StepRow {
   uint64_t step = 0, samples = 0;
   double loss = 0, mse = 0, learning_rate = 0, gradient_norm = 0, samples_per_s = 0;
   double open_cells = 0;  ///< sum over the cells of all patterns
-  double binarity = 0;    ///< mean of |2 a - 1| over the cells
+  double binarity = 0;    ///< mean of |2 a - 1| over the cells: 0 if all are 1/2, 1 if all are 0 or 1
 };
 
-/// One row of evaluation.csv.
-struct ScoreRow {
-  uint64_t step = 0, samples = 0;
-  std::string scene;
-  double psnr_db = 0, events_per_pixel = 0;
-};
-
-/// One row of patterns.csv.
-struct PatternRow {
-  uint64_t step = 0, samples = 0;
-  std::vector<float> cells;  ///< [N, 64], in [0, 1]
+/// The result of one scene.
+struct SceneScore {
+  std::string name;
+  double psnr_db = 0;  ///< mean over the views of the output, clamped to [0, 1]
+  double events_per_pixel = 0;
 };
 
 /// The tables of a training run, one .csv file each in its folder, and the page of curves that is drawn from them.
@@ -44,9 +39,10 @@ class RunLog {
   /// Returns the names of the files that the log writes.
   [[nodiscard]] static std::vector<std::string> file_names();
 
+  /// Adds a row to log.csv, to evaluation.csv, and to patterns.csv. `cells` are those of all patterns, in [0, 1].
   [[nodiscard]] Result<void> add(const StepRow& row) const;
-  [[nodiscard]] Result<void> add(const ScoreRow& row) const;
-  [[nodiscard]] Result<void> add(const PatternRow& row) const;
+  [[nodiscard]] Result<void> add(uint64_t step, uint64_t samples, const SceneScore& score) const;
+  [[nodiscard]] Result<void> add(uint64_t step, uint64_t samples, std::span<const float> cells) const;
 
   /// Draws the content of the tables and the configuration as curves.html, which is self-contained.
   [[nodiscard]] Result<void> draw_curves(const std::string& title, const Json& config) const;

@@ -23,8 +23,7 @@ TEST(RunLog, RewindDropsWhatCameAfterACheckpoint) {
   ASSERT_TRUE(log.rewind(5));  // nothing there yet
   for (const uint64_t step : {5U, 10U, 15U}) {
     ASSERT_TRUE(log.add(StepRow{.step = step, .samples = 2 * step, .loss = 0.5}));
-    ASSERT_TRUE(
-        log.add(ScoreRow{.step = step, .samples = 2 * step, .scene = "a", .psnr_db = 20, .events_per_pixel = 7}));
+    ASSERT_TRUE(log.add(step, 2 * step, SceneScore{.name = "a", .psnr_db = 20, .events_per_pixel = 7}));
   }
   ASSERT_TRUE(log.rewind(10));
   EXPECT_EQ(content(data.folder() / "evaluation.csv"),
@@ -40,9 +39,9 @@ TEST(RunLog, DrawsAPageThatStandsAlone) {
   for (const uint64_t step : {1U, 2U, 3U}) {
     ASSERT_TRUE(log.add(StepRow{.step = step, .samples = step, .mse = 0.1 / static_cast<double>(step)}));
     for (const char* scene : {"first", "second<"}) {
-      ASSERT_TRUE(log.add(ScoreRow{step, step, scene, 20.0 + static_cast<double>(step), 7}));
+      ASSERT_TRUE(log.add(step, step, SceneScore{scene, 20.0 + static_cast<double>(step), 7}));
     }
-    ASSERT_TRUE(log.add(PatternRow{step, step, std::vector<float>(4 * 64, 0.25F)}));
+    ASSERT_TRUE(log.add(step, step, std::vector<float>(4 * 64, 0.25F)));
   }
   ASSERT_TRUE(log.draw_curves("a run", {{"train", {{"batch", 4}}}}));
   const auto page = content(data.folder() / "curves.html");
@@ -63,7 +62,7 @@ TEST(RunLog, DrawsAPageThatStandsAlone) {
 TEST(RunLog, NamesOfScenesMayContainCommas) {
   const TestData data;
   const RunLog log(data.folder());
-  ASSERT_TRUE(log.add(ScoreRow{50, 200, "a, \"b\"", 21.25, 7}));
+  ASSERT_TRUE(log.add(50, 200, SceneScore{"a, \"b\"", 21.25, 7}));
   ASSERT_TRUE(log.draw_curves("a run", Json::object()));
   const std::string page = content(data.folder() / "curves.html");
   EXPECT_NE(page.find("a, &quot;b&quot;"), std::string::npos);
@@ -76,7 +75,7 @@ TEST(RunLog, BeforeAnEvaluationThePageSaysWhenItComes) {
   const Json config = {{"train", {{"batch", 4}, {"steps", 700}, {"evaluate_steps", 50}}}};
   ASSERT_TRUE(log.draw_curves("a run", config));
   EXPECT_NE(content(data.folder() / "curves.html").find("after step 50, that is after 200 samples"), std::string::npos);
-  ASSERT_TRUE(log.add(ScoreRow{50, 200, "scene", 20.0, 7}));
+  ASSERT_TRUE(log.add(50, 200, SceneScore{"scene", 20.0, 7}));
   ASSERT_TRUE(log.draw_curves("a run", config));
   EXPECT_EQ(content(data.folder() / "curves.html").find("after step 50"), std::string::npos);
 }

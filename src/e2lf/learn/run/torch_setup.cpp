@@ -12,29 +12,18 @@
 #include "e2lf/base/text.h"
 
 namespace e2lf::learn {
-namespace {
-
-/// Torch may estimate a single core on a virtual machine that has more.
-void use_all_cores() {
-  if (std::getenv("OMP_NUM_THREADS") == nullptr) {
-    at::set_num_threads(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
-  }
-}
-
-/// The momenta of units that are always zero decay to denormal numbers, with which CPUs are many times slower: a run
-/// had lost half of its speed after two thousand steps. Threads inherit this setting from the thread that starts them.
-void take_denormals_as_zero() {
-  at::globalContext().setFlushDenormal(true);
-}
-
-}  // namespace
 
 Result<void> prepare_process() {
 #ifdef E2LF_LEARN_KERNELS
   E2LF_RETURN_IF_ERROR(apply_isa_cap());
 #endif
-  use_all_cores();
-  take_denormals_as_zero();
+  // Torch may estimate a single core on a virtual machine that has more.
+  if (std::getenv("OMP_NUM_THREADS") == nullptr) {
+    at::set_num_threads(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  }
+  // The momenta of units that are always zero decay to denormal numbers, with which CPUs are many times slower: a run
+  // had lost half of its speed after two thousand steps. Threads inherit this setting from the thread that starts them.
+  at::globalContext().setFlushDenormal(true);
   return {};
 }
 
@@ -46,10 +35,11 @@ Result<c10::Device> open_device(const std::string& name) {
   }
   if (!is_cuda) return c10::Device("cpu");
   const size_t number = name == "cuda" ? 0 : std::stoul(name.substr(5));
-  const auto devices =
-      static_cast<size_t>(torch::cuda::device_count());  // in torch 2, of a type that prints as a letter
+  // In torch 2, the count is of a type that prints as a letter.
+  const auto devices = static_cast<size_t>(torch::cuda::device_count());
   if (number >= devices) {
-    return fail(ErrorCode::kUnsupported, "device", "torch sees ", devices, " CUDA devices; use another device, or cpu");
+    return fail(ErrorCode::kMissingDependency, "device", "torch finds ", devices, " CUDA devices on this machine, not ",
+                name, "; use cpu, or install a driver and a torch with CUDA");
   }
   return c10::Device(c10::kCUDA, static_cast<c10::DeviceIndex>(number));
 }

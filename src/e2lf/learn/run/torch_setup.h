@@ -26,8 +26,8 @@ auto guarded(const std::filesystem::path& location, Work&& work) -> decltype(wor
   }
 }
 
-/// Opens the device that a configuration names: "cpu", "cuda" or "cuda:1". Fails with kInvalidValue (another name) and
-/// kUnsupported (this build of torch, or this machine, has no CUDA device with that number).
+/// Opens the device with this name: "cpu", "cuda" or "cuda:1". Fails with kInvalidValue (another name) and
+/// kMissingDependency (this build of torch, or this machine, has no CUDA device with that number).
 [[nodiscard]] Result<c10::Device> open_device(const std::string& name);
 
 }  // namespace e2lf::learn

@@ -21,11 +21,6 @@ namespace {
 
 constexpr uint64_t kInitialSeed = 0x1117, kEvaluationSeed = 20;
 
-/// Returns how close patterns are to binary ones: 0 if every cell is 1/2, 1 if every cell is 0 or 1.
-double binarity(const torch::Tensor& codes) {
-  return (2.0 * codes - 1.0).abs().mean().item<double>();
-}
-
 PatternTie tie_of(const PatternConfig& patterns) {
   if (patterns.complementary) return PatternTie::kComplementary;
   if (patterns.whole_cycle) return PatternTie::kWholeCycle;
@@ -139,8 +134,14 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   return trainer;
 }
 
-torch::ScalarType Trainer::compute_type() const {
-  return config_.precision == "bfloat16" ? torch::kBFloat16 : torch::kFloat;
+Pipeline Trainer::pipeline_with(const NamedTensors& weights, const torch::Tensor& codes) const {
+  return {.network = &network_,
+          .weights = &weights,
+          .codes = codes,
+          .event_model = config_.patterns.event_model,
+          .input = config_.input,
+          .compute = config_.precision == "bfloat16" ? torch::kBFloat16 : torch::kFloat,
+          .image_sigma = config_.sensor.nominal.sigma_i};
 }
 
 torch::Tensor Trainer::current_codes() const {
@@ -202,8 +203,8 @@ Result<void> Trainer::backward(const torch::Tensor& loss) {
 Result<StepReport> Trainer::train_step() {
   const Batch batch = batches_.at(step_, {peers_.rank(), peers_.size()});
   NamedTensors input_means;
-  const Pipeline pipeline{&network_,     &network_.parameters(), current_codes(), config_.patterns.event_model,
-                          config_.input, compute_type(),         &input_means,    config_.sensor.nominal.sigma_i};
+  Pipeline pipeline = pipeline_with(network_.parameters(), current_codes());
+  pipeline.input_means = &input_means;
   const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise, batch.moving);
   // The views are last in memory, so the gradients are, too.
   const auto difference = (result.light_field - batch.light_field).permute({0, 2, 3, 1}).flatten(1);
@@ -238,14 +239,7 @@ Result<StepReport> Trainer::train_step() {
 Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes,
                                                   const capture::SensorProfile& camera, size_t cycles) const {
   const auto codes = (current_codes().detach() > 0.5).to(torch::kFloat);
-  const Pipeline pipeline{&network_,
-                          &average_,
-                          fixed_codes_.defined() ? fixed_codes_ : codes,
-                          config_.patterns.event_model,
-                          config_.input,
-                          compute_type(),
-                          nullptr,
-                          config_.sensor.nominal.sigma_i};
+  const Pipeline pipeline = pipeline_with(average_, fixed_codes_.defined() ? fixed_codes_ : codes);
   std::vector<SceneScore> scores;
   for (const std::string& name : scenes) {
     E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));
@@ -273,7 +267,7 @@ StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const 
           .gradient_norm = report.gradient_norm,
           .samples_per_s = samples_per_s,
           .open_cells = codes.sum().item<double>(),
-          .binarity = binarity(codes)};
+          .binarity = (2.0 * codes - 1.0).abs().mean().item<double>()};
 }
 
 /// Every process evaluates, so that none waits longer for another than kPatience; the first one writes.
@@ -282,14 +276,12 @@ Result<void> Trainer::log_evaluation(const RunLog& log) const {
   for (const capture::SensorProfile& camera : cameras()) {
     E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(batches_.validation(), camera));
     if (!peers_.leads()) continue;
-    for (const SceneScore& score : scores) {
-      E2LF_RETURN_IF_ERROR(log.add(ScoreRow{step_, samples, score.name, score.psnr_db, score.events_per_pixel}));
-    }
+    for (const SceneScore& score : scores) E2LF_RETURN_IF_ERROR(log.add(step_, samples, score));
   }
   if (!peers_.leads()) return {};
   const auto codes = current_codes().detach().to(torch::kCPU, torch::kFloat).contiguous();
-  const float* cells = codes.data_ptr<float>();
-  E2LF_RETURN_IF_ERROR(log.add(PatternRow{step_, samples, {cells, cells + codes.numel()}}));
+  const std::span<const float> cells(codes.data_ptr<float>(), static_cast<size_t>(codes.numel()));
+  E2LF_RETURN_IF_ERROR(log.add(step_, samples, cells));
   return log.draw_curves(config_.name, to_json(config_));
 }
 

@@ -73,7 +73,7 @@ class Trainer {
     return !fixed_codes_.defined() && step_ < config_.patterns.learn_steps;
   }
   [[nodiscard]] torch::Tensor current_codes() const;
-  [[nodiscard]] torch::ScalarType compute_type() const;
+  [[nodiscard]] Pipeline pipeline_with(const NamedTensors& weights, const torch::Tensor& codes) const;
   [[nodiscard]] StepRow step_row(const StepReport& report, double samples_per_s) const;
   [[nodiscard]] Result<void> log_evaluation(const RunLog& log) const;
 

@@ -206,7 +206,7 @@ TEST(Trainer, RefusesDevicesThatAreNotThere) {
     EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << name;
   }
   config.device = "cuda:99";
-  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kMissingDependency);
 }
 
 TEST(Trainer, LowersTheLossOnOneScene) {
