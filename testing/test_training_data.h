@@ -43,7 +43,7 @@ class TestData {
     config.data.validation = {"first"};
     config.data.synthesiser.size = 32;
     config.data.pool = 4;
-    config.network = {.type = "unet", .widths = {8, 8}, .blocks = {1, 1}, .head_width = 4};
+    config.network = {{.widths = {8, 8}, .blocks = {1, 1}, .head_width = 4}, "unet"};
     config.patterns.begin_step = 2;
     config.patterns.learn_steps = 5;
     config.train.patch = 16;
