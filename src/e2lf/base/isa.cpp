@@ -55,15 +55,16 @@ bool amx_usable(int64_t targets) {
 }  // namespace
 
 Result<void> set_max_isa(const std::string& word) {
-  constexpr int64_t kAll = -1;
-  E2LF_ASSIGN_OR_RETURN(const int64_t targets, word.empty()
-                                                   ? Result<int64_t>(kAll)
-                                                   : choice_of(word, kIsas, "instruction set", "E2LF_MAX_ISA"));
+  const auto known = choice_of(word, kIsas);
+  if (!known && !word.empty()) {
+    return fail(ErrorCode::kInvalidValue, "E2LF_MAX_ISA", "unknown instruction set \"", word, "\"; use one of ",
+                join(words_of(kIsas)));
+  }
   // DisableTargets() is not used: in Highway 1.0, every call of SupportedTargets() dispatches to the disabled ones
   // again.
   hwy::SetSupportedTargetsForTest(0);
   g_amx_allowed = word.empty() || word == kAmx;
-  if (targets != kAll) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & targets);
+  if (known) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & *known);
   return {};
 }
 
