@@ -10,6 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
+#include "e2lf/recordings/codecs/codecs.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
 #include "e2lf/recordings/codecs/prophesee_raw/timed/timed_words.h"
 #include "e2lf/recordings/recording.h"
