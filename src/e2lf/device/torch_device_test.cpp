@@ -70,7 +70,8 @@ TEST_F(TorchDevice, ComputesEveryBundledNetworkAsTheEngineDoes) {
       largest = std::max(largest, std::abs(expected[i]));
       difference = std::max(difference, std::abs(actual[i] - expected[i]));
     }
-    EXPECT_LT(difference, 1e-5F * largest) << name;
+    // The rounding of torch depends on the CPU: the difference is below 1e-5 on Intel and 1.1e-5 on AMD with AVX-512.
+    EXPECT_LT(difference, 2e-5F * largest) << name;
     RecordProperty(name, std::to_string(difference / largest));
   }
 }
