@@ -7,7 +7,7 @@ if [ -x "$torch" ]; then missing="CUDA devices"; else missing=$torch; fi
 fails 1 "$missing" reconstruct cuda --device cuda:99
 absent cuda
 [ -x "$torch" ] || skip "e2lf was built without torch"
-fails 1 "not a device" reconstruct cuda --device cuda:x
+fails 1 "no device" reconstruct cuda --device cuda:x
 fails 1 "no device" reconstruct cuda --device tpu
 fails 1 "does not compute in int16" "$E2LF" reconstruct events.npz -m e2lf-n4 -o cuda --precision int16 --device torch-cpu
 reconstruct cpu
