@@ -78,6 +78,8 @@ class Engine {
   [[nodiscard]] std::vector<std::string> describe() const;
 
  private:
+  Engine() = default;
+
   Plan plan_;
   std::shared_ptr<const class DeviceNetwork> device_;  // replaces the plan if it is not null
   Precision precision_ = Precision::kFloat32;

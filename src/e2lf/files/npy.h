@@ -24,7 +24,8 @@ struct NpyField {
 
 /// A numpy array as it is stored: row-major little-endian bytes with their shape and type.
 struct NpyArray {
-  std::string type;              ///< numpy type code without byte order: "f4", "i2", "u1", "b1", ...; empty for records
+  std::string
+      type;  ///< numpy type code without byte order: "f4", "i2", "u1", "b1", ..., or "bf16" (Tensor); empty for records
   std::vector<NpyField> fields;  ///< the fields of records; empty for other types
   size_t item_size = 0;          ///< bytes per element or record
   std::vector<size_t> shape;

@@ -118,6 +118,10 @@ Result<void> check_cover(std::vector<Range> ranges, size_t data_size, const std:
 
 }  // namespace
 
+std::string type_name(const Tensor& tensor) {
+  return word_of<std::string_view>(tensor.type, kTypes);
+}
+
 Tensor make_bfloat16_tensor(std::vector<size_t> shape, std::span<const float> values) {
   Tensor tensor{"bf16", {}, sizeof(uint16_t), std::move(shape), {}};
   E2LF_REQUIRE(tensor.num_elements() == values.size(), "the shape does not fit the values");
@@ -185,7 +189,7 @@ std::vector<uint8_t> encode_safetensors(const Safetensors& file) {
     E2LF_REQUIRE(tensor->bytes.size() == tensor->num_elements() * tensor->item_size,
                  "the shape of " + name + " does not fit its bytes");
     const size_t end = offset + tensor->bytes.size();
-    header[name] = {{"dtype", word_of<std::string_view>(tensor->type, kTypes)},
+    header[name] = {{"dtype", type_name(*tensor)},
                     {"shape", tensor->shape},
                     {"data_offsets", {offset, end}}};
     offset = end;

@@ -19,6 +19,9 @@ using Tensor = NpyArray;
 /// Converts the values to "bf16", rounded to nearest with ties to even. The relative error is at most 2^-8.
 [[nodiscard]] Tensor make_bfloat16_tensor(std::vector<size_t> shape, std::span<const float> values);
 
+/// Returns the name of the type in .safetensors files, such as "F32" or "BF16".
+[[nodiscard]] std::string type_name(const Tensor& tensor);
+
 struct Safetensors {
   std::map<std::string, Tensor> tensors;
   std::map<std::string, std::string> metadata;  ///< "__metadata__"

@@ -77,7 +77,7 @@ struct ReadOptions {
 };
 
 /// Reads a light field of any kind. The samples are divided by options.white. It logs which views were selected if more
-/// are stored, and warns of values and extents that are implausible for a light field (see formats/readers.h). If the
+/// are stored, and warns of values and extents that are implausible for a light field. If the
 /// record in the folder states that the views are turned or flipped, they are reordered (see stored_orientation()),
 /// which is also logged. View images are decoded in parallel. Fails with kNotFound (the path or a view, which is
 /// named), kShape (fewer views than requested, views of different sizes, or an array of another shape), kInvalidValue

@@ -119,10 +119,10 @@ struct FieldReport {
 };
 
 struct SessionOptions {
-  std::optional<PictureSize> size = {};  ///< empty = selected by the pace
-  pipeline::Tone tone = {.gain = {}, .black = {}};
-  capture::Orientation views = {};                 ///< orientation in which the views are reconstructed
-  std::optional<recon::Reconstructor> depth = {};  ///< network of disparities, for the same event images
+  std::optional<PictureSize> size = {};             ///< empty = selected by the pace
+  pipeline::Tone tone = {.gain = {}, .black = {}};  ///< by default, determined from the first cycle that has events
+  capture::Orientation views = {};                  ///< orientation in which the views are reconstructed
+  std::optional<recon::Reconstructor> depth = {};   ///< network of disparities, for the same event images
   /// Judges the events of the twenty-first cycle, or of the last one of a shorter source, in a thread of its own; empty
   /// = not at all.
   std::function<diagnose::Findings(const capture::EventImages&)> check = {};

@@ -13,13 +13,15 @@ namespace {
 
 constexpr const char* kCodesTensor = "aperture.codes";
 
-/// Returns the values of a tensor, which must have this shape. `remedy` says what to do if it has another.
+/// Returns the values of a tensor, which must have this shape and, unless `any_type` is set, a type of float. `remedy`
+/// says what to do if it has another shape.
 Result<std::vector<float>> values_of(const Safetensors& tensors, const std::string& name,
-                                     const std::vector<size_t>& shape, const std::string& file, const char* remedy) {
+                                     const std::vector<size_t>& shape, const std::string& file, const char* remedy,
+                                     bool any_type = false) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(name, file));
   const std::string location = cat(file, ": ", name);
-  if (tensor->type != "f4" && tensor->type != "bf16") {
-    return fail(ErrorCode::kUnsupported, location, "the element type ", tensor->type,
+  if (!any_type && tensor->type != "f4" && tensor->type != "bf16") {
+    return fail(ErrorCode::kUnsupported, location, "the element type ", type_name(*tensor),
                 " is not supported; save it as F32 or BF16");
   }
   if (tensor->shape == shape) return tensor->to_float(location);
@@ -145,7 +147,7 @@ Result<Model> import_release(const std::filesystem::path& folder) {
   E2LF_ASSIGN_OR_RETURN(const Safetensors codes, read_safetensors(codes_path));
   model.codes.emplace(kPatterns, 8, 8);
   E2LF_ASSIGN_OR_RETURN(model.codes->values, values_of(codes, "mask_4x64", {kPatterns, kViews}, codes_path.string(),
-                                                       "give the released file"));
+                                                       "give the released file", /*any_type=*/true));
   model.provenance = {
       {"source", "released weights of the Coded-E2LF paper (Baseline+BF+RA, N = 4)"},
       {"licence", "MIT, see the release"},

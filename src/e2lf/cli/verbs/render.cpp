@@ -194,13 +194,15 @@ Result<film::Film> film_of(const AnimateArguments& arguments, const LightField& 
   film::Film film{.frames = arguments.frames, .frames_per_s = 20};
   if (arguments.path == "focus") {
     E2LF_ASSIGN_OR_RETURN(const depth::DisparityRange range, focus_range(arguments, light_field, record));
-    film.frame_at = [&, path = film::focus_sweep(range.least, range.most, film.frames)](size_t frame) {
+    film.frame_at = [&light_field, path = film::focus_sweep(range.least, range.most, film.frames)](size_t frame) {
       return lightfield::refocus(light_field, path[frame], lightfield::full_aperture(light_field.shape()));
     };
     return film;
   }
   const auto path = arguments.path == "orbit" ? film::orbit(shape, film.frames) : film::sweep(shape, film.frames);
-  film.frame_at = [&, path](size_t frame) { return film::picture_from(light_field, path[frame], arguments.still); };
+  film.frame_at = [&light_field, path, still = arguments.still](size_t frame) {
+    return film::picture_from(light_field, path[frame], still);
+  };
   return film;
 }
 

@@ -31,8 +31,8 @@ Result<PackedData> sort_packed_data(Safetensors file, const std::string& locatio
     const bool is_ours = (texture || name.starts_with(kLightField)) && tensor.type == "u1";
     const bool has_shape = texture ? tensor.shape.size() == 2 : is_light_field(tensor.shape);
     if (!is_ours || !has_shape || tensor.num_elements() == 0) {
-      return fail(is_ours ? ErrorCode::kShape : ErrorCode::kFormat, location, "\"", name, "\" is ", tensor.type, " ",
-                  shape_text(tensor.shape),
+      return fail(is_ours ? ErrorCode::kShape : ErrorCode::kFormat, location, "\"", name, "\" is ", type_name(tensor),
+                  " ", shape_text(tensor.shape),
                   "; pack the data with `e2lf pack` (textures U8 [y, x], light fields U8 [8, 8, y, x])");
     }
     if (texture) {

@@ -29,7 +29,7 @@ void from_winograd_matrices(const float* matrices, size_t rows, size_t columns, 
 /// Arguments of y = convolution of x + bias + residual, followed by ReLU if `relu`.
 struct ConvForward {
   const float* x;
-  const float* matrices;  ///< [in, out]
+  const float* matrices;  ///< [in, out], aligned to 64 bytes
   const float* bias;
   const float* residual;  ///< like y; null if there is none
   bool relu;
@@ -42,7 +42,7 @@ void conv_forward(const ConvShape& shape, const ConvForward& job, size_t first, 
 /// Arguments of the gradients of a convolution with bias and, if `y` is not null, ReLU.
 struct ConvBackward {
   const float* x;
-  const float* matrices;  ///< [out, in]
+  const float* matrices;  ///< [out, in], aligned to 64 bytes
   const float* y;         ///< the output of a convolution with ReLU, or null
   const float* dy;
   float* dx;         ///< the gradient is added; null if it is not needed

@@ -27,7 +27,7 @@ Result<void> prepare_process() {
 }
 
 Result<c10::Device> open_device(const std::string& name) {
-  const bool is_cuda = name == "cuda" || (name.starts_with("cuda:") && name.size() > 5 && name.size() < 8 &&
+  const bool is_cuda = name == "cuda" || (name.starts_with("cuda:") && name.size() > 5 && name.size() < 14 &&
                                           name.find_first_not_of("0123456789", 5) == std::string::npos);
   if (name != "cpu" && !is_cuda) {
     return fail(ErrorCode::kInvalidValue, "device", "there is no device \"", name, "\"; use cpu, cuda or cuda:1");

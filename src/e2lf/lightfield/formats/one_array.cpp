@@ -16,7 +16,6 @@
 #include "e2lf/lightfield/views.h"
 
 namespace e2lf::lightfield {
-namespace {}  // namespace
 
 const NpyArray* find_light_field(const NpzArrays& arrays) {
   for (const char* name : {"light_field", "lightfield", "LF"}) {

@@ -25,7 +25,8 @@ struct Codec {
   /// Returns whether a file that begins with `head` has this format; null = selected only by extension or name.
   bool (*detect)(std::span<const uint8_t> head) = nullptr;
 
-  /// Null if the format cannot be read or written, respectively.
+  /// Null if the format cannot be read or written, respectively. To create a recording, info.format is the name of the
+  /// codec, except for "raw", which comprises several.
   Result<ReaderPtr> (*open)(SourcePtr source, const OpenOptions& options) = nullptr;
   Result<WriterPtr> (*create)(SinkPtr sink, const RecordingInfo& info) = nullptr;
 

@@ -16,6 +16,7 @@
 #include "e2lf/recordings/event_blocks.h"
 
 namespace e2lf::recordings {
+namespace {
 
 /// Decodes the first `size` bytes with a new stream; returns false if it stops elsewhere.
 template <typename Stream>
@@ -329,8 +330,6 @@ class RawBlocks final : public EventBlocks {
   bool has_restarted_ = false;  ///< whether it did so before
   uint64_t loops_before_ = 0;   ///< loops of the clock before that
 };
-
-namespace {
 
 template <typename Codec>
 ReaderPtr make_reader(SourcePtr source, RawHeader header, const OpenOptions& options) {
