@@ -189,9 +189,7 @@ std::vector<uint8_t> encode_safetensors(const Safetensors& file) {
     E2LF_REQUIRE(tensor->bytes.size() == tensor->num_elements() * tensor->item_size,
                  "the shape of " + name + " does not fit its bytes");
     const size_t end = offset + tensor->bytes.size();
-    header[name] = {{"dtype", type_name(*tensor)},
-                    {"shape", tensor->shape},
-                    {"data_offsets", {offset, end}}};
+    header[name] = {{"dtype", type_name(*tensor)}, {"shape", tensor->shape}, {"data_offsets", {offset, end}}};
     offset = end;
   }
   std::string text = header.dump(-1, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace);
