@@ -57,9 +57,11 @@ TEST_F(TorchDevice, ComputesEveryBundledNetworkAsTheEngineDoes) {
     ASSERT_TRUE(engine) << name << ": " << engine.error().text();
     const size_t side = 8 * model::size_multiple(model.network);
     std::mt19937 random(3);
-    std::normal_distribution<float> normal(0, 0.5F);
+    // Most inputs, such as intensities and the properties of the sensor, are between 0 and about 1. White noise of both
+    // signs cancels in the output, which magnifies the rounding.
+    std::uniform_real_distribution<float> uniform(0, 1);
     std::vector<float> input(model.network.input_channels * side * side);
-    for (float& value : input) value = normal(random);
+    for (float& value : input) value = uniform(random);
     const auto expected =
         output_of(Engine::create(model.network, model.weights, {.precision = Precision::kFloat32}).value(),
                   model.network, input, side, side);
@@ -70,8 +72,7 @@ TEST_F(TorchDevice, ComputesEveryBundledNetworkAsTheEngineDoes) {
       largest = std::max(largest, std::abs(expected[i]));
       difference = std::max(difference, std::abs(actual[i] - expected[i]));
     }
-    // The rounding of torch depends on the CPU: the difference is below 1e-5 on Intel and 1.1e-5 on AMD with AVX-512.
-    EXPECT_LT(difference, 2e-5F * largest) << name;
+    EXPECT_LT(difference, 1e-5F * largest) << name;
     RecordProperty(name, std::to_string(difference / largest));
   }
 }
