@@ -67,8 +67,8 @@ struct FoundDisparity {
 /// benchmark. Returns nothing if there is none.
 [[nodiscard]] std::optional<std::filesystem::path> find_true_disparity(const std::filesystem::path& scene);
 
-/// Returns the disparities in `file`, or those of estimate_disparity() on the true views if there is no file. Fails
-/// with kShape (the map has another size than the views), and as read_disparity() and estimate_disparity() do.
+/// Reads the true disparities from `file`, or estimates them from the true views if no file is given. Fails with kShape
+/// (the map has another size than the views), and as read_disparity() and estimate_disparity() do.
 [[nodiscard]] Result<TrueDisparity> true_disparity(const lightfield::LightField& true_views,
                                                    const std::optional<std::filesystem::path>& file);
 
