@@ -202,7 +202,7 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
     if (name == entry.name) return entry.run({arguments.begin() + 1, arguments.end()});
   }
   std::cerr << program_name() << (prefix.empty() ? "" : ": " + prefix) << ": there is no verb \"" << name << "\"; "
-            << suggestion(name, names) << " See " << command << " --help\n";
+            << suggestion(name, names) << " (see `" << command << " --help`)\n";
   return 2;
 }
 
