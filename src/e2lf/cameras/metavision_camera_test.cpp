@@ -77,7 +77,7 @@ TEST_F(MetavisionCamera, ItsSettingsChangeWhileItRunsWithinTheRangesThatItStates
   simulate("period_us=0;end_at=80000");
   const auto running = std::make_shared<RunningCamera>();
   EXPECT_EQ(running->change("roi", "all").error().code, ErrorCode::kNotFound) << "none has started";
-  const auto source = open_live_bytes(kName, {.running = running});
+  auto source = open_live_bytes(kName, {.running = running});
   ASSERT_TRUE(source.ok()) << source.error().text();
   const auto control = [&](const std::string& name) {
     for (const CameraControl& found : running->controls()) {
@@ -103,6 +103,8 @@ TEST_F(MetavisionCamera, ItsSettingsChangeWhileItRunsWithinTheRangesThatItStates
   EXPECT_EQ(running->change("roi", "0,0,9999,4").error().code, ErrorCode::kInvalidValue) << "outside of the sensor";
   EXPECT_TRUE(running->change("roi", "all").ok());
   EXPECT_EQ(control("roi").value, "all");
+  *source = nullptr;
+  EXPECT_EQ(running->change("roi", "all").error().code, ErrorCode::kNotFound) << "the camera ends with its input";
 }
 
 TEST_F(MetavisionCamera, ItsIdentityAndItsSettingsAsReadBackAreInTheHeader) {
@@ -235,7 +237,7 @@ TEST_F(MetavisionCamera, AStopDrainsWhatHadCome) {
 }
 
 TEST_F(MetavisionCamera, ASlowReaderHasBoundedMemoryAndWhatIsDroppedIsCounted) {
-  simulate("buffer=100000;period_us=1000;loop");
+  simulate("buffer=100000;period_us=2000;loop");
   const TestLog log;
   auto source = open_live_bytes(kName).value();
   uint64_t kept = 0;

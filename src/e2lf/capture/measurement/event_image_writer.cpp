@@ -120,7 +120,8 @@ class NpzEventImageWriter final : public EventImageWriter {
   }
 
   Result<void> write(std::span<const uint8_t> bytes) {
-    if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) return io_error();
+    // Without bytes, the pointer may be null, which fwrite does not accept.
+    if (!bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) return io_error();
     return {};
   }
 

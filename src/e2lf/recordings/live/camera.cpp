@@ -384,10 +384,10 @@ Result<void> Camera::change(const std::string& name, const std::string& /*value*
   return fail(ErrorCode::kUnsupported, "", "the camera cannot change ", name, " while it runs");
 }
 
-void RunningCamera::set(std::shared_ptr<Camera> camera) {
+void RunningCamera::set(const std::shared_ptr<Camera>& camera) {
   const std::lock_guard lock(mutex_);
-  camera_ = std::move(camera);
-  controls_ = camera_->controls();
+  camera_ = camera;
+  controls_ = camera->controls();
 }
 
 std::vector<CameraControl> RunningCamera::controls() const {
@@ -397,9 +397,10 @@ std::vector<CameraControl> RunningCamera::controls() const {
 
 Result<void> RunningCamera::change(const std::string& name, const std::string& value) {
   const std::lock_guard lock(mutex_);
-  if (!camera_) return fail(ErrorCode::kNotFound, "", "no camera runs");
-  const Result<void> changed = camera_->change(name, value);
-  controls_ = camera_->controls();  // also after a refusal: the page shows what the camera has
+  const std::shared_ptr<Camera> camera = camera_.lock();
+  if (!camera) return fail(ErrorCode::kNotFound, "", "no camera runs");
+  const Result<void> changed = camera->change(name, value);
+  controls_ = camera->controls();  // also after a refusal: the page shows what the camera has
   return changed;
 }
 

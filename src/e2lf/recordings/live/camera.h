@@ -86,15 +86,15 @@ inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 class RunningCamera {
  public:
   /// Called when the camera has started.
-  void set(std::shared_ptr<Camera> camera);
+  void set(const std::shared_ptr<Camera>& camera);
   /// Returns Camera::controls() as of the last change; empty if no camera has started.
   [[nodiscard]] std::vector<CameraControl> controls() const;
-  /// Calls Camera::change(). Fails as it does, and with kNotFound if no camera has started.
+  /// Calls Camera::change(). Fails as it does, and with kNotFound if no camera runs.
   [[nodiscard]] Result<void> change(const std::string& name, const std::string& value);
 
  private:
   mutable std::mutex mutex_;
-  std::shared_ptr<Camera> camera_;
+  std::weak_ptr<Camera> camera_;  ///< which may itself hold this object, with its setup
   std::vector<CameraControl> controls_;
 };
 
