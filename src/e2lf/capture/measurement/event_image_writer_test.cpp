@@ -69,6 +69,7 @@ TEST(EventImageWriter, KeepsThePatternsBesideTheEvents) {
 
 TEST(EventImageWriter, LeavesNothingBehindWithoutFinish) {
   const fs::path folder = test_path("event_image_writer_folder");
+  fs::remove_all(folder);
   {
     auto writer = EventImageWriter::create(folder / "a.npz");
     ASSERT_TRUE(writer);
