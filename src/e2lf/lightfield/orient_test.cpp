@@ -5,6 +5,7 @@
 
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
+#include "testing/test_files.h"
 
 namespace e2lf::lightfield {
 namespace {
@@ -82,16 +83,15 @@ TEST(Orient, GivesDisparitiesTheirSign) {
 class StoredOrientation : public testing::Test {
  protected:
   void SetUp() override {
-    fs::create_directories(folder_);
     ASSERT_TRUE(write_light_field(folder_ / "lightfield.npy", field_, {.format = LightFieldFormat::kNpy}).ok());
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   void record(const Json& notes, const std::string& writer = "e2lf") const {
     std::ofstream(folder_ / "run.json") << Json{{"written_by", writer}, {"notes", notes}}.dump();
   }
 
-  const fs::path folder_ = fs::path(testing::TempDir()) / "stored_orientation";
+  const TestFolder test_folder_;
+  const fs::path& folder_ = test_folder_.path();
   const LightField field_ = numbered({2, 2, 3, 4, 1});
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "e2lf/base/rng.h"
 #include "e2lf/capture/measurement/event_image_io.h"
@@ -34,7 +35,7 @@ void expect_test_setup(const RecordedSetup& found) {
 }
 
 fs::path test_path(const std::string& name) {
-  return fs::path(testing::TempDir()) / name;
+  return fs::path(testing::TempDir()) / (std::to_string(::getpid()) + "_" + name);
 }
 
 TEST(EventImageWriter, WritesWhatReadEventImagesReads) {
