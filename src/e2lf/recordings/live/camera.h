@@ -85,7 +85,7 @@ inline constexpr size_t kMaxWaitingBytes = size_t{1} << 26;
 /// Access to the settings of a camera while another thread reads it. All functions may be called by any thread.
 class RunningCamera {
  public:
-  /// Called when the camera has started.
+  /// Called when the camera has started. Does not keep the camera, which ends with its input.
   void set(const std::shared_ptr<Camera>& camera);
   /// Returns Camera::controls() as of the last change; empty if no camera has started.
   [[nodiscard]] std::vector<CameraControl> controls() const;
@@ -94,7 +94,7 @@ class RunningCamera {
 
  private:
   mutable std::mutex mutex_;
-  std::weak_ptr<Camera> camera_;  ///< which may itself hold this object, with its setup
+  std::weak_ptr<Camera> camera_;  ///< weak, because the setup of the camera may hold this object
   std::vector<CameraControl> controls_;
 };
 
