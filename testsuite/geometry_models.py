@@ -25,10 +25,11 @@ def write(name, layers, channels):
             shape = (layer["out_channels"], inputs, layer["kernel"], layer["kernel"])
             tensors[layer["name"] + ".weight"] = (rng.standard_normal(shape) / np.sqrt(np.prod(shape[1:]))).astype(np.float32)
             tensors[layer["name"] + ".bias"] = rng.standard_normal(shape[0]).astype(np.float32) * 0.1
-    description = {**header, "name": name, "network": {"type": "conv-graph", "input_channels": 9, "layers": layers}, "provenance": {}}
+    description = {**header, "name": name, "network": {"type": "conv-graph", "input_channels": 12, "layers": layers}, "provenance": {}}
     for key in ("camera", "precision_loss"):
         description.pop(key, None)
-    description["input"] = [{"kind": "counts", "scale": 0.125}, {"kind": "cumulative", "scale": 0.125}, {"kind": "intensity", "scale": 4.0}]
+    description["input"] = [{"kind": "counts", "scale": 0.125}, {"kind": "cumulative", "scale": 0.125}, {"kind": "level", "scale": 0.5},
+                            {"kind": "intensity", "scale": 4.0}]
     text, offset = {"__metadata__": {"e2lf": json.dumps(description)}}, 0
     for key, value in sorted(tensors.items()):
         text[key] = {"dtype": "F32", "shape": value.shape, "data_offsets": [offset, offset + value.nbytes]}
@@ -42,8 +43,8 @@ sweep = [conv("features", "input", 6, 2, 2),
          {"name": "sweep", "op": "plane-sweep", "inputs": ["features"], "kernel": 5, "offsets": [-0.6, -1.3, 0.94, 0.94, -1.1, 1.0],
           "disparities": [-1.5, -0.5, 0.0, 0.8]}]
 write("depth", [*sweep, conv("weighed", "sweep", 8), {"name": "output", "op": "pixel-shuffle", "inputs": ["weighed"], "stride": 2}],
-      [9, 6, 4, 8])
+      [12, 6, 4, 8])
 viewpoints = [view - 3.5 for view in range(8)]
 write("layers", [*sweep, conv("weighed", "sweep", 24), {"name": "planes", "op": "pixel-shuffle", "inputs": ["weighed"], "stride": 2},
                  {"name": "views", "op": "render-layers", "inputs": ["planes"], "disparities": [-1.5, 0.1, 0.9], "rows": viewpoints,
-                  "columns": viewpoints}], [9, 6, 4, 24, 6])
+                  "columns": viewpoints}], [12, 6, 4, 24, 6])

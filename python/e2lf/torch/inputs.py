@@ -10,21 +10,20 @@ from torch.nn import functional as F
 LENS_PIXELS = 8
 
 
-def last_change(events: Tensor) -> Tensor:
-    """Returns the sign of the last non-zero count up to each transition, or 0 before the first."""
+def level(events: Tensor) -> Tensor:
+    """Returns the sum of the counts up to each transition and half a threshold with the sign of the last change."""
     signs: List[Tensor] = []
     for count in events.detach().unbind(1):
         sign = torch.sign(count)
         signs.append(torch.where(sign == 0, signs[-1], sign) if signs else sign)
-    return torch.stack(signs, 1)
+    return events.cumsum(1) + 0.5 * torch.stack(signs, 1)
 
 
 def intensity(events: Tensor, eps: float, tau: float) -> Tensor:
-    """Returns the linearised intensities min(J_k, 1) of Eq. 7, half a threshold beyond the last change."""
-    level = tau * (events.cumsum(1) + 0.5 * last_change(events))
+    """Returns the linearised intensities min(J_k, 1) of Eq. 7 for the levels."""
     # The exponent is limited instead of the result, which keeps the gradient finite.
     limit = torch.log1p(torch.tensor(1 / eps, dtype=events.dtype, device=events.device))
-    return eps * torch.expm1(torch.minimum(level, limit))
+    return eps * torch.expm1(torch.minimum(tau * level(events), limit))
 
 
 def form_inputs(
@@ -54,6 +53,8 @@ def form_inputs(
             planes = given
         elif kind == "cumulative":
             planes = given.cumsum(1)
+        elif kind == "level":
+            planes = level(given)
         elif kind == "intensity":
             planes = intensity(given, eps, tau)
         elif kind == "camera":

@@ -23,8 +23,8 @@ namespace e2lf::model {
 enum class InputKind {
   kCounts,      ///< scale * E_k
   kCumulative,  ///< scale * C_k, C_k = E_1 + ... + E_k
-  kIntensity,   ///< scale * min(J_k, 1), J_k = eps * (exp(tau * C_k + m) - 1) (Eq. 7), where m is half a threshold with
-                ///< the sign of the last change; a coded intensity is at most 1
+  kLevel,       ///< scale * L_k, L_k = C_k + s_k / 2, where s_k is the sign of the last E that is not zero
+  kIntensity,   ///< scale * min(J_k, 1), J_k = eps * (exp(tau * L_k) - 1) (Eq. 7); a coded intensity is at most 1
   kCamera,      ///< scale * the conditioning vector capture::conditioning_vector(), each number constant over the image
   kImages,      ///< scale * the coded intensity image of each of N patterns
   kImageSum,    ///< scale * the one intensity image that integrates all patterns
@@ -33,9 +33,9 @@ enum class InputKind {
 
 /// Their names in files.
 inline constexpr Choice<InputKind> kInputKinds[] = {
-    {"counts", InputKind::kCounts},        {"cumulative", InputKind::kCumulative}, {"intensity", InputKind::kIntensity},
-    {"camera", InputKind::kCamera},        {"images", InputKind::kImages},         {"image-sum", InputKind::kImageSum},
-    {"lens-array", InputKind::kLensArray},
+    {"counts", InputKind::kCounts},       {"cumulative", InputKind::kCumulative}, {"level", InputKind::kLevel},
+    {"intensity", InputKind::kIntensity}, {"camera", InputKind::kCamera},         {"images", InputKind::kImages},
+    {"image-sum", InputKind::kImageSum},  {"lens-array", InputKind::kLensArray},
 };
 
 struct InputGroup {
@@ -43,6 +43,12 @@ struct InputGroup {
   float scale = 1.0F;
   bool operator==(const InputGroup&) const = default;
 };
+
+/// Returns whether a group of this kind is made from the counts of event images.
+[[nodiscard]] inline bool is_of_counts(InputKind kind) {
+  return kind == InputKind::kCounts || kind == InputKind::kCumulative || kind == InputKind::kLevel ||
+         kind == InputKind::kIntensity;
+}
 
 /// Returns the number of channels that a group of this kind, or all groups together, have for N patterns.
 [[nodiscard]] size_t num_input_channels(InputKind kind, size_t num_patterns);

@@ -182,6 +182,7 @@ size_t num_input_channels(InputKind kind, size_t num_patterns) {
   switch (kind) {
     case InputKind::kCounts:
     case InputKind::kCumulative:
+    case InputKind::kLevel:
     case InputKind::kIntensity:
       return num_patterns - 1;
     case InputKind::kCamera:
@@ -206,8 +207,9 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
   const auto has = [&](InputKind kind) {
     return std::any_of(groups.begin(), groups.end(), [kind](const InputGroup& group) { return group.kind == kind; });
   };
-  const bool has_events =
-      has(InputKind::kCounts) || has(InputKind::kCumulative) || has(InputKind::kIntensity) || has(InputKind::kCamera);
+  const bool has_events = std::any_of(groups.begin(), groups.end(), [](const InputGroup& group) {
+    return is_of_counts(group.kind) || group.kind == InputKind::kCamera;
+  });
   const bool has_images = has(InputKind::kImages), has_sum = has(InputKind::kImageSum),
              has_lenses = has(InputKind::kLensArray);
   using capture::MeasurementKind;

@@ -21,6 +21,10 @@ void add_counts(std::span<const int16_t> counts, RowState& state) {
 void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, const RowState& state,
               const IntensityTable& table, size_t cycles, float* row) {
   const float scale = group.scale, mean_scale = scale / static_cast<float>(cycles);
+  const auto level = [&](size_t x) {
+    return static_cast<float>(state.total[x]) / static_cast<float>(cycles) +
+           0.5F * static_cast<float>(state.last_change[x]);
+  };
   switch (group.kind) {
     case model::InputKind::kCounts:
       for (size_t x = 0; x < counts.size(); ++x) row[x] = mean_scale * static_cast<float>(counts[x]);
@@ -28,10 +32,13 @@ void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, c
     case model::InputKind::kCumulative:
       for (size_t x = 0; x < counts.size(); ++x) row[x] = mean_scale * static_cast<float>(state.total[x]);
       break;
+    case model::InputKind::kLevel:
+      for (size_t x = 0; x < counts.size(); ++x) row[x] = scale * level(x);
+      break;
     case model::InputKind::kIntensity:
       for (size_t x = 0; x < counts.size(); ++x) {
-        const float intensity = cycles == 1 ? table.at_half_steps(2 * state.total[x] + state.last_change[x])
-                                            : table.at_mean(state.total[x], state.last_change[x]);
+        const float intensity =
+            cycles == 1 ? table.at_half_steps(2 * state.total[x] + state.last_change[x]) : table.at(double{level(x)});
         row[x] = scale * std::min(intensity, 1.0F);
       }
       break;
@@ -41,8 +48,7 @@ void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, c
 }
 
 bool is_of_counts(const model::InputGroup& group) {
-  return group.kind == model::InputKind::kCounts || group.kind == model::InputKind::kCumulative ||
-         group.kind == model::InputKind::kIntensity;
+  return model::is_of_counts(group.kind);
 }
 
 /// Returns the pixel of a row of `size` pixels that stands at `index` of the row continued by its mirror image.
@@ -83,7 +89,7 @@ void fill_conditioning(std::span<const float> conditioning, float scale, size_t 
 /// Fills the planes of all groups that are made from event counts.
 void fill_counts(const PlanesView<const int16_t>& images, std::span<const model::InputGroup> groups,
                  std::span<const size_t> first_channels, const InputConditions& conditions, InputPlanes& planes) {
-  const IntensityTable table(conditions.constants, conditions.cycles);
+  const IntensityTable table(conditions.constants);
   const size_t transitions = images.extents[0], height = images.extents[1], width = images.extents[2];
   const GridShift& shift = conditions.shift;
   parallel_for(planes.height, 8, [&](size_t begin, size_t end) {

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 #include <span>
 #include <vector>
 
@@ -18,8 +17,8 @@
 
 namespace e2lf::recon {
 
-/// Returns intensities as a function of the number h of half thresholds above black: eps (exp(tau h / 2) - 1). Counts
-/// are whole numbers, so a table of the common values replaces the exponential.
+/// Returns intensities as a function of the level above black, in thresholds: eps (exp(tau level) - 1). In one cycle,
+/// levels are whole numbers of half thresholds, so a table of the common values replaces the exponential.
 class IntensityTable {
  public:
   /// Checks that eps and tau are positive and finite.
@@ -30,44 +29,25 @@ class IntensityTable {
     return fail(ErrorCode::kInvalidValue, "", "eps and tau of the sensor must be positive; give its constants");
   }
 
-  /// at_mean() needs the number of cycles over which counts are summed.
-  explicit IntensityTable(const capture::SensorConstants& constants, size_t cycles = 1)
-      : constants_(constants), cycles_(cycles) {
-    for (int h = -kRange; h <= kRange; ++h) table_[static_cast<size_t>(h + kRange)] = compute(h);
-    if (cycles == 1) return;
-    for (int total = -kMeanRange; total <= kMeanRange; ++total) {
-      for (int last = -1; last <= 1; ++last) means_.push_back(compute_mean(total, last));
-    }
+  explicit IntensityTable(const capture::SensorConstants& constants) : constants_(constants) {
+    for (int h = -kRange; h <= kRange; ++h) table_[static_cast<size_t>(h + kRange)] = at(0.5 * h);
   }
 
-  /// Returns the intensity at h half thresholds. The exponent is limited to 80, so that damaged counts give finite
-  /// values.
+  /// Returns the intensity at h half thresholds.
   [[nodiscard]] float at_half_steps(int h) const {
-    return h >= -kRange && h <= kRange ? table_[static_cast<size_t>(h + kRange)] : compute(h);
+    return h >= -kRange && h <= kRange ? table_[static_cast<size_t>(h + kRange)] : at(0.5 * h);
   }
 
-  /// Returns the intensity at total / cycles thresholds and half a threshold with the sign `last` (-1, 0 or 1).
-  [[nodiscard]] float at_mean(int total, int last) const {
-    if (means_.empty() || std::abs(total) > kMeanRange) return compute_mean(total, last);
-    return means_[static_cast<size_t>(3 * (total + kMeanRange) + last + 1)];
+  /// Returns the intensity at any level. The exponent is limited to 80, so that damaged counts give finite values.
+  [[nodiscard]] float at(double level) const {
+    const double exponent = std::min(level * double{constants_.tau}, 80.0);
+    return static_cast<float>(std::min(double{constants_.eps} * std::expm1(exponent), 1e30));
   }
 
  private:
-  static constexpr int kRange = 127, kMeanRange = 511;
-
-  [[nodiscard]] float compute_mean(int total, int last) const {
-    const float steps = static_cast<float>(total) / static_cast<float>(cycles_) + 0.5F * static_cast<float>(last);
-    return compute(2.0 * double{steps});
-  }
-
-  [[nodiscard]] float compute(double h) const {
-    const double level = std::min(0.5 * h * double{constants_.tau}, 80.0);
-    return static_cast<float>(std::min(double{constants_.eps} * std::expm1(level), 1e30));
-  }
+  static constexpr int kRange = 127;
 
   capture::SensorConstants constants_;
-  size_t cycles_;
-  std::vector<float> means_;  ///< [total, last]
   std::array<float, 2 * kRange + 1> table_;
 };
 

@@ -126,6 +126,13 @@ TEST(NetworkInput, SumsOverCyclesBecomeMeans) {
   EXPECT_NEAR(planes->values[2], 0.01 * std::expm1(0.3 * 1.75), 1e-7);
 }
 
+TEST(NetworkInput, LevelAddsHalfAThresholdTowardTheLastChange) {
+  const std::vector<model::InputGroup> groups = {{InputKind::kLevel, 2.0F}};
+  EXPECT_EQ(values(pixel({0, 3, 0, -1}), groups), (std::vector<float>{0, 7, 7, 3}));
+  const auto mean = input_of(pixel({2, -1}), groups, {.cycles = 4}).value();
+  EXPECT_EQ(mean.values, (std::vector<float>{2 * (0.5F + 0.5F), 2 * (0.25F - 0.5F)}));
+}
+
 TEST(NetworkInput, PaddingMirrorsTheLastRowsAndColumns) {
   capture::EventImages images(1, 2, 3);
   images.values = {1, 2, 3, 4, 5, 6};

@@ -35,14 +35,14 @@ torch::Tensor distant_point(const std::vector<torch::Tensor>& earlier) {
   return best;
 }
 
-/// Returns the sign of the last non-zero count up to each transition, or 0 before the first.
-torch::Tensor last_change(const torch::Tensor& events) {
+/// Returns the levels of model::InputKind::kLevel, of which only the counts have a gradient.
+torch::Tensor levels(const torch::Tensor& events) {
   std::vector<torch::Tensor> signs;
   for (int64_t k = 0; k < events.size(1); ++k) {
     const auto now = torch::sign(events.select(1, k).detach());
     signs.push_back(k == 0 ? now : torch::where(now == 0, signs.back(), now));
   }
-  return torch::stack(signs, 1);
+  return events.cumsum(1) + 0.5 * torch::stack(signs, 1);
 }
 
 /// Computes the views of a lens-array image by bilinear interpolation between the centres of the lenses.
@@ -221,12 +221,14 @@ torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::
       case model::InputKind::kCumulative:
         channels.push_back(events.cumsum(1) * group.scale);
         break;
+      case model::InputKind::kLevel:
+        channels.push_back(levels(events) * group.scale);
+        break;
       case model::InputKind::kIntensity: {
         const auto eps = constants.eps.unsqueeze(1), tau = constants.tau.unsqueeze(1);
-        const auto level = events.cumsum(1) + 0.5 * last_change(events);
         // A coded intensity is at most 1: the exponential of a noisy count must not dominate its neighbours. Limiting
         // the exponent instead of the result keeps the gradient finite.
-        const auto exponent = torch::minimum(tau * level, torch::log1p(eps.reciprocal()));
+        const auto exponent = torch::minimum(tau * levels(events), torch::log1p(eps.reciprocal()));
         channels.push_back(eps * torch::expm1(exponent) * group.scale);
         break;
       }

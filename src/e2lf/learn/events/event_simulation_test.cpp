@@ -109,6 +109,9 @@ TEST(InputForm, MatchesItsDefinitionAndLimitsIntensitiesToOne) {
   const auto cumulative = form(model::InputKind::kCumulative);
   EXPECT_EQ(cumulative[0][2][0][0].item<float>(), 10.0F);
   EXPECT_EQ(cumulative[0][2][0][1].item<float>(), 176.0F);
+  const auto level = form(model::InputKind::kLevel);
+  EXPECT_EQ(level[0][2][0][0].item<float>(), 11.0F);
+  EXPECT_EQ(level[0][0][0][1].item<float>(), -5.0F);
   const auto intensity = form(model::InputKind::kIntensity);
   EXPECT_NEAR(intensity[0][0][0][0].item<float>(), 2 * 0.01 * std::expm1(0.3 * 5.5), 1e-6);
   EXPECT_NEAR(intensity[0][2][0][0].item<float>(), 2 * 0.01 * std::expm1(0.3 * 5.5), 1e-6);

@@ -99,6 +99,7 @@ class InputForms {
 
   std::string make(InputKind kind) {
     if (kind == InputKind::kCounts) return events_;
+    if (kind == InputKind::kLevel) return level();
     if (kind == InputKind::kIntensity) return intensity();
     if (kind == InputKind::kCamera) return camera_planes();
     E2LF_REQUIRE(kind == InputKind::kCumulative, "an exported model takes event images alone");
@@ -106,25 +107,29 @@ class InputForms {
     return graph_.add_node("CumSum", {events_, axis}, "input/cumulative");
   }
 
-  /// Returns min(J_k, 1) with J_k = eps (exp(tau (C_k + s_k / 2)) - 1). The exponent is limited to the value at which
-  /// J_k is 1, so that no count overflows.
+  std::string number(const char* name, double value) { return graph_.add_constant(name, static_cast<float>(value)); }
+
+  /// Returns L_k of kLevel.
+  std::string level() {
+    const std::string half = graph_.add_node("Mul", {last_change(), number("input/half", 0.5)}, "input/half_steps");
+    return graph_.add_node("Add", {form_of(InputKind::kCumulative), half}, "input/steps");
+  }
+
+  /// Returns min(J_k, 1) of kIntensity. The exponent is limited to the value at which J_k is 1, so that no count
+  /// overflows.
   std::string intensity() {
-    const auto number = [&](const char* name, double value) {
-      return graph_.add_constant(name, static_cast<float>(value));
-    };
     const double eps = constants_.eps;
-    const std::string one = number("input/one", 1.0);
-    std::string x = graph_.add_node("Mul", {last_change(one), number("input/half", 0.5)}, "input/half_steps");
-    x = graph_.add_node("Add", {form_of(InputKind::kCumulative), x}, "input/steps");
-    x = graph_.add_node("Mul", {x, number("input/tau", constants_.tau)}, "input/log_steps");
+    const std::string steps = form_of(InputKind::kLevel);
+    std::string x = graph_.add_node("Mul", {steps, number("input/tau", constants_.tau)}, "input/log_steps");
     x = graph_.add_node("Min", {x, number("input/white_log", std::log1p(1.0 / eps))}, "input/log");
     x = graph_.add_node("Exp", {x}, "input/exp");
-    x = graph_.add_node("Sub", {x, one}, "input/above_black");
+    x = graph_.add_node("Sub", {x, number("input/black", 1.0)}, "input/above_black");
     return graph_.add_node("Mul", {x, number("input/eps", eps)}, "input/intensity");
   }
 
-  /// Returns s_k, the sign of the last non-zero count up to k.
-  std::string last_change(const std::string& one) {
+  /// Returns s_k of kLevel.
+  std::string last_change() {
+    const std::string one = number("input/one", 1.0);
     const std::string signs = graph_.add_node("Sign", {events_}, "input/signs");
     std::vector<std::string> changes;
     for (size_t k = 0; k + 1 < model_.num_patterns; ++k) {

@@ -204,6 +204,7 @@ TEST(OnnxExport, GivesEveryTensorANameOfItsOwn) {
   const auto file = onnx_file(model_with(layers, {{InputKind::kCounts, 1.0F},
                                                   {InputKind::kIntensity, 1.0F},
                                                   {InputKind::kCumulative, 1.0F},
+                                                  {InputKind::kLevel, 1.0F},
                                                   {InputKind::kCounts, 2.0F}}));
   ASSERT_TRUE(file.ok());
   const Fields graph = graph_of(*file);
