@@ -15,7 +15,8 @@ import torch
 
 import networks
 
-INPUTS = [{"kind": "counts", "scale": 0.125}, {"kind": "cumulative", "scale": 0.125}, {"kind": "intensity", "scale": 4.0}]
+INPUTS = [{"kind": "counts", "scale": 0.125}, {"kind": "cumulative", "scale": 0.125}, {"kind": "level", "scale": 0.125},
+          {"kind": "intensity", "scale": 4.0}]
 VIEWPOINTS = [view - 3.5 for view in range(8)]
 
 
@@ -67,7 +68,7 @@ def main():
     if header["num_patterns"] != trained["num_patterns"]:
         sys.exit(f"{network} is for {trained['num_patterns']} patterns, and {model} for {header['num_patterns']}")
     channels = trained["weights"]["pictures/weight"].shape[1]
-    is_conditioned = channels > 3 * (trained["num_patterns"] - 1)
+    is_conditioned = channels > 4 * (trained["num_patterns"] - 1)
     header.pop("precision_loss", None)
     if not is_conditioned:
         header.pop("camera", None)

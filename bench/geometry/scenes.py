@@ -411,9 +411,9 @@ class Batches:
         self.synthesiser = Synthesiser(photos, size, self.rng, device)
         self.real = RealScenes(real, size, self.rng, device) if real else None
         self.batch, self.num_views, self.codes, self.real_share = batch, num_views, codes, real_share if real else 0
-        # The open aperture of synthesised scenes is approximated by the open views and a third of the others.
+        # The open aperture of synthesised scenes is approximated by the open views and an eighth of the others.
         used = codes.sum(0).cpu() > 0
-        sparse = torch.arange(VIEWS**2)[~used][::3]
+        sparse = torch.arange(VIEWS**2)[~used][::8]
         weights = torch.cat([codes.cpu(), used[None].float()]) / VIEWS**2
         weights[-1, sparse] = float((~used).sum()) / len(sparse) / VIEWS**2
         self.coded_views = torch.nonzero(weights.sum(0))[:, 0].numpy()

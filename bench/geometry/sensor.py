@@ -154,7 +154,7 @@ def count_pixel(codes, full, conditions, at, whole_cycle, mismatch):
 
 
 def network_input(events, conditions, conditioning=None):
-    """Returns the planes counts, cumulative, intensity and, with a conditioning vector, camera, as recon::network_input()."""
+    """Returns the planes counts, cumulative, level, intensity and, with a conditioning vector, camera, as recon::network_input()."""
     cumulative, signs = events.cumsum(1), []
     for count in events.unbind(1):
         sign = count.sign()
@@ -163,9 +163,9 @@ def network_input(events, conditions, conditioning=None):
     if conditions.is_pixel.any():
         means = 0.5 * (conditions.pixel["threshold_on"] + conditions.pixel["threshold_off"])
         tau = conditions.planes(np.where(conditions.is_pixel, means, conditions.tau)).unsqueeze(1)
-    level = tau * (cumulative + 0.5 * torch.stack(signs, 1))
-    intensity = eps * torch.expm1(torch.minimum(level, torch.log1p(1 / eps)))
-    planes = [0.125 * events, 0.125 * cumulative, 4 * intensity]
+    level = cumulative + 0.5 * torch.stack(signs, 1)
+    intensity = eps * torch.expm1(torch.minimum(tau * level, torch.log1p(1 / eps)))
+    planes = [0.125 * events, 0.125 * cumulative, 0.125 * level, 4 * intensity]
     if conditioning is not None:
         planes.append(conditioning[:, :, None, None].expand(-1, -1, *events.shape[2:]))
     return torch.cat(planes, 1)

@@ -10,8 +10,10 @@ import io
 import json
 import math
 import pathlib
+import queue
 import re
 import struct
+import threading
 import time
 
 import numpy as np
@@ -110,17 +112,35 @@ def orthogonalise(matrices):
     return x.transpose(1, 2) if is_tall else x
 
 
+def drawn_ahead(batches, uses=2):
+    """Returns a function that returns batches of scenes.Batches, which a thread draws ahead, each `uses` times: on a CPU, drawing takes
+    as long as training."""
+    ready = queue.Queue(2)
+
+    def draw():
+        while True:
+            batch = batches.next()
+            for _ in range(uses):
+                ready.put(batch)
+
+    threading.Thread(target=draw, daemon=True).start()
+    return ready.get
+
+
 class Task:
     """What a kind of network learns: its inputs, loss and figures."""
 
     def __init__(self, options, codes):
         self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
         self.kind, self.whole_cycle = options.kind, options.whole_cycle
+        self.is_half = self.device.type == "cuda" or options.bfloat16
         text = options.camera.read_text() if options.camera else ""
         self.camera = json.loads(re.sub(r"^\s*//.*$", "", text, flags=re.M)) if text else None
         self.codes = torch.from_numpy(codes).to(self.device)
         self.num_patterns = 2 * len(self.codes) + 1 if options.whole_cycle else len(self.codes)
-        channels = 3 * (self.num_patterns - 1) + (FIXED_CONDITIONS + self.num_patterns - 2 if self.camera else 0)
+        of_events = 4 * (self.num_patterns - 1)
+        channels = of_events + (FIXED_CONDITIONS + self.num_patterns - 2 if self.camera else 0)
+        self.share_of_events = of_events / channels
         build = networks.depth_network if options.kind == "depth" else networks.layers_network
         self.network = networks.Network(build(centroids(self.codes), options.whole_cycle), channels).to(self.device)
         networks.start_features(self.network, self.num_patterns)
@@ -145,7 +165,7 @@ class Task:
 
     @torch.no_grad()
     def start_from(self, path):
-        """Takes the weights of another network, whose first layers may have fewer inputs, where their names are those of this one; for
+        """Takes the weights of another network, which may lack the inputs of the camera, where their names are those of this one; for
         layers, also those of a model for light fields."""
         if path.suffix == ".safetensors":
             self.start_from_views(read_model(path))
@@ -155,15 +175,15 @@ class Task:
             known = other["weights"].get(name, torch.empty(0))
             if known.shape == weight.shape:
                 weight.copy_(known)
-            elif known.dim() > 1 and known.shape[0] == weight.shape[0] and other["num_patterns"] == self.num_patterns:
+            elif known.shape[:1] == weight.shape[:1] and known.shape[1] == round(self.share_of_events * weight.shape[1]):
                 weight.zero_()[:, :known.shape[1]] = known
             else:
                 print("starts at random:", name)
 
     def _autocast(self):
         """Half precision for the steps of the training: an evaluation in it would be pessimistic."""
-        is_step = self.device.type == "cuda" and torch.is_grad_enabled()
-        return torch.autocast("cuda", torch.bfloat16) if is_step else contextlib.nullcontext()
+        is_step = self.is_half and torch.is_grad_enabled()
+        return torch.autocast(self.device.type, torch.bfloat16) if is_step else contextlib.nullcontext()
 
     def apply(self, coded, conditions, cycles):
         """Returns the output of the network for the events of the intensities through the codes and the open aperture."""
@@ -255,6 +275,7 @@ def train(options):
     batch, size = options.batch or batch, options.size or size
     batches = Batches(read_photos(options.data), sorted(options.data.glob("real-*.npz")), task.codes, batch, size, options.seed + optimiser.steps,
                       0 if options.kind == "depth" else VIEWS // 2, task.device)
+    next_batch = batches.next if task.device.type == "cuda" else drawn_ahead(batches)
     began = reported = time.time()
     begin = reported - trained_s
     sums, count = {}, 0
@@ -274,7 +295,7 @@ def train(options):
         return figures
 
     def step(rate):
-        loss, figures = task.loss(*batches.next())
+        loss, figures = task.loss(*next_batch())
         loss.backward()
         torch.nn.utils.clip_grad_norm_(task.network.parameters(), 5.0 if options.kind == "depth" else 0.1)
         optimiser.step(rate)
@@ -328,6 +349,7 @@ def main():
     parser.add_argument("--pause-s", type=float, default=math.inf, help="stop after this time; another run continues")
     parser.add_argument("--rate", type=float, default=1e-3, help="largest rate of learning")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--bfloat16", action="store_true", help="train in bfloat16 on a CPU that has it, as on a GPU")
     parser.add_argument("--profile", action="store_true", help="print where the time of five steps goes")
     options = parser.parse_args()
     train(options)
