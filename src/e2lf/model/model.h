@@ -44,10 +44,10 @@ struct InputGroup {
   bool operator==(const InputGroup&) const = default;
 };
 
-/// Returns whether a group of this kind is made from the counts of event images.
-[[nodiscard]] inline bool is_of_counts(InputKind kind) {
-  return kind == InputKind::kCounts || kind == InputKind::kCumulative || kind == InputKind::kLevel ||
-         kind == InputKind::kIntensity;
+/// Returns whether a group is made from the counts of event images.
+[[nodiscard]] inline bool is_of_counts(const InputGroup& group) {
+  return group.kind == InputKind::kCounts || group.kind == InputKind::kCumulative || group.kind == InputKind::kLevel ||
+         group.kind == InputKind::kIntensity;
 }
 
 /// Returns the number of channels that a group of this kind, or all groups together, have for N patterns.

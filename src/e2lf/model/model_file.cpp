@@ -208,7 +208,7 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
     return std::any_of(groups.begin(), groups.end(), [kind](const InputGroup& group) { return group.kind == kind; });
   };
   const bool has_events = std::any_of(groups.begin(), groups.end(), [](const InputGroup& group) {
-    return is_of_counts(group.kind) || group.kind == InputKind::kCamera;
+    return is_of_counts(group) || group.kind == InputKind::kCamera;
   });
   const bool has_images = has(InputKind::kImages), has_sum = has(InputKind::kImageSum),
              has_lenses = has(InputKind::kLensArray);

@@ -47,10 +47,6 @@ void fill_row(const model::InputGroup& group, std::span<const int16_t> counts, c
   }
 }
 
-bool is_of_counts(const model::InputGroup& group) {
-  return model::is_of_counts(group.kind);
-}
-
 /// Returns the pixel of a row of `size` pixels that stands at `index` of the row continued by its mirror image.
 size_t mirrored(size_t index, size_t size) {
   const size_t wrapped = index % (2 * size);
@@ -177,7 +173,7 @@ Result<void> network_input(const capture::MeasurementView& measurement, std::spa
       groups, measurement.events.extents[0], conditions.conditioning.size(), measurement.images.extents[0]);
   planes.resize(first_channels.back(), round_up(measurement.height() + conditions.shift.y, size_multiple),
                 round_up(measurement.width() + conditions.shift.x, size_multiple));
-  if (std::any_of(groups.begin(), groups.end(), is_of_counts)) {
+  if (std::any_of(groups.begin(), groups.end(), model::is_of_counts)) {
     fill_counts(measurement.events, groups, first_channels, conditions, planes);
   }
   for (size_t g = 0; g < groups.size(); ++g) {
