@@ -76,7 +76,7 @@ def main():
                   network={"type": "conv-graph", "input_channels": channels, "layers": file_layers(trained["layers"])},
                   provenance={"trained_by": "bench/geometry/train.py", **dict(pair.split("=", 1) for pair in sys.argv[5:])})
     tensors = {key.replace("/", "."): weight.float().numpy() for key, weight in trained["weights"].items()}
-    tensors["aperture.codes"] = of_model["aperture.codes"]
+    tensors.update((key, values) for key, values in of_model.items() if key == "aperture.codes")  # some models leave them to the user
     write(pathlib.Path(out), header, tensors)
 
 

@@ -82,10 +82,13 @@ def main():
     parser.add_argument("--real", type=pathlib.Path, nargs="*", default=[])
     parser.add_argument("--scene", type=pathlib.Path, nargs="*", default=[])
     parser.add_argument("--e2lf", default="e2lf", help="the program")
+    parser.add_argument("--turn-codes", action="store_true", help="turn the patterns by 180 degrees, for a lens that shows them so to the scene")
     parser.add_argument("--quality", type=int, default=92, help="of the views of real light fields, as JPEG")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     codes = read_codes(options.model)
+    if options.turn_codes:
+        codes = codes[:, ::-1]
     np.save(options.out / "codes.npy", codes)
     photos = [pack_photo(path) for path in sorted(options.textures.rglob("*.jpg"))]
     np.savez(options.out / "photos.npz", sizes=[len(photo) for photo in photos], bytes=np.concatenate(photos))

@@ -8,6 +8,7 @@ from scenes import to_device
 
 THRESHOLD_FLOOR, RELATIVE_FLOOR = 0.01, 0.3
 FIXED_CONDITIONS = 16  # as in capture::conditioning_vector()
+CYCLES_CONDITION, CYCLES_STEP = 15, 0.25  # the place of the number of cycles, and what a doubling adds
 
 
 def nominal(camera):
@@ -72,7 +73,7 @@ class Conditions:
                      lag(p["amplifier_rate_hz"]), p["leak"] * 500, p["shot_noise"] / 0.1, p["dark_off"] * 20, p["dark_on"] * 20]
             rows = [np.where(self.is_pixel, a, b) for a, b in zip(pixel, rows)]
             transmission = np.where(self.is_pixel[:, None], self.known_transmission, transmission)
-        rows.append(zero + 0.25 * math.log2(cycles))
+        rows.append(zero + CYCLES_STEP * math.log2(cycles))
         of_code = lambda k: transmission[:, k] if k < transmission.shape[1] else np.ones(batch)
         rows += [5 * (of_code(k) / of_code(0) - 1) for k in range(1, num_patterns - 1)]
         return to_device(np.stack(rows, 1).astype(np.float32), self.device)

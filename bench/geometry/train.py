@@ -18,15 +18,17 @@ import time
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 from PIL import Image
 
 import networks
 from scenes import VIEWS, Batches
-from sensor import FIXED_CONDITIONS, Conditions, count_events, network_input
+from sensor import CYCLES_CONDITION, CYCLES_STEP, FIXED_CONDITIONS, Conditions, count_events, network_input
 
 SURE = 0.15  # scale of the likelihood of a plane, px per view step
 AVERAGED_CYCLES = 0.2  # share of the steps with the mean of several cycles of a still scene, for networks that are told their number
 NEWEST = 0.001  # weight of the newest weights in their average
+MULTIPLE = 128  # of the height and width of pictures, px
 TOLERANCE = 0.2  # error of a disparity that counts as wrong, px per view step
 
 
@@ -132,8 +134,8 @@ class Task:
 
     def __init__(self, options, codes):
         self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-        self.kind, self.whole_cycle = options.kind, options.whole_cycle
-        self.is_half = self.device.type == "cuda" or options.bfloat16
+        self.kind, self.whole_cycle, self.camera_share = options.kind, options.whole_cycle, options.camera_share
+        self.is_half_size, self.is_half = options.half_size, self.device.type == "cuda" or options.bfloat16
         text = options.camera.read_text() if options.camera else ""
         self.camera = json.loads(re.sub(r"^\s*//.*$", "", text, flags=re.M)) if text else None
         self.codes = torch.from_numpy(codes).to(self.device)
@@ -190,14 +192,21 @@ class Task:
         with torch.no_grad():
             events = count_events(coded, conditions, self.whole_cycle, cycles)
             known = conditions.conditioning(self.num_patterns, cycles) if self.camera else None
-            x = network_input(events, conditions, known).contiguous(memory_format=torch.channels_last)
+            x = network_input(events, conditions, known)
+            if self.is_half_size:  # as the second scale of scales.py
+                x = F.avg_pool2d(x, 2)
+                x[:, len(events[0]) * 4 + CYCLES_CONDITION] += CYCLES_STEP * 2
+            x = x.contiguous(memory_format=torch.channels_last)
         with self._autocast():
-            return self.network(x)
+            y = self.network(x)
+        if self.is_half_size:
+            y = F.interpolate(torch.cat([2 * y[:, :1], y[:, 1:] + math.log(2)], 1), scale_factor=2.0, mode="nearest")
+        return y
 
     def loss(self, coded, disparity, known, views, places):
         """Returns the loss of a batch of scenes.Batches, and its figures."""
         batch = len(coded)
-        conditions = Conditions(batch, self.rng, self.device, self.camera, camera_share=0.3, residue_share=0.3 if self.camera else 0.0)
+        conditions = Conditions(batch, self.rng, self.device, self.camera, camera_share=self.camera_share, residue_share=0.3 if self.camera else 0.0)
         cycles = 2 ** int(self.rng.integers(1, 5)) if self.camera and self.rng.random() < AVERAGED_CYCLES else 1
         y = self.apply(coded, conditions, cycles).float()
         if self.kind == "depth":
@@ -236,13 +245,15 @@ class Task:
         figures, inside = {}, slice(15, -15)
         for path in sorted(folder.glob("scene-*.npz")):
             scene = np.load(path)
-            height, width = (length // 64 * 64 for length in scene["coded"].shape[1:])
-            coded = torch.as_tensor(scene["coded"][None, :, :height, :width].astype(np.float32), device=self.device)
+            height, width = scene["coded"].shape[1:]
+            coded = torch.as_tensor(scene["coded"][None].astype(np.float32), device=self.device)
+            coded = F.pad(coded, (0, -width % MULTIPLE, 0, -height % MULTIPLE), mode="reflect")
             torch.manual_seed(11)
-            y = self.apply(coded, Conditions(1, self.rng, self.device, self.camera, camera_share=float(is_pixel), stated=True), cycles).float()
+            y = self.apply(coded, Conditions(1, self.rng, self.device, self.camera, camera_share=float(is_pixel), stated=True), cycles)
+            y = y[:, :, :height, :width].float()
             disparity = y[0, 0] if self.kind == "depth" else self._disparity_of_layers(y)
             name = path.stem[6:] + ("@camera" if is_pixel else "") + (f"x{cycles}" if cycles > 1 else "")
-            truth = torch.as_tensor(scene["disparity"][:height, :width].astype(np.float32), device=self.device)
+            truth = torch.as_tensor(scene["disparity"].astype(np.float32), device=self.device)
             off = ((disparity - truth).abs() > TOLERANCE).float()[inside, inside]
             figures[name] = f"{100 * float(off.mean()):.1f} %"
             if self.kind == "depth":
@@ -340,12 +351,14 @@ def main():
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--kind", choices=["depth", "layers"], required=True)
     parser.add_argument("--whole-cycle", action="store_true")
-    parser.add_argument("--camera", type=pathlib.Path, help="a camera file of physical pixels, for a quarter of the samples")
+    parser.add_argument("--camera", type=pathlib.Path, help="a camera file of physical pixels")
+    parser.add_argument("--camera-share", type=float, default=0.3, help="share of the samples of the camera; the others have the model of the paper")
     parser.add_argument("--seconds", type=float, default=600)
     parser.add_argument("--report-s", type=float, default=150)
     parser.add_argument("--batch", type=int, default=0)
     parser.add_argument("--size", type=int, default=0, help="height and width of the synthesised views in px")
     parser.add_argument("--start", type=pathlib.Path, help="a network.pt to start from, or for layers a model for light fields")
+    parser.add_argument("--half-size", action="store_true", help="train on means of the events over 2x2 pixels, for scales.py")
     parser.add_argument("--pause-s", type=float, default=math.inf, help="stop after this time; another run continues")
     parser.add_argument("--rate", type=float, default=1e-3, help="largest rate of learning")
     parser.add_argument("--seed", type=int, default=1)
