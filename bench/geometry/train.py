@@ -23,12 +23,12 @@ from PIL import Image
 
 import networks
 from scenes import VIEWS, Batches
-from sensor import CYCLES_CONDITION, CYCLES_STEP, FIXED_CONDITIONS, Conditions, count_events, network_input
+from sensor import FIXED_CONDITIONS, Conditions, count_events, network_input
 
 SURE = 0.15  # scale of the likelihood of a plane, px per view step
 AVERAGED_CYCLES = 0.2  # share of the steps with the mean of several cycles of a still scene, for networks that are told their number
 NEWEST = 0.001  # weight of the newest weights in their average
-MULTIPLE = 128  # of the height and width of pictures, px
+MULTIPLE = 64  # of the height and width of pictures, px
 TOLERANCE = 0.2  # error of a disparity that counts as wrong, px per view step
 
 
@@ -135,7 +135,7 @@ class Task:
     def __init__(self, options, codes):
         self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
         self.kind, self.whole_cycle, self.camera_share = options.kind, options.whole_cycle, options.camera_share
-        self.is_half_size, self.is_half = options.half_size, self.device.type == "cuda" or options.bfloat16
+        self.is_half = self.device.type == "cuda" or options.bfloat16
         text = options.camera.read_text() if options.camera else ""
         self.camera = json.loads(re.sub(r"^\s*//.*$", "", text, flags=re.M)) if text else None
         self.codes = torch.from_numpy(codes).to(self.device)
@@ -192,16 +192,9 @@ class Task:
         with torch.no_grad():
             events = count_events(coded, conditions, self.whole_cycle, cycles)
             known = conditions.conditioning(self.num_patterns, cycles) if self.camera else None
-            x = network_input(events, conditions, known)
-            if self.is_half_size:  # as the second scale of scales.py
-                x = F.avg_pool2d(x, 2)
-                x[:, len(events[0]) * 4 + CYCLES_CONDITION] += CYCLES_STEP * 2
-            x = x.contiguous(memory_format=torch.channels_last)
+            x = network_input(events, conditions, known).contiguous(memory_format=torch.channels_last)
         with self._autocast():
-            y = self.network(x)
-        if self.is_half_size:
-            y = F.interpolate(torch.cat([2 * y[:, :1], y[:, 1:] + math.log(2)], 1), scale_factor=2.0, mode="nearest")
-        return y
+            return self.network(x)
 
     def loss(self, coded, disparity, known, views, places):
         """Returns the loss of a batch of scenes.Batches, and its figures."""
@@ -358,7 +351,6 @@ def main():
     parser.add_argument("--batch", type=int, default=0)
     parser.add_argument("--size", type=int, default=0, help="height and width of the synthesised views in px")
     parser.add_argument("--start", type=pathlib.Path, help="a network.pt to start from, or for layers a model for light fields")
-    parser.add_argument("--half-size", action="store_true", help="train on means of the events over 2x2 pixels, for scales.py")
     parser.add_argument("--pause-s", type=float, default=math.inf, help="stop after this time; another run continues")
     parser.add_argument("--rate", type=float, default=1e-3, help="largest rate of learning")
     parser.add_argument("--seed", type=int, default=1)
