@@ -1,7 +1,7 @@
 """Trains a network from events to disparity, or from events to a light field made of layers.
 
 usage: train.py DATA OUT --kind depth|layers [--whole-cycle] [--camera FILE] [--seconds S] [--profile]
-DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from --start, a network.pt, of which it takes what fits.
+DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from --start, a network.pt or a model file, of which it takes what fits.
 Requires torch, numpy, pillow and a C++ compiler, or nvcc; runs on the CPU or on one GPU.
 """
 import argparse
@@ -12,7 +12,6 @@ import math
 import pathlib
 import queue
 import re
-import struct
 import threading
 import time
 
@@ -21,6 +20,7 @@ import torch
 import torch.nn.functional as F
 from PIL import Image
 
+import convert
 import networks
 from scenes import VIEWS, Batches
 from sensor import FIXED_CONDITIONS, Conditions, count_events, network_input
@@ -32,17 +32,11 @@ MULTIPLE = 64  # of the height and width of pictures, px
 TOLERANCE = 0.2  # error of a disparity that counts as wrong, px per view step
 
 
-def read_model(path):
-    """Returns the float32 tensors of a model file."""
-    content = path.read_bytes()
-    length = struct.unpack("<Q", content[:8])[0]
-    header = json.loads(content[8:8 + length])
-    tensors = {}
-    for name, entry in header.items():
-        if name != "__metadata__":
-            begin, end = (8 + length + offset for offset in entry["data_offsets"])
-            tensors[name] = torch.tensor(np.frombuffer(content[begin:end], np.float32).reshape(entry["shape"]))
-    return tensors
+def read_weights(path):
+    """Returns the weights of a network.pt, or of a model file by the same names; of two scales, those of the full one."""
+    if path.suffix != ".safetensors":
+        return torch.load(path, map_location="cpu")["weights"]
+    return {re.sub(r"\.(weight|bias)$", r"/\1", name): torch.tensor(values) for name, values in convert.read_model(path)[1].items()}
 
 
 def read_photos(folder):
@@ -149,18 +143,29 @@ class Task:
         self.network.to(memory_format=torch.channels_last)
         self.rng = np.random.default_rng(options.seed)
 
+    def _with_level(self, weight):
+        """Returns a weight for counts, cumulative counts, intensities and perhaps the camera, with zeros for the inputs that it lacks."""
+        transitions, channels = self.num_patterns - 1, self.network.weights["pictures/weight"].shape[1]
+        for each in (1, 4):  # pixels of an input, or of one whose blocks of 2x2 pixels became channels
+            group = transitions * each
+            if weight.dim() == 4 and weight.shape[1] in (3 * group, channels * each - group):
+                widened = weight.new_zeros(len(weight), channels * each, *weight.shape[2:])
+                widened[:, :2 * group] = weight[:, :2 * group]
+                widened[:, 3 * group:weight.shape[1] + group] = weight[:, 2 * group:]
+                return widened
+        return weight
+
     @torch.no_grad()
     def start_from_views(self, start):
         """Starts from a network for light fields: its levels, and its central views as the intensities of all planes."""
-        moved = {re.sub("^middle_1", "up2_0", re.sub("^middle_0", "down2_0", name)): value for name, value in start.items()}
+        moved = {re.sub("^middle_1", "up2_0", re.sub("^middle_0", "down2_0", name)): self._with_level(value) for name, value in start.items()}
         for name, weight in self.network.weights.items():
-            name = name.replace("/", ".")
-            if name in ("up2_double.weight", "weigh.weight"):
+            if name in ("up2_double/weight", "weigh/weight"):
                 weight.mul_(0.1)
-            elif name.startswith(("layers.", "skip.")):
-                central = moved[name.replace("layers.", "output.")][[27, 28, 35, 36]].mean(0).to(weight)
+            elif name.startswith(("layers/", "skip/")):
+                central = moved[name.replace("layers/", "output/")][[27, 28, 35, 36]].mean(0).to(weight)
                 planes = len(weight) // 2
-                weight[:planes] = torch.tensor([-1.2 - 0.6 * abs(d) for d in networks.PLANES]) if name == "layers.bias" else 0.0
+                weight[:planes] = torch.tensor([-1.2 - 0.6 * abs(d) for d in networks.PLANES]) if name == "layers/bias" else 0.0
                 weight[planes:] = central
             elif name in moved and moved[name].shape == weight.shape:
                 weight.copy_(moved[name])
@@ -169,12 +174,12 @@ class Task:
     def start_from(self, path):
         """Takes the weights of another network, which may lack the inputs of the camera, where their names are those of this one; for
         layers, also those of a model for light fields."""
-        if path.suffix == ".safetensors":
-            self.start_from_views(read_model(path))
+        other = read_weights(path)
+        if "output/weight" in other:
+            self.start_from_views(other)
             return
-        other = torch.load(path, map_location=self.device)
         for name, weight in self.network.weights.items():
-            known = other["weights"].get(name, torch.empty(0))
+            known = other.get(name, torch.empty(0))
             if known.shape == weight.shape:
                 weight.copy_(known)
             elif known.shape[:1] == weight.shape[:1] and known.shape[1] == round(self.share_of_events * weight.shape[1]):
@@ -350,7 +355,7 @@ def main():
     parser.add_argument("--report-s", type=float, default=150)
     parser.add_argument("--batch", type=int, default=0)
     parser.add_argument("--size", type=int, default=0, help="height and width of the synthesised views in px")
-    parser.add_argument("--start", type=pathlib.Path, help="a network.pt to start from, or for layers a model for light fields")
+    parser.add_argument("--start", type=pathlib.Path, help="a network.pt or model file to start from, for layers also a model for light fields")
     parser.add_argument("--pause-s", type=float, default=math.inf, help="stop after this time; another run continues")
     parser.add_argument("--rate", type=float, default=1e-3, help="largest rate of learning")
     parser.add_argument("--seed", type=int, default=1)
