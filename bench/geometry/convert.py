@@ -49,6 +49,16 @@ def file_layers(layers):
     return result
 
 
+def prefixed(layers, prefix, source="input"):
+    """Returns a copy of layers whose names have a prefix, and whose input is `source`."""
+    renamed = lambda name: source if name == "input" else prefix + name
+    result = [layer | {"name": renamed(layer["name"]), "inputs": [renamed(name) for name in layer["inputs"]]} for layer in layers]
+    for layer in result:
+        if layer.get("residual"):
+            layer["residual"] = renamed(layer["residual"])
+    return result
+
+
 def write(path, header, tensors):
     """Writes a .safetensors file; tensors are arrays by name, which it stores as float32."""
     entries, offset = {"__metadata__": {"e2lf": json.dumps(header)}}, 0

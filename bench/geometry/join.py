@@ -68,12 +68,7 @@ def main():
     scale_views(header, tensors, share)
     scale_views(other, other_tensors, 1 - share)
     layers = header["network"]["layers"]
-    for layer in other["network"]["layers"]:
-        layer["name"] = OTHER + layer["name"]
-        layer["inputs"] = [source if source == "input" else OTHER + source for source in layer["inputs"]]
-        if layer.get("residual"):
-            layer["residual"] = OTHER + layer["residual"]
-    joined = layers + other["network"]["layers"]
+    joined = layers + convert.prefixed(other["network"]["layers"], OTHER)
     joined.append({"name": "mean", "op": "add", "inputs": [layers[-1]["name"], joined[-1]["name"]]})
     header["network"]["layers"] = joined
     header["provenance"].update(joined_with=other["name"], share=str(share))

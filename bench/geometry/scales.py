@@ -1,9 +1,9 @@
-"""Makes of a network for disparity one that works at two scales: the result is the weighted mean of its disparities for the events and for
-their means over 2x2 pixels, which have half of the noise and of the disparity.
+"""Makes of a network for disparity one that works at two scales: the result is the weighted mean of its disparities for the events and
+for their means over 2x2 pixels, which have half of the noise and of the disparity.
 
 usage: scales.py DEPTH SHARE NAME OUT.safetensors
-DEPTH is a model file that is conditioned on a camera, and SHARE the weight of the full scale, from 0 to 1. `e2lf model store` then checks the
-precisions. Requires torch.
+DEPTH is a model file of one scale that is conditioned on a camera, and SHARE the weight of the full scale, from 0 to 1. `e2lf model store`
+then checks the precisions. Requires torch.
 """
 import math
 import pathlib
@@ -15,13 +15,6 @@ import convert
 from sensor import CYCLES_CONDITION, CYCLES_STEP
 
 HALF = "half_"
-
-
-def prefixed(layers, prefix, source):
-    """Returns a copy of a network with another input, whose names have a prefix."""
-    renamed = lambda name: source if name == "input" else prefix + name
-    return [layer | {"name": renamed(layer["name"]), "inputs": [renamed(name) for name in layer["inputs"]]} |
-            ({"residual": renamed(layer["residual"])} if layer.get("residual") else {}) for layer in layers]
 
 
 def halving(header):
@@ -47,12 +40,15 @@ def mean(share):
 def main():
     header, tensors = convert.read_model(sys.argv[1])
     share, name, out = float(sys.argv[2]), sys.argv[3], sys.argv[4]
+    if header["input"][-1]["kind"] != "camera" or HALF + "input.weight" in tensors:
+        sys.exit(f"{sys.argv[1]} has two scales already or is not conditioned on a camera; give a file of convert.py, trained with --camera")
+    channels = header["network"]["input_channels"]
     *layers, shuffle = header["network"]["layers"]
     head = layers[-1]["name"]
-    half = prefixed([*layers, shuffle], HALF, HALF + "input")
+    half = convert.prefixed([*layers, shuffle], HALF, HALF + "input")
     header["network"]["layers"] = [
-        *layers, {"name": HALF + "input", "op": "conv", "inputs": ["input"], "out_channels": header["network"]["input_channels"], "kernel": 2, "stride": 2},
-        *half, {"name": "both", "op": "concat", "inputs": [head, half[-1]["name"]]},
+        *layers, {"name": HALF + "input", "op": "conv", "inputs": ["input"], "out_channels": channels, "kernel": 2, "stride": 2}, *half,
+        {"name": "both", "op": "concat", "inputs": [head, half[-1]["name"]]},
         {"name": "mean", "op": "conv", "inputs": ["both"], "out_channels": 8, "kernel": 1}, shuffle | {"inputs": ["mean"]}]
     tensors.update({HALF + key: values for key, values in tensors.items() if not key.startswith("aperture.")})
     tensors[HALF + "input.weight"], tensors[HALF + "input.bias"] = halving(header)

@@ -1,7 +1,8 @@
 """Trains a network from events to disparity, or from events to a light field made of layers.
 
 usage: train.py DATA OUT --kind depth|layers [--whole-cycle] [--camera FILE] [--seconds S] [--profile]
-DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from --start, a network.pt or a model file, of which it takes what fits.
+DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from --start, a network.pt or a model file, of which it
+takes what fits.
 Requires torch, numpy, pillow and a C++ compiler, or nvcc; runs on the CPU or on one GPU.
 """
 import argparse
