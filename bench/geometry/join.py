@@ -43,6 +43,21 @@ def fold_conditioning(header, tensors, values):
     header.pop("camera")
 
 
+def insert_level(header, tensors):
+    """Gives a network for counts, cumulative counts and intensities the input `level`, which it does not use."""
+    network, transitions = header["network"], header["num_patterns"] - 1
+    pixels = {"input": 1}  # that became channels of each input
+    for layer in network["layers"]:
+        source = layer["inputs"][0]
+        if source in pixels and layer["op"] == "pixel-unshuffle":
+            pixels[layer["name"]] = pixels[source] * layer["stride"] ** 2
+        elif source in pixels:
+            key, group = layer["name"] + ".weight", transitions * pixels[source]
+            tensors[key] = np.insert(tensors[key], [2 * group] * group, 0, axis=1)
+    network["input_channels"] += transitions
+    header["input"].insert(2, convert.INPUTS[2])
+
+
 def scale_views(header, tensors, share):
     """Multiplies the views by `share`: the convolutions that make the output, or the intensities of the layers (their second half)."""
     layers = {layer["name"]: layer for layer in header["network"]["layers"]}
@@ -63,6 +78,8 @@ def main():
     if header["input"][-1]["kind"] == "camera" and other["input"][-1]["kind"] != "camera":
         paper = sensor.Conditions(1, np.random.default_rng(0), torch.device("cpu"), stated=True)
         fold_conditioning(header, tensors, paper.conditioning(header["num_patterns"], 1)[0].numpy())
+    if convert.INPUTS[2] in header["input"] and convert.INPUTS[2] not in other["input"]:
+        insert_level(other, other_tensors)
     if other["input"] != header["input"]:
         sys.exit(f"{sys.argv[2]} has other inputs than {sys.argv[1]}")
     scale_views(header, tensors, share)
