@@ -59,10 +59,17 @@ for index, pattern in enumerate(schedule):
     assert not right or abs(pattern["duration_us"] - sum(right) / len(right)) <= 1, (pattern, right)
     assert "overhead_us" not in pattern or pattern["overhead_us"] == 0
 PY
+# Waits until the player shows a pattern, which takes seconds on a busy machine.
+wait_for_pattern() {
+  until import -silent -window root -depth 8 now.gray && [ -n "$(tr -d '\0' <now.gray | head -c 1)" ]; do
+    kill -0 $player 2>/dev/null || fail "the player ended: $(cat log.txt)"
+    sleep 0.1
+  done
+}
 # A display that stands still for a while: what was missed is counted.
-"$E2LF" codes play -o late --cell 40 --no-inverses --period-us 200000 --cycles 4 --json >late.json 2>log.txt &
+"$E2LF" codes play -o late --cell 40 --no-inverses --period-us 200000 --cycles 10 --json >late.json 2>log.txt &
 player=$!
-sleep 1.5
+wait_for_pattern
 kill -STOP $player
 sleep 1
 kill -CONT $player
@@ -73,7 +80,7 @@ grep -q "refreshes were missed" log.txt || fail "not told: $(cat log.txt)"
 # Ctrl-C ends after a whole cycle, and what was shown is kept.
 "$E2LF" codes play -o ended --cell 40 --period-us 50000 --quiet 2>log.txt &
 player=$!
-sleep 2
+wait_for_pattern
 kill -INT $player
 code=0
 wait $player || code=$?
