@@ -32,6 +32,7 @@ def read_model(path):
         bits = np.frombuffer(content[begin:end], np.uint16 if entry["dtype"] == "BF16" else np.float32)
         values = (bits.astype(np.uint32) << 16).view(np.float32) if entry["dtype"] == "BF16" else bits.copy()
         tensors[name] = values.reshape(entry["shape"])
+    tensors.update((name, tensors[source]) for name, source in header.pop("shared_weights", {}).items())
     return header, tensors
 
 

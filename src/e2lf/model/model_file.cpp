@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Reads and writes model files; declared in model.h.
 #include <algorithm>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "e2lf/base/text.h"
@@ -27,6 +29,48 @@ Result<std::vector<float>> values_of(const Safetensors& tensors, const std::stri
   if (tensor->shape == shape) return tensor->to_float(location);
   return fail(ErrorCode::kShape, location, "the values have shape ", shape_text(tensor->shape), " instead of ",
               shape_text(shape), "; ", remedy);
+}
+
+/// Weights of at least this many values are stored once if two layers have the same.
+constexpr size_t kLeastShared = 1024;
+constexpr const char* kSharedWeights = "shared_weights";
+
+/// Leaves out weights that an earlier layer has, too. Returns the names of those that stand for them, by name. Each
+/// stands for one other at most, so that a reader needs no more than twice the memory of the file.
+Json take_shared_weights(Safetensors& tensors, const std::vector<WeightShape>& weights) {
+  Json shared = Json::object();
+  std::map<std::pair<std::vector<size_t>, std::vector<uint8_t>>, std::string> stored;
+  for (const WeightShape& weight : weights) {
+    const auto found = tensors.tensors.find(weight.name);
+    if (found->second.num_elements() < kLeastShared) continue;
+    auto node = stored.extract({found->second.shape, found->second.bytes});
+    if (node.empty()) {
+      stored[{found->second.shape, found->second.bytes}] = weight.name;
+      continue;
+    }
+    shared[weight.name] = node.mapped();
+    tensors.tensors.erase(found);
+  }
+  return shared;
+}
+
+/// Adds the weights that are stored as those of another layer.
+Result<void> add_shared_weights(Safetensors& tensors, const Json& shared, const std::string& file) {
+  if (shared.is_null()) return {};
+  const std::string location = cat(file, ": ", kMetadataKey, ": $.", kSharedWeights);
+  if (!shared.is_object()) return fail(ErrorCode::kFormat, location, "expected an object; write { ... }");
+  std::set<std::string> used;
+  for (const auto& [name, source] : shared.items()) {
+    if (!source.is_string()) return fail(ErrorCode::kFormat, location + "." + name, "expected the name of a tensor");
+    const auto from = source.get<std::string>();
+    if (tensors.tensors.contains(name) || shared.contains(from) || !used.insert(from).second) {
+      return fail(ErrorCode::kInvalidValue, location + "." + name,
+                  "weights that are stored or shared already are shared; share each stored tensor once");
+    }
+    E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(from, file));
+    tensors.tensors[name] = Tensor(*tensor);
+  }
+  return {};
 }
 
 constexpr const char* kMeasurement = "measurement";
@@ -92,9 +136,10 @@ Result<Weights> weights_from_tensors(const Network& network, const Safetensors& 
 }
 
 Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& file) {
-  E2LF_ASSIGN_OR_RETURN(const Safetensors tensors, decode_safetensors(bytes, file));
+  E2LF_ASSIGN_OR_RETURN(Safetensors tensors, decode_safetensors(bytes, file));
   E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, file));
   E2LF_ASSIGN_OR_RETURN(Model model, header_from_json(json, cat(file, ": ", kMetadataKey, ": $")));
+  E2LF_RETURN_IF_ERROR(add_shared_weights(tensors, json.value(kSharedWeights, Json()), file));
   E2LF_ASSIGN_OR_RETURN(model.weights, weights_from_tensors(model.network, tensors, file));
   if (tensors.tensors.contains(kCodesTensor)) {
     const std::vector<size_t> shape = {model.num_patterns, model.views_y, model.views_x};
@@ -121,12 +166,15 @@ Result<bool> is_video_model(const std::filesystem::path& path) {
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {
   E2LF_RETURN_IF_ERROR(validate(model, path.string()));
   Safetensors tensors;
-  tensors.metadata[kMetadataKey] = json_line(header_to_json(model));
-  for (const WeightShape& tensor : weight_shapes(model.network)) {
+  const std::vector<WeightShape> shapes = weight_shapes(model.network);
+  for (const WeightShape& tensor : shapes) {
     const std::vector<float>& values = model.weights.at(tensor.name);
     tensors.tensors[tensor.name] = storage == WeightStorage::kBfloat16 ? make_bfloat16_tensor(tensor.shape, values)
                                                                        : make_npy<float>(tensor.shape, values);
   }
+  Json header = header_to_json(model);
+  if (Json shared = take_shared_weights(tensors, shapes); !shared.empty()) header[kSharedWeights] = std::move(shared);
+  tensors.metadata[kMetadataKey] = json_line(header);
   if (model.codes) {
     tensors.tensors[kCodesTensor] =
         make_npy<float>({model.codes->num_patterns, model.codes->views_y, model.codes->views_x}, model.codes->values);
@@ -253,6 +301,7 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   std::string measurement = capture::measurement_name(capture::MeasurementKind::kEventImages);
   reader.read(kMeasurement, measurement);
   (void)reader.child("format_version");
+  (void)reader.child(kSharedWeights);
   const Json& network = reader.child("network");
   const Json& provenance = reader.child("provenance");
   const Json& camera = reader.child("camera");

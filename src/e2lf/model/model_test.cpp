@@ -111,6 +111,65 @@ TEST(ModelFile, StoresWeightsInHalfTheRoomRoundedToTheNearest) {
   }
 }
 
+/// A model with two layers that have the same weights, and their sum as the output.
+Model model_with_equal_layers() {
+  Model model = small_model();
+  Layer& first = model.network.layers.front();
+  first.out_channels = 64;
+  Layer& second = model.network.layers.back();
+  second = first;
+  second.name = "b";
+  Layer sum;
+  sum.name = "sum";
+  sum.op = Op::kAdd;
+  sum.inputs = {"a", "b"};
+  model.network.layers.push_back(sum);
+  model.weights.clear();
+  for (const WeightShape& tensor : weight_shapes(model.network)) {
+    size_t size = 1;
+    for (const size_t extent : tensor.shape) size *= extent;
+    for (size_t i = 0; i < size; ++i) model.weights[tensor.name].push_back(static_cast<float>(i) * 0.5F);
+  }
+  return model;
+}
+
+TEST(ModelFile, StoresWeightsThatTwoLayersHaveOnce) {
+  const TestFolder folder;
+  const Model model = model_with_equal_layers();
+  ASSERT_TRUE(write_model(folder / "m.safetensors", model).ok());
+  const Safetensors file = *read_safetensors(folder / "m.safetensors");
+  EXPECT_TRUE(file.tensors.contains("a.weight"));
+  EXPECT_FALSE(file.tensors.contains("b.weight"));
+  EXPECT_TRUE(file.tensors.contains("b.bias"));  // 64 values are too few
+  const auto read = read_model(folder / "m.safetensors");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->weights, model.weights);
+}
+
+TEST(ModelFile, RefusesWeightsThatAreSharedTwiceOrWithoutASource) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_model(folder / "m.safetensors", model_with_equal_layers()).ok());
+  const Safetensors written = *read_safetensors(folder / "m.safetensors");
+  const auto error_with = [&](const char* shared) {
+    Safetensors file = written;
+    Json header = Json::parse(file.metadata.at("e2lf"));
+    header["shared_weights"] = Json::parse(shared);
+    file.metadata["e2lf"] = header.dump();
+    EXPECT_TRUE(write_safetensors(folder / "m.safetensors", file).ok());
+    const auto model = read_model(folder / "m.safetensors");
+    EXPECT_FALSE(model.ok()) << shared;
+    return model.ok() ? Error{} : model.error();
+  };
+  for (const char* twice : {R"({"b.weight": "a.weight", "c.weight": "a.weight"})", R"({"a.weight": "b.weight"})",
+                            R"({"b.weight": "c.weight", "c.weight": "a.weight"})"}) {
+    const Error error = error_with(twice);
+    EXPECT_THAT(error.message, HasSubstr("share")) << twice;
+  }
+  EXPECT_EQ(error_with(R"({"b.weight": "aa.weight"})").code, ErrorCode::kNotFound);
+  EXPECT_THAT(error_with(R"({"b.weight": 1})").location, HasSubstr("$.shared_weights.b.weight"));
+  EXPECT_THAT(error_with("[]").location, EndsWith("$.shared_weights"));
+}
+
 TEST(ModelFile, RoundTripsWithoutCodes) {
   const TestFolder folder;
   Model model = small_model();
