@@ -2,8 +2,7 @@
 
 usage: convert.py NETWORK.pt MODEL NAME OUT.safetensors [KEY=VALUE...]
 MODEL is a bundled model for the same patterns and, if the network is conditioned on the camera, for cameras: the result has its
-patterns, camera and constants. A network of layers gets the operation that renders them to 8x8 views. KEY=VALUE is added to the
-provenance. Requires torch.
+patterns, camera and constants. KEY=VALUE is added to the provenance. Requires torch.
 """
 import json
 import pathlib
@@ -13,11 +12,8 @@ import sys
 import numpy as np
 import torch
 
-import networks
-
 INPUTS = [{"kind": "counts", "scale": 0.125}, {"kind": "cumulative", "scale": 0.125}, {"kind": "level", "scale": 0.125},
           {"kind": "intensity", "scale": 4.0}]
-VIEWPOINTS = [view - 3.5 for view in range(8)]
 
 
 def read_model(path):
@@ -44,9 +40,6 @@ def file_layers(layers):
         if layer["op"] == "plane-sweep":
             layer["offsets"] = [position for offset in layer["offsets"] for position in offset]
         result.append(layer)
-    if layers[-1]["name"] == "layers":
-        result.append({"name": "views", "op": "render-layers", "inputs": ["layers"], "disparities": networks.PLANES,
-                       "rows": VIEWPOINTS, "columns": VIEWPOINTS})
     return result
 
 

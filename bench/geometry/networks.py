@@ -1,15 +1,11 @@
-"""Networks from events to disparity and to layers, as lists of layers in the form of model files, and their two operations.
-
-plane-sweep: compares the pictures behind the patterns at each of a list of disparities.
-render-layers: renders opacities and intensities of planes to the views.
-"""
+"""Networks from events to disparity, as lists of layers in the form of model files, and their operation plane-sweep, which compares the
+pictures behind the patterns at each of a list of disparities."""
 import math
 
 import torch
 import torch.nn.functional as F
 
 DISPARITIES = [round(-3.4 + 0.2 * i, 3) for i in range(35)]
-PLANES = [round(-3.45 + 0.3 * i, 3) for i in range(24)]  # near to far
 FEATURES = 4  # of each picture
 SWEEP_SCALE = 4
 
@@ -60,21 +56,6 @@ def depth_network(offsets, whole_cycle=False, widths=(40, 64, 88, 112, 128, 128)
     x = unet(layers, "start", list(widths), [1] * len(widths))
     layers.append(conv("head", x, 8))
     layers.append({"name": "output", "op": "pixel-shuffle", "inputs": ["head"], "stride": 2})
-    return layers
-
-
-def layers_network(offsets, whole_cycle=False, widths=(80, 96, 128, 144, 160), head=32):
-    """Layers, [2 K, y, x]: opacities before the sigmoid and intensities of K planes. Its first levels are those of e2lf-n4."""
-    layers = [{"name": "unshuffle", "op": "pixel-unshuffle", "inputs": ["input"], "stride": 2}, *sweep_layers(offsets, whole_cycle),
-              conv("stem", "unshuffle", widths[0])]
-    x = unet(layers, "stem", list(widths), [2, 2] + [1] * (len(widths) - 2))
-    layers += [conv("head", x, 4 * head, relu=True), {"name": "shuffle", "op": "pixel-shuffle", "inputs": ["head"], "stride": 2},
-               conv("detail", "input", head), {"name": "head_join", "op": "add", "inputs": ["shuffle", "detail"]}]
-    x = "head_join"
-    for i in range(4):
-        layers += [conv(f"full_{i}a", x, head, relu=True), conv(f"full_{i}b", f"full_{i}a", head, residual=x)]
-        x = f"full_{i}b"
-    layers += [conv("skip", "input", 2 * len(PLANES), 1), conv("layers", x, 2 * len(PLANES), residual="skip")]
     return layers
 
 
@@ -145,23 +126,18 @@ def start_features(network, num_patterns):
 _matrices = {}
 
 
-def shift_matrices(size, offsets, is_cubic, like):
-    """Returns matrices [offset, size, size] with (M x)[i] = x(i + offset): linear with zeros outside, or cubic (Keys, a = -0.5)
-    with the edges repeated."""
-    key = (size, tuple(round(float(offset), 5) for offset in offsets), is_cubic, like.dtype, like.device)
+def shift_matrices(size, offsets, like):
+    """Returns matrices [offset, size, size] with (M x)[i] = x(i + offset), linear with zeros outside."""
+    key = (size, tuple(round(float(offset), 5) for offset in offsets), like.dtype, like.device)
     if key in _matrices:
         return _matrices[key]
     matrices, rows = torch.zeros(len(offsets), size, size), torch.arange(size)
     for matrix, offset in zip(matrices, offsets):
         whole = math.floor(offset)
-        t = offset - whole
-        near = lambda u: (1.5 * u - 2.5) * u * u + 1
-        far = lambda u: ((-0.5 * u + 2.5) * u - 4) * u + 2
-        taps = [(-1, far(t + 1)), (0, near(t)), (1, near(1 - t)), (2, far(2 - t))] if is_cubic else [(0, 1 - t), (1, t)]
-        for tap, weight in taps:
+        for tap, weight in ((0, 1 - offset + whole), (1, offset - whole)):
             columns = rows + whole + tap
-            inside = torch.ones_like(rows, dtype=torch.bool) if is_cubic else (columns >= 0) & (columns < size)
-            matrix.index_put_((rows[inside], columns[inside].clamp(0, size - 1)), torch.tensor(float(weight)).expand(int(inside.sum())), accumulate=True)
+            inside = (columns >= 0) & (columns < size)
+            matrix.index_put_((rows[inside], columns[inside]), torch.tensor(float(weight)).expand(int(inside.sum())), accumulate=True)
     _matrices[key] = matrices.to(like)
     return _matrices[key]
 
@@ -180,8 +156,8 @@ def _plane_sweep(x, layer):
     planes, features = len(disparities), channels // len(offsets)
     total, energy = 0, 0
     for picture, (row, column) in zip(x.view(batch, len(offsets), features, height, width).unbind(1), offsets):
-        across = shift_matrices(width, [d * column for d in disparities], False, x).reshape(planes * width, width)
-        down = shift_matrices(height, [d * row for d in disparities], False, x)
+        across = shift_matrices(width, [d * column for d in disparities], x).reshape(planes * width, width)
+        down = shift_matrices(height, [d * row for d in disparities], x)
         moved = (picture.reshape(-1, width) @ across.t()).view(batch, features, height, planes, width)
         moved = torch.bmm(down, moved.permute(3, 2, 0, 1, 4).reshape(planes, height, -1))
         total, energy = total + moved, energy + moved * moved
@@ -189,23 +165,3 @@ def _plane_sweep(x, layer):
     both = F.avg_pool2d(both.permute(0, 3, 1, 2, 4).reshape(2 * batch, planes, height, width), kernel, 1, kernel // 2)
     evidence, energy = both.view(2, batch, planes, height, width)
     return evidence / (1 + energy)
-
-
-def render_layers(x, views_y, views_x, planes=PLANES):
-    """Renders layers [batch, 2 K, y, x] from viewpoints relative to the centre of the aperture, in view steps. Returns the pictures
-    [view_y, y, batch, view_x, x] and the visible share of each plane, [K, view_y, y, batch, view_x, x]."""
-    number, (batch, _, height, width) = len(planes), x.shape
-    opacity = torch.sigmoid(x[:, :number])
-    opacity = torch.cat([opacity[:, :-1], torch.ones_like(opacity[:, -1:])], 1)
-    across = shift_matrices(width, [-v * d for d in planes for v in views_x], True, x).view(number, -1, width)
-    down = shift_matrices(height, [-v * d for d in planes for v in views_y], True, x).view(number, -1, height)
-    maps = torch.stack([opacity, x[:, number:2 * number]]).permute(2, 0, 1, 3, 4).reshape(number, -1, width)
-    maps = torch.bmm(maps, across.transpose(1, 2)).view(number, 2, batch, height, len(views_x), width)
-    maps = torch.bmm(down, maps.permute(0, 3, 1, 2, 4, 5).reshape(number, height, -1))
-    maps = maps.view(number, len(views_y), height, 2, batch, len(views_x), width)
-    # Plane by plane: the backward pass of cumprod is slow where an opacity is 1.
-    picture, passed, shares = 0, 1, []
-    for plane in maps:
-        shares.append(passed * plane[:, :, 0].clamp(0, 1))
-        picture, passed = picture + shares[-1] * plane[:, :, 1], passed - shares[-1]
-    return picture, torch.stack(shares)

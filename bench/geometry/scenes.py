@@ -403,14 +403,14 @@ class RealScenes:
 
 class Batches:
     """Batches without end: intensities through the codes and the open aperture [batch, N + 1, y, x], the disparity [batch, y, x] of
-    view (4, 4), 1 where it is known, and the views in the rows and columns that are drawn for the batch, [batch, row, column, y, x]."""
+    view (4, 4), and 1 where it is known."""
 
-    def __init__(self, photos, real, codes, batch, size, seed, num_views, device, real_share=0.15):
+    def __init__(self, photos, real, codes, batch, size, seed, device, real_share=0.15):
         torch.manual_seed(seed)
         self.rng = np.random.default_rng(seed)
         self.synthesiser = Synthesiser(photos, size, self.rng, device)
         self.real = RealScenes(real, size, self.rng, device) if real else None
-        self.batch, self.num_views, self.codes, self.real_share = batch, num_views, codes, real_share if real else 0
+        self.batch, self.real_share = batch, real_share if real else 0
         # The open aperture of synthesised scenes is approximated by the open views and an eighth of the others.
         used = codes.sum(0).cpu() > 0
         sparse = torch.arange(VIEWS**2)[~used][::8]
@@ -422,20 +422,13 @@ class Batches:
 
     @torch.no_grad()
     def next(self):
-        others = np.array([0, 1, 2, 3, 5, 6, 7])
-        rows, columns = ([4, *self.rng.choice(others, self.num_views - 1, replace=False)] if self.num_views else [] for _ in range(2))
-        rows, columns = [int(row) for row in rows], [int(column) for column in columns]
-        wanted = [VIEWS * row + column for row in rows for column in columns]
         num_real = min(int(self.rng.binomial(self.batch, self.real_share)), self.batch - 2)
         scenes = self.synthesiser.draw(self.batch - num_real)
         coded = torch.einsum("pv,bvyx->bpyx", self.weights, scenes.views(self.coded_views))
-        views = scenes.views(wanted).unflatten(1, (len(rows), len(columns))) if wanted else coded[:, :0]
         disparity = scenes.disparity()
         known = torch.ones_like(disparity)
         if num_real:
             drawn = [self.real.draw() for _ in range(num_real)]
             coded = torch.cat([coded, torch.stack([torch.einsum("pv,vyx->pyx", self.all_weights, v.flatten(0, 1)) for v, _, _ in drawn])])
             disparity, known = (torch.cat([a, torch.stack([scene[k] for scene in drawn])]) for a, k in ((disparity, 1), (known, 2)))
-            if wanted:
-                views = torch.cat([views, torch.stack([torch.stack([torch.stack([v[row, column] for column in columns]) for row in rows]) for v, _, _ in drawn])])
-        return coded, disparity, known, views, (rows, columns)
+        return coded, disparity, known

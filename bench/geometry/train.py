@@ -1,6 +1,6 @@
-"""Trains a network from events to disparity, or from events to a light field made of layers.
+"""Trains a network from events to disparity.
 
-usage: train.py DATA OUT --kind depth|layers [--whole-cycle] [--camera FILE] [--seconds S] [--profile]
+usage: train.py DATA OUT [--whole-cycle] [--camera FILE] [--seconds S] [--profile]
 DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from --start, a network.pt or a model file, of which it
 takes what fits.
 Requires torch, numpy, pillow and a C++ compiler, or nvcc; runs on the CPU or on one GPU.
@@ -23,10 +23,9 @@ from PIL import Image
 
 import convert
 import networks
-from scenes import VIEWS, Batches
+from scenes import Batches
 from sensor import FIXED_CONDITIONS, Conditions, count_events, network_input
 
-SURE = 0.15  # scale of the likelihood of a plane, px per view step
 AVERAGED_CYCLES = 0.2  # share of the steps with the mean of several cycles of a still scene, for networks that are told their number
 NEWEST = 0.001  # weight of the newest weights in their average
 MULTIPLE = 64  # of the height and width of pictures, px
@@ -129,7 +128,7 @@ class Task:
 
     def __init__(self, options, codes):
         self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-        self.kind, self.whole_cycle, self.camera_share = options.kind, options.whole_cycle, options.camera_share
+        self.whole_cycle, self.camera_share = options.whole_cycle, options.camera_share
         self.is_half = self.device.type == "cuda" or options.bfloat16
         text = options.camera.read_text() if options.camera else ""
         self.camera = json.loads(re.sub(r"^\s*//.*$", "", text, flags=re.M)) if text else None
@@ -138,47 +137,15 @@ class Task:
         of_events = 4 * (self.num_patterns - 1)
         channels = of_events + (FIXED_CONDITIONS + self.num_patterns - 2 if self.camera else 0)
         self.share_of_events = of_events / channels
-        build = networks.depth_network if options.kind == "depth" else networks.layers_network
-        self.network = networks.Network(build(centroids(self.codes), options.whole_cycle), channels).to(self.device)
+        self.network = networks.Network(networks.depth_network(centroids(self.codes), options.whole_cycle), channels).to(self.device)
         networks.start_features(self.network, self.num_patterns)
         self.network.to(memory_format=torch.channels_last)
         self.rng = np.random.default_rng(options.seed)
 
-    def _with_level(self, weight):
-        """Returns a weight for counts, cumulative counts, intensities and perhaps the camera, with zeros for the inputs that it lacks."""
-        transitions, channels = self.num_patterns - 1, self.network.weights["pictures/weight"].shape[1]
-        for each in (1, 4):  # pixels of an input, or of one whose blocks of 2x2 pixels became channels
-            group = transitions * each
-            if weight.dim() == 4 and weight.shape[1] in (3 * group, channels * each - group):
-                widened = weight.new_zeros(len(weight), channels * each, *weight.shape[2:])
-                widened[:, :2 * group] = weight[:, :2 * group]
-                widened[:, 3 * group:weight.shape[1] + group] = weight[:, 2 * group:]
-                return widened
-        return weight
-
-    @torch.no_grad()
-    def start_from_views(self, start):
-        """Starts from a network for light fields: its levels, and its central views as the intensities of all planes."""
-        moved = {re.sub("^middle_1", "up2_0", re.sub("^middle_0", "down2_0", name)): self._with_level(value) for name, value in start.items()}
-        for name, weight in self.network.weights.items():
-            if name in ("up2_double/weight", "weigh/weight"):
-                weight.mul_(0.1)
-            elif name.startswith(("layers/", "skip/")):
-                central = moved[name.replace("layers/", "output/")][[27, 28, 35, 36]].mean(0).to(weight)
-                planes = len(weight) // 2
-                weight[:planes] = torch.tensor([-1.2 - 0.6 * abs(d) for d in networks.PLANES]) if name == "layers/bias" else 0.0
-                weight[planes:] = central
-            elif name in moved and moved[name].shape == weight.shape:
-                weight.copy_(moved[name])
-
     @torch.no_grad()
     def start_from(self, path):
-        """Takes the weights of another network, which may lack the inputs of the camera, where their names are those of this one; for
-        layers, also those of a model for light fields."""
+        """Takes the weights of another network, which may lack the inputs of the camera, where their names are those of this one."""
         other = read_weights(path)
-        if "output/weight" in other:
-            self.start_from_views(other)
-            return
         for name, weight in self.network.weights.items():
             known = other.get(name, torch.empty(0))
             if known.shape == weight.shape:
@@ -202,41 +169,20 @@ class Task:
         with self._autocast():
             return self.network(x)
 
-    def loss(self, coded, disparity, known, views, places):
+    def loss(self, coded, disparity, known):
         """Returns the loss of a batch of scenes.Batches, and its figures."""
         batch = len(coded)
         conditions = Conditions(batch, self.rng, self.device, self.camera, camera_share=self.camera_share, residue_share=0.3 if self.camera else 0.0)
         cycles = 2 ** int(self.rng.integers(1, 5)) if self.camera and self.rng.random() < AVERAGED_CYCLES else 1
-        y = self.apply(coded, conditions, cycles).float()
-        if self.kind == "depth":
-            return self._depth_loss(y, disparity, known)
-        return self._layers_loss(y, views, disparity, known, conditions.planes(conditions.gain), places)
+        return self._likelihood(self.apply(coded, conditions, cycles).float(), disparity, known)
 
-    def _depth_loss(self, y, disparity, known):
+    def _likelihood(self, y, disparity, known):
         """The negative logarithm of a Laplace likelihood, and a bounded error that prefers the likeliest disparity to the median."""
         error, log_scale = (y[:, 0] - disparity).abs(), y[:, 1].clamp(-4, 4)
         each = error * torch.exp(-log_scale) + log_scale + 0.05 * error + 0.5 * error / (error + TOLERANCE)
         share = known / known.sum().clamp_min(1)
         loss = (each * share).sum()
         return loss, {"loss": loss, "off by 0.2": ((error > TOLERANCE) * share).sum()}
-
-    def _layers_loss(self, y, views, disparity, known, gain, places):
-        """The root of the squared error of the views, and the likelihood of the planes that view (4, 4) sees."""
-        rows, columns = places
-        picture, shares = networks.render_layers(y, [row - 3.5 for row in rows], [column - 3.5 for column in columns])
-        height, width = disparity.shape[1:]
-        truth = (views * gain[:, None, None]).permute(1, 3, 0, 2, 4)
-        # Row and column 4 are always drawn, the others with probability 3 / 7.
-        weight = torch.tensor([1.0, *[7 / (len(rows) - 1)] * (len(rows) - 1)], device=self.device) / VIEWS
-        error = torch.einsum("rybcx,r,c->b", (picture - truth).square(), weight, weight) / (height * width) / gain.flatten()
-        loss = (error + 1e-6).sqrt().mean()
-        planes = torch.tensor(networks.PLANES, device=self.device).view(-1, 1, 1, 1)
-        seen, disparity, known = shares[:, 0, :, :, 0], disparity.permute(1, 0, 2), known.permute(1, 0, 2)
-        known = known / known.sum().clamp_min(1)
-        likelihood = (seen * torch.exp(-(disparity - planes).abs() / SURE)).sum(0)
-        nll = -(torch.log(likelihood + 1e-3) * known).sum()
-        off = ((((seen * planes).sum(0) - disparity).abs() > TOLERANCE) * known).sum()
-        return loss + 0.01 * nll, {"root error": loss, "likelihood": nll, "off by 0.2": off}
 
     @torch.no_grad()
     def evaluate(self, folder, is_pixel, cycles=1):
@@ -250,19 +196,14 @@ class Task:
             torch.manual_seed(11)
             y = self.apply(coded, Conditions(1, self.rng, self.device, self.camera, camera_share=float(is_pixel), stated=True), cycles)
             y = y[:, :, :height, :width].float()
-            disparity = y[0, 0] if self.kind == "depth" else self._disparity_of_layers(y)
+            disparity, scale = y[0]
             name = path.stem[6:] + ("@camera" if is_pixel else "") + (f"x{cycles}" if cycles > 1 else "")
             truth = torch.as_tensor(scene["disparity"].astype(np.float32), device=self.device)
             off = ((disparity - truth).abs() > TOLERANCE).float()[inside, inside]
             figures[name] = f"{100 * float(off.mean()):.1f} %"
-            if self.kind == "depth":
-                scale = y[0, 1][inside, inside]
-                figures[name] += f" (surer half {100 * float(off[scale < scale.median()].mean()):.1f} %)"
+            scale = scale[inside, inside]
+            figures[name] += f" (surer half {100 * float(off[scale < scale.median()].mean()):.1f} %)"
         return figures
-
-    def _disparity_of_layers(self, y):
-        _, shares = networks.render_layers(y, [0.5], [0.5])
-        return (shares[:, 0, :, 0, 0] * torch.tensor(networks.PLANES, device=self.device).view(-1, 1, 1)).sum(0)
 
 
 def train(options):
@@ -281,10 +222,8 @@ def train(options):
     elif options.start:
         task.start_from(options.start)
         optimiser.begin()
-    batch, size = (48, 256) if options.kind == "depth" else (16, 192)
-    batch, size = options.batch or batch, options.size or size
-    batches = Batches(read_photos(options.data), sorted(options.data.glob("real-*.npz")), task.codes, batch, size, options.seed + optimiser.steps,
-                      0 if options.kind == "depth" else VIEWS // 2, task.device)
+    batches = Batches(read_photos(options.data), sorted(options.data.glob("real-*.npz")), task.codes, options.batch, options.size,
+                      options.seed + optimiser.steps, task.device)
     next_batch = batches.next if task.device.type == "cuda" else drawn_ahead(batches)
     began = reported = time.time()
     begin = reported - trained_s
@@ -292,7 +231,7 @@ def train(options):
 
     def report(share):
         figures = {name: round(float(value) / max(1, count), 4) for name, value in sums.items()}
-        print(f"{share:4.0%} {optimiser.steps} steps, {optimiser.steps * batch} samples", figures, *evaluate(), flush=True)
+        print(f"{share:4.0%} {optimiser.steps} steps, {optimiser.steps * options.batch} samples", figures, *evaluate(), flush=True)
 
     def evaluate():
         """Returns the figures of the averaged weights."""
@@ -307,7 +246,7 @@ def train(options):
     def step(rate):
         loss, figures = task.loss(*next_batch())
         loss.backward()
-        torch.nn.utils.clip_grad_norm_(task.network.parameters(), 5.0 if options.kind == "depth" else 0.1)
+        torch.nn.utils.clip_grad_norm_(task.network.parameters(), 5.0)
         optimiser.step(rate)
         return figures
 
@@ -324,7 +263,7 @@ def train(options):
             sums[name] = sums.get(name, 0) + value.detach()
         count += 1
         if count == 200 and not options.profile:
-            print(f"{count * batch / (time.time() - reported):.0f} samples/s", flush=True)
+            print(f"{count * options.batch / (time.time() - reported):.0f} samples/s", flush=True)
         if time.time() - began > options.pause_s:
             break
         if time.time() - reported > options.report_s:
@@ -348,15 +287,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
-    parser.add_argument("--kind", choices=["depth", "layers"], required=True)
     parser.add_argument("--whole-cycle", action="store_true")
     parser.add_argument("--camera", type=pathlib.Path, help="a camera file of physical pixels")
     parser.add_argument("--camera-share", type=float, default=0.3, help="share of the samples of the camera; the others have the model of the paper")
     parser.add_argument("--seconds", type=float, default=600)
     parser.add_argument("--report-s", type=float, default=150)
-    parser.add_argument("--batch", type=int, default=0)
-    parser.add_argument("--size", type=int, default=0, help="height and width of the synthesised views in px")
-    parser.add_argument("--start", type=pathlib.Path, help="a network.pt or model file to start from, for layers also a model for light fields")
+    parser.add_argument("--batch", type=int, default=48)
+    parser.add_argument("--size", type=int, default=256, help="height and width of the synthesised views in px")
+    parser.add_argument("--start", type=pathlib.Path, help="a network.pt or model file to start from")
     parser.add_argument("--pause-s", type=float, default=math.inf, help="stop after this time; another run continues")
     parser.add_argument("--rate", type=float, default=1e-3, help="largest rate of learning")
     parser.add_argument("--seed", type=int, default=1)
