@@ -65,8 +65,8 @@ for camera in paper evk4-lcos; do
   "$E2LF" simulate scene --camera $camera -m "$models/e2lf-n4.safetensors" --seed 3 -o "own-$camera.npz" --quiet
   "$E2LF" reconstruct "own-$camera.npz" -o "chosen-$camera" --quiet
 done
-[ "$(json chosen-paper/run.json 'j["inputs"][-1]["path"].split("/")[-1], j["inputs"][0]["path"].split("/")[-1]')" = "('own-paper.npz', 'e2lf-n4.safetensors')" ] || fail "a network for the paper's pixels"
-[ "$(json chosen-evk4-lcos/run.json 'j["inputs"][0]["path"].split("/")[-1]')" = e2lf-n4-camera.safetensors ] || fail "a network for physical pixels"
+[ "$(json chosen-paper/run.json 'j["inputs"][-1]["path"].split("/")[-1], j["inputs"][0]["path"].split("/")[-1]')" = "('own-paper.npz', 'e2lf-n4-geometry.safetensors')" ] || fail "a network for the paper's pixels"
+[ "$(json chosen-evk4-lcos/run.json 'j["inputs"][0]["path"].split("/")[-1]')" = e2lf-n4-geometry-camera.safetensors ] || fail "a network for physical pixels"
 "$E2LF" simulate scene -m "$models/e2lf-n8.safetensors" -o eight.npz --quiet
 "$E2LF" reconstruct eight.npz -o eight --quiet
 [ "$(json eight/run.json 'j["inputs"][0]["path"].split("/")[-1]')" = e2lf-n8.safetensors ] || fail "a network for eight patterns"

@@ -16,8 +16,8 @@ namespace {
 constexpr const char* kDepth = "depth";
 
 /// Returns the first of these bundled networks that was trained for the patterns.
-Result<std::optional<BundledNetwork>> first_for(const capture::Codes& codes, const std::vector<const char*>& names) {
-  for (const char* name : names) {
+Result<std::optional<BundledNetwork>> first_for(const capture::Codes& codes, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
     const auto path = bundled_file_named(kBundledModels, name);
     if (!path) continue;
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
@@ -136,9 +136,9 @@ Result<void> open_classical(const MethodChoice& choice, OpenedMethod& opened) {
 Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
                                                       const std::optional<capture::SensorProfile>& camera,
                                                       bool prefers_fast) {
-  std::vector<const char*> names = camera && camera->is_pixel()
-                                       ? std::vector{"e2lf-n4-camera", "e2lf-n8-camera", "e2lf-n4-cycle-camera"}
-                                       : std::vector{"e2lf-n4", "e2lf-n8", "e2lf-n4-cycle"};
+  const std::string geometry = prefers_fast ? "" : "-geometry", pixels = camera && camera->is_pixel() ? "-camera" : "";
+  std::vector<std::string> names = {"e2lf-n4" + geometry + pixels, "e2lf-n8" + pixels,
+                                    "e2lf-n4-cycle" + geometry + pixels};
   if (prefers_fast) names.insert(names.begin(), "e2lf-n4-live");
   return first_for(codes, names);
 }

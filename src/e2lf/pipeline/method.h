@@ -85,9 +85,10 @@ struct BundledNetwork {
   model::Model model;
 };
 
-/// Returns the bundled network for these patterns: e2lf-n4-live first if `prefers_fast` is set, then e2lf-n4-camera,
-/// e2lf-n8-camera or e2lf-n4-cycle-camera if the camera has physical pixels, otherwise e2lf-n4, e2lf-n8 or
-/// e2lf-n4-cycle. Returns nothing if none was trained for the patterns. Fails as read_model() does.
+/// Returns the bundled network for these patterns: e2lf-n4-geometry, e2lf-n8 or e2lf-n4-cycle-geometry, and if the
+/// camera has physical pixels, those whose names also end in -camera. If `prefers_fast` is set, e2lf-n4-live comes
+/// first, and the others do not follow a geometry. Returns nothing if none was trained for the patterns. Fails as
+/// read_model() does.
 [[nodiscard]] Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
                                                                     const std::optional<capture::SensorProfile>& camera,
                                                                     bool prefers_fast = false);
