@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/pipeline/method.h"
 
+#include <algorithm>
+#include <string>
 #include <vector>
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/model/model.h"
+#include "e2lf/model/operation.h"
 #include "e2lf/recon/inversion.h"
 
 namespace e2lf::pipeline {
@@ -16,6 +19,12 @@ namespace {
 constexpr const char* kDepth = "depth";
 
 /// Returns the first of these bundled networks that was trained for the patterns.
+/// A model and the file from which it was read.
+struct BundledNetwork {
+  fs::path path;
+  model::Model model;
+};
+
 Result<std::optional<BundledNetwork>> first_for(const capture::Codes& codes, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const auto path = bundled_file_named(kBundledModels, name);
@@ -24,6 +33,27 @@ Result<std::optional<BundledNetwork>> first_for(const capture::Codes& codes, con
     if (model.codes && *model.codes == codes) return std::optional(BundledNetwork{*path, std::move(model)});
   }
   return std::optional<BundledNetwork>();
+}
+
+/// The operation of networks whose views follow a geometry. Devices other than the CPU lack it, as do programs that
+/// have not added the operations of `geometry`.
+constexpr const char* kRenderLayers = "render-layers";
+
+bool follows_geometry(const model::Model& model) {
+  return std::ranges::any_of(model.network.layers, [](const model::Layer& layer) { return layer.op == kRenderLayers; });
+}
+
+/// Returns the bundled network for light fields with these patterns: e2lf-n4, e2lf-n8 or e2lf-n4-cycle, for the paper's
+/// event model or for physical pixels. `with_geometry` takes those whose views follow a geometry, which exist for the
+/// first and the last, and `prefers_fast` takes e2lf-n4-live.
+Result<std::optional<BundledNetwork>> network_of_views(const capture::Codes& codes,
+                                                       const std::optional<capture::SensorProfile>& camera,
+                                                       bool with_geometry, bool prefers_fast) {
+  const std::string geometry = with_geometry ? "-geometry" : "", pixels = camera && camera->is_pixel() ? "-camera" : "";
+  std::vector<std::string> names = {"e2lf-n4" + geometry + pixels, "e2lf-n8" + pixels,
+                                    "e2lf-n4-cycle" + geometry + pixels};
+  if (prefers_fast) names.insert(names.begin(), "e2lf-n4-live");
+  return first_for(codes, names);
 }
 
 /// Selects the bundled network that was trained for the patterns, if none is given.
@@ -35,9 +65,12 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
                 "the patterns that the camera showed are unknown; give them as `codes`, or give the model that was "
                 "trained for them");
   }
+  const bool with_geometry =
+      !choice.prefers_fast && choice.device == "cpu" && model::find_operation(kRenderLayers) != nullptr;
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
-                        choice.algorithm == kDepth ? first_for(known->codes, {"e2lf-n4-depth", "e2lf-n4-cycle-depth"})
-                                                   : bundled_network(known->codes, opened.camera, choice.prefers_fast));
+                        choice.algorithm == kDepth
+                            ? first_for(known->codes, {"e2lf-n4-depth", "e2lf-n4-cycle-depth"})
+                            : network_of_views(known->codes, opened.camera, with_geometry, choice.prefers_fast));
   if (!network && bundled_names(kBundledModels).empty()) {
     return fail(ErrorCode::kNotFound, "",
                 "the models of e2lf were not found; name their folder in the environment variable E2LF_MODELS, or give "
@@ -57,7 +90,9 @@ Result<void> open_lit(const engine::EngineOptions& options, OpenedMethod& opened
   const auto& codes = opened.network->model().codes;
   const auto shown = codes ? capture::codes_of_whole_cycle(*codes) : std::nullopt;
   if (!shown) return {};
-  E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network, bundled_network(*shown, opened.camera));
+  E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
+                        network_of_views(*shown, opened.camera, follows_geometry(opened.network->model()),
+                                         /*prefers_fast=*/false));
   if (!network) return {};
   if (model::is_conditioned_on_camera(network->model) && opened.camera) network->model.camera = opened.camera;
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit, recon::Reconstructor::create(std::move(network->model), options));
@@ -132,16 +167,6 @@ Result<void> open_classical(const MethodChoice& choice, OpenedMethod& opened) {
 }
 
 }  // namespace
-
-Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
-                                                      const std::optional<capture::SensorProfile>& camera,
-                                                      bool prefers_fast) {
-  const std::string geometry = prefers_fast ? "" : "-geometry", pixels = camera && camera->is_pixel() ? "-camera" : "";
-  std::vector<std::string> names = {"e2lf-n4" + geometry + pixels, "e2lf-n8" + pixels,
-                                    "e2lf-n4-cycle" + geometry + pixels};
-  if (prefers_fast) names.insert(names.begin(), "e2lf-n4-live");
-  return first_for(codes, names);
-}
 
 Result<model::Model> read_network(const fs::path& path) {
   std::error_code error;

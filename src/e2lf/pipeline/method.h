@@ -13,8 +13,10 @@ namespace e2lf::pipeline {
 
 /// The choice of a method that reconstructs light fields from measurements.
 struct MethodChoice {
-  std::string algorithm = "network";                       ///< or "depth" (a network), or "inversion" (patterns)
-  std::optional<model::Model> model = {};                  ///< the network; empty = the bundled one for the patterns
+  std::string algorithm = "network";  ///< or "depth" (a network), or "inversion" (patterns)
+  /// The network; empty = the bundled one for the patterns. Without `prefers_fast`, it is one whose views follow a
+  /// geometry if there is one, the device is the CPU, and the program has added the operations of `geometry`.
+  std::optional<model::Model> model = {};
   std::optional<capture::Codes> codes = {};                ///< patterns that the caller specifies
   std::optional<capture::SensorProfile> camera = {};       ///< sensor profile that the caller specifies
   std::optional<capture::SensorConstants> constants = {};  ///< empty = those of the model, or else the paper's
@@ -78,20 +80,6 @@ struct OpenedMethod {
 /// Starts a sequence of light fields. The tone is completed by OpenedMethod::complete(). Fails as OpenedMethod::ready()
 /// does.
 [[nodiscard]] Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone);
-
-/// A model and the file from which it was read.
-struct BundledNetwork {
-  std::filesystem::path path;
-  model::Model model;
-};
-
-/// Returns the bundled network for these patterns: e2lf-n4-geometry, e2lf-n8 or e2lf-n4-cycle-geometry, and if the
-/// camera has physical pixels, those whose names also end in -camera. If `prefers_fast` is set, e2lf-n4-live comes
-/// first, and the others do not follow a geometry. Returns nothing if none was trained for the patterns. Fails as
-/// read_model() does.
-[[nodiscard]] Result<std::optional<BundledNetwork>> bundled_network(const capture::Codes& codes,
-                                                                    const std::optional<capture::SensorProfile>& camera,
-                                                                    bool prefers_fast = false);
 
 /// Reads a network: a model file, or the folder of the paper's release.
 [[nodiscard]] Result<model::Model> read_network(const std::filesystem::path& path);
