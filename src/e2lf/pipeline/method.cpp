@@ -18,13 +18,13 @@ namespace {
 
 constexpr const char* kDepth = "depth";
 
-/// Returns the first of these bundled networks that was trained for the patterns.
 /// A model and the file from which it was read.
 struct BundledNetwork {
   fs::path path;
   model::Model model;
 };
 
+/// Returns the first of these bundled networks that was trained for the patterns.
 Result<std::optional<BundledNetwork>> first_for(const capture::Codes& codes, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const auto path = bundled_file_named(kBundledModels, name);
