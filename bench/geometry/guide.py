@@ -128,7 +128,8 @@ def follow(views, number, disparity):
 def main():
     (header, tensors), (depth, depth_tensors) = convert.read_model(sys.argv[1]), convert.read_model(sys.argv[2])
     name, out = sys.argv[3], sys.argv[4]
-    np.testing.assert_array_equal(tensors["aperture.codes"], depth_tensors.pop("aperture.codes"))
+    if not np.array_equal(tensors.get("aperture.codes"), depth_tensors.pop("aperture.codes", None)):
+        sys.exit(f"{sys.argv[2]} was trained for other patterns than {sys.argv[1]}")
     if header["input"][-1]["kind"] != "camera":
         paper = sensor.Conditions(1, np.random.default_rng(0), torch.device("cpu"), stated=True)
         fold_conditioning(depth, depth_tensors, paper.conditioning(header["num_patterns"], 1)[0].numpy())
