@@ -31,6 +31,7 @@ absent none.html
 "$E2LF" view light.npy other.npy --export compare.html --quiet
 "$E2LF" view light.npy --disparity disparity.npy --export disparity.html --quiet
 "$E2LF" view light.npy --disparity true_disparity.npy --export between.html --quiet
+"$E2LF" view light.npy --disparity planes --export surface.html --quiet
 py - <<'PY'
 import numpy as np
 np.save("small.npy", np.zeros((4, 5), np.float32))

@@ -51,10 +51,26 @@ export class DisparityMap {
     this.painter.pairs(this.texture, ...this.size, pairs);
   }
 
-  /** Returns the disparity in px per view step at a pixel of the view of the map; null if it is unknown. */
-  at(x: number, y: number): number | null {
+  /** Returns the disparity in px per view step at a pixel of the view of the map; NaN if it is unknown. */
+  valueAt(x: number, y: number): number {
     const value = this.milli[y * this.size[0] + x];
-    return value === undefined || value === unknown ? null : value / 1000;
+    return value === undefined || value === unknown ? NaN : value / 1000;
+  }
+
+  /** The same, or null if it is unknown. */
+  at(x: number, y: number): number | null {
+    const value = this.valueAt(x, y);
+    return Number.isNaN(value) ? null : value;
+  }
+
+  /** Returns the confidence at a pixel; 1 if the map states none. */
+  confidenceAt(x: number, y: number): number {
+    return this.confidence ? this.confidence[y * this.size[0] + x]! / 1000 : 1;
+  }
+
+  /** Returns the confidence from which on points are shown. */
+  leastConfidence(state: State): number {
+    return this.hasConfidence ? state.get('sure') : 0;
   }
 
   /** Describes a pixel in words; null if its disparity is unknown. */
@@ -74,7 +90,7 @@ export class DisparityMap {
       overlay: this.isKnown ? opacity : 0,
       followsMap: this.isKnown && state.get('size') === 0,
       overlayRange: this.range,
-      leastConfidence: this.hasConfidence ? state.get('sure') : 0,
+      leastConfidence: this.leastConfidence(state),
       viewpoint: [viewpointOn('x', columns), viewpointOn('y', rows)],
       mapView: [column - (columns - 1) / 2, row - (rows - 1) / 2],
       layer: row * columns + column,

@@ -2,11 +2,12 @@
 import { shapes } from './aperture';
 import type { ApertureMap } from './aperture_map';
 import { paths, videoEndings } from './animation';
-import { disparityColour, drawColours, sequential, type Colour } from './colour_map';
+import { sequential } from './colour_map';
 import type { QualityFigures } from './comparison';
 import type { DisparityMap } from './disparity_map';
 import type { LightFieldItem } from './document';
-import { canvas, element } from './dom';
+import { element } from './dom';
+import { colourBar, DisparityLegend, sureSlider } from './legend';
 import { maxDisparity } from './light_field';
 import type { Context } from './screen';
 
@@ -19,13 +20,14 @@ export interface Controlled {
   quality: QualityFigures | null; // if there are two
   disparity: DisparityMap | null; // of the first one that has a map
   record(ending: string): void; // a film, as `webm`, `mp4` or `gif`
+  saveRelief(): void;
 }
 
 export class LightFieldControls {
   private readonly note = element('p', { class: 'figures', 'aria-live': 'polite' });
   private swipe: HTMLElement | null = null;
   private boost: HTMLElement | null = null;
-  private depth: HTMLElement | null = null;
+  private ofRelief: HTMLElement | null = null;
   private overlay: HTMLElement | null = null;
   private cycle: HTMLElement | null = null;
 
@@ -52,7 +54,7 @@ export class LightFieldControls {
   /** Hides the controls without an effect on what is shown. */
   layout(shown: string, compared: string): void {
     const parts: [HTMLElement | null, boolean][] = [[this.swipe, compared === 'swipe'], [this.boost, compared === 'difference'],
-      [this.depth, shown === 'relief'], [this.overlay, shown !== 'disparity']];
+      [this.ofRelief, shown === 'relief'], [this.overlay, shown !== 'disparity']];
     for (const [part, isUsed] of parts) if (part) part.hidden = !isUsed;
   }
 
@@ -85,21 +87,19 @@ export class LightFieldControls {
 
   private partsOf(disparity: DisparityMap): HTMLElement[] {
     const { panel } = this.context;
-    const [near, far] = disparity.range;
-    const numbers = [0, 0.25, 0.5, 0.75, 1].map((share) => element('span', {}, (near + share * (far - near)).toFixed(2)));
-    this.depth = panel.slider('depth', 'Depth of the relief', { low: 0, high: 1.5, step: 0.05 });
+    this.ofRelief = element('div', {}, panel.slider('depth', 'Depth of the relief', { low: 0, high: 1.5, step: 0.05 }),
+      panel.button('Save GLB', () => this.of.saveRelief()));
     this.overlay = panel.slider('overlay', 'Colours of disparity', { low: 0, high: 1, step: 0.05, text: percent });
-    const sure = panel.slider('sure', 'Hatched below a confidence of', { low: 0, high: 1, step: 0.05 });
-    return [this.overlay, this.depth, ...(disparity.hasConfidence ? [sure] : []),
-      this.bar('Colours of disparity from near to far', disparityColour, ...numbers),
-      element('p', { class: 'figures ends' }, element('span', {}, 'near'), element('span', {}, 'px per view step'), element('span', {}, 'far'))];
+    const legend = new DisparityLegend();
+    legend.show(disparity.range);
+    return [this.overlay, ...(disparity.hasConfidence ? [sureSlider(panel)] : []), this.ofRelief, legend.root];
   }
 
   private addView(): void {
     const { panel } = this.context;
     const { item, map, quality } = this.of;
     const [rows, columns] = item.views;
-    const psnrBar = quality ? [this.bar('Colours of PSNR', sequential, quality.worst, quality.best)] : [];
+    const psnrBar = quality ? [colourBar('Colours of PSNR', sequential, quality.worst, quality.best)] : [];
     panel.group('Viewpoint', map.canvas, ...psnrBar,
       panel.slider('x', 'To the right', { low: -(columns - 1) / 2, high: (columns - 1) / 2, step: 0.05, text: signed }),
       panel.slider('y', 'Down', { low: -(rows - 1) / 2, high: (rows - 1) / 2, step: 0.05, text: signed }));
@@ -117,12 +117,5 @@ export class LightFieldControls {
     const names: Record<string, string> = { webm: 'WebM', mp4: 'MP4', gif: 'GIF' };
     const buttons = [...videoEndings(), 'gif'].map((ending) => panel.button(`Save ${names[ending]}`, () => this.of.record(ending)));
     panel.group('Film', panel.choice('path', 'Path', paths), ...buttons);
-  }
-
-  /** A colour bar with numbers along it. */
-  private bar(name: string, colourOf: (share: number) => Colour, ...numbers: HTMLElement[]): HTMLElement {
-    const bar = canvas(name, 'bar');
-    drawColours(bar, colourOf);
-    return element('div', {}, bar, element('p', { class: 'figures ends' }, ...numbers));
   }
 }

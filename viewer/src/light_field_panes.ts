@@ -201,6 +201,13 @@ export class LightFieldPanes {
     state.set('show', 'picture');
   }
 
+  /** Returns the relief of the first light field with a map that is shown, as a glTF file. */
+  async glb(): Promise<Blob> {
+    const { state } = this.context;
+    const { relief, views } = this.all.find((shown) => shown.relief && !shown.pane.root.hidden)!;
+    return relief!.glb(state, { ...lightFieldUniforms(views, views), ...toneUniforms(state) });
+  }
+
   pictures(): { name: string; canvas: HTMLCanvasElement }[] {
     if (!this.sheet.hidden) return [{ name: 'views', canvas: this.sheet }];
     const shown = this.all.filter(({ pane }) => !pane.root.hidden);

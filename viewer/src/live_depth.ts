@@ -1,6 +1,7 @@
 // The disparities of a live source, in colours or as a relief, if the server sends them: see live_requests.h.
 import { DisparityMap } from './disparity_map';
 import type { LiveItem } from './document';
+import { DisparityLegend } from './legend';
 import { askForPicture } from './live';
 import { toneOfGrey } from './light_field';
 import type { Painter, Pictures } from './painter';
@@ -8,8 +9,8 @@ import { Relief } from './relief';
 import { pictureOfMap } from './shaders';
 import type { State } from './state';
 
-/** After the header: int16 [y, x] in thousandths of a px per view step, -32768 = unknown, and the grey pixels [y, x] of
- *  the view of the map. */
+/** After the header: int16 [y, x] in thousandths of a px per view step, -32768 = unknown, their confidence [y, x] from 0 to
+ *  255, and the grey pixels [y, x] of the view of the map. */
 interface DepthHeader {
   serial: number;
   width: number;
@@ -23,6 +24,7 @@ interface DepthHeader {
 
 export class LiveDepth {
   about = ''; // the newest map, in words
+  readonly legend = new DisparityLegend();
   private serial = 0;
   private shown: { map: DisparityMap; relief: Relief; picture: Pictures } | null = null;
 
@@ -37,11 +39,12 @@ export class LiveDepth {
     this.serial = serial;
     const { map, picture } = this.sized(width, height);
     map.range = range;
-    const [near, far] = range.map((value) => value.toFixed(2));
     const late = latency_s > 0 ? `, ${Math.round(1000 * latency_s)} ms after its last event` : '';
-    this.about = `cycle ${cycle}${cycles > 1 ? `, sum of ${cycles}` : ''}: ${size} size${late}; yellow ${near}, violet ${far} px per view`;
-    map.set(new Int16Array(got.pixels.slice(0, 2 * numPixels).buffer));
-    this.painter.putGrey(picture, width, height, got.pixels.subarray(2 * numPixels));
+    this.about = `cycle ${cycle}${cycles > 1 ? `, sum of ${cycles}` : ''}: ${size} size${late}`;
+    this.legend.show(range);
+    const confidence = Int16Array.from(got.pixels.subarray(2 * numPixels, 3 * numPixels), (byte) => Math.round((1000 * byte) / 255));
+    map.set(new Int16Array(got.pixels.slice(0, 2 * numPixels).buffer), confidence);
+    this.painter.putGrey(picture, width, height, got.pixels.subarray(3 * numPixels));
     return true;
   }
 
@@ -61,11 +64,18 @@ export class LiveDepth {
     else this.painter.paint(target, width, height, pictureOfMap, { ...light, ...map.uniforms(state, 1) });
   }
 
+  /** Returns the relief as a glTF file; null if there is none yet. */
+  async glb(state: State): Promise<Blob | null> {
+    if (!this.shown) return null;
+    const { map, relief, picture } = this.shown;
+    return relief.glb(state, toneOfGrey(picture.texture, map.size));
+  }
+
   private sized(width: number, height: number): NonNullable<LiveDepth['shown']> {
     const size = this.shown?.map.size;
     if (this.shown && size?.[0] === width && size[1] === height) return this.shown;
     this.close();
-    const map = new DisparityMap(this.painter, [width, height], [1, 1], { view: [0, 0], range: [0, 1] });
+    const map = new DisparityMap(this.painter, [width, height], [1, 1], { view: [0, 0], range: [0, 1], confidences: [] });
     this.shown = { map, relief: new Relief(this.painter, map), picture: this.painter.pictures(width, height, 1, true) };
     return this.shown;
   }

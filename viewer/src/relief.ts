@@ -1,9 +1,12 @@
-// A disparity map as a relief in three dimensions: a surface over the pixels of a view, open at jumps.
-import { clamp } from './dom';
+// A disparity map as a relief in three dimensions: the surface of surface.ts with the picture of the view on it.
+import { canvas, clamp } from './dom';
 import type { DisparityMap } from './disparity_map';
+import { glbOf } from './glb';
 import type { Painter, Uniform } from './painter';
-import { disparityColours } from './shaders';
+import { pngOf } from './screenshot';
+import { disparityColours, pictureOfMap } from './shaders';
 import type { State } from './state';
+import { surfaceOf, type Surface } from './surface';
 import { groundColour } from './theme';
 
 const mostVertices = 1e5; // of the surface; the picture on it has all pixels
@@ -23,68 +26,92 @@ export function pressReliefKey(state: State, key: string): boolean {
   return by !== undefined;
 }
 
-/** Returns the corners of two triangles for each cell of step x step pixels, except where the disparity jumps or is
- *  unknown: there, the surface would hang between two things. */
-export function cellsOf(map: DisparityMap, step: number): Uint32Array {
-  const [width, height] = map.size;
-  const coarseness = clamp(480 / width, 1, 4); // the same slope is steeper from pixel to pixel in a smaller map
-  const jump = Math.max(0.06, 0.025 * (map.range[1] - map.range[0])) * step * coarseness;
-  const cells = new Uint32Array(6 * Math.floor((width - 1) / step) * Math.floor((height - 1) / step));
-  let count = 0;
-  for (let y = 0; y + step < height; y += step) {
-    for (let x = 0; x + step < width; x += step) {
-      const four = [map.at(x, y), map.at(x + step, y), map.at(x, y + step), map.at(x + step, y + step)];
-      const known = four.filter((value) => value !== null);
-      if (known.length < 4 || Math.max(...known) - Math.min(...known) > jump) continue;
-      const first = y * width + x, below = first + step * width;
-      cells.set([first, first + step, below, below, first + step, below + step], count);
-      count += 6;
-    }
-  }
-  return cells.subarray(0, count);
-}
-
 export class Relief {
-  private mesh: { buffer: WebGLBuffer; count: number; step: number; version: number } | null = null;
+  private mesh: { surface: Surface; version: string; buffer: WebGLBuffer; vertices: WebGLTexture } | null = null;
 
   constructor(private readonly painter: Painter, private readonly map: DisparityMap) {}
 
   /** Paints at a scale of the resolution. `picture` has the uniforms of light fields, of which the first is shown. */
   paint(target: HTMLCanvasElement, state: State, scale: number, picture: Record<string, Uniform>): void {
-    const [width, height] = this.map.size;
-    const step = Math.max(Math.ceil(Math.sqrt((width * height) / mostVertices)), Math.round(1 / scale));
     const ratio = Math.min(devicePixelRatio, 2) * scale;
     const size = (px: number) => Math.max(Math.round(px * ratio), 1);
     const [turn, tip] = [state.get('turn'), state.get('tip')];
     const margin = 0.85; // so that a turned relief fits
+    const { surface, buffer, vertices } = this.meshFor(Math.max(this.finestStep(), Math.round(1 / scale)), this.map.leastConfidence(state));
     const values = {
       ...picture,
       ...this.map.uniforms(state, state.get('overlay')),
+      vertices,
+      columns: surface.columns,
+      spacing: surface.step,
       turned: [Math.sin(turn), Math.cos(turn), Math.sin(tip), Math.cos(tip)],
       deep: state.get('depth'),
       shown: [2 * state.get('panx') - 1, 1 - 2 * state.get('pany'), margin * state.get('zoom')],
     };
     this.painter.paint(target, size(target.clientWidth), size(target.clientHeight), reliefShader, values,
-      { vertex: reliefVertices, ground: groundColour(), ...this.meshFor(step) });
+      { vertex: reliefVertices, ground: groundColour(), buffer, count: surface.triangles.length });
   }
 
-  private meshFor(step: number): { buffer: WebGLBuffer; count: number } {
-    const { version } = this.map;
-    if (this.mesh?.step === step && this.mesh.version === version) return this.mesh;
-    const cells = cellsOf(this.map, step);
-    const buffer = this.painter.indices(this.mesh?.buffer ?? null, cells);
-    this.mesh = { buffer, count: cells.length, step, version };
+  /** Returns the relief as a binary glTF file; units are half the width of the picture. */
+  async glb(state: State, picture: Record<string, Uniform>): Promise<Blob> {
+    const { map, painter } = this;
+    const [width, height] = map.size;
+    const surface = surfaceOf(map, this.finestStep(), map.leastConfidence(state));
+    const { columns, step, disparities } = surface;
+    const numbers = [...new Set(surface.triangles)].sort((a, b) => a - b);
+    const places = new Float32Array(2 * numbers.length), positions = new Float32Array(3 * numbers.length);
+    const newNumber = new Uint32Array(disparities.length);
+    numbers.forEach((number, i) => {
+      newNumber[number] = i;
+      const [x, y] = [((number % columns) + 0.5) * (step / width), (Math.floor(number / columns) + 0.5) * (step / height)];
+      places.set([x, y], 2 * i);
+      positions.set([2 * x - 1, (1 - 2 * y) * (height / width), 2 * state.get('depth') * heightOf(disparities[number]!, map.range)], 3 * i);
+    });
+    const texture = canvas('The picture on the relief');
+    painter.paint(texture, width, height, pictureOfMap, { ...picture, ...map.uniforms(state, state.get('overlay')) });
+    const png = new Uint8Array(await (await pngOf(texture)).arrayBuffer());
+    const triangles = surface.triangles.map((number) => newNumber[number]!);
+    return new Blob([glbOf({ positions, places, triangles, png })], { type: 'model/gltf-binary' });
+  }
+
+  private finestStep(): number {
+    const [width, height] = this.map.size;
+    return Math.ceil(Math.sqrt((width * height) / mostVertices));
+  }
+
+  private meshFor(step: number, leastConfidence: number): NonNullable<Relief['mesh']> {
+    const version = `${this.map.version} ${this.map.range.join()} ${step} ${leastConfidence}`;
+    if (this.mesh?.version === version) return this.mesh;
+    const { painter } = this;
+    const surface = surfaceOf(this.map, step, leastConfidence);
+    const pairs = new Float32Array(2 * surface.disparities.length);
+    surface.disparities.forEach((value, i) => (pairs[2 * i] = value));
+    this.mesh = {
+      surface,
+      version,
+      buffer: painter.indices(this.mesh?.buffer ?? null, surface.triangles),
+      vertices: painter.pairs(this.mesh?.vertices ?? null, surface.columns, surface.rows, pairs),
+    };
     return this.mesh;
   }
 
   close(): void {
-    if (this.mesh) this.painter.gl.deleteBuffer(this.mesh.buffer);
+    if (!this.mesh) return;
+    this.painter.gl.deleteBuffer(this.mesh.buffer);
+    this.painter.gl.deleteTexture(this.mesh.vertices);
   }
+}
+
+/** Returns the height over the middle of the range, in shares of the range, as the shader computes it. */
+function heightOf(disparity: number, [near, far]: [number, number]): number {
+  return clamp(((near + far) / 2 - disparity) / Math.max(far - near, 1e-6), -0.8, 0.8);
 }
 
 const reliefVertices = `#version 300 es
 precision highp float;
-uniform highp sampler2D disparities;
+uniform highp sampler2D vertices;
+uniform int columns;    // of vertices
+uniform float spacing;  // px of the map from vertex to vertex
 uniform vec2 size, overlayRange;
 uniform vec3 shown;     // the middle of what is shown, and the magnification
 uniform vec4 turned;    // sine and cosine of both angles
@@ -93,9 +120,9 @@ out vec2 at;            // px of the map
 out float disparity;
 out vec3 position;
 void main() {
-  ivec2 pixel = ivec2(gl_VertexID % int(size.x), gl_VertexID / int(size.x));
-  disparity = texelFetch(disparities, pixel, 0).r;
-  at = vec2(pixel) + 0.5;
+  ivec2 vertex = ivec2(gl_VertexID % columns, gl_VertexID / columns);
+  disparity = texelFetch(vertices, vertex, 0).r;
+  at = (vec2(vertex) + 0.5) * spacing;
   float range = max(overlayRange.y - overlayRange.x, 1e-6);
   float height = clamp(((overlayRange.x + overlayRange.y) * 0.5 - disparity) / range, -0.8, 0.8);
   vec3 p = vec3((at / size * 2.0 - 1.0) * vec2(1.0, -size.y / size.x), 2.0 * deep * height);
@@ -107,12 +134,11 @@ void main() {
   gl_Position = vec4(shown.z * (vec2(p.x, p.y * size.x / size.y) - shown.xy * w), -0.3 * p.z, w);
 }`;
 
-const reliefShader = `${disparityColours}uniform highp sampler2D disparities;
-in vec2 at;
+const reliefShader = `${disparityColours}in vec2 at;
 in float disparity;
 in vec3 position;
 void main() {
   vec3 normal = normalize(cross(dFdx(position), dFdy(position)));
   vec3 picture = shown(sampled(false, vec3(at / size, layer))).rgb;
-  colour = vec4(mix(picture, (0.45 + 0.55 * abs(normal.z)) * colourOf(disparity), overlay * opacityOf(texelFetch(disparities, ivec2(at), 0).g, at)), 1.0);
+  colour = vec4(mix(picture, (0.45 + 0.55 * abs(normal.z)) * colourOf(disparity), overlay), 1.0);
 }`;

@@ -9,11 +9,15 @@ export function saveBlob(title: string, ending: string, blob: Blob): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
+export async function pngOf(picture: HTMLCanvasElement): Promise<Blob> {
+  const blob = await new Promise<Blob | null>((resolve) => picture.toBlob(resolve));
+  if (!blob) throw new Error('The browser could not make a picture of this size.');
+  return blob;
+}
+
 export async function savePictures(title: string, pictures: { name: string; canvas: HTMLCanvasElement }[]): Promise<number> {
   for (const { name, canvas } of pictures) {
-    const blob = await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve));
-    if (!blob) throw new Error('The browser could not make a picture of this size.');
-    saveBlob(title, `${name}.png`, blob);
+    saveBlob(title, `${name}.png`, await pngOf(canvas));
   }
   return pictures.length;
 }

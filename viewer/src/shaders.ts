@@ -32,14 +32,11 @@ vec4 shown(vec3 light) { return vec4(pow(clamp(gain * light, 0.0, 1.0), vec3(pow
 const head = `${lightFields}in vec2 place;
 `;
 
-// Dark violet is far, yellow near. Where the confidence is low, the picture shows through in stripes.
+// Dark violet is far, yellow near. Where the confidence is low, only the picture is shown.
 const colourOf = `uniform float overlay;    // opacity of the colours of a disparity map; 0 = no map
 uniform vec2 overlayRange;
 uniform float leastConfidence;
-float opacityOf(float confidence, vec2 p) {
-  float period = max(size.x / 64.0, 6.0);    // of the stripes, px
-  return confidence < leastConfidence && mod(p.x + p.y, period) < 0.4 * period ? 0.0 : 1.0;
-}
+float opacityOf(float confidence) { return confidence < leastConfidence ? 0.0 : 1.0; }
 vec3 colourOf(float disparity) {
   float share = clamp((disparity - overlayRange.x) / max(overlayRange.y - overlayRange.x, 1e-6), 0.0, 1.0) * 4.0;
   vec3 stops[5] = vec3[5](${nearToFar.map((stop) => `vec3(${stop.map((value) => (value / 255).toFixed(4))})`).join(', ')});
@@ -50,10 +47,11 @@ vec3 colourOf(float disparity) {
 
 // The colours of a disparity map over the picture of its view.
 export const pictureOfMap = `${head}${colourOf}uniform highp sampler2D disparities;
+uniform float layer;    // the number of the view
 void main() {
-  vec3 picture = shown(sampled(false, vec3(place, 0.0))).rgb;
+  vec3 picture = shown(sampled(false, vec3(place, layer))).rgb;
   vec2 found = texelFetch(disparities, ivec2(place * size), 0).rg;
-  colour = vec4(found.r > 1e3 ? picture : mix(picture, colourOf(found.r), overlay * opacityOf(found.g, place * size)), 1.0);
+  colour = vec4(found.r > 1e3 ? picture : mix(picture, colourOf(found.r), overlay * opacityOf(found.g)), 1.0);
 }`;
 
 /** The beginning of the shader of reliefs; `layer` is the number of the view on it. */
@@ -86,7 +84,7 @@ vec2 seenAt(vec2 p) {
 }
 vec3 overlaid(vec3 picture, vec2 from) {
   vec2 found = foundAt(from);
-  return found.r > 1e3 ? picture : mix(picture, colourOf(found.r), overlay * opacityOf(found.g, from));
+  return found.r > 1e3 ? picture : mix(picture, colourOf(found.r), overlay * opacityOf(found.g));
 }
 
 // A viewpoint between views is interpolated along the disparities of the map, so that points at all depths are sharp.

@@ -28,7 +28,7 @@ const initial = {
   boost: 4, // of differences
   tone: 'stored', // of the second light field
   overlay: 0.5, // opacity of the disparity map
-  sure: 0.05, // its pixels of a smaller confidence are hatched
+  sure: 0.05, // its pixels of a smaller confidence are left out
   path: 'orbit', // of films
   // Events
   image: 0, // transition

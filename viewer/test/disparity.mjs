@@ -66,16 +66,44 @@ export const tests = {
     assert.ok(Math.max(...red.map((value, i) => Math.abs(value - blue[i]))) > 60, 'colours');
   }),
 
-  'pixels of a low confidence are hatched': ({ url }) => withPage(url('depth.html', 'x=0.5&y=0.5&show=disparity&sure=0'), {}, async (page) => {
+  'pixels of a low confidence have no colour': ({ url }) => withPage(url('depth.html', 'x=0.5&y=0.5&show=disparity&sure=0'), {}, async (page) => {
     const numGrey = async () => {
       const [red, green, blue] = [await rowOf(page, 'canvas.picture', 24, 0), await rowOf(page, 'canvas.picture', 24, 1), await rowOf(page, 'canvas.picture', 24, 2)];
       return red.filter((value, x) => value === green[x] && value === blue[x]).length;
     };
-    assert.equal(await numGrey(), 0, 'no stripes');
+    assert.equal(await numGrey(), 0, 'all have one');
     await look(page, 'x=0.5&y=0.5&show=disparity&sure=1');
-    const numHatched = await numGrey();
-    assert.ok(numHatched > 20 && numHatched < 40, `stripes, ${numHatched} of 64 px`);
+    assert.equal(await numGrey(), 64, 'none has one');
   }),
+
+  'a relief leaves out uncertain points, closes holes whose sides agree, and is saved as glTF': async ({ url }) => {
+    const { disparity, isOpen } = JSON.parse(readFileSync('surface.json', 'utf8'));
+    await withPage(url('surface.html', 'show=relief&turn=0&tip=0&depth=0.5&overlay=0'), {}, async (page) => {
+      const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Save GLB' }).click()]);
+      const file = readFileSync(await download.path());
+      assert.deepEqual([file.readUInt32LE(0), file.readUInt32LE(4), file.readUInt32LE(8)], [0x46546c67, 2, file.length]);
+      const length = file.readUInt32LE(12);
+      const { accessors, bufferViews, meshes } = JSON.parse(file.subarray(20, 20 + length));
+      const bytesOf = (view) => file.subarray(28 + length + bufferViews[view].byteOffset).subarray(0, bufferViews[view].byteLength);
+      const { attributes: { POSITION, TEXCOORD_0 }, indices } = meshes[0].primitives[0];
+      const places = bytesOf(accessors[TEXCOORD_0].bufferView), positions = bytesOf(accessors[POSITION].bufferView);
+      assert.deepEqual([...bytesOf(3).subarray(1, 4)], [...Buffer.from('PNG')], 'the picture');
+      const found = new Map();
+      for (let i = 0; i < accessors[POSITION].count; ++i) {
+        const [x, y] = [Math.floor(64 * places.readFloatLE(8 * i)), Math.floor(48 * places.readFloatLE(8 * i + 4))];
+        found.set(`${x} ${y}`, positions.readFloatLE(12 * i + 8));
+        assert.ok(Math.abs(positions.readFloatLE(12 * i) - ((2 * (x + 0.5)) / 64 - 1)) < 1e-5, 'x in half widths');
+      }
+      for (let i = 0; i < accessors[indices].count; ++i) assert.ok(bytesOf(accessors[indices].bufferView).readUInt32LE(4 * i) < accessors[POSITION].count);
+      // Two planes at -1 and 1: half of the depth before and behind the middle.
+      for (const [y, row] of isOpen.entries()) {
+        for (const [x, open] of row.entries()) {
+          assert.equal(found.has(`${x} ${y}`), !open, `x ${x}, y ${y}`);
+          if (!open) assert.ok(Math.abs(found.get(`${x} ${y}`) + disparity[y][x] / 2) < 0.01, `x ${x}, y ${y}: ${found.get(`${x} ${y}`)}`);
+        }
+      }
+    });
+  },
 
   'the folder of e2lf depth alone shows the light field with its map, or the map where that is gone': async ({ url }) => {
     await withPage(url('depth_alone.html', ''), {}, async (page) => {

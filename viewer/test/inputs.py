@@ -1,5 +1,6 @@
 """Makes what the browser tests look at, and what they must see: light.npy, other.npy, events.npz, expected.json."""
 import json
+import os
 import sys
 
 import numpy as np
@@ -57,6 +58,22 @@ def disparity_colours(values):
     share = 4 * np.clip((values - near) / (far - near), 0, 1)
     return np.stack([np.interp(share, range(5), stops[:, channel]) for channel in range(3)])
 
+
+# Two planes with holes in their confidence, of wrong disparities: one within a plane, which a relief closes, and one
+# between both, which it leaves open.
+disparity_of_planes = np.where(np.arange(WIDTH) < 32, -1, 1).astype(np.float32) * np.ones((HEIGHT, 1), np.float32)
+certain = np.ones((HEIGHT, WIDTH), np.float32)
+is_open = np.zeros((HEIGHT, WIDTH), bool)
+wrong = disparity_of_planes.copy()
+certain[10:14, 8:12] = 0.01
+certain[:, 30:34] = 0.01
+is_open[:, 30:34] = True
+wrong[certain < 0.05] = 3
+os.makedirs(f"{folder}/planes")
+np.save(f"{folder}/planes/disparity.npy", wrong)
+np.save(f"{folder}/planes/confidence.npy", certain)
+with open(f"{folder}/surface.json", "w") as file:
+    json.dump({"disparity": disparity_of_planes.tolist(), "isOpen": is_open.tolist()}, file)
 
 # Stripes of one pixel: what thins them out shows black or white.
 fine = np.zeros((2, 2, 600, 500), np.float32)

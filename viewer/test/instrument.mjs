@@ -158,16 +158,17 @@ export const tests = {
       const answer = await route.fetch();
       await route.fulfill({ response: answer, json: { ...(await answer.json()), has_depth: true } });
     });
-    // A map of half the size: near on the left, far on the right, unknown at its top.
+    // A map of half the size: near on the left, far on the right, unknown at its top and uncertain below.
     const [width, height] = [32, 24];
     let serial = 0;
     await page.route('**/depth?*', (route) => {
       const header = Buffer.from(JSON.stringify({ serial: ++serial, width, height, range: [-1, 1], cycle: serial, cycles: 1, size: 'half', latency_s: 0.1 }));
       const length = Buffer.alloc(4);
       length.writeUInt32LE(header.length);
-      const map = Buffer.alloc(2 * width * height), picture = Buffer.alloc(width * height, 128);
+      const map = Buffer.alloc(2 * width * height), picture = Buffer.alloc(width * height, 128), confidence = Buffer.alloc(width * height, 255);
+      confidence.fill(5, width, 2 * width);
       for (let i = 0; i < width * height; ++i) map.writeInt16LE(i < width ? -32768 : i % width < 16 ? -1000 : 1000, 2 * i);
-      return route.fulfill({ body: Buffer.concat([length, header, map, picture]), contentType: 'application/octet-stream' });
+      return route.fulfill({ body: Buffer.concat([length, header, map, confidence, picture]), contentType: 'application/octet-stream' });
     });
     await until('the choice is there', async () => page.locator('select[name=show]').isVisible());
     await page.locator('select[name=show]').selectOption('disparity');
@@ -176,7 +177,8 @@ export const tests = {
     const [red, green, blue] = await colour(12);
     assertNear([red[4], green[4], blue[4]], [253, 231, 37], 1, 'near is yellow');
     assertNear([red[28], green[28], blue[28]], [68, 1, 84], 1, 'far is violet');
-    assertNear((await colour(0)).map((row) => row[4]), [128, 128, 128], 1, 'the picture where nothing is known');
+    for (const y of [0, 1]) assertNear((await colour(y)).map((row) => row[4]), [128, 128, 128], 1, 'the picture where nothing is known');
+    assert.deepEqual(await page.locator('.bar + .ends:visible span').allTextContents(), ['-1.00', '-0.50', '0.00', '0.50', '1.00']);
     await page.locator('select[name=show]').selectOption('relief');
     await until('a relief is shown', async () => (await sizeOf(page, 'canvas.picture'))[0] !== width);
     await page.unrouteAll({ behavior: 'ignoreErrors' });

@@ -6,7 +6,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/disparity_picture.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/views.h"

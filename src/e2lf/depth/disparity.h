@@ -24,6 +24,10 @@ struct DisparityOptions {
 /// The search range if none is given.
 inline constexpr float kFarthestPx = 6.0F;
 
+/// The confidence from which on points are shown unless another one is given, also in the viewer (viewer/src/state.ts):
+/// an expected error of 0.3 px.
+inline constexpr float kLeastConfidence = 0.05F;
+
 /// The disparity of each pixel of a view, [y, x].
 struct DisparityMap {
   lightfield::Image disparity;   ///< px per view step, with the sign of light_field.h: smaller for nearer points

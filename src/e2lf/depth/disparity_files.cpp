@@ -7,12 +7,10 @@
 #include <cstring>
 #include <limits>
 #include <sstream>
-#include <string_view>
 #include <utility>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
-#include "e2lf/lightfield/views.h"
 
 namespace e2lf::depth {
 namespace {
@@ -27,25 +25,6 @@ void append(std::vector<uint8_t>& bytes, const T& value) {
 
 void append_text(std::vector<uint8_t>& bytes, const std::string& text) {
   bytes.insert(bytes.end(), text.begin(), text.end());
-}
-
-using Colour = std::array<float, 3>;
-
-/// The colours from far to near, equally spaced: perceptually uniform, and the lightness alone states the order.
-constexpr std::array<Colour, 5> kColours = {{{0.267F, 0.004F, 0.329F},
-                                             {0.231F, 0.322F, 0.545F},
-                                             {0.129F, 0.569F, 0.549F},
-                                             {0.369F, 0.788F, 0.384F},
-                                             {0.992F, 0.906F, 0.145F}}};
-
-/// Returns the colour of a `nearness` in [0, 1].
-Colour colour_of(float nearness) {
-  const float place = nearness * static_cast<float>(kColours.size() - 1);
-  const size_t before = std::min(static_cast<size_t>(place), kColours.size() - 2);
-  const float t = place - static_cast<float>(before);
-  Colour colour;
-  for (size_t c = 0; c < 3; ++c) colour[c] = (1 - t) * kColours[before][c] + t * kColours[before + 1][c];
-  return colour;
 }
 
 /// Returns true for uncertain pixels beside a jump of the disparity.
@@ -108,35 +87,6 @@ Image png_samples(const Image& disparity) {
   Image image = disparity;
   for (float& value : image.pixels) value = (kPngZero + kPngScale * value) / 65535.0F;
   return image;
-}
-
-DisparityRange shown_range(const Image& disparity) {
-  std::vector<float> sorted = disparity.pixels;
-  std::erase_if(sorted, [](float value) { return !std::isfinite(value); });
-  if (sorted.empty()) return {};
-  std::sort(sorted.begin(), sorted.end());
-  const size_t last = sorted.size() - 1, few = last / 100;
-  return {sorted[few], sorted[last - few]};
-}
-
-DisparityRange shown_range(const DisparityMap& map) {
-  constexpr float kSure = 0.3F;
-  Image sure;
-  for (size_t i = 0; i < map.disparity.pixels.size(); ++i) {
-    if (map.confidence.pixels[i] > kSure) sure.pixels.push_back(map.disparity.pixels[i]);
-  }
-  return shown_range(sure.pixels.size() < map.disparity.pixels.size() / 20 + 1 ? map.disparity : sure);
-}
-
-Image colour_picture(const Image& disparity, const DisparityRange& range) {
-  const float width = std::max(range.most - range.least, 1e-3F);
-  Image picture(disparity.width, disparity.height, 3);
-  for (size_t i = 0; i < disparity.pixels.size(); ++i) {
-    const float nearness = (range.most - disparity.pixels[i]) / width;
-    const Colour colour = colour_of(std::isfinite(nearness) ? std::clamp(nearness, 0.0F, 1.0F) : 0.0F);
-    std::copy(colour.begin(), colour.end(), picture.pixels.begin() + static_cast<ptrdiff_t>(3 * i));
-  }
-  return picture;
 }
 
 float assumed_infinity(const DisparityRange& range) {
@@ -278,74 +228,6 @@ Result<Lens> read_lens(const std::filesystem::path& path) {
                 "the lens needs a positive length; calibrate it again");
   }
   return lens;
-}
-
-namespace {
-
-constexpr size_t kGlyphWidth = 3, kGlyphHeight = 5, kMargin = 6, kBarWidth = 14, kNumbers = 5;
-/// The largest number of characters of a number, as in "-10.00".
-constexpr size_t kLongestNumber = 6;
-
-/// A character of 3x5 px, row by row, '#' for ink.
-struct Glyph {
-  char character;
-  std::string_view ink;
-};
-constexpr std::array<Glyph, 12> kGlyphs = {{{'0', "####.##.##.####"},
-                                            {'1', ".#.##..#..#.###"},
-                                            {'2', "###..#####..###"},
-                                            {'3', "###..####..####"},
-                                            {'4', "#.##.####..#..#"},
-                                            {'5', "####..###..####"},
-                                            {'6', "####..####.####"},
-                                            {'7', "###..#..#..#..#"},
-                                            {'8', "####.#####.####"},
-                                            {'9', "####.####..####"},
-                                            {'-', "......###......"},
-                                            {'.', ".............#."}}};
-
-void fill(Image& canvas, size_t top, size_t left, size_t side, float value) {
-  for (size_t y = top; y < std::min(top + side, canvas.height); ++y) {
-    for (size_t x = left; x < std::min(left + side, canvas.width); ++x) {
-      std::fill_n(canvas.pixels.data() + (y * canvas.width + x) * 3, 3, value);
-    }
-  }
-}
-
-void write_number(Image& canvas, size_t top, size_t left, size_t times, float number) {
-  for (const char character : formatted("%.2f", double{number})) {
-    const auto* const glyph = std::ranges::find(kGlyphs, character, &Glyph::character);
-    for (size_t i = 0; i < glyph->ink.size(); ++i) {
-      if (glyph->ink[i] != '#') continue;
-      fill(canvas, top + i / kGlyphWidth * times, left + i % kGlyphWidth * times, times, 0.0F);
-    }
-    left += (kGlyphWidth + 1) * times;
-  }
-}
-
-}  // namespace
-
-Image picture_with_scale(const Image& disparity, const DisparityRange& range) {
-  constexpr size_t kLeastHeight = 64;
-  const size_t width = disparity.width, height = disparity.height;
-  const bool has_numbers = height >= kLeastHeight;
-  const size_t times = height >= 4 * kLeastHeight ? 2 : 1;
-  const size_t numbers_width = has_numbers ? kLongestNumber * (kGlyphWidth + 1) * times + kMargin : 0;
-  Image canvas(width + kMargin + kBarWidth + kMargin + numbers_width, height, 3);
-  std::fill(canvas.pixels.begin(), canvas.pixels.end(), 1.0F);
-  const auto disparity_at = [&](size_t y) {
-    const auto share = static_cast<float>(y) / static_cast<float>(std::max<size_t>(height, 2) - 1);
-    return range.most + share * (range.least - range.most);
-  };
-  Image bar(kBarWidth, height, 1);
-  for (size_t i = 0; i < bar.pixels.size(); ++i) bar.pixels[i] = disparity_at(i / kBarWidth);
-  paste(colour_picture(disparity, range), 0, 0, canvas);
-  paste(colour_picture(bar, range), 0, width + kMargin, canvas);
-  for (size_t i = 0; has_numbers && i < kNumbers; ++i) {
-    write_number(canvas, (height - kGlyphHeight * times) * i / (kNumbers - 1), width + 2 * kMargin + kBarWidth, times,
-                 disparity_at((height - 1) * i / (kNumbers - 1)));
-  }
-  return canvas;
 }
 
 }  // namespace e2lf::depth

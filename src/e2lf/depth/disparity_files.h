@@ -28,17 +28,6 @@ inline constexpr float kPngZero = 32768.0F, kPngScale = 4096.0F;
 /// Returns the image whose 16-bit PNG has these samples.
 [[nodiscard]] lightfield::Image png_samples(const lightfield::Image& disparity);
 
-/// Returns a picture of disparities for display, with perceptually uniform colours from dark violet for far
-/// (range.most) through green to yellow for near (range.least).
-[[nodiscard]] lightfield::Image colour_picture(const lightfield::Image& disparity, const DisparityRange& range);
-
-/// Returns the range of the disparities of the pixels with a confidence above 0.3 (of all pixels if these are few),
-/// without a hundredth at either end.
-[[nodiscard]] DisparityRange shown_range(const DisparityMap& map);
-
-/// Returns the range of all finite disparities, without a hundredth at either end; (0, 0) if there are none.
-[[nodiscard]] DisparityRange shown_range(const lightfield::Image& disparity);
-
 /// A calibrated lens with a coded aperture. The middle view is a pinhole camera with the constants of OpenCV's
 /// calibrateCamera(); the others are displaced by the baseline and show the same rectangle at the focus distance.
 struct Lens {
@@ -86,9 +75,5 @@ struct PointGeometry {
 [[nodiscard]] Result<std::vector<uint8_t>> encode_point_cloud(const DisparityMap& map, const lightfield::Image& picture,
                                                               const lightfield::Shape& views,
                                                               const PointGeometry& geometry, float least_confidence);
-
-/// Returns colour_picture() with a scale on its right, on white: a bar of the colours from range.most on top to
-/// range.least, with five numbers unless the picture is less than 64 px high.
-[[nodiscard]] lightfield::Image picture_with_scale(const lightfield::Image& disparity, const DisparityRange& range);
 
 }  // namespace e2lf::depth

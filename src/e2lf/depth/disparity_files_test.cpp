@@ -55,25 +55,6 @@ TEST(PngSamples, SayTheDisparity) {
   }
 }
 
-TEST(ColourPicture, IsLighterForNearerPoints) {
-  Image disparity(101, 1, 1);
-  for (size_t i = 0; i < 101; ++i) disparity.pixels[i] = 1 - 0.02F * static_cast<float>(i);
-  const Image grey = lightfield::to_grey(colour_picture(disparity, {-1, 1}));
-  for (size_t i = 1; i < 101; ++i) EXPECT_GT(grey.pixels[i], grey.pixels[i - 1]) << i;
-}
-
-TEST(ColourScale, ShowsTheRangeBesideThePicture) {
-  const Image disparity(40, 100, 1);
-  const DisparityRange range{-1.25F, 2};
-  const Image plain = colour_picture(disparity, range), picture = picture_with_scale(disparity, range);
-  ASSERT_EQ(picture.height, 100U);
-  ASSERT_GT(picture.width, 40U + 14U);
-  EXPECT_TRUE(std::equal(plain.pixels.begin(), plain.pixels.begin() + 120, picture.pixels.begin()));
-  const Image grey = lightfield::to_grey(picture);
-  EXPECT_LT(grey.pixels[50], grey.pixels[99 * picture.width + 50]);         // far is on top
-  EXPECT_GT(std::count(grey.pixels.begin(), grey.pixels.end(), 0.0F), 60);  // ink of the numbers
-}
-
 TEST(PointCloud, LeavesOutUncertainPointsBesideJumps) {
   DisparityMap map{Image(4, 1, 1), Image(4, 1, 1), {}, {0, 1}, 0};
   map.disparity.pixels = {0, 0, 1, 1};
@@ -119,18 +100,6 @@ TEST(PointCloud, HasTheColoursOfThePicture) {
   EXPECT_EQ(bytes->at(data + 12), 255);
   EXPECT_EQ(bytes->at(data + 13), 51);
   EXPECT_EQ(bytes->at(data + 14), 0);
-}
-
-TEST(ShownRange, LeavesOutWhatIsNotSure) {
-  DisparityMap map{Image(200, 1, 1), Image(200, 1, 1), {}, {-9, 9}, 0};
-  for (size_t i = 0; i < 200; ++i) {
-    map.disparity.pixels[i] = i < 20 ? 9 : 0.01F * static_cast<float>(i);
-    map.confidence.pixels[i] = i < 20 ? 0.1F : 0.9F;
-  }
-  EXPECT_NEAR(shown_range(map).least, 0.21F, 1e-6);
-  EXPECT_NEAR(shown_range(map).most, 1.98F, 1e-6);
-  map.confidence.pixels.assign(200, 0);
-  EXPECT_EQ(shown_range(map).most, 9);
 }
 
 TEST(AssumedInfinity, LiesBeyondAllDisparities) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "e2lf/base/text.h"
-#include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/disparity_picture.h"
 #include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::live {
@@ -72,13 +72,11 @@ Answer picture(Session& session, const Parameters& parameters) {
 }
 
 /// Appends disparities as the page reads them.
-void append_disparities(const ShownDepth& depth, std::string& body) {
-  constexpr float kLeastConfidence = 0.02F;  // an expected error of half a px
+void append_disparities(const lightfield::Image& disparity, std::string& body) {
   constexpr int kUnknown = -32768;
-  for (size_t i = 0; i < depth.disparity.pixels.size(); ++i) {
-    const float milli = std::clamp(1000.0F * depth.disparity.pixels[i], -32767.0F, 32767.0F);
-    const bool is_known = depth.confidence.pixels[i] >= kLeastConfidence;
-    const auto bits = static_cast<unsigned>(is_known ? static_cast<int>(std::lround(milli)) : kUnknown);
+  for (const float value : disparity.pixels) {
+    const float milli = std::clamp(1000.0F * value, -32767.0F, 32767.0F);
+    const auto bits = static_cast<unsigned>(std::isfinite(value) ? static_cast<int>(std::lround(milli)) : kUnknown);
     body += static_cast<char>(bits & 0xFFU);
     body += static_cast<char>(bits >> 8U & 0xFFU);
   }
@@ -88,15 +86,15 @@ Answer depth_map(Session& session, const Parameters& parameters) {
   constexpr std::chrono::milliseconds kPatience{250};
   const auto shown = session.depth(number<uint64_t>(parameters, "after").value_or(0), kPatience);
   if (!shown) return {204, "text/plain", ""};
-  const depth::DisparityRange range = depth::shown_range(
-      depth::DisparityMap{.disparity = shown->disparity, .confidence = shown->confidence, .view = {}, .range = {}});
+  const depth::DisparityRange range = depth::shown_range(shown->disparity, shown->confidence);
   Answer answer = framed({{"serial", shown->field.serial},
                           {"width", shown->disparity.width},
                           {"height", shown->disparity.height},
                           {"range", {range.least, range.most}},
                           {"view", {session.model().views_y / 2, session.model().views_x / 2}}},
                          shown->field, {});
-  append_disparities(*shown, answer.body);
+  append_disparities(shown->disparity, answer.body);
+  append(lightfield::to_bytes(shown->confidence), answer.body);
   append(lightfield::to_bytes(shown->picture), answer.body);
   return answer;
 }

@@ -24,9 +24,10 @@ using Parameters = std::map<std::string, std::string>;
 ///   picture?after=N&x=&y=&focus=&radius=&row=&column=   the newest picture, or 204 if there is none soon
 ///   depth?after=N                                       the newest disparities, or 204 if there are none soon: int16
 ///                                                       [y, x] in thousandths of a px of the full size per view step
-///                                                       (little-endian; -32768 where they are unknown), followed by
-///                                                       a grey picture of the same size; "range" are the nearest and
-///                                                       the farthest of them, and "view" is the one that they are of
+///                                                       (little-endian; -32768 where they are not finite), followed
+///                                                       by their confidence (255 = 1) and a grey picture of the same
+///                                                       size; "range" is depth::shown_range(), and "view" is the one
+///                                                       that they are of
 ///   events                                              the newest events, or 204
 ///   statistics                                          Session::json() and "recording": Recorder::json()
 ///   disparity?x=&y=                                     {"disparity"}: Session::disparity_at(), or 204

@@ -249,6 +249,12 @@ TEST(Session, GivesDisparitiesOfTheFullSizeWhileTheyAreRequested) {
   const auto answered = answer(session, false, "depth", {});
   ASSERT_TRUE(answered);
   EXPECT_EQ(answered->status, 200);
+  const auto byte = [&](size_t i) { return static_cast<unsigned>(static_cast<uint8_t>(answered->body[i])); };
+  const size_t numbers = 4 + byte(0) + 256 * byte(1), pixels = shown->disparity.pixels.size();
+  ASSERT_EQ(answered->body.size(), numbers + 4 * pixels) << "disparities, confidence and picture";
+  const auto milli = static_cast<int16_t>(byte(numbers) + 256 * byte(numbers + 1));
+  EXPECT_NEAR(milli, 1000 * shown->disparity.pixels[0], 0.51);
+  EXPECT_NEAR(byte(numbers + 2 * pixels), 255 * shown->confidence.pixels[0], 0.51);
 }
 
 TEST(Session, GivesTheDisparitiesOfTheLastCycleAfterTheEnd) {

@@ -8,7 +8,7 @@
 #include <zlib.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/disparity_picture.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/recordings/event_rate.h"
 #include "e2lf/report/page.h"
@@ -86,12 +86,18 @@ void Document::add_light_field(const std::string& name, const std::shared_ptr<Li
 void Document::add_disparity(size_t item, const DisparityMaps& disparity) {
   const auto& [maps, view, confidences] = disparity;
   Json& field = items_.at(item);
-  lightfield::Image all;
+  E2LF_REQUIRE(confidences.empty() || confidences.size() == maps.size(), "each map has its confidences");
+  lightfield::Image all, confidence_of_all;
+  const auto append = [](const lightfield::Image& image, lightfield::Image& to) {
+    to.pixels.insert(to.pixels.end(), image.pixels.begin(), image.pixels.end());
+  };
   for (const lightfield::Image& map : maps) {
     E2LF_REQUIRE(field["height"] == map.height && field["width"] == map.width, "a map has the size of the views");
-    all.pixels.insert(all.pixels.end(), map.pixels.begin(), map.pixels.end());
+    append(map, all);
   }
-  const depth::DisparityRange range = depth::shown_range(all);
+  for (const lightfield::Image& confidence : confidences) append(confidence, confidence_of_all);
+  const depth::DisparityRange range =
+      confidences.empty() ? depth::shown_range(all) : depth::shown_range(all, confidence_of_all);
   const auto add_parts = [&](const std::vector<lightfield::Image>& images) {
     Json parts = Json::array();
     for (const lightfield::Image& image : images) parts.push_back(add_part(counts_part(thousandths(image))));
@@ -100,9 +106,7 @@ void Document::add_disparity(size_t item, const DisparityMaps& disparity) {
   field["disparity"] = {{"view", {view.y, view.x}},
                         {"range", {json_number(range.least), json_number(range.most)}},
                         {"maps", add_parts(maps)}};
-  if (confidences.empty()) return;
-  E2LF_REQUIRE(confidences.size() == maps.size(), "each map has its confidences");
-  field["disparity"]["confidences"] = add_parts(confidences);
+  if (!confidences.empty()) field["disparity"]["confidences"] = add_parts(confidences);
 }
 
 void Document::add_event_images(const std::string& name, const std::vector<capture::EventImages>& cycles,

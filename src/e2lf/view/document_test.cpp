@@ -40,8 +40,11 @@ TEST(Document, DisparitiesAreThousandthsWithTheirUsualRange) {
   for (size_t i = 0; i < 200; ++i) map.pixels[i] = static_cast<float>(i) / 100.0F;
   map.pixels[3] = std::nanf("");
   map.pixels[199] = 100.0F;
-  lightfield::Image confidence = map;
+  map.pixels[150] = -50.0F;
+  lightfield::Image confidence(10, 20, 1);
+  std::fill(confidence.pixels.begin(), confidence.pixels.end(), 1.0F);
   confidence.pixels[7] = 0.25F;
+  confidence.pixels[150] = 0.01F;  // does not count for the range
   document.add_disparity(0, {{map}, {4, 3}, {confidence}});
   const Json disparity = Json::parse(document.description())["items"][0]["disparity"];
   EXPECT_EQ(disparity["view"], (Json{4, 3}));

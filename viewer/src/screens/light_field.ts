@@ -46,7 +46,7 @@ export class LightFieldScreen implements Screen {
     this.map = new ApertureMap(state, item.views, context.say);
     state.start({ x: middleOf(item.views[1]), y: middleOf(item.views[0]), overlay: comparison ? 0 : this.panes.isSingleView ? 1 : 0.5 });
     const { map, quality, panes: { disparity } } = this;
-    this.controls = new LightFieldControls(context, { item, map, quality, disparity, record: (ending) => this.record(ending) });
+    this.controls = new LightFieldControls(context, { item, map, quality, disparity, record: (ending) => this.record(ending), saveRelief: () => this.saveRelief() });
     this.load();
   }
 
@@ -150,6 +150,14 @@ export class LightFieldScreen implements Screen {
       if (!this.isClosed) go(now);
     }
     this.repaint(false);
+  }
+
+  private saveRelief(): void {
+    const end = busy();
+    this.panes.glb().then((file) => {
+      saveBlob(this.item.name, 'relief.glb', file);
+      this.context.say(`relief saved, ${(file.size / 1e6).toFixed(1)} MB`);
+    }).catch((error) => this.context.fail(error)).finally(end);
   }
 
   press(key: string): boolean {

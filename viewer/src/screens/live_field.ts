@@ -5,12 +5,14 @@ import { ApertureMap } from '../aperture_map';
 import { fetchFile, type LiveItem } from '../document';
 import { clamp, element, FigureList } from '../dom';
 import { maxDisparity, middleOf, toneOfGrey } from '../light_field';
+import { sureSlider } from '../legend';
 import { askForPicture, command, drawGrey, drawPart, FindingList, followStatistics, rest, SettingControl, type Framed, type Statistics } from '../live';
 import { LiveDepth } from '../live_depth';
 import { Pane } from '../pane';
 import type { Pictures } from '../painter';
 import { pressReliefKey } from '../relief';
 import { focusOn, type Context, type Screen } from '../screen';
+import { saveBlob } from '../screenshot';
 import { enlargeShader } from '../shaders';
 import type { Key } from '../state';
 import { pressViewKey, viewKeys } from '../view_keys';
@@ -45,7 +47,8 @@ export class LiveFieldScreen implements Screen {
   private readonly problem = element('p', { class: 'advice', role: 'status' });
   private readonly depth: LiveDepth;
   private readonly ways: HTMLElement; // to look at it, if there are several
-  private readonly ofRelief: HTMLElement[];
+  private readonly ofDepth: HTMLElement;
+  private readonly ofRelief: HTMLElement;
   private grey: { header: PictureHeader; pixels: Uint8Array } | null = null;
   private small: { width: number; height: number; pictures: Pictures } | null = null;
   private isAskingDepth = false;
@@ -71,8 +74,10 @@ export class LiveFieldScreen implements Screen {
     this.size = new SettingControl(size, (to) => this.tell(`size?to=${to}`));
     panel.group('Light field', this.figures.root, this.findings.root, this.problem,
       panel.button('Freeze', () => this.tell('freeze')), this.fineButton, panel.button('Brightness anew', () => this.tell('brightness')));
-    this.ofRelief = [panel.slider('overlay', 'Colours on the relief', { low: 0, high: 1, step: 0.05 }), panel.slider('depth', 'Depth of the relief', { low: 0, high: 1.5, step: 0.05 })];
-    this.ways = panel.group('Picture', panel.choice('show', 'Show', { picture: 'light field', disparity: 'disparity', relief: 'relief' }), ...this.ofRelief);
+    this.ofRelief = element('div', {}, panel.slider('overlay', 'Colours on the relief', { low: 0, high: 1, step: 0.05 }),
+      panel.slider('depth', 'Depth of the relief', { low: 0, high: 1.5, step: 0.05 }), panel.button('Save GLB', () => this.saveRelief()));
+    this.ofDepth = element('div', {}, sureSlider(panel), this.ofRelief, this.depth.legend.root);
+    this.ways = panel.group('Picture', panel.choice('show', 'Show', { picture: 'light field', disparity: 'disparity', relief: 'relief' }), this.ofDepth);
     this.ways.hidden = true;
     panel.group('Pace',
       element('label', { class: 'choice' }, element('span', {}, 'Size'), size),
@@ -183,6 +188,11 @@ export class LiveFieldScreen implements Screen {
     this.pane.caption.textContent = this.depth.about;
   }
 
+  private saveRelief(): void {
+    this.depth.glb(this.context.state).then((file) => file && saveBlob(this.item.name, 'relief.glb', file))
+      .catch((error: Error) => this.context.say(error.message));
+  }
+
   /** States what is under the cursor. */
   private point(): void {
     if (!this.grey) return;
@@ -270,7 +280,8 @@ export class LiveFieldScreen implements Screen {
 
   layout(): void {
     const { stage } = this.context;
-    for (const slider of this.ofRelief) slider.hidden = this.way() !== 'relief';
+    this.ofDepth.hidden = this.way() === 'picture';
+    this.ofRelief.hidden = this.way() !== 'relief';
     this.pane.layout(stage.clientWidth - 16, stage.clientHeight - 16, this.way() === 'relief');
   }
 

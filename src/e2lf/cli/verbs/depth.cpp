@@ -17,6 +17,7 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/disparity_picture.h"
 #include "e2lf/depth/view_order.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
@@ -52,7 +53,7 @@ using DisparitySource = std::function<Result<std::optional<DisparityResult>>()>;
 struct DisparityOutput {
   std::filesystem::path input, output;
   bool is_one = true;  ///< whether the folder itself gets the files of the one map
-  float least_confidence = 0.1F;
+  float least_confidence = depth::kLeastConfidence;
   std::optional<depth::Lens> lens = {};  ///< without it, points are in units of the distance of disparity 0
 };
 
@@ -65,7 +66,7 @@ struct Shared {
 
 void share(const DisparityOutput& output, const depth::DisparityMap& map, Shared& shared) {
   if (shared.shown) return;
-  shared.shown = depth::shown_range(map);
+  shared.shown = depth::shown_range(map.disparity, map.confidence);
   shared.infinity = output.lens ? static_cast<float>(output.lens->infinity_px()) : depth::assumed_infinity(map.range);
 }
 

@@ -8,7 +8,7 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/compare/tables.h"
 #include "e2lf/depth/disparity_error.h"
-#include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/disparity_picture.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/options.h"
@@ -115,8 +115,7 @@ std::string disparity_text(const Truth& truth) {
 Result<void> add_disparities(const std::vector<Compared>& all, const Truth& truth, report::Page& page) {
   page.heading("Disparity").paragraph(disparity_text(truth));
   const depth::DisparityRange range = depth::shown_range(truth.disparity->disparity);
-  std::vector<NamedImage> pictures = {{depth::picture_with_scale(truth.disparity->disparity, range),
-                                       "truth; the numbers are px per view step, and near is bright"}};
+  std::vector<NamedImage> pictures = {{depth::picture_with_scale(truth.disparity->disparity, range), "truth"}};
   report::LineChart chart{"the most certain pixels, %", "off by more than 0.2 px, %", {}};
   for (const Compared& compared : all) {
     const depth::DisparityError& error = *compared.row.disparity;

@@ -6,7 +6,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
-#include "e2lf/depth/disparity_files.h"
+#include "e2lf/depth/disparity_picture.h"
 #include "e2lf/film/film_file.h"
 #include "e2lf/film/parallax.h"
 #include "e2lf/lightfield/refocus.h"
@@ -183,7 +183,7 @@ Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, con
   if (arguments.from) return depth::DisparityRange{*arguments.from, *arguments.to};
   E2LF_ASSIGN_OR_RETURN(const depth::DisparityMap map,
                         located(depth::estimate_disparity(light_field), arguments.input));
-  const depth::DisparityRange range = depth::shown_range(map);
+  const depth::DisparityRange range = depth::shown_range(map.disparity, map.confidence);
   record.resolve("from", range.least);
   record.resolve("to", range.most);
   return range;
