@@ -20,6 +20,7 @@ export interface Statistics {
   cycles: number;
   fields: number;
   skipped_cycles: number;
+  late_cycles: number; // of those that were skipped
   latency_s: { median: number; p90: number };
   events: number;
   events_per_s: number;

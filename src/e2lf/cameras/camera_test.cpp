@@ -423,6 +423,9 @@ TEST(ReplayCamera, GoesOnInTimeWhenItIsRepeatedAndAtAnotherSpeed) {
     ASSERT_EQ(played.events.x[i], all.events.x[i % once]);
   }
   EXPECT_GE(duration_us, length_us * static_cast<int64_t>(kRepeats) / 500);
+  EXPECT_EQ(replay_speed("replay:" + (folder / "a.raw").string() + "?repeat=600&speed=0.25"), 0.25);
+  EXPECT_EQ(replay_speed("camera://replay/a.raw?speed=4"), 4);
+  EXPECT_EQ(replay_speed("tcp:99?speed=4"), 1);
   for (const char* wrong : {"?speed=0", "?repeat=0", "?repeat=x", "?faster=2", "?speed=nan"}) {
     EXPECT_EQ(open_named_recording("replay:" + (folder / "a.raw").string() + wrong).error().code,
               ErrorCode::kInvalidValue);

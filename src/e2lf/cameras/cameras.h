@@ -25,6 +25,9 @@ using namespace recordings;
 /// is to be repeated).
 [[nodiscard]] Result<CameraPtr> open_replay_camera(const std::string& address);
 
+/// Returns the speed at which `input` is replayed; 1 if it is no replay, or one that cannot be opened.
+[[nodiscard]] double replay_speed(const std::string& input);
+
 /// Opens the named pipe at `address`, or standard input if it is empty, and waits for the first byte. Fails with
 /// kCancelled if a stop is requested before, and with kNotFound or kIo if it cannot be opened.
 [[nodiscard]] Result<CameraPtr> open_pipe_camera(const std::string& address);

@@ -264,6 +264,15 @@ Result<ReplayAddress> parse_replay_address(const std::string& address) {
 
 }  // namespace
 
+double replay_speed(const std::string& input) {
+  for (const std::string_view prefix : {"replay:", "camera://replay/"}) {
+    if (!input.starts_with(prefix)) continue;
+    const auto replay = parse_replay_address(input.substr(prefix.size()));
+    return replay ? replay->speed : 1;
+  }
+  return 1;
+}
+
 Result<CameraPtr> open_replay_camera(const std::string& address) {
   E2LF_ASSIGN_OR_RETURN(const ReplayAddress replayed, parse_replay_address(address));
   const std::string& path = replayed.path;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -23,10 +24,13 @@ class ArrivalClock {
  public:
   static constexpr std::chrono::seconds kWindow{5};
 
+  /// `speed` is that of the sensor's clock: above 1 for a recording that is replayed faster than it was recorded.
+  explicit ArrivalClock(double speed = 1) : speed_(speed) {}
+
   /// Adds bytes that arrived at `arrival` and whose newest event has the time t_us.
   void add(Clock::time_point arrival, int64_t t_us) {
     const int64_t offset_us =
-        std::chrono::duration_cast<std::chrono::microseconds>(arrival.time_since_epoch()).count() - t_us;
+        std::chrono::duration_cast<std::chrono::microseconds>(arrival.time_since_epoch()).count() - host_us(t_us);
     if (arrival - begin_ >= kWindow) {
       before_us_ = least_us_;
       least_us_ = kUnknown;
@@ -37,11 +41,16 @@ class ArrivalClock {
 
   /// Returns when an event with the time t_us arrived. add() must have been called before.
   [[nodiscard]] Clock::time_point arrival_of(int64_t t_us) const {
-    return Clock::time_point(std::chrono::microseconds(std::min(least_us_, before_us_) + t_us));
+    return Clock::time_point(std::chrono::microseconds(std::min(least_us_, before_us_) + host_us(t_us)));
   }
 
  private:
+  [[nodiscard]] int64_t host_us(int64_t t_us) const {
+    return speed_ == 1 ? t_us : std::llround(static_cast<double>(t_us) / speed_);
+  }
+
   static constexpr int64_t kUnknown = std::numeric_limits<int64_t>::max() / 2;
+  double speed_;
   Clock::time_point begin_{};
   int64_t least_us_ = kUnknown, before_us_ = kUnknown;
 };

@@ -80,6 +80,7 @@ Json Recorder::json() const {
 Result<std::unique_ptr<LiveReader>> LiveReader::open(const OpenCycles& open, const ReadingOptions& options) {
   auto reader = std::make_unique<LiveReader>();
   reader->options_ = options;
+  reader->arrivals_ = ArrivalClock(options.speed);
   E2LF_ASSIGN_OR_RETURN(reader->cycles_,
                         open([self = reader.get()](const recordings::EventBatch& batch) { self->see(batch); }));
   const recordings::RecordingInfo& info = reader->cycles_->recording().info();
@@ -147,6 +148,19 @@ void LiveReader::choose_events() {
 }
 
 Result<bool> LiveReader::next(LiveCycle& cycle) {
+  bool has_late = false;
+  for (;;) {
+    const Result<bool> more = read(cycle);
+    // The cycle that was read is the newest one, if there is another.
+    if (has_late && (!more || *more)) statistics_.add_skipped(Skipped::kLate);
+    if (!more || !*more) return !more ? more : Result<bool>(has_late);
+    if (!late_.drops(seconds_since(cycle.last_event), cycle.cycle_s)) return true;
+    has_late = true;
+  }
+}
+
+/// Reads the next cycle. Leaves `cycle` as it is if there is none.
+Result<bool> LiveReader::read(LiveCycle& cycle) {
   if (stop_requested() || (options_.max_cycles != 0 && taken_ == options_.max_cycles)) return false;
   choose_events();
   E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> next, cycles_->next());
@@ -160,7 +174,7 @@ Result<bool> LiveReader::next(LiveCycle& cycle) {
   cycle.cycle_s = 0;
   if (previous_ && previous_->first < next->number) {
     cycle.cycle_s = 1e-6 * static_cast<double>(next->begin_us - previous_->second) /
-                    static_cast<double>(next->number - previous_->first);
+                    (options_.speed * static_cast<double>(next->number - previous_->first));
   }
   previous_ = {next->number, next->begin_us};
   preview_->add_cycle(next->number, next->images);

@@ -14,6 +14,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/live/event_preview.h"
 #include "e2lf/live/live_cycle.h"
+#include "e2lf/live/pace.h"
 #include "e2lf/live/statistics.h"
 #include "e2lf/recordings/recording.h"
 
@@ -59,6 +60,7 @@ struct ReadingOptions {
   std::filesystem::path recordings = {};  ///< the folder of Recorder
   bool is_inverted = false;               ///< batches have ON and OFF exchanged; recordings store them as sent
   uint64_t max_cycles = 0;                ///< 0 = all
+  double speed = 1;                       ///< of the sensor's clock, above 1 for a recording that is replayed faster
   std::function<void(const diagnose::Finding&)> on_finding = {};  ///< called once for each code
 };
 
@@ -71,8 +73,9 @@ class LiveReader {
   /// Opens the source. Fails as `open` does.
   [[nodiscard]] static Result<std::unique_ptr<LiveReader>> open(const OpenCycles& open, const ReadingOptions& options);
 
-  /// Waits for the next complete cycle and swaps it into `cycle`. Returns false at the end of the source, after
-  /// max_cycles, and soon after a stop was requested. Fails as CycleReader::next() does.
+  /// Waits for the next complete cycle that is not dropped as a late one (LateCycles) and swaps it into `cycle`. The
+  /// last cycle is never dropped. Returns false at the end of the source, after max_cycles, and soon after a stop was
+  /// requested. Fails as CycleReader::next() does.
   [[nodiscard]] Result<bool> next(LiveCycle& cycle);
 
   /// Sets the number of cycles (1 to kMostCycles) over which event images are summed, from the next cycle on.
@@ -89,6 +92,7 @@ class LiveReader {
   [[nodiscard]] Recorder& recorder() { return *recorder_; }
 
  private:
+  [[nodiscard]] Result<bool> read(LiveCycle& cycle);
   void see(const recordings::EventBatch& batch);
   void choose_events();
   void report();
@@ -105,6 +109,7 @@ class LiveReader {
   std::optional<Recorder> recorder_;
   std::atomic<size_t> average_ = 1;
   CycleSum sum_;
+  LateCycles late_;
   uint64_t taken_ = 0;
   bool has_all_events_ = false;
   recordings::EventBatch sent_;  ///< a batch with the polarity that was sent

@@ -41,22 +41,6 @@ TEST(NewestSlot, HoldsTheNewestValueAloneAndSaysWhatWasNeverTaken) {
   EXPECT_FALSE(slot.take(value));
 }
 
-TEST(NewestSlot, NothingIsLostWhileTheWriterWaits) {
-  NewestSlot<int> slot;
-  constexpr int kValues = 1'000;
-  std::thread writer([&] {
-    for (int i = 1; i <= kValues; ++i) {
-      int value = i;
-      EXPECT_FALSE(slot.put(value, std::chrono::hours(1)));
-    }
-    slot.close();
-  });
-  int expected = 0, value = 0;
-  while (slot.take(value)) EXPECT_EQ(value, ++expected);
-  writer.join();
-  EXPECT_EQ(expected, kValues);
-}
-
 TEST(NewestSlot, EveryValueIsEitherTakenOrCountedAndTheyComeInOrder) {
   NewestSlot<int> slot;
   constexpr int kValues = 20'000;
@@ -167,6 +151,77 @@ TEST(Pace, KeepsANamedSizeAndAPaceThatHolds) {
   EXPECT_FALSE(choice_of("Half", kPictureSizes).ok());
 }
 
+/// A source whose cycles are read and reconstructed one after another on one processor, in simulated time.
+struct SimulatedSource {
+  static constexpr double kCycleS = 0.1;
+  double read_s = 0.03, quarter_s = 0.01;  // per cycle, and per light field of a quarter of the size
+  double now_s = 0;
+  LateCycles late = {};
+  Pace pace{{1}};
+  size_t shown = 0, dropped = 0;
+
+  /// Returns the latency of cycle `number` when it is shown, or nothing if it is dropped.
+  std::optional<double> take(int number) {
+    const double end_s = kCycleS * number;
+    now_s = std::max(now_s, end_s) + read_s;
+    if (late.drops(now_s - end_s, number == 0 ? 0 : kCycleS)) {
+      ++dropped;
+      return std::nullopt;
+    }
+    ++shown;
+    const bool is_late = now_s - end_s > LateCycles::most_s(kCycleS);
+    const auto side = static_cast<double>(block_side(pace.level().size));
+    const double field_s = quarter_s * 16 / (side * side);
+    now_s += field_s;
+    (void)pace.add(field_s, kCycleS, is_late);
+    return now_s - end_s;
+  }
+};
+
+TEST(LateCycles, AreDroppedAfterTheStartUntilTheLatencyIsBelowTwoCycles) {
+  SimulatedSource source{.now_s = 1.4};  // the reading begins late
+  EXPECT_TRUE(source.take(0)) << "there is a picture at once";
+  // Each cycle that is dropped takes 0.07 s of the latency.
+  for (int number = 1; number <= 9; ++number) EXPECT_FALSE(source.take(number)) << number;
+  EXPECT_NEAR(source.take(10).value(), 1.44 - 10 * 0.1 + 10 * 0.03 + 0.01, 1e-9) << "one of ten is shown";
+  EXPECT_EQ(source.pace.level().size, PictureSize::kQuarter);
+  int number = 11;
+  while (!source.take(number)) ASSERT_LT(++number, 30);
+  EXPECT_EQ(number, 18) << "0.75 s - 8 * 0.07 s is below 0.2 s";
+  const size_t dropped = source.dropped;
+  double worst = 0;
+  for (int i = 1; i <= 40; ++i) {
+    const auto latency = source.take(number + i);
+    if (latency && i > 8) worst = std::max(worst, *latency);
+  }
+  // Half the size takes 0.04 s; the full one, 0.16 s, would be no pace.
+  EXPECT_EQ(source.pace.level().size, PictureSize::kHalf);
+  EXPECT_LT(worst, 0.2);
+  EXPECT_EQ(source.dropped, dropped) << "nothing more is late";
+}
+
+TEST(LateCycles, OneOfTenIsShownOfASourceThatIsAlwaysLate) {
+  SimulatedSource source{.read_s = 0.12};
+  for (int number = 0; number < 500; ++number) (void)source.take(number);
+  EXPECT_NEAR(static_cast<double>(source.shown), 50, 10);
+  EXPECT_EQ(source.pace.level().size, PictureSize::kQuarter);
+  LateCycles late;
+  EXPECT_FALSE(late.drops(9, 0)) << "nothing is known of the cycle";
+  EXPECT_FALSE(late.drops(0.04, 0.001)) << "short cycles wait for their transfer";
+  EXPECT_TRUE(late.drops(0.06, 0.001));
+}
+
+TEST(Pace, ShrinksIfCyclesAreLateAndGrowsAgainHoweverOftenThatWas) {
+  Pace pace({1});
+  for (int i = 0; i < 50; ++i) EXPECT_FALSE(pace.add(0.001, 0.1, true)) << "it is as small as it can be";
+  for (int lag = 0; lag < 10; ++lag) {
+    for (int i = 0; i < 100; ++i) (void)pace.add(0.001, 0.1);
+    EXPECT_EQ(pace.level().size, PictureSize::kFull) << lag;
+    EXPECT_TRUE(pace.add(0.001, 0.1, true));
+    EXPECT_EQ(pace.level().size, PictureSize::kHalf) << lag;
+  }
+}
+
 TEST(RecentQuantiles, AreExactAndForgetWhatIsOld) {
   RecentQuantiles values;
   EXPECT_EQ(values.at(0.5), 0);
@@ -192,6 +247,13 @@ TEST(ArrivalClock, TakesTheLeastDelayAndFollowsDrift) {
   EXPECT_GE(late, milliseconds(-11)) << "the drift of two windows";
 }
 
+TEST(ArrivalClock, FollowsAReplayAtAnotherSpeed) {
+  ArrivalClock clock(0.2);
+  const Clock::time_point begin{seconds(100)};
+  for (int i = 0; i <= 60; ++i) clock.add(begin + seconds(i), 200'000LL * i);
+  EXPECT_EQ(clock.arrival_of(12'000'000), begin + seconds(60));
+}
+
 recordings::EventBatch batch_of(int64_t begin_us, size_t events, size_t on) {
   recordings::EventBatch batch;
   for (size_t i = 0; i < events; ++i) {
@@ -211,12 +273,15 @@ TEST(Statistics, CountsAndGivesRatesOfTheLastSecond) {
   statistics.add_cycle(0.5F);
   statistics.add_cycle(0.75F);
   statistics.add_skipped();
-  statistics.add_field(0.2, 0.1);
+  statistics.add_skipped(Skipped::kLate);
+  statistics.add_field(0.2, 0.1, PictureSize::kHalf);
   Json json = statistics.json(begin + milliseconds(2500));
   EXPECT_EQ(json["events"], 2010);
   EXPECT_EQ(json["cycles"], 2);
   EXPECT_EQ(json["fields"], 1);
-  EXPECT_EQ(json["skipped_cycles"], 1);
+  EXPECT_EQ(json["skipped_cycles"], 2);
+  EXPECT_EQ(json["late_cycles"], 1);
+  EXPECT_EQ(json["fields_of_size"], (Json{{"half", 1}}));
   EXPECT_EQ(json["latency_s"]["p90"], 0.2);
   EXPECT_EQ(json["least_confidence"], 0.5);
   EXPECT_EQ(json["recorded_s"], 2.0);

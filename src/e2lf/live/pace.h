@@ -32,6 +32,23 @@ struct QualityLevel {
   bool operator==(const QualityLevel&) const = default;
 };
 
+/// Decides which cycles are dropped because they are late. A live source shows the newest cycle: while the reading lags
+/// behind, as after the start, cycles that have waited are dropped, which leaves the processors to the reading, until
+/// the latency is below two cycles. Of a source that is always late, one of ten cycles is shown.
+class LateCycles {
+ public:
+  /// Returns the latency from which on a cycle is late: two cycles, but at least 50 ms, in which bytes are transferred.
+  [[nodiscard]] static double most_s(double cycle_s);
+
+  /// Returns whether a cycle is dropped that was read `latency_s` after its last event. `cycle_s` is the time that a
+  /// cycle takes; 0 = unknown. The first cycle is shown.
+  [[nodiscard]] bool drops(double latency_s, double cycle_s);
+
+ private:
+  static constexpr size_t kMostDropped = 9;
+  size_t dropped_ = kMostDropped;  ///< since the last one that was shown
+};
+
 /// Chooses network and resolution by the pace: the best ones with which a light field is finished before the next cycle
 /// ends.
 class Pace {
@@ -43,8 +60,9 @@ class Pace {
 
   [[nodiscard]] QualityLevel level() const { return steps_[step_].level; }
 
-  /// Adds how long a light field took that was made so, and how long a cycle takes. Returns true if that changes.
-  bool add(double field_s, double cycle_s);
+  /// Adds how long a light field took that was made so, and how long a cycle takes. Returns true if that changes. A
+  /// cycle that was late is a reason for a smaller size.
+  bool add(double field_s, double cycle_s, bool is_late = false);
 
  private:
   struct Step {

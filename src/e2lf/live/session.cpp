@@ -10,13 +10,6 @@ namespace e2lf::live {
 namespace {
 
 constexpr uint64_t kFirstCycles = 20;
-constexpr double kWorkedOff = 0.8;  // of a cycle: cycles that are taken faster had waited
-
-/// Returns how long a cycle waits for the one before. The first ones arrived before the reading began; as each waits
-/// for less than a cycle, they are worked off.
-std::chrono::duration<double> patience(uint64_t number, double cycle_s) {
-  return std::chrono::duration<double>(number <= kFirstCycles ? kWorkedOff * cycle_s : 0);
-}
 
 /// Returns the figures of a light field or map that is complete now.
 FieldReport report_of(const LiveCycle& cycle, const QualityLevel& level, double reconstruct_s) {
@@ -92,11 +85,11 @@ void Session::fail(const Error& error) {
 
 void Session::read() {
   LiveCycle cycle;
-  for (uint64_t taken = 1;; ++taken) {
+  for (;;) {
     const Result<bool> more = reader_->next(cycle);
     if (!more) fail(more.error());
     if (!more || !*more) break;
-    if (slot_.put(cycle, patience(taken, cycle.cycle_s))) reader_->statistics().add_skipped();
+    if (slot_.put(cycle)) reader_->statistics().add_skipped();
   }
   if (const auto ended = reader_->recorder().end(); !ended) fail(ended.error());
   slot_.close();
@@ -110,7 +103,7 @@ void Session::reconstruct(LiveField field) {
       if (!made) fail(made.error());
       // A cycle that is shown in both ways counts once.
       if (!is_recent(picture_asked_)) {
-        made ? reader_->statistics().add_field(made->latency_s, made->reconstruct_s)
+        made ? reader_->statistics().add_field(made->latency_s, made->reconstruct_s, made->level.size)
              : reader_->statistics().add_skipped();
         continue;
       }
@@ -123,8 +116,7 @@ void Session::reconstruct(LiveField field) {
       continue;
     }
     {
-      std::unique_lock lock(field_mutex_);
-      field_changed_.wait_for(lock, patience(field.serial, field.cycle.cycle_s), [this] { return !is_new_; });
+      const std::lock_guard lock(field_mutex_);
       std::swap(field, shown_);
       if (std::exchange(is_new_, true)) reader_->statistics().add_skipped();
     }
@@ -215,8 +207,7 @@ LiveField Session::prepare() {
 
 Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const Clock::time_point begin = Clock::now();
-  // While cycles that had waited are worked off, the time that they take is not the pace. At the start, this is so.
-  const bool is_behind = seconds_since(std::exchange(began_, begin)) < kWorkedOff * cycle.cycle_s;
+  const bool is_late = seconds_since(cycle.last_event) > LateCycles::most_s(cycle.cycle_s);
   const bool has_events = !capture::is_without_events(cycle.images);
   bool finds_tone = false;
   // The check would take the processors from the first cycles, whose pace determines the size.
@@ -230,13 +221,13 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   // The tone is that of the exact values.
   if (finds_tone) field.views.clear();
   E2LF_RETURN_IF_ERROR(make_views(cycle, finds_tone, field));
-  const double cycle_s = is_behind ? 0 : cycle.cycle_s;
+  const double cycle_s = cycle.cycle_s;
   std::swap(field.cycle, cycle);
   field.reconstruct_s = seconds_since(begin);
   field.serial = ++made_;
 
   std::unique_lock lock(settings_mutex_);
-  const bool changes = field.level == pace_.level() && pace_.add(field.reconstruct_s, cycle_s);
+  const bool changes = field.level == pace_.level() && pace_.add(field.reconstruct_s, cycle_s, is_late);
   const QualityLevel level = pace_.level();
   // As pipeline::FieldSequence determines the brightness.
   if (finds_tone && !tone_.black) tone_.black = recon::auto_black(field.light_field);
@@ -306,7 +297,7 @@ void Session::show() {
     }
     picture_changed_.notify_all();
     if (!is_new) continue;
-    reader_->statistics().add_field(report.latency_s, report.reconstruct_s);
+    reader_->statistics().add_field(report.latency_s, report.reconstruct_s, report.level.size);
     if (options_.on_field) options_.on_field(report);
   }
   has_ended_ = true;

@@ -63,13 +63,11 @@ class FieldMaker {
 template <typename T>
 class NewestSlot {
  public:
-  /// Waits up to `patience` for the previous content to be taken, and swaps `value` with the content of the slot.
-  /// Returns true if the previous content had not been taken.
-  bool put(T& value, std::chrono::duration<double> patience = {}) {
+  /// Swaps `value` with the content of the slot. Returns true if the previous content had not been taken.
+  bool put(T& value) {
     bool was_full = false;
     {
-      std::unique_lock lock(mutex_);
-      changed_.wait_for(lock, patience, [this] { return !is_full_; });
+      const std::lock_guard lock(mutex_);
       std::swap(value, value_);
       was_full = std::exchange(is_full_, true);
     }
@@ -84,7 +82,6 @@ class NewestSlot {
     if (!is_full_) return false;
     std::swap(value, value_);
     is_full_ = false;
-    changed_.notify_one();
     return true;
   }
 
@@ -150,7 +147,7 @@ struct ShownDepth {
 /// Reconstructs light fields from a live source as fast as the hardware permits. One thread reads and accumulates
 /// events, one reconstructs, and one renders pictures. A slot between the first two holds only the newest cycle, so
 /// that cycles never queue: of the cycles that arrive during a reconstruction, all but the newest are skipped and
-/// counted. Only the first twenty, which arrive while the network is prepared, wait for the one before.
+/// counted, and those that are late when they are read (LateCycles) do not even get there.
 class Session {
  public:
   /// `makers` are of one or more networks for the same patterns, from the best one to the fastest.
@@ -220,7 +217,6 @@ class Session {
   SessionOptions options_;
   NewestSlot<LiveCycle> slot_;
   uint64_t made_ = 0;
-  Clock::time_point began_{};  ///< when the previous light field was begun
 
   mutable std::mutex settings_mutex_;
   Pace pace_;

@@ -69,14 +69,16 @@ void Statistics::add_cycle(float confidence) {
   least_confidence_ = std::min(least_confidence_, confidence);
 }
 
-void Statistics::add_skipped() {
+void Statistics::add_skipped(Skipped why) {
   const std::lock_guard lock(mutex_);
   ++skipped_;
+  if (why == Skipped::kLate) ++late_;
 }
 
-void Statistics::add_field(double latency_s, double reconstruct_s) {
+void Statistics::add_field(double latency_s, double reconstruct_s, PictureSize size) {
   const std::lock_guard lock(mutex_);
   ++fields_;
+  ++fields_of_size_[size];
   latency_s_.add(latency_s);
   reconstruct_s_.add(reconstruct_s);
 }
@@ -121,12 +123,16 @@ Json Statistics::json(Clock::time_point now) const {
   // If nothing arrives, no batch ends the window.
   const bool is_old = !rates_ || now - window_begin_ >= 2 * kWindow;
   const Rates rates = is_old ? rates_of_window(now) : *rates_;
+  Json sizes = Json::object();
+  for (const auto& [size, count] : fields_of_size_) sizes[size_name(size)] = count;
   Json json = {{"seconds", seconds_between(begin_, now)},
                {"recorded_s", 1e-6 * static_cast<double>(last_us_ - first_us_.value_or(0))},
                {"events", events_},
                {"cycles", cycles_},
                {"fields", fields_},
+               {"fields_of_size", std::move(sizes)},
                {"skipped_cycles", skipped_},
+               {"late_cycles", late_},
                {"latency_s", {{"median", latency_s_.at(0.5)}, {"p90", latency_s_.at(0.9)}}},
                {"reconstruct_s", {{"median", reconstruct_s_.at(0.5)}, {"p90", reconstruct_s_.at(0.9)}}},
                {"events_per_s", rates.events_hz},

@@ -11,6 +11,7 @@
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/files/options.h"
 #include "e2lf/live/live_cycle.h"
+#include "e2lf/live/pace.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::live {
@@ -29,6 +30,12 @@ class RecentQuantiles {
   size_t next_ = 0;
 };
 
+/// Why a cycle was not reconstructed.
+enum class Skipped {
+  kNewer,  ///< a newer one had arrived, or the reconstruction failed
+  kLate,   ///< it was dropped as soon as it was read: LateCycles
+};
+
 /// Collects figures about the input and the reconstruction. All functions may be called from any thread.
 class Statistics {
  public:
@@ -38,10 +45,10 @@ class Statistics {
   void add_batch(const recordings::EventBatch& batch, Clock::time_point now = Clock::now());
   /// Adds a complete cycle; `confidence` states how well its events confirm its times.
   void add_cycle(float confidence);
-  /// Adds a cycle that was not reconstructed because a newer one had arrived.
-  void add_skipped();
-  /// Adds a light field whose picture is complete.
-  void add_field(double latency_s, double reconstruct_s);
+  /// Adds a cycle that was not reconstructed.
+  void add_skipped(Skipped why = Skipped::kNewer);
+  /// Adds a light field, or a map, of this size whose picture is complete.
+  void add_field(double latency_s, double reconstruct_s, PictureSize size);
   /// Replaces the reader's report about cycles, its summary of the data that was left out, and the check of the rig.
   void set_report(const cycles::CycleReport& report, const recordings::DecodeSummary& summary, Json rig);
   /// Adds findings, in JSON, to those of the report.
@@ -62,7 +69,8 @@ class Statistics {
 
   mutable std::mutex mutex_;
   Clock::time_point begin_, window_begin_;
-  uint64_t events_ = 0, cycles_ = 0, skipped_ = 0, fields_ = 0;
+  uint64_t events_ = 0, cycles_ = 0, skipped_ = 0, late_ = 0, fields_ = 0;
+  std::map<PictureSize, uint64_t> fields_of_size_;
   uint64_t window_events_ = 0, window_on_ = 0;
   std::map<uint16_t, uint64_t> window_triggers_, triggers_;
   std::optional<Rates> rates_;

@@ -222,7 +222,7 @@ export class LiveFieldScreen implements Screen {
     this.figures.show([
       ['per second', this.rate().toFixed(1)],
       ['light fields', String(now.fields)],
-      ['cycles skipped', String(now.skipped_cycles)],
+      ['cycles skipped', now.late_cycles > 0 ? `${now.skipped_cycles}, ${now.late_cycles} as late` : String(now.skipped_cycles)],
       ['latency, median', `${Math.round(1000 * now.latency_s.median)} ms`],
       ['latency, 90 %', `${Math.round(1000 * now.latency_s.p90)} ms`],
       ['network', now.network],

@@ -9,6 +9,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/cameras/cameras.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/viewer.h"
@@ -132,6 +133,7 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
       live::LiveReader::open(open, {.recordings = recordings,
                                     .is_inverted = flags.options.invert_polarity,
                                     .max_cycles = flags.max_cycles,
+                                    .speed = cameras::replay_speed(arguments.source.string()),
                                     .on_finding = [source = arguments.source.string()](const auto& finding) {
                                       diagnose::log_findings(source, {finding});
                                     }}));
@@ -197,10 +199,17 @@ void print_totals(const Json& totals, const CommonOptions& common) {
   if (common.json) {
     std::printf("%s\n", Json{{"totals", totals}}.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
   } else if (!common.quiet) {
-    std::printf("%zu cycles in %.1f s: %zu light fields, %zu cycles skipped; latency %.3f s (median), %.3f s (90 %%)\n",
-                totals["cycles"].get<size_t>(), totals["seconds"].get<double>(), totals["fields"].get<size_t>(),
-                totals["skipped_cycles"].get<size_t>(), totals["latency_s"]["median"].get<double>(),
-                totals["latency_s"]["p90"].get<double>());
+    std::string sizes;
+    for (const auto& [size, count] : totals["fields_of_size"].items()) {
+      sizes += cat(sizes.empty() ? " (" : ", ", count.get<size_t>(), " of ", size, " size");
+    }
+    if (!sizes.empty()) sizes += ")";
+    std::printf(
+        "%zu cycles in %.1f s: %zu light fields%s, %zu cycles skipped, of which %zu had been late when they were "
+        "read; latency %.3f s (median), %.3f s (90 %%)\n",
+        totals["cycles"].get<size_t>(), totals["seconds"].get<double>(), totals["fields"].get<size_t>(), sizes.c_str(),
+        totals["skipped_cycles"].get<size_t>(), totals["late_cycles"].get<size_t>(),
+        totals["latency_s"]["median"].get<double>(), totals["latency_s"]["p90"].get<double>());
   }
 }
 
