@@ -47,7 +47,7 @@ check "$(json out.json "j['events']") == 50000"
 
 # What is outside the sensor is said, with the count and the remedy.
 "$E2LF" convert sorted.csv small.npz --sensor-width 32 --sensor-height 48 --quiet 2>stderr.txt
-grep -qE "left out [0-9]+ events outside the sensor; give the size of the sensor" stderr.txt || fail "$(cat stderr.txt)"
+grep -qE "left out [0-9]+ events outside the sensor; if the sensor is larger than the size that the file states or that was given" stderr.txt || fail "$(cat stderr.txt)"
 "$E2LF" convert sorted.csv small.npz --sensor-width 32 --sensor-height 48 --overwrite --json >out.json 2>stderr.txt
 check "$(json out.json "j['left_out'][0]['reason'] == 'out_of_range' and j['left_out'][0]['count'] + j['events'] == 50000")"
 fails 1 "strict" "$E2LF" convert sorted.csv strict.npz --sensor-width 32 --sensor-height 48 --strict

@@ -40,8 +40,8 @@ export class QualityFigures {
       ['(gain, black level)', `${gain.toFixed(3)}, ${black.toFixed(3)}`],
     ];
     if (disparity) {
-      rows.push(['disparity: > 0.07 px off', `${disparity.bad_07_percent.toFixed(1)} %`], ['> 0.2 px off', `${disparity.bad_20_percent.toFixed(1)} %`],
-        ['mean error', `${disparity.mean_absolute_px.toFixed(3)} px`], ['slope', disparity.slope.toFixed(2)]);
+      rows.push(['disparity > 0.07 px off', `${disparity.bad_07_percent.toFixed(1)} %`], ['disparity > 0.2 px off', `${disparity.bad_20_percent.toFixed(1)} %`],
+        ['disparity, mean error', `${disparity.mean_absolute_px.toFixed(3)} px`], ['disparity, slope', disparity.slope.toFixed(2)]);
     }
     this.list.show(rows);
     this.about.textContent = disparity ? `Disparities that e2lf depth finds in the reconstruction, against ${disparity.source}` : '';

@@ -98,10 +98,10 @@ report::Table quality_table(std::span<const EvalRow> rows) {
   add("EPI error", "epi_relative_error", [](const EvalRow& row) { return quality_cell(row.quality.epi.relative, 3); });
   if (has(&EvalRow::disparity)) {
     using depth::DisparityError;
-    add_of(&EvalRow::disparity, "> 0.07 px, %", "bad_07_percent", &DisparityError::bad_07_percent, 1);
-    add_of(&EvalRow::disparity, "> 0.2 px, %", "bad_20_percent", &DisparityError::bad_20_percent, 1);
-    add_of(&EvalRow::disparity, "off px", "mean_absolute_px", &DisparityError::mean_absolute_px, 3);
-    add_of(&EvalRow::disparity, "slope", "slope", &DisparityError::slope, 2);
+    add_of(&EvalRow::disparity, "disparity > 0.07 px, %", "bad_07_percent", &DisparityError::bad_07_percent, 1);
+    add_of(&EvalRow::disparity, "disparity > 0.2 px, %", "bad_20_percent", &DisparityError::bad_20_percent, 1);
+    add_of(&EvalRow::disparity, "disparity error, px", "mean_absolute_px", &DisparityError::mean_absolute_px, 3);
+    add_of(&EvalRow::disparity, "disparity slope", "slope", &DisparityError::slope, 2);
   }
   for (const auto& [name, key, member] : kTones) {
     if (!has(member)) continue;

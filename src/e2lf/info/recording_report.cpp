@@ -145,7 +145,9 @@ void warn_of_losses(const fs::path& input, const recordings::DecodeSummary& summ
   const std::vector<recordings::Loss> losses = recordings::losses(summary);
   if (losses.empty()) return;
   const bool is_outside = summary.of(recordings::Violation::kOutOfRange).count > 0;
-  const char* const advice = is_outside ? "; give the size of the sensor" : "";
+  const char* const advice =
+      is_outside ? "; if the sensor is larger than the size that the file states or that was given, correct the size"
+                 : "";
   log_warning(cat(input.string(), ": left out ", recordings::loss_text(losses), advice));
 }
 

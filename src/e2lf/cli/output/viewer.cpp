@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/output/viewer.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <mutex>
@@ -17,6 +18,17 @@
 
 namespace e2lf::cli {
 
+namespace {
+
+/// Returns the light field with its values limited to [0, 1], as files of pictures and the page store them.
+lightfield::LightField limited(const lightfield::LightField& light_field) {
+  lightfield::LightField field = light_field;
+  for (float& value : field.data()) value = std::clamp(value, 0.0F, 1.0F);
+  return field;
+}
+
+}  // namespace
+
 Result<void> write_comparison_page(const std::filesystem::path& path, const Shown& truth, const Shown& reconstruction,
                                    const std::optional<depth::DisparityError>& error) {
   view::Document document;
@@ -29,7 +41,7 @@ Result<void> write_comparison_page(const std::filesystem::path& path, const Show
     if (!error) continue;
     document.add_disparity(document.num_items() - 1, {{shown->disparity}, depth::middle_view(shape)});
   }
-  view::Quality quality = view::quality_of(truth.light_field, reconstruction.light_field);
+  view::Quality quality = view::quality_of(truth.light_field, limited(reconstruction.light_field));
   quality.disparity = error;
   quality.truth_source = "those of the scene";
   document.add_comparison(0, 1, {quality});
@@ -196,7 +208,7 @@ class ServedLivePage {
     document.add_light_field(fine_name(), fine_);
     if (!(fine_->shape() == quick_->shape())) return document;
     const auto fine = fine_->read(0), quick = quick_->read(0);
-    if (fine && quick) document.add_comparison(3, 2, {view::quality_of(**fine, **quick)});
+    if (fine && quick) document.add_comparison(3, 2, {view::quality_of(limited(**fine), limited(**quick))});
     return document;
   }
 

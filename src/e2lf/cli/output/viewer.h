@@ -29,7 +29,7 @@ inline constexpr bool kHasViewer = true;
 
 /// A light field, with the disparities of its middle view.
 struct Shown {
-  const lightfield::LightField& light_field;
+  const lightfield::LightField& light_field;  ///< limited to [0, 1] for the figures, as its files are
   const lightfield::Image& disparity;
 };
 
