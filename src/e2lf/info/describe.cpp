@@ -18,6 +18,7 @@
 #include "e2lf/learn/data/packed_data.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/model/model.h"
+#include "e2lf/recordings/duplicates.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/video/video_model.h"
 
@@ -308,7 +309,8 @@ Json assumptions_json(const recordings::RecordingInfo& info) {
 }
 
 Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
-             const diagnose::TriggerInputs& triggers, const Extent& extent, Json parts) {
+             const recordings::DuplicateCounter& duplicates, const diagnose::TriggerInputs& triggers,
+             const Extent& extent, Json parts) {
   const double duration_s = static_cast<double>(summary.last_t_us - summary.first_t_us) * 1e-6;
   Json json = {{"kind", "recording"},
                {"format", info.format},
@@ -320,6 +322,7 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
   const Json left_out = std::move(counts["left_out"]);
   counts.erase("left_out");
   json.update(counts);
+  json["duplicates"] = duplicates.duplicates();
   json["trigger_channels"] = diagnose::to_json(triggers);
   json["extents"] = {{"width", extent.width}, {"height", extent.height}};
   json["assumptions"] = assumptions_json(info);
@@ -330,6 +333,13 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
   return json;
 }
 
+std::string duplicates_text(const recordings::DuplicateCounter& counter) {
+  if (counter.duplicates() == 0) return "";
+  return cat(
+      formatted("%.3g", 100 * counter.share()),
+      " % of the events are exact duplicates of others, and count twice; a packet or a file was written twice\n");
+}
+
 }  // namespace
 
 Result<Description> describe_recording(const fs::path& path, const DescribeOptions& options) {
@@ -338,6 +348,7 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(path.string(), open));
   diagnose::TriggerInputs triggers;
   Extent extent;
+  recordings::DuplicateCounter duplicates;
   recordings::DecodeSummary summary;
   recordings::EventBatch batch;
   Json parts_json = Json::array();
@@ -346,6 +357,7 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
     if (more) {
       diagnose::add(batch.triggers, triggers);
       extent.add(batch.events);
+      duplicates.add(batch.events);
       if (options.on_batch) options.on_batch(batch);
       if (options.progress) options.progress(summary.events() + reader->summary().events(), 0);
       continue;
@@ -358,7 +370,8 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
                           {"last_t_us", part.last_t_us}});
     E2LF_ASSIGN_OR_RETURN(more_parts, reader->next_part());
   }
-  Description description{to_json(reader->info(), summary, triggers, extent, std::move(parts_json))};
+  Description description{to_json(reader->info(), summary, duplicates, triggers, extent, std::move(parts_json)),
+                          duplicates_text(duplicates)};
   description.failure = summary.live.failure;
   return description;
 }
