@@ -11,7 +11,8 @@ namespace {
 constexpr const char* kNames[] = {"00_00.png", "00_01.png",         "01_00.jpg",         "01_01.jpeg",
                                   "0_0.PNG",   "input_Cam000.png",  "input_Cam001.png",  "input_Cam009.png",
                                   "1_1.png",   "input_Cam010.png",  "out_00_00_1_2.png", "out_00_01.png",
-                                  "notes.txt", "out_01_00_-3_.png", "out_01_01_x.jpg",   "9999_9999.png"};
+                                  "notes.txt", "out_01_00_-3_.png", "out_01_01_x.jpg",   "9999_9999.png",
+                                  "-1_0.png",  "-1_-1.png",         "view-1-0.png",      "view-1--1.png"};
 
 }  // namespace
 

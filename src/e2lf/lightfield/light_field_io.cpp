@@ -60,7 +60,7 @@ Result<LightFieldKind> storage_kind(const fs::path& path) {
       return fail(ErrorCode::kUnsupported, path, "the folder contains a light field for each cycle; give one, e.g. ",
                   (path / cycles.front().filename()).string());
     }
-    return fail(ErrorCode::kUnsupported, path, "the folder contains no views; give one with 00_00.png ...");
+    return fail(ErrorCode::kUnsupported, path, no_views_text(path));
   }
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_head(path, kMatlabHeaderBytes + kHdf5Signature.size()));
   if (const auto kind = kind_of_bytes(bytes)) return *kind;
@@ -91,9 +91,21 @@ Result<LightField> read_npz_light_field(const fs::path& path, const ReadOptions&
   return fail(ErrorCode::kNotFound, path, "no array light_field, but ", join(names), "; store it under that name");
 }
 
+/// Tells options that describe another kind of storage.
+void tell_unused(LightFieldKind kind, const fs::path& path, const ReadOptions& options) {
+  const bool may_be_one_picture = kind == LightFieldKind::kLenslet || kind == LightFieldKind::kHdf5;
+  const bool is_array = kind == LightFieldKind::kArrayFolder;  // its array is asked again
+  if (options.lenslet_views > 0 && !may_be_one_picture && !is_array) tell_unused_grid(path.string());
+  if (options.view_columns > 0 && kind != LightFieldKind::kHciFolder && !is_array) {
+    log_warning(cat(path.string(),
+                    ": the number of view columns has no effect, since the views are not numbered consecutively"));
+  }
+}
+
 /// Reads the views in the order in which they are stored.
 Result<LightField> read_stored(const fs::path& path, const ReadOptions& options, const ProgressFn& progress) {
   E2LF_ASSIGN_OR_RETURN(const LightFieldKind kind, storage_kind(path));
+  tell_unused(kind, path, options);
   switch (kind) {
     case LightFieldKind::kViewFolder:
     case LightFieldKind::kHciFolder:
@@ -118,6 +130,11 @@ Result<LightField> read_stored(const fs::path& path, const ReadOptions& options,
 }
 
 }  // namespace
+
+void tell_unused_grid(const std::string& location) {
+  log_warning(
+      cat(location, ": the number of views per axis of one picture has no effect, since the views are separate"));
+}
 
 const char* kind_name(LightFieldKind kind) {
   constexpr const char* kNames[] = {"folder of VV_UU.png",      "HCI folder",  "Stanford folder",
@@ -197,8 +214,9 @@ Result<void> write_views(const fs::path& folder, const LightFieldView& light_fie
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-      const Result<void> status = write_png(folder / view_name(LightFieldKind::kViewFolder, view_y, view_x),
-                                            view_image(light_field, view_y, view_x), depth);
+      const std::string name =
+          view_name(LightFieldKind::kViewFolder, static_cast<int>(view_y), static_cast<int>(view_x));
+      const Result<void> status = write_png(folder / name, view_image(light_field, view_y, view_x), depth);
       const std::lock_guard lock(mutex);
       if (!status.ok() && !error) error = status.error();
       ++done;

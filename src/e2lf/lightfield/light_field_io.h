@@ -35,6 +35,10 @@ enum class LightFieldKind {
 /// kUnsupported if it is not a light field.
 [[nodiscard]] Result<LightFieldKind> detect_kind(const std::filesystem::path& path);
 
+/// Describes the pictures in a folder that are stored in a format that is not read (OpenEXR, TIFF, ...), and what to do
+/// with them: "64 pictures are stored as .exr; convert them to PNG ...". Returns an empty string if there are none.
+[[nodiscard]] std::string unread_pictures_text(const std::filesystem::path& folder);
+
 /// Returns the subfolders cycle_00000, cycle_00001, ... in order, or none if there are none. `e2lf reconstruct` writes
 /// the light fields of a recording into such folders.
 [[nodiscard]] std::vector<std::filesystem::path> cycle_folders(const std::filesystem::path& folder);
@@ -71,8 +75,8 @@ struct ReadOptions {
   float white =
       0.0F;  ///< the stored number that means 1; 0 = the largest of an unsigned 8- or 16-bit type, 1 for other types
   size_t view_columns = 0;                 ///< columns of the grid of a kHciFolder; 0 = a square grid
-  size_t lenslet_views = 0;                ///< views per microlens and axis of a lenslet mosaic; 0 = as it states
-  size_t patch_views = 8;                  ///< views per axis of an `Hr_SAI_y` patch
+  size_t lenslet_views = 0;                ///< views per axis of one picture that holds all: a lenslet mosaic, or an
+                                           ///< `Hr_SAI_y` patch; 0 = as its name or content states
   uint64_t max_bytes = uint64_t{8} << 30;  ///< limit for the stored array and for the result in memory
 };
 

@@ -142,6 +142,64 @@ TEST(Lenslet, AnotherLayoutThanTheStatedOneIsRefused) {
   EXPECT_EQ(read_light_field(folder / "montage.png", options).error().code, ErrorCode::kUnsupported);
 }
 
+ReadOptions of_grid(size_t views) {
+  ReadOptions options;
+  options.lenslet_views = views;
+  return options;
+}
+
+ReadOptions with_columns(size_t columns) {
+  ReadOptions options;
+  options.view_columns = columns;
+  return options;
+}
+
+/// A lenslet mosaic of 8x8 views that differ a little.
+Image mosaic_of_8x8(size_t side) {
+  constexpr size_t kViews = 8;
+  Image mosaic(kViews * side, kViews * side, 1);
+  for (size_t row = 0; row < mosaic.height; ++row) {
+    for (size_t column = 0; column < mosaic.width; ++column) {
+      const double y = static_cast<double>(row / kViews) - 0.1 * static_cast<double>(row % kViews);
+      const double x = static_cast<double>(column / kViews) - 0.1 * static_cast<double>(column % kViews);
+      mosaic.pixels[row * mosaic.width + column] =
+          static_cast<float>(0.5 + 0.2 * std::sin(0.77 * x + 0.2 * y) + 0.2 * std::cos(0.7 * y));
+    }
+  }
+  return mosaic;
+}
+
+TEST(Lenslet, EveryOtherNumberOfViewsThanThatOfTheContentIsRefused) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_png(folder / "a.png", mosaic_of_8x8(80)).ok());
+  for (const size_t views : {2, 4, 5, 16, 32}) {
+    EXPECT_EQ(read_light_field(folder / "a.png", of_grid(views)).error().setting, Setting::kLensletViews) << views;
+  }
+  EXPECT_EQ(read_light_field(folder / "a.png", of_grid(8))->shape(), (Shape{8, 8, 80, 80, 1}));
+}
+
+TEST(ReadOptions, OnesWithoutEffectAreTold) {
+  const TestFolder folder;
+  const LightField stored = numbered_light_field({8, 8, 2, 2, 1});
+  ASSERT_TRUE(write_light_field(folder / "views", stored).ok());
+  ASSERT_TRUE(write_light_field(folder / "a.h5", stored, {.format = LightFieldFormat::kHdf5}).ok());
+  ASSERT_TRUE(write_light_field(folder / "a.npy", stored, {.format = LightFieldFormat::kNpy}).ok());
+  for (const char* name : {"views", "a.h5", "a.npy"}) {
+    const TestLog log;
+    const auto num_told = [&log] {
+      size_t count = 0;
+      for (size_t at = 0; (at = log.text().find("no effect", at)) != std::string::npos; ++at) ++count;
+      return count;
+    };
+    ASSERT_TRUE(read_light_field(folder / name).ok());
+    EXPECT_EQ(num_told(), 0U) << name;
+    ASSERT_TRUE(read_light_field(folder / name, of_grid(5)).ok());
+    EXPECT_EQ(num_told(), 1U) << name;
+    ASSERT_TRUE(read_light_field(folder / name, with_columns(8)).ok());
+    EXPECT_EQ(num_told(), 2U) << name;
+  }
+}
+
 TEST(Npz, FindsTheLightField) {
   const TestFolder folder;
   const LightField stored = numbered_light_field({8, 8, 2, 2, 1});

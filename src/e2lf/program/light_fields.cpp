@@ -32,8 +32,10 @@ void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_vie
                  "default: detected")
       ->check(whole_number(1, 10000))
       ->group(group);
-  app.add_option("--lenslet-views", flags.read.lenslet_views,
-                 "number of views per axis below a microlens, for mosaics that do not state it")
+  app.add_option(
+         "--lenslet-views", flags.read.lenslet_views,
+         "number of views per axis in one picture that holds all views: a lenslet mosaic, or an Hr_SAI_y patch; "
+         "default: as its name or content states")
       ->check(whole_number(1, 1000))
       ->group(group);
 }

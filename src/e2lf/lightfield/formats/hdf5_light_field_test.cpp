@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <utility>
 #include <zlib.h>
 
 #include "e2lf/files/file.h"
@@ -38,19 +41,80 @@ TEST(Hdf5File, ReadsLumaOfBytesAndFloats) {
   EXPECT_TRUE(same(read_light_field(folder / "b.h5").value(), stored));
 }
 
-TEST(Hdf5File, ReadsATransposedPatch) {
-  const TestFolder folder;
-  const LightField stored = numbered_light_field({5, 5, 4, 4, 1});
+/// Views of a textured plane with a disparity of 0.4 px, of which neighbours resemble each other.
+LightField textured_views(size_t views, size_t side) {
+  LightField field({views, views, side, side, 1});
+  for (size_t v = 0; v < views; ++v) {
+    for (size_t u = 0; u < views; ++u) {
+      for (size_t y = 0; y < side; ++y) {
+        for (size_t x = 0; x < side; ++x) {
+          const double at_y = static_cast<double>(y) - 0.4 * static_cast<double>(v);
+          const double at_x = static_cast<double>(x) - 0.4 * static_cast<double>(u);
+          const double value = std::sin(0.31 * at_x + 0.11 * at_y) + std::sin(0.17 * at_y - 0.23 * at_x) +
+                               std::sin(0.0013 * at_x * at_y);
+          field.view(v, u)[y * side + x] = static_cast<float>(0.5 + value / 6);
+        }
+      }
+    }
+  }
+  return field;
+}
+
+/// Writes a field as BasicLFSR's scripts do: whole views side by side, transposed.
+void write_patch(const fs::path& path, const LightField& stored) {
+  const Shape& shape = stored.shape();
   std::vector<float> patch;
-  for (size_t v = 0; v < 5; ++v)
-    for (size_t w = 0; w < 4; ++w)
-      for (size_t u = 0; u < 5; ++u)
-        for (size_t h = 0; h < 4; ++h) patch.push_back(stored.at(u, v, h, w));
-  write_set(folder / "000001.h5", "Hr_SAI_y", H5T_NATIVE_FLOAT, {20, 20}, patch.data());
+  for (size_t v = 0; v < shape.views_x; ++v)
+    for (size_t w = 0; w < shape.width; ++w)
+      for (size_t u = 0; u < shape.views_y; ++u)
+        for (size_t h = 0; h < shape.height; ++h) patch.push_back(stored.at(u, v, h, w));
+  write_set(path, "Hr_SAI_y", H5T_NATIVE_FLOAT, {shape.views_x * shape.width, shape.views_y * shape.height},
+            patch.data());
+}
+
+ReadOptions every_view_of(size_t lenslet_views = 0) {
   ReadOptions options;
-  options.patch_views = options.views_y.count = options.views_x.count = 5;
-  EXPECT_TRUE(same(read_light_field(folder / "000001.h5", options).value(), stored));
-  EXPECT_EQ(read_light_field(folder / "000001.h5").error().code, ErrorCode::kShape);
+  options.views_y.count = options.views_x.count = 0;
+  options.lenslet_views = lenslet_views;
+  return options;
+}
+
+TEST(Hdf5File, APatchOfAnyGridIsReadAsItsContentShows) {
+  const TestFolder folder;
+  for (const auto& [views, side] : std::vector<std::pair<size_t, size_t>>{
+           {2, 64}, {4, 64}, {5, 64}, {5, 32}, {6, 64}, {7, 64}, {8, 64}, {8, 32}, {9, 64}, {9, 32}, {16, 32}}) {
+    const LightField stored = textured_views(views, side);
+    write_patch(folder / "a.h5", stored);
+    const auto read = read_light_field(folder / "a.h5", every_view_of());
+    ASSERT_TRUE(read.ok()) << views << ": " << read.error().text();
+    EXPECT_TRUE(same(*read, stored)) << views << " of " << side;
+    EXPECT_TRUE(same(read_light_field(folder / "a.h5", every_view_of(views)).value(), stored)) << views;
+  }
+  ReadOptions central;
+  central.lenslet_views = 16;
+  EXPECT_EQ(read_light_field(folder / "a.h5", central)->shape(), (Shape{8, 8, 32, 32, 1}));
+}
+
+TEST(Hdf5File, AnotherGridThanThatOfThePatchIsRefused) {
+  const TestFolder folder;
+  write_patch(folder / "5.h5", textured_views(5, 64));
+  write_patch(folder / "8.h5", textured_views(8, 64));
+  for (const size_t views : {2, 4, 8, 10, 16}) {
+    EXPECT_EQ(read_light_field(folder / "5.h5", every_view_of(views)).error().setting, Setting::kLensletViews) << views;
+  }
+  for (const size_t views : {2, 4, 16}) {
+    EXPECT_EQ(read_light_field(folder / "8.h5", every_view_of(views)).error().setting, Setting::kLensletViews) << views;
+  }
+  EXPECT_EQ(read_light_field(folder / "8.h5", every_view_of(5)).error().code, ErrorCode::kShape);
+}
+
+TEST(Hdf5File, APatchWhoseContentShowsNoGridNeedsItStated) {
+  const TestFolder folder;
+  LightField flat({5, 5, 64, 64, 1});
+  std::fill(flat.data().begin(), flat.data().end(), 0.5F);
+  write_patch(folder / "flat.h5", flat);
+  EXPECT_EQ(read_light_field(folder / "flat.h5", every_view_of()).error().setting, Setting::kLensletViews);
+  EXPECT_EQ(read_light_field(folder / "flat.h5", every_view_of(5))->shape(), (Shape{5, 5, 64, 64, 1}));
 }
 
 TEST(Hdf5File, ReadsLfInTheOrderOfMatlabAndOfPython) {

@@ -13,6 +13,7 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/hdf5/library.h"
 #include "e2lf/lightfield/formats/readers.h"
+#include "e2lf/lightfield/formats/view_grid.h"
 #include "e2lf/lightfield/views.h"
 
 namespace e2lf::lightfield {
@@ -116,7 +117,8 @@ namespace {
 
 using hdf5::Handle;
 
-constexpr const char* kNames[] = {"LF", "LF_y", "Hr_SAI_y"};
+constexpr const char* kPatchName = "Hr_SAI_y";
+constexpr const char* kNames[] = {"LF", "LF_y", kPatchName};
 
 /// A data set and its description, before its samples are read.
 struct OpenedSet {
@@ -154,8 +156,27 @@ bool is_numpy_order(hid_t set, const std::vector<hsize_t>& extents) {
   return extents.size() == 5 ? extents[1] < extents[3] : extents[0] < extents[3];
 }
 
-/// Returns the extents and axis order of one of the three data sets. shape.size() is 0 if they do not fit.
-StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
+void arrange_patch(size_t views, const std::vector<hsize_t>& extents, StoredArray& array) {
+  array.shape = {views, views, extents[1] / views, extents[0] / views, 1};
+  array.strides = vwuh_strides(array.shape);
+}
+
+/// Returns the samples of a patch, which has one channel, in the order in which they are stored.
+Picture patch_picture(const StoredArray& array) {
+  Picture picture{array.shape.views_x * array.shape.width, array.shape.views_y * array.shape.height, {}};
+  picture.values.resize(array.shape.size());
+  with_element_type(array.type, [&](auto type) {
+    using Element = decltype(type);
+    for (size_t i = 0; i < picture.values.size(); ++i) {
+      picture.values[i] = static_cast<float>(load_element<Element>(array.bytes.data() + i * sizeof(Element)));
+    }
+  });
+  return picture;
+}
+
+/// Returns the extents and axis order of one of the three data sets; a patch is one view. shape.size() is 0 if they do
+/// not fit.
+StoredArray arrange(const OpenedSet& opened) {
   const std::vector<hsize_t>& extents = opened.storage.extents;
   const size_t rank = extents.size();
   StoredArray array;
@@ -172,15 +193,41 @@ StoredArray arrange(const OpenedSet& opened, const ReadOptions& options) {
     const size_t views = views_per_axis(extents[0]);
     array.shape = {views, views, extents[1], extents[2], 1};
     array.strides = uvhwc_strides(array.shape);
-  } else if (opened.name == "Hr_SAI_y" && rank == 2) {
-    const size_t views = options.patch_views;
-    E2LF_REQUIRE(views >= 1, "a patch has one view or more");
-    if (extents[0] % views == 0 && extents[1] % views == 0) {
-      array.shape = {views, views, extents[1] / views, extents[0] / views, 1};
-      array.strides = vwuh_strides(array.shape);
-    }
+  } else if (opened.name == kPatchName && rank == 2) {
+    arrange_patch(1, extents, array);
   }
   return array;
+}
+
+/// Divides a patch, which was read as one view, into the views that the options or its content state. Fails with
+/// kInvalidValue if neither states them, or if they contradict each other, and with kShape.
+Result<void> find_views(const ReadOptions& options, const std::vector<hsize_t>& extents, const std::string& location,
+                        StoredArray& array) {
+  const std::vector<size_t> possible = possible_grids(extents[0], extents[1]);
+  const size_t stated = options.lenslet_views;
+  if (stated > 0 && (extents[0] % stated != 0 || extents[1] % stated != 0)) {
+    return fail(ErrorCode::kShape, location, "a patch of ", extents[0], "x", extents[1], " does not divide into ",
+                stated, "x", stated, " views; give the right number of views per axis");
+  }
+  const std::optional<size_t> found = possible.size() == 1 ? possible[0] : montage_grid(patch_picture(array));
+  if (stated == 0 && !found) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("a patch of ", extents[0], "x", extents[1],
+                     " may hold different numbers of views, and its content does not show which; give the number of "
+                     "views per axis"),
+                 location, Setting::kLensletViews};
+  }
+  if (stated > 0 && possible.size() > 1 && found && *found != stated) {
+    return Error{ErrorCode::kInvalidValue,
+                 cat("neighbouring views of the patch resemble each other in a grid of ", *found, "x", *found,
+                     " views and not of ", stated, "x", stated, "; give the number of views per axis"),
+                 location, Setting::kLensletViews};
+  }
+  if (stated == 0 && possible.size() > 1) {
+    log_info(cat(location, ": its content shows ", *found, "x", *found, " views"));
+  }
+  arrange_patch(stated > 0 ? stated : *found, extents, array);
+  return {};
 }
 
 /// Returns true if the numbers are true (1) and false (0). MATLAB marks them as logical, and numpy stores an
@@ -239,7 +286,7 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   }
   E2LF_ASSIGN_OR_RETURN(const OpenedSet opened, open_set(file.get(), path));
   const std::string location = cat(path.string(), ": ", opened.name);
-  StoredArray array = arrange(opened, options);
+  StoredArray array = arrange(opened);
   if (array.shape.size() == 0) {
     return fail(
         ErrorCode::kShape, location, "extents ",
@@ -262,6 +309,11 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
                 "); copy the file again");
   }
   array.bytes = bytes;
+  if (opened.name == kPatchName) {
+    E2LF_RETURN_IF_ERROR(find_views(options, opened.storage.extents, location, array));
+  } else if (options.lenslet_views > 0) {
+    tell_unused_grid(location);
+  }
   return from_stored(array, options, location);
 }
 

@@ -22,7 +22,7 @@
 namespace e2lf::lightfield {
 
 /// Returns the PNG name of a view with two numbers. The camera position in a Stanford name is unknown, given as *.
-[[nodiscard]] std::string view_name(LightFieldKind kind, size_t row, size_t column);
+[[nodiscard]] std::string view_name(LightFieldKind kind, int row, int column);
 
 /// An image as a file stores it: rows of samples [y, x, channel] of 8 bits, or of 16 bits in the byte order of this
 /// machine.
@@ -143,14 +143,18 @@ struct ChosenGrid {
 /// the column of row 0. `kind` is the naming scheme that most of them follow.
 struct ViewFiles {
   LightFieldKind kind = LightFieldKind::kViewFolder;
-  std::map<std::pair<size_t, size_t>, std::filesystem::path> files;
-  size_t others = 0;    ///< skipped images that follow another naming scheme
+  std::map<std::pair<int, int>, std::filesystem::path> files;
+  size_t others = 0;    ///< images that are left out because they are named like other views
+  size_t pictures = 0;  ///< images that are left out because their names do not number views
   std::string reading;  ///< says how unusual names were read, if they were
 };
 
 /// Lists the images in `folder` whose names number a view. `files` is empty if there are none. Fails with kIo, and with
 /// kFormat if two files are the same view.
 [[nodiscard]] Result<ViewFiles> list_views(const std::filesystem::path& folder);
+
+/// Returns why a folder without views cannot be read.
+[[nodiscard]] std::string no_views_text(const std::filesystem::path& folder);
 
 [[nodiscard]] Result<LightField> read_view_folder(const std::filesystem::path& folder, const ReadOptions& options,
                                                   const ProgressFn& progress);
@@ -163,6 +167,9 @@ struct ViewFiles {
 [[nodiscard]] Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOptions& options);
 /// Writes the luma of the views as `LF_y`.
 [[nodiscard]] Result<void> write_hdf5(const std::filesystem::path& path, const LightFieldView& light_field);
+
+/// Warns that ReadOptions::lenslet_views has no effect on a light field whose views are separate.
+void tell_unused_grid(const std::string& location);
 
 [[nodiscard]] Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOptions& options);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <climits>
 #include <mutex>
 #include <numeric>
 #include <string_view>
@@ -18,12 +19,13 @@ namespace e2lf::lightfield {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr size_t kMaxNumber = 9999;
+constexpr int kMaxNumber = 9999;
 
-/// Removes a number from the front of `text`. Returns false if there is none or if it is too large.
-bool take_number(std::string_view& text, size_t& number) {
+/// Removes a number, which may be negative, from the front of `text`. Returns false if there is none or if it is too
+/// large.
+bool take_number(std::string_view& text, int& number) {
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (status != std::errc() || number > kMaxNumber) return false;
+  if (status != std::errc() || number > kMaxNumber || number < -kMaxNumber) return false;
   text.remove_prefix(static_cast<size_t>(end - text.data()));
   return true;
 }
@@ -42,7 +44,7 @@ bool is_image_name(const std::filesystem::path& file) {
 
 struct NumberedView {
   LightFieldKind kind;  ///< one of the folder kinds
-  size_t row, column;   ///< in kHciFolder, whose names contain one number: row 0 and that number
+  int row, column;      ///< in kHciFolder, whose names contain one number: row 0 and that number
 };
 
 /// Parses the file name of a view. Returns nothing for any other file.
@@ -51,22 +53,29 @@ std::optional<NumberedView> parse_view_name(const std::filesystem::path& file) {
   const std::string stem = lower_case(file.stem().string());
   std::string_view rest = stem;
   if (take_prefix(rest, "input_cam")) {
-    size_t number = 0;
-    if (!take_number(rest, number) || !rest.empty()) return std::nullopt;
+    int number = 0;
+    if (!take_number(rest, number) || !rest.empty() || number < 0) return std::nullopt;
     return NumberedView{LightFieldKind::kHciFolder, 0, number};
   }
   const LightFieldKind kind = take_prefix(rest, "out_") ? LightFieldKind::kStanfordFolder : LightFieldKind::kViewFolder;
-  size_t row = 0, column = 0;
+  int row = 0, column = 0;
   if (!take_number(rest, row) || !take_prefix(rest, "_") || !take_number(rest, column)) return std::nullopt;
   const bool position_follows = kind == LightFieldKind::kStanfordFolder && rest.starts_with("_");
   if (!rest.empty() && !position_follows) return std::nullopt;
   return NumberedView{kind, row, column};
 }
 
+/// One of the two numbers in a file name.
+struct NameNumber {
+  int value = 0;              ///< at least 0
+  size_t num_minus = 0;       ///< number of "-" in front of it
+  bool follows_word = false;  ///< whether a letter or a digit stands in front of these, which they may separate from it
+};
+
 /// A file name with two numbers, which may be the row and the column of a view: view_0_0.png, r00_c00.png.
 struct PairName {
   std::string words;  ///< the name without its numbers, which all views of a light field share: "view_#_#"
-  size_t row, column;
+  NameNumber first, second;
   /// Whether the first number is the column, as in x0_y0.png.
   bool is_column_first;
 };
@@ -76,63 +85,73 @@ struct PairName {
 std::optional<PairName> parse_pair_name(const std::filesystem::path& file) {
   if (!is_image_name(file)) return std::nullopt;
   const std::string stem = lower_case(file.stem().string());
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   std::string words;
-  std::vector<size_t> numbers;
+  std::vector<NameNumber> numbers;
+  bool follows_word = false;  // whether a letter or a digit stands in front of `rest`
   for (std::string_view rest = stem; !rest.empty();) {
-    const bool is_digit = rest[0] >= '0' && rest[0] <= '9';
-    size_t number = 0;
-    if (is_digit && (numbers.size() == 2 || !take_number(rest, number))) return std::nullopt;
-    if (is_digit) numbers.push_back(number);
-    words += is_digit ? '#' : rest[0];
-    if (!is_digit) rest.remove_prefix(1);
+    const size_t minus = std::min(rest.find_first_not_of('-'), rest.size() - 1);
+    const bool has_plus = rest[0] == '+' && rest.size() > 1;
+    const size_t signs = std::max<size_t>(minus, has_plus ? 1 : 0);
+    if (is_digit(rest[signs])) {
+      rest.remove_prefix(signs);
+      NameNumber number{0, minus, follows_word};
+      if (numbers.size() == 2 || !take_number(rest, number.value)) return std::nullopt;
+      numbers.push_back(number);
+      words += '#';
+      follows_word = true;
+    } else {
+      follows_word = rest[0] >= 'a' && rest[0] <= 'z';
+      words += rest[0];
+      rest.remove_prefix(1);
+    }
   }
-  // Adjacent numbers would be one.
   if (numbers.size() != 2) return std::nullopt;
   const std::string front = words.substr(0, words.find('#'));
   const std::string word = front.substr(front.find_last_not_of("abcdefghijklmnopqrstuvwxyz") + 1);
   const bool is_column_first = word == "x" || word == "u" || word == "c" || word.starts_with("col");
-  return PairName{words, numbers[is_column_first ? 1 : 0], numbers[is_column_first ? 0 : 1], is_column_first};
+  return PairName{words, numbers[0], numbers[1], is_column_first};
 }
 
 /// Returns the name of the view with another number, with as many digits and the same extension as `like`, which is a
 /// name of kHciFolder.
-std::string numbered_view_name(const std::filesystem::path& like, size_t number) {
+std::string numbered_view_name(const std::filesystem::path& like, int number) {
   const std::string stem = like.stem().string();
   const size_t words = std::string_view("input_Cam").size();
-  return cat(stem.substr(0, words), formatted("%0*zu", static_cast<int>(stem.size() - words), number),
+  return cat(stem.substr(0, words), formatted("%0*d", static_cast<int>(stem.size() - words), number),
              like.extension().string());
 }
 
 }  // namespace
 
-std::string view_name(LightFieldKind kind, size_t row, size_t column) {
-  if (kind == LightFieldKind::kStanfordFolder) return formatted("out_%02zu_%02zu_*.png", row, column);
-  return formatted("%02zu_%02zu.png", row, column);
+std::string view_name(LightFieldKind kind, int row, int column) {
+  if (kind == LightFieldKind::kStanfordFolder) return formatted("out_%02d_%02d_*.png", row, column);
+  return formatted("%02d_%02d.png", row, column);
 }
 
 namespace {
 
 /// The grid of views that are numbered consecutively: number = first + columns * row + column.
 struct FlatGrid {
-  size_t first = 0, columns = 1;
+  int first = 0, columns = 1;
 };
 
 /// The numbers of rows or columns from the first to the last, which are `step` apart, since only every second view may
 /// have been kept.
 struct Numbers {
-  size_t first = SIZE_MAX, last = 0, step = 0;
+  int first = INT_MAX, last = INT_MIN, step = 0;
 
-  void add(size_t number) {
-    if (last >= first) step = std::gcd(step, number > last ? number - last : last - number);
+  void add(int number) {
+    if (last >= first) step = std::gcd(step, number - last);
     first = std::min(first, number);
     last = std::max(last, number);
   }
-  [[nodiscard]] size_t count() const { return step == 0 ? 1 : (last - first) / step + 1; }
+  [[nodiscard]] size_t count() const { return step == 0 ? 1 : static_cast<size_t>((last - first) / step + 1); }
 };
 
 /// The files of a grid of views by (row, column), and the rows and columns that exist.
 struct FolderGrid {
-  std::map<std::pair<size_t, size_t>, fs::path> files;
+  std::map<std::pair<int, int>, fs::path> files;
   Numbers rows, columns;
   FlatGrid flat;  ///< of views that are numbered consecutively
 };
@@ -140,16 +159,16 @@ struct FolderGrid {
 /// Assigns rows and columns to views that are numbered consecutively, by the stated number of columns, or else in a
 /// square grid, in which some views may be missing. Fails with kInvalidValue.
 Result<void> place_in_rows(const ViewFiles& views, size_t columns, const fs::path& folder, FolderGrid& grid) {
-  const size_t first = views.files.begin()->first.second, last = views.files.rbegin()->first.second;
-  if (columns == 0) columns = views_per_axis(last - first + 1);
+  const int first = views.files.begin()->first.second, last = views.files.rbegin()->first.second;
+  if (columns == 0) columns = views_per_axis(static_cast<size_t>(last - first + 1));
   if (columns == 0) {
     return fail(ErrorCode::kInvalidValue, folder, views.files.size(), " views are numbered consecutively from ", first,
                 " to ", last,
                 ", which is not a square grid; give the number of view columns, or copy the missing views");
   }
-  grid.flat = {first, columns};
+  grid.flat = {first, static_cast<int>(columns)};
   for (const auto& [number, file] : views.files) {
-    const size_t at = number.second - grid.flat.first;
+    const int at = number.second - grid.flat.first;
     grid.files[{at / grid.flat.columns, at % grid.flat.columns}] = file;
   }
   grid.rows.step = grid.columns.step = 1;
@@ -168,14 +187,14 @@ Result<FolderGrid> grid_of(const ViewFiles& views, const ReadOptions& options, c
     grid.columns.add(number.second);
   }
   if (std::max(grid.rows.step, grid.columns.step) > 1) {
-    log_info(cat(folder.string(), ": the numbers of the views go in steps of ", std::max<size_t>(grid.rows.step, 1),
-                 " rows and ", std::max<size_t>(grid.columns.step, 1), " columns"));
+    log_info(cat(folder.string(), ": the numbers of the views go in steps of ", std::max(grid.rows.step, 1),
+                 " rows and ", std::max(grid.columns.step, 1), " columns"));
   }
   return grid;
 }
 
 /// Returns the name of a missing view.
-std::string missing_name(const ViewFiles& views, const FolderGrid& grid, size_t row, size_t column) {
+std::string missing_name(const ViewFiles& views, const FolderGrid& grid, int row, int column) {
   if (views.kind != LightFieldKind::kHciFolder) return view_name(views.kind, row, column);
   return numbered_view_name(grid.files.begin()->second, grid.flat.first + grid.flat.columns * row + column);
 }
@@ -188,8 +207,8 @@ Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOpt
   std::vector<fs::path> files;
   for (size_t view_y = 0; view_y < chosen.y.count; ++view_y) {
     for (size_t view_x = 0; view_x < chosen.x.count; ++view_x) {
-      const size_t row = grid.rows.first + grid.rows.step * chosen.y[view_y];
-      const size_t column = grid.columns.first + grid.columns.step * chosen.x[view_x];
+      const int row = grid.rows.first + grid.rows.step * static_cast<int>(chosen.y[view_y]);
+      const int column = grid.columns.first + grid.columns.step * static_cast<int>(chosen.x[view_x]);
       const auto found = grid.files.find({row, column});
       if (found == grid.files.end()) {
         return fail(ErrorCode::kNotFound, (folder / missing_name(views, grid, row, column)).string(),
@@ -246,38 +265,68 @@ Result<void> read_rest(const std::vector<fs::path>& files, const ReadOptions& op
 }
 
 /// The files whose names differ in two numbers only.
-struct PairFiles {
-  ViewFiles views;
-  bool is_column_first = false;
-  bool is_unique = true;  ///< no two files are the same view
+struct NamedPairs {
+  std::vector<std::pair<PairName, fs::path>> files;
+
+  /// Returns the number of "-" that only separate a number from the word or number before it: those in all names.
+  [[nodiscard]] size_t num_separators(NameNumber PairName::*number) const {
+    size_t least = SIZE_MAX;
+    for (const auto& [name, file] : files) least = std::min(least, (name.*number).num_minus);
+    return (files.front().first.*number).follows_word ? least : 0;
+  }
 };
 
-/// Returns the views with names such as view_0_0.png, if they are a complete grid of at least 2x2.
+/// Returns a number with its sign.
+int signed_value(const NameNumber& number, size_t num_separators) {
+  return number.num_minus > num_separators ? -number.value : number.value;
+}
+
+/// Returns the views by row and column, or nothing if they are not a complete grid of at least 2x2.
+std::optional<ViewFiles> grid_of_pairs(const NamedPairs& group) {
+  const size_t before_first = group.num_separators(&PairName::first);
+  const size_t before_second = group.num_separators(&PairName::second);
+  const bool is_column_first = group.files.front().first.is_column_first;
+  ViewFiles views;
+  Numbers rows, columns;
+  for (const auto& [name, file] : group.files) {
+    const int first = signed_value(name.first, before_first), second = signed_value(name.second, before_second);
+    const std::pair<int, int> place = is_column_first ? std::pair(second, first) : std::pair(first, second);
+    // The same view may not exist twice.
+    if (!views.files.insert({place, file}).second) return std::nullopt;
+    rows.add(place.first);
+    columns.add(place.second);
+  }
+  const bool is_grid =
+      std::min(rows.count(), columns.count()) >= 2 && views.files.size() == rows.count() * columns.count();
+  if (!is_grid) return std::nullopt;
+  views.reading = cat("the first number in names such as ", views.files.begin()->second.filename().string(),
+                      " was taken as the ", is_column_first ? "column" : "row");
+  return views;
+}
+
+/// Returns the number of files whose names contain two numbers.
+size_t num_pairs(const std::vector<fs::path>& files) {
+  return static_cast<size_t>(
+      std::ranges::count_if(files, [](const fs::path& file) { return parse_pair_name(file).has_value(); }));
+}
+
+/// Returns the views with names such as view_0_0.png, if they are a complete grid of at least 2x2; the largest of
+/// several.
 std::optional<ViewFiles> list_pairs(const std::vector<fs::path>& files) {
-  std::map<std::string, PairFiles> groups;
+  std::map<std::string, NamedPairs> groups;
   for (const fs::path& file : files) {
-    const auto name = parse_pair_name(file);
-    if (!name) continue;
-    PairFiles& group = groups[name->words];
-    group.is_column_first = name->is_column_first;
-    group.is_unique &= group.views.files.insert({{name->row, name->column}, file}).second;
-  }
-  for (auto& [words, group] : groups) {
-    Numbers rows, columns;
-    for (const auto& [place, file] : group.views.files) {
-      rows.add(place.first);
-      columns.add(place.second);
+    if (auto name = parse_pair_name(file)) {
+      const std::string words = name->words;
+      groups[words].files.emplace_back(*std::move(name), file);
     }
-    const bool is_grid =
-        std::min(rows.count(), columns.count()) >= 2 && group.views.files.size() == rows.count() * columns.count();
-    if (!is_grid || !group.is_unique) continue;
-    group.views.reading =
-        cat("the first number in names such as ", group.views.files.begin()->second.filename().string(),
-            " was taken as the ", group.is_column_first ? "column" : "row");
-    group.views.others = files.size() - group.views.files.size();
-    return std::move(group.views);
   }
-  return std::nullopt;
+  std::optional<ViewFiles> most;
+  for (const auto& [words, group] : groups) {
+    std::optional<ViewFiles> views = grid_of_pairs(group);
+    if (views && (!most || views->files.size() > most->files.size())) most = std::move(views);
+  }
+  if (most) most->others = num_pairs(files) - most->files.size();
+  return most;
 }
 
 }  // namespace
@@ -300,26 +349,56 @@ Result<ViewFiles> list_views(const fs::path& folder) {
     }
   }
   if (error) return fail(ErrorCode::kIo, folder, "cannot list the folder (", error.message(), "); check it");
-  if (kinds.empty()) return list_pairs(others).value_or(ViewFiles{});
+  const size_t pictures = others.size() - num_pairs(others);
+  if (kinds.empty()) {
+    ViewFiles pairs = list_pairs(others).value_or(ViewFiles{});
+    pairs.pictures = pictures;
+    return pairs;
+  }
   ViewFiles most;
-  size_t all = 0;
+  size_t all = num_pairs(others);
   for (auto& [kind, views] : kinds) {
     all += views.files.size();
     if (views.files.size() > most.files.size()) most = std::move(views);
   }
   most.others = all - most.files.size();
+  most.pictures = pictures;
   return most;
+}
+
+std::string unread_pictures_text(const fs::path& folder) {
+  constexpr std::string_view kExtensions[] = {".exr", ".tif", ".tiff", ".bmp", ".webp", ".pfm", ".ppm", ".pgm"};
+  std::map<std::string, size_t> counts;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string extension = lower_case(entry->path().extension().string());
+    if (std::ranges::find(kExtensions, extension) != std::end(kExtensions)) ++counts[extension];
+  }
+  if (counts.empty()) return "";
+  const auto by_count = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto& [extension, count] = *std::ranges::max_element(counts, by_count);
+  return cat("the folder contains ", counted(count, "picture"), " as ", extension,
+             ", which e2lf does not read; convert them to PNG with 16 bits and linear values, and name them by row and "
+             "column, such as 00_00.png");
+}
+
+std::string no_views_text(const fs::path& folder) {
+  const std::string unread = unread_pictures_text(folder);
+  return unread.empty() ? "the folder contains no views; give one with 00_00.png ..." : unread;
 }
 
 Result<LightField> read_view_folder(const fs::path& folder, const ReadOptions& options, const ProgressFn& progress) {
   E2LF_ASSIGN_OR_RETURN(const ViewFiles views, list_views(folder));
   if (views.files.empty()) {
-    return fail(ErrorCode::kNotFound, folder, "the folder contains no views; give one with 00_00.png ...");
+    return fail(ErrorCode::kNotFound, folder, no_views_text(folder));
   }
   if (views.others > 0) {
     log_warning(cat(folder.string(), ": read the ", views.files.size(), " views that are named like ",
                     views.files.begin()->second.filename().string(), "; left out ", views.others,
                     " with other names, give each light field its own folder"));
+  }
+  if (views.pictures > 0) {
+    log_info(cat(folder.string(), ": left out ", counted(views.pictures, "image"), " whose names do not number views"));
   }
   if (!views.reading.empty()) log_info(cat(folder.string(), ": ", views.reading));
   ChosenGrid grid;

@@ -84,6 +84,48 @@ TEST(ViewFolder, ReadsAnyNamesThatDifferInTwoNumbers) {
   }
 }
 
+TEST(ViewFolder, ReadsNegativeNumbersInTheirOrder) {
+  using Name = std::function<std::string(int row, int column)>;
+  const Name names[] = {[](int row, int column) { return cat(row, "_", column, ".png"); },
+                        [](int row, int column) { return cat("view_", row, "_", column, ".png"); },
+                        [](int row, int column) { return cat("x", column, "_y", row, ".png"); },
+                        [](int row, int column) { return cat("view(", row, ",", column, ").png"); },
+                        [](int row, int column) { return formatted("v_%+03d_%+03d.png", row, column); },
+                        [](int row, int column) { return cat("view-", row + 9, "-", column + 9, ".png"); },
+                        [](int row, int column) { return cat("view-", row, "-", column, ".png"); }};
+  for (const Name& name : names) {
+    const TestFolder folder;
+    write_grid(folder, 9, 9, [&name](size_t row, size_t column) {
+      return name(static_cast<int>(row) - 4, static_cast<int>(column) - 4);
+    });
+    const TestLog log;
+    const auto read = read_light_field(folder.path(), every_view());
+    ASSERT_TRUE(read) << name(-4, 3) << ": " << read.error().text();
+    ASSERT_EQ(read->shape(), (Shape{9, 9, 2, 3, 1})) << name(-4, 3);
+    for (size_t row = 0; row < 9; ++row) EXPECT_EQ(read->at(row, 8 - row, 0, 0), label(row, 8 - row)) << name(-4, 3);
+    EXPECT_THAT(log.text(), testing::Not(HasSubstr("left out"))) << name(-4, 3);
+  }
+}
+
+TEST(ViewFolder, PicturesInAnotherFormatAreNamed) {
+  const TestFolder folder;
+  for (const char* name : {"00_00.exr", "00_01.exr", "01_00.EXR", "depth.pfm"}) {
+    ASSERT_TRUE(write_file(folder / name, std::string("\x76\x2F\x31\x01")).ok());
+  }
+  EXPECT_THAT(read_light_field(folder.path()).error().message, HasSubstr("3 pictures as .exr"));
+  EXPECT_THAT(unread_pictures_text(folder.path()), HasSubstr("3 pictures as .exr"));
+}
+
+TEST(ViewFolder, ImagesThatAreNotReadAreCounted) {
+  const TestFolder folder;
+  write_grid(folder, 4, 4, [](size_t row, size_t column) { return cat(row, "_", column, ".png"); });
+  write_grid(folder, 3, 2, [](size_t row, size_t column) { return cat("m", row + 1, "_", column, ".png"); });
+  ASSERT_TRUE(write_png(folder / "mask.png", labelled_view(0, 0)).ok());
+  const TestLog log;
+  EXPECT_EQ(read_light_field(folder.path(), every_view())->shape(), (Shape{4, 4, 2, 3, 1}));
+  EXPECT_THAT(log.text(), testing::AllOf(HasSubstr("left out 6"), HasSubstr("left out 1 image ")));
+}
+
 TEST(ViewFolder, TakesNumberedFramesForNoViews) {
   const TestFolder folder;
   write_grid(folder, 1, 8, [](size_t, size_t column) { return cat("2024_frame_", column, ".png"); });
