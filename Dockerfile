@@ -3,7 +3,7 @@
 FROM debian:12-slim AS build
 RUN apt-get update && apt-get install -y --no-install-recommends \
     g++ cmake ninja-build pkg-config dpkg-dev file \
-    libhwy-dev libhdf5-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev liblz4-dev libzstd-dev libsqlite3-dev libssl-dev libeigen3-dev \
+    libhwy-dev libhdf5-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev liblz4-dev libzstd-dev libsqlite3-dev libeigen3-dev \
     nlohmann-json3-dev libcli11-dev pybind11-dev python3-dev python3-numpy
 COPY . /e2lf
 WORKDIR /e2lf

@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <fstream>
-#include <memory>
-#include <openssl/evp.h>
 #include <vector>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/sha256_blocks.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;
@@ -15,19 +14,43 @@ namespace {
 
 class Sha256 {
  public:
-  Sha256() { EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr); }
-  void add(const void* data, size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
+  void add(std::span<const uint8_t> bytes) {
+    bytes_ += bytes.size();
+    if (!rest_.empty()) {
+      const size_t missing = std::min(bytes.size(), sha256::kBlockBytes - rest_.size());
+      rest_.insert(rest_.end(), bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(missing));
+      bytes = bytes.subspan(missing);
+      if (rest_.size() < sha256::kBlockBytes) return;
+      add_blocks(rest_);
+      rest_.clear();
+    }
+    const size_t whole = bytes.size() / sha256::kBlockBytes * sha256::kBlockBytes;
+    add_blocks(bytes.first(whole));
+    rest_.assign(bytes.begin() + static_cast<ptrdiff_t>(whole), bytes.end());
+  }
+
+  /// Returns the hash in hexadecimal; nothing may be added afterwards.
   std::string hex() {
-    unsigned char digest[EVP_MAX_MD_SIZE];
-    unsigned int length = 0;
-    EVP_DigestFinal_ex(context_.get(), digest, &length);
+    const uint64_t bits = 8 * bytes_;
+    rest_.push_back(0x80);
+    while (rest_.size() % sha256::kBlockBytes != sha256::kBlockBytes - sizeof bits) rest_.push_back(0);
+    for (int shift = 56; shift >= 0; shift -= 8) rest_.push_back(static_cast<uint8_t>(bits >> shift));
+    add_blocks(rest_);
     std::string text;
-    for (const unsigned char byte : std::span(digest, length)) text += formatted("%02x", byte);
+    for (const uint32_t word : state_) text += formatted("%08x", word);
     return text;
   }
 
  private:
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_{EVP_MD_CTX_new(), EVP_MD_CTX_free};
+  void add_blocks(std::span<const uint8_t> bytes) {
+    static const auto add =
+        sha256::has_sha_instructions() ? sha256::add_blocks_with_sha_instructions : sha256::add_blocks_scalar;
+    add(state_, bytes.data(), bytes.size() / sha256::kBlockBytes);
+  }
+
+  sha256::State state_ = sha256::kInitial;
+  std::vector<uint8_t> rest_;  ///< less than a block
+  uint64_t bytes_ = 0;
 };
 
 Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progress) {
@@ -36,10 +59,10 @@ Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progr
   const size_t bytes = fs::file_size(path, ignored);
   size_t done = 0;
   Sha256 sha256;
-  std::vector<char> chunk(size_t{1} << 20);
+  std::vector<uint8_t> chunk(size_t{1} << 20);
   do {
-    file.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
-    sha256.add(chunk.data(), static_cast<size_t>(file.gcount()));
+    file.read(reinterpret_cast<char*>(chunk.data()), static_cast<std::streamsize>(chunk.size()));
+    sha256.add(std::span(chunk).first(static_cast<size_t>(file.gcount())));
     done += static_cast<size_t>(file.gcount());
     if (progress) progress(done, bytes);
   } while (file);
@@ -53,7 +76,7 @@ Result<std::string> sha256_of_file(const fs::path& path, const ProgressFn& progr
 
 std::string sha256_of_bytes(std::span<const uint8_t> bytes) {
   Sha256 sha256;
-  sha256.add(bytes.data(), bytes.size());
+  sha256.add(bytes);
   return sha256.hex();
 }
 
