@@ -2,18 +2,22 @@
 import os
 import subprocess
 import sys
+import time
 import unittest
+import warnings
 from pathlib import Path
 
 import numpy as np
 
 import e2lf
-from common import InFolder, command_line, model
+from common import InFolder, command_line, command_line_json, model
 
 try:
     import torch
-    from e2lf.torch import (CodedAperture, ConvGraph, EventSimulator, LightFieldPatches, load_module, new_module,
-                            save_module, synthesise)
+    from torch.autograd import gradcheck
+    from e2lf.torch import (BasicLFSRPatches, CodedAperture, ConvGraph, EventSimulator, LightFieldPatches, from_macpi, from_sai,
+                            load_module, new_module, psnr, save_module, ssim, synthesise, to_macpi, to_sai)
+    from e2lf.torch.geometry import _compose, shift
 except ImportError as error:
     print(f"skipped: {error}; python3-torch is not installed for {sys.executable}")
     sys.exit(0)
@@ -147,10 +151,117 @@ class NetworkTest(InFolder):
         with self.assertRaises(e2lf.Error):
             save_module("mine.safetensors", module)
         with torch.no_grad():
-            module.network.weights_of("stem")[0][0, 0, 0, 0] = float("nan")
+            module.network.layer("stem").weight[0, 0, 0, 0] = float("nan")
         with self.assertRaises(e2lf.Error):
             save_module("nan.safetensors", module)
         self.assertFalse(Path("nan.safetensors").exists())
+
+
+    def test_layers_are_modules_of_torch_with_the_names_of_the_file(self):
+        network, model_ = load_module("e2lf-n4"), model()
+        self.assertEqual(set(network.network.state_dict()), set(model_.weights))
+        layers = {layer["name"]: layer for layer in model_.header["network"]["layers"]}
+        kinds = {"conv": torch.nn.Conv2d, "conv-transposed": torch.nn.ConvTranspose2d, "pixel-shuffle": torch.nn.PixelShuffle}
+        for name, layer in layers.items():
+            self.assertIsInstance(network.network.layer(name), kinds.get(layer["op"], torch.nn.Module), name)
+        self.assertRegex(repr(network), r"\(stem\): Conv2d\(\d+, 80, kernel_size=\(3, 3\)")
+        seen = []
+        network.network.layer("stem").register_forward_hook(lambda module, inputs, output: seen.append(output.shape[1]))
+        network(torch.zeros(1, 3, 16, 16))
+        self.assertEqual(seen, [80])
+
+    def test_modules_are_traced_and_exported(self):
+        warnings.simplefilter("ignore")  # sizes become constants, which is what a trace is
+        network = load_module("e2lf-n4").eval()
+        events = torch.randint(-4, 5, (1, 3, 16, 24)).float()
+        with torch.no_grad():
+            self.assertLess(float((torch.jit.trace(network, events)(events) - network(events)).abs().max()), EXACT)
+            torch.onnx.export(network, events, "n4.onnx", opset_version=13)
+        self.assertGreater(Path("n4.onnx").stat().st_size, 4e6)
+        layers = [{"op": "plane-sweep", "name": "a", "inputs": ["input"], "offsets": [-1.5, 0.75, 0.5, -2, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 0, 1],
+                   "disparities": [-1.2, 0, 0.7, 1]},
+                  {"op": "render-layers", "name": "b", "inputs": ["a"], "disparities": [-1.2, 0.7], "rows": [-1.5, 0.5],
+                   "columns": [-1.0, 0, 2]}]
+        network = new_module(layers=layers, views=(2, 3))
+        with torch.no_grad():
+            self.assertLess(float((torch.jit.trace(network, events)(events) - network(events)).abs().max()), EXACT)
+
+    def test_a_shift_has_its_gradient_and_its_values(self):
+        torch.manual_seed(7)
+        x = torch.randn(3, 4, 2, 5, dtype=torch.float64, requires_grad=True)
+        for is_cubic in (False, True):
+            for axis, offsets in ((1, [-20.5, 0.25, 2]), (3, [1.5, -2.75, 40])):
+                self.assertTrue(gradcheck(lambda x: shift(x, axis, offsets, is_cubic), (x,)))
+        ramp = torch.arange(8.0).expand(1, 8)
+        self.assertTrue(torch.equal(shift(ramp, 1, [2.0], True)[0], torch.tensor([2.0, 3, 4, 5, 6, 7, 7, 7])))
+        self.assertTrue(torch.equal(shift(ramp, 1, [-1.5], False)[0], torch.tensor([0.0, 0, 0.5, 1.5, 2.5, 3.5, 4.5, 5.5])))
+
+    def test_what_is_seen_of_planes_has_its_gradient(self):
+        torch.manual_seed(9)
+        opacities, last = torch.rand(3, 2, 5, dtype=torch.float64), torch.ones(1, 2, 5, dtype=torch.float64)
+        opacities[1, 0], opacities[0, 1] = 1, 0
+        intensities = torch.rand(4, 2, 5, dtype=torch.float64, requires_grad=True)
+        seen = _compose(torch.cat([opacities, last]), intensities)
+        behind = torch.lerp(intensities[3], intensities[2], opacities[2])
+        self.assertTrue(torch.allclose(seen[1], torch.lerp(behind, intensities[1], opacities[1])[1]))  # the first is clear there
+        self.assertTrue(gradcheck(lambda a, x: _compose(torch.cat([a, last]), x), (opacities.requires_grad_(), intensities)))
+
+    def test_a_training_step_of_a_geometry_network_takes_at_most_8_times_that_of_e2lf_n4(self):
+        torch.set_num_threads(1)  # processor time of one thread does not depend on other programs as much
+        networks = {name: load_module(name) for name in ("e2lf-n4", "e2lf-n4-geometry")}
+        events, least = torch.randint(-4, 5, (1, 3, 64, 64)).float(), {}
+        for _ in range(6):
+            for name, network in networks.items():
+                begin = time.thread_time()
+                network(events).square().mean().backward()
+                least[name] = min(least.get(name, 1e9), time.thread_time() - begin)
+        ratio = least["e2lf-n4-geometry"] / least["e2lf-n4"]
+        print(f"training step of e2lf-n4-geometry: {ratio:.1f} times that of e2lf-n4 (64 px)")
+        self.assertLess(ratio, 8)
+
+    def test_wrong_arguments_are_told_in_one_sentence(self):
+        network, aperture, codes = load_module("e2lf-n4"), CodedAperture(4), model().codes
+        cases = [
+            (lambda: network(torch.zeros(3, 64, 64)), "event images must be [batch, transition, y, x]"),
+            (lambda: network(torch.zeros(1, 4, 64, 64)), "sizes 3"),
+            (lambda: aperture(torch.zeros(8, 8, 32, 32)), "add the batch axis"),
+            (lambda: aperture(torch.zeros(1, 7, 7, 32, 32)), "sizes 8, 8"),
+            (lambda: EventSimulator()(torch.zeros(4, 32, 32)), "coded intensities must be"),
+            (lambda: psnr(torch.zeros(8, 8, 9, 9), torch.zeros(8, 8, 9, 9)), "[batch, view_y"),
+            (lambda: save_module("a.safetensors", torch.nn.Linear(2, 2), codes=codes), "not a Linear"),
+            (lambda: from_sai(torch.zeros(1, 1, 30, 64)), "30x64"),
+            (lambda: BasicLFSRPatches("nowhere"), "no patches")]
+        for call, expected in cases:
+            with self.assertRaises((ValueError, TypeError)) as raised:
+                call()
+            self.assertIn(expected, str(raised.exception))
+            self.assertNotIn("\n", str(raised.exception))
+
+
+class LightFieldTest(InFolder):
+    def test_layouts_put_each_pixel_where_it_belongs(self):
+        fields = torch.rand(2, 8, 8, 5, 6)
+        sai, macpi = to_sai(fields), to_macpi(fields)
+        self.assertEqual((sai.shape, macpi.shape), ((2, 1, 40, 48), (2, 1, 40, 48)))
+        self.assertEqual(sai[1, 0, 3 * 5 + 2, 7 * 6 + 4], fields[1, 3, 7, 2, 4])
+        self.assertEqual(macpi[1, 0, 2 * 8 + 3, 4 * 8 + 7], fields[1, 3, 7, 2, 4])
+        colour = torch.rand(2, 5, 5, 4, 6, 3)
+        self.assertEqual(to_sai(colour)[0, 2, 4 * 4 + 1, 3 * 6 + 5], colour[0, 4, 3, 1, 5, 2])
+        for field, views in ((fields, (8, 8)), (colour, (5, 5))):
+            self.assertTrue(torch.equal(from_sai(to_sai(field), views), field))
+            self.assertTrue(torch.equal(from_macpi(to_macpi(field), views), field))
+
+    def test_measures_are_those_of_the_library(self):
+        torch.manual_seed(8)
+        for shape in ((2, 3, 2, 20, 24), (2, 2, 2, 16, 18, 3)):
+            a = torch.rand(shape, dtype=torch.float64).float()
+            b = (a + 0.1 * torch.randn(shape)).clamp(0, 1)
+            for n in range(2):
+                self.assertAlmostEqual(float(psnr(a, b)[n]), e2lf.psnr(a[n].numpy(), b[n].numpy()), delta=1e-4)
+                for window in ("uniform7", "gaussian"):
+                    self.assertAlmostEqual(float(ssim(a, b, window)[n]), e2lf.ssim(a[n].numpy(), b[n].numpy(), window=window),
+                                           delta=1e-5)
+        self.assertEqual(float(psnr(a, a)[0]), float("inf"))
 
 
 class EventTest(InFolder):
@@ -244,6 +355,36 @@ class DataTest(InFolder):
             with self.assertRaises(ValueError):
                 LightFieldPatches(wrong, size=32)
 
+    def test_patches_are_in_colour_if_the_light_fields_are(self):
+        scene = e2lf.demo_scene(48, 40)[..., None] * np.array([1, 0.5, 0.25], np.float32)
+        for patch in LightFieldPatches([scene], size=32, length=6, synthesised=0.5):
+            self.assertEqual(patch.shape, (8, 8, 32, 32, 3))
+        patch = LightFieldPatches([scene], size=32, synthesised=0)[1]
+        self.assertLess(float((patch[..., 1] - 0.5 * patch[..., 0]).abs().max()), 1e-3)
+        with self.assertRaises(ValueError):
+            LightFieldPatches([scene, scene[..., 0]], size=32)
+
+    def test_patches_of_basic_lfsr_are_read_by_split_and_data_set(self):
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("python3-h5py is not installed")
+        fields = torch.rand(3, 5, 5, 6, 7)
+        # As its script writes them: the image of the views, transposed.
+        for number, place in enumerate(("data_for_training/SR_5x5_2x/EPFL", "data_for_training/SR_5x5_2x/HCI_new",
+                                        "data_for_test/SR_5x5_2x/EPFL")):
+            Path(place).mkdir(parents=True)
+            with h5py.File(f"{place}/000001.h5", "w") as file:
+                file.create_dataset("Hr_SAI_y", data=to_sai(fields[number : number + 1])[0, 0].numpy().T, dtype="single")
+                file.create_dataset("Lr_SAI_y", data=np.zeros((15, 15), np.float32))
+        training = BasicLFSRPatches(".")
+        self.assertEqual(len(training), 2)
+        self.assertTrue(torch.allclose(training[1], fields[1], atol=1e-6))
+        self.assertTrue(torch.allclose(BasicLFSRPatches(".", "test")[0], fields[2], atol=1e-6))
+        only = BasicLFSRPatches(".", datasets=["EPFL"], augmented=True)
+        self.assertEqual((len(only), only[0].sum()), (1, only[0].sum()))
+        self.assertAlmostEqual(float(only[0].sum()), float(fields[0].sum()), delta=1e-2)
+
     def test_synthesised_surfaces_have_their_disparity(self):
         draws = torch.Generator()
         for seed in range(3):
@@ -261,6 +402,11 @@ class ExampleTest(InFolder):
         done = subprocess.run([sys.executable, ROOT / "examples" / "pytorch" / name, *map(str, arguments)],
                               capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_a_network_of_one_s_own_is_trained_and_scored(self):
+        self.run_example("own_network.py", "out", 2)
+        scores = command_line_json("eval", "out", "out")
+        self.assertEqual(scores["views"] and e2lf.read_light_field("out").shape, (8, 8, 64, 96))
 
     def test_the_examples_write_models(self):
         self.run_example("train_patterns.py", "trained.safetensors", 2)

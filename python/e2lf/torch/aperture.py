@@ -6,6 +6,8 @@ from typing import Any, List, Optional, Tuple
 import torch
 from torch import Tensor, nn
 
+from .light_fields import check_shape
+
 AMPLITUDE, RADIUS = 0.4, 2.0  # of the parameters of a soft disc, and in cells
 TIES = ("none", "black-first", "complementary", "whole-cycle")
 
@@ -68,6 +70,7 @@ class CodedAperture(nn.Module):
     def forward(self, light_fields: Tensor) -> Tensor:
         """Returns coded intensities [batch, N, y, x] of light fields [batch, view_y, view_x, y, x]."""
         codes = self.codes().to(light_fields)
+        check_shape("light fields", light_fields, "[batch, view_y, view_x, y, x]", tuple(codes.shape[1:]))
         return torch.einsum("nvu,bvuyx->bnyx", codes / codes[0].numel(), light_fields)
 
 

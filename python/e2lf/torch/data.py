@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import Any, Dict, Sequence, Tuple, Union
+from pathlib import Path
+from typing import Any, Optional, Sequence, Tuple, Union
 
 import torch
 from torch import Tensor
@@ -16,11 +17,12 @@ FINENESS = 2  # samples of a texture per pixel, between which it is linear
 
 
 class LightFieldPatches(Dataset[Tensor]):
-    """Random patches of light fields, float32 [view_y, view_x, size, size] in [0, 1].
+    """Random patches of light fields, float32 [view_y, view_x, size, size] in [0, 1], in colour with a last axis [channel].
 
     A patch depends only on its number and the seed. It is flipped and transposed at random, views and pixels together.
 
-    light_fields: paths of any light fields that e2lf reads, or arrays [view_y, view_x, y, x] in [0, 1].
+    light_fields: paths of any light fields that e2lf reads, or arrays [view_y, view_x, y, x] in [0, 1], or all with a last
+        axis [channel]; the option colour=True reads files in colour.
     size: height and width of a patch.
     length: number of patches.
     synthesised: share of patches that are synthesised; 1 if there are no light fields.
@@ -38,8 +40,11 @@ class LightFieldPatches(Dataset[Tensor]):
             torch.as_tensor(e2lf.read_light_field(given, **reading) if isinstance(given, (str, PathLike)) else given).half()
             for given in light_fields]
         for field in self.light_fields:
-            if field.ndim != 4 or min(field.shape[2:]) < size:
+            if field.ndim not in (4, 5) or min(field.shape[2:4]) < size:
                 raise ValueError(f"a light field {list(field.shape)} has no patches [view_y, view_x, {size}, {size}]")
+        self.is_colour = any(field.ndim == 5 for field in self.light_fields)
+        if self.is_colour and any(field.ndim == 4 for field in self.light_fields):
+            raise ValueError("some light fields are grey and some are in colour; give light fields of one kind")
         self.synthesised = synthesised if self.light_fields else 1.0
         self.views = tuple(self.light_fields[0].shape[:2]) if self.light_fields else (8, 8)
 
@@ -51,10 +56,45 @@ class LightFieldPatches(Dataset[Tensor]):
             raise IndexError(number)
         draws = torch.Generator().manual_seed((self.seed << 32) + number)
         if torch.rand((), generator=draws) < self.synthesised:
-            return synthesise(self.size, draws, views=self.views, max_disparity=self.max_disparity)
+            grey = synthesise(self.size, draws, views=self.views, max_disparity=self.max_disparity)
+            return grey[..., None] * (0.5 + 0.5 * torch.rand(3, generator=draws)) if self.is_colour else grey
         field = self.light_fields[int(torch.randint(len(self.light_fields), (), generator=draws))]
-        y, x = (int(torch.randint(length - self.size + 1, (), generator=draws)) for length in field.shape[2:])
+        y, x = (int(torch.randint(length - self.size + 1, (), generator=draws)) for length in field.shape[2:4])
         return augment(field[:, :, y : y + self.size, x : x + self.size].float(), draws)
+
+
+class BasicLFSRPatches(Dataset[Tensor]):
+    """The patches of the data of BasicLFSR, float32 [view_y, view_x, y, x] in [0, 1]: the high-resolution light fields
+    (Hr_SAI_y) of the HDF5 files (.h5) of one split.
+
+    root: the folder with "data_for_training" and "data_for_test".
+    split: "training" or "test".
+    views: number of views per axis, which the files do not state.
+    datasets: names of data sets, such as ["EPFL", "HCI_new"]; None = all.
+    augmented: whether a patch is flipped and transposed at random, each time it is read.
+    """
+
+    FOLDERS = {"training": "data_for_training", "test": "data_for_test"}
+
+    def __init__(self, root: Union[str, "PathLike[str]"], split: str = "training", *, views: int = 5,
+                 datasets: Optional[Sequence[str]] = None, augmented: bool = False) -> None:
+        if split not in self.FOLDERS:
+            raise ValueError(f'there is no split "{split}"; give "training" or "test"')
+        folder = Path(root) / self.FOLDERS[split]
+        self.views, self.augmented = views, augmented
+        self.files = [file for file in sorted(folder.rglob("*.h5"))
+                      if datasets is None or set(datasets) & set(file.relative_to(folder).parts)]
+        if not self.files:
+            raise ValueError(f"{folder} has no patches (.h5) of these data sets")
+
+    def __len__(self) -> int:
+        return len(self.files)
+
+    def __getitem__(self, number: int) -> Tensor:
+        patch = torch.as_tensor(e2lf.read_light_field(self.files[number], views=0, patch_views=self.views, range="clamp"))
+        if not self.augmented:
+            return patch
+        return augment(patch, torch.Generator().manual_seed(int(torch.randint(1 << 62, ()))))
 
 
 def augment(patch: Tensor, draws: torch.Generator) -> Tensor:
@@ -64,7 +104,7 @@ def augment(patch: Tensor, draws: torch.Generator) -> Tensor:
         if choices[axis]:
             patch = patch.flip(axis, axis + 2)
     if choices[2] and patch.shape[0] == patch.shape[1]:
-        patch = patch.permute(1, 0, 3, 2)
+        patch = patch.transpose(0, 1).transpose(2, 3)
     return patch.contiguous()
 
 

@@ -8,6 +8,8 @@ from torch import Tensor, nn
 
 import e2lf
 
+from .light_fields import check_shape
+
 LEAST_THRESHOLD = 0.01  # of the paper's models
 LEAST_RELATIVE_THRESHOLD = 0.3  # of physical pixels
 RANDOM = ("noise", "shot_noise", "dark_off", "dark_on", "mismatch", "mismatch_each")
@@ -47,6 +49,7 @@ class EventSimulator(nn.Module):
 
         full: the intensity with all cells open, [batch, y, x], which physical pixels need: the mean over the views.
         """
+        check_shape("coded intensities", intensities, "[batch, N, y, x]")
         if self.pixel:
             if full is None:
                 raise ValueError("physical pixels need the intensity with all cells open; give full")

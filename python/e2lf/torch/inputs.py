@@ -7,6 +7,8 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
+from .geometry import is_traced
+
 LENS_PIXELS = 8
 
 
@@ -23,7 +25,8 @@ def intensity(events: Tensor, eps: float, tau: float) -> Tensor:
     """Returns the linearised intensities min(J_k, 1) of Eq. 7 for the levels."""
     # The exponent is limited instead of the result, which keeps the gradient finite.
     limit = torch.log1p(torch.tensor(1 / eps, dtype=events.dtype, device=events.device))
-    return eps * torch.expm1(torch.minimum(tau * level(events), limit))
+    exponent = torch.minimum(tau * level(events), limit)
+    return eps * (torch.exp(exponent) - 1 if is_traced() else torch.expm1(exponent))  # ONNX has no expm1
 
 
 def form_inputs(

@@ -10,24 +10,12 @@ from torch import Tensor, nn
 import e2lf
 
 from .inputs import form_inputs
-from .network import ConvGraph, State
+from .layers import State, scales_of
+from .light_fields import check_shape
+from .network import ConvGraph
 
 CONSTANTS = ("eps", "tau", "sigma_w", "sigma_z")
 Path = Union[str, "PathLike[str]"]
-
-
-def size_multiple(description: Mapping[str, Any]) -> int:
-    """Returns the number of which the height and width of the input of a network must be multiples."""
-    scales = {"input": 1}
-    for layer in description["layers"]:
-        scale = max((scales[name] for name in layer["inputs"]), default=1)
-        stride = layer.get("stride", 1)
-        if layer["op"] in ("conv", "pixel-unshuffle"):
-            scale *= stride
-        elif layer["op"] in ("conv-transposed", "pixel-shuffle", "upsample", "upsample-bilinear"):
-            scale //= stride
-        scales[layer["name"]] = scale
-    return max(scales.values())
 
 
 def as_dict(constants: e2lf.SensorConstants) -> Dict[str, float]:
@@ -50,7 +38,8 @@ class LightFieldNetwork(nn.Module):
         self.views = (int(header["views_y"]), int(header["views_x"]))
         self.num_patterns = int(header["num_patterns"])
         self.network = ConvGraph(header["network"], weights)
-        self.multiple = size_multiple(header["network"])
+        #: The number of which the height and width of the input of the network must be multiples.
+        self.multiple = max(scales_of(header["network"]["layers"]).values())
         self.gives_disparity = self.network.output_channels == 2 != self.views[0] * self.views[1]
         self.is_conditioned_on_camera = any(group["kind"] == "camera" for group in header["input"])
         self.constants = e2lf.SensorConstants(**{key: header["constants"][key] for key in CONSTANTS})
@@ -84,7 +73,11 @@ class LightFieldNetwork(nn.Module):
         given = events if events is not None else images
         if given is None:
             raise ValueError("there is nothing to reconstruct from; give event images or images")
-        fields: Tensor = self.network(self.planes(events, images))[:, :, : given.shape[2], : given.shape[3]]
+        if events is not None:
+            check_shape("event images", events, "[batch, transition, y, x]", (self.num_patterns - 1,))
+        if images is not None:
+            check_shape("intensity images", images, "[batch, image, y, x]")
+        fields: Tensor = self.network(self.planes(events, images), size=(given.shape[2], given.shape[3]))
         if self.gives_disparity:
             return fields
         return fields.reshape(fields.shape[0], *self.views, *fields.shape[2:])
@@ -103,6 +96,7 @@ class FrameNetwork(nn.Module):
 
         grid: voxel grids [batch, bin, y, x], normalised and padded as the header states.
         """
+        check_shape("voxel grids", grid, "[batch, bin, y, x]", (int(self.header["bins"]),))
         frame: Tensor = self.network(grid, state)
         return frame
 
@@ -187,6 +181,9 @@ def save_module(
     name: name of the model; "" = that of the module.
     provenance: what the file states about its origin, such as {"samples": 100000}.
     """
+    if not isinstance(module, LightFieldNetwork):
+        raise TypeError(f"a model file holds networks of new_module() and load_module(), not a {type(module).__name__}; export "
+                        "yours by torch.onnx.export, or score its light fields by e2lf.compare (docs/pytorch.md)")
     header = dict(module.header)
     header.pop("precision_loss", None)  # it was checked for the weights that were loaded
     if constants:
