@@ -94,12 +94,16 @@ void bind_common(py::class_<AnyModel, std::shared_ptr<AnyModel>>& bound) {
           }));
 }
 
+}  // namespace
+
 std::shared_ptr<Model> read_model(const fs::path& name) {
   return std::make_shared<Model>(without_gil([&]() -> Result<Model> {
     E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, name.string()));
     return model::read_model(path);
   }));
 }
+
+namespace {
 
 std::shared_ptr<VideoModel> read_video_model(const fs::path& path) {
   return std::make_shared<VideoModel>(without_gil([&] { return video::read_video_model(path); }));

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Binds the module recon to Python.
+#include <filesystem>
+#include <memory>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 #include <variant>
 
 #include "e2lf/model/model.h"
@@ -17,6 +20,12 @@ namespace e2lf::python {
 namespace {
 
 using GainArgument = std::variant<double, std::string>;
+using ModelArgument = std::variant<std::shared_ptr<model::Model>, std::filesystem::path>;
+
+model::Model model_of(const ModelArgument& model) {
+  if (const auto* read = std::get_if<std::shared_ptr<model::Model>>(&model)) return **read;
+  return *read_model(std::get<std::filesystem::path>(model));
+}
 
 pipeline::Tone tone_of(const GainArgument& gain) {
   if (const auto* word = std::get_if<std::string>(&gain)) {
@@ -43,10 +52,11 @@ Result<lightfield::LightField> reconstruct_once(const pipeline::OpenedMethod& me
 /// A network that is ready to run.
 class Network {
  public:
-  Network(const model::Model& model, const std::string& precision, const capture::SensorProfile* camera) {
-    pipeline::MethodChoice choice{.model = model, .precision = precision};
-    choice.measurement = model.measurement();
-    if (model::is_depth_network(model)) choice.algorithm = "depth";
+  Network(const ModelArgument& model, const std::string& precision, const capture::SensorProfile* camera,
+          const std::string& device) {
+    pipeline::MethodChoice choice{.model = model_of(model), .precision = precision, .device = device};
+    choice.measurement = choice.model->measurement();
+    if (model::is_depth_network(*choice.model)) choice.algorithm = "depth";
     if (camera != nullptr) choice.camera = *camera;
     method_ = without_gil([&] { return pipeline::open_method(std::move(choice)); });
   }
@@ -152,12 +162,14 @@ void bind_recon(py::module_& module) {
       module, "Reconstructor",
       "Reconstructs light fields from event images with one model. It is created once and used for every cycle, by one "
       "thread at a time.\n\n"
-      "model: a Model.\n"
+      "model: a Model, the name of a bundled model, or the path of a model file.\n"
       "precision: \"auto\", \"float32\", \"bfloat16\" or \"int16\".\n"
       "camera: the Camera that recorded the events, for networks conditioned on the sensor profile; None = that of the "
-      "model.")
-      .def(py::init<const model::Model&, const std::string&, const capture::SensorProfile*>(), py::arg("model"),
-           py::kw_only(), py::arg("precision") = "auto", py::arg("camera") = nullptr)
+      "model.\n"
+      "device: \"cpu\". On a GPU, networks run as modules of e2lf.torch and by the command line (--device).")
+      .def(py::init<const ModelArgument&, const std::string&, const capture::SensorProfile*, const std::string&>(),
+           py::arg("model"), py::kw_only(), py::arg("precision") = "auto", py::arg("camera") = nullptr,
+           py::arg("device") = "cpu")
       .def("reconstruct", &Network::reconstruct, py::arg("images"), py::kw_only(), py::arg("gain") = "auto",
            py::arg("passes") = 1, py::arg("cycles") = 1, E2LF_ORIENTATION_ARGUMENTS, py::arg("out") = py::none(),
            py::arg("progress") = py::none(),

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <pybind11/stl.h>
 
+#include "e2lf/base/text.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
 #include "python/binding/arguments.h"
@@ -14,16 +15,27 @@
 namespace e2lf::python {
 namespace {
 
-/// Returns a light field whose intensities must be finite and not negative.
+constexpr float kRounding = 1e-3F;  ///< of values that should be in [0, 1]
+
+/// Returns a light field whose intensities must be finite and not negative. Warns of those above 1.
 LentLightField light_on_sensor(const py::array& light_field) {
   auto scene = light_field_of(light_field, "light_field");
+  float largest = 0;
   without_gil([&]() -> Result<void> {
     bool is_light = true;
-    for_each_value(*scene, [&](float value) { is_light = is_light && value >= 0 && std::isfinite(value); });
+    for_each_value(*scene, [&](float value) {
+      is_light = is_light && value >= 0 && std::isfinite(value);
+      largest = std::max(largest, value);
+    });
     if (is_light) return {};
     return Error{ErrorCode::kInvalidValue, "it contains NaN, infinity or negative intensities; clip them first",
                  "light_field"};
   });
+  if (largest > 1 + kRounding) {
+    const std::string text = formatted("light_field: intensities are in [0, 1], but the largest is %g", largest) +
+                             "; divide 8-bit values by 255, or give scene_gain for a brighter scene";
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+  }
   return scene;
 }
 

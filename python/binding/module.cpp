@@ -5,7 +5,6 @@
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/files/options.h"
 #include "e2lf/formats/formats.h"
-#include "e2lf/geometry/operations.h"
 #include "e2lf/video/operations.h"
 #include "python/binding/calls.h"
 
@@ -25,8 +24,7 @@ PYBIND11_MODULE(_e2lf, module) {
   namespace python = e2lf::python;
   e2lf::formats::add_formats();
   e2lf::cameras::add_cameras();
-  e2lf::geometry::add_operations();  // any model may have them
-  e2lf::video::add_operations();
+  e2lf::video::add_operations();  // any model may have them
   python::bind_errors(module);
   python::bind_base(module);
   python::bind_capture(module);
@@ -41,4 +39,5 @@ PYBIND11_MODULE(_e2lf, module) {
   python::bind_depth(module);
   python::bind_calibrate(module);
   python::bind_video(module);
+  python::shorten_type_errors(module);
 }

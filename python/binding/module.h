@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
+#include <memory>
 #include <pybind11/pybind11.h>
 
 #include "e2lf/files/options.h"
+#include "e2lf/model/model.h"
 
 namespace e2lf::python {
 
@@ -24,6 +27,13 @@ void bind_eval(py::module_& module);
 void bind_depth(py::module_& module);
 void bind_calibrate(py::module_& module);
 void bind_video(py::module_& module);
+
+/// Lets the TypeErrors of all functions and methods of the module show the types of the arguments in place of their
+/// values.
+void shorten_type_errors(const py::module_& module);
+
+/// Reads a model file, or the bundled model of this name.
+[[nodiscard]] std::shared_ptr<model::Model> read_model(const std::filesystem::path& name);
 
 /// Converts JSON to dict, list, str, numbers, bool and None.
 [[nodiscard]] py::object to_python(const Json& json);

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._types import Calibration as Calibration, Cycle as Cycle, DisparityMap as DisparityMap
-from ._types import EventImageFile as EventImageFile, Slice as Slice
+from ._types import EventImageFile as EventImageFile, LightFieldPicture as LightFieldPicture, Slice as Slice, show as show
 
 Path = Union[str, "PathLike[str]"]
 Progress = Callable[[int, int], object]
@@ -187,7 +187,9 @@ class VideoModel:
     def summary(self) -> Dict[str, Any]: ...
 
 class Reconstructor:
-    def __init__(self, model: Model, *, precision: str = "auto", camera: Optional[Camera] = None) -> None: ...
+    def __init__(
+            self, model: Union[Model, Path], *, precision: str = "auto", camera: Optional[Camera] = None,
+            device: str = "cpu") -> None: ...
     def reconstruct(
             self, images: Array, *, gain: Union[float, str] = "auto", passes: int = 1, cycles: int = 1,
             turn_views: bool = False, flip_x: bool = False, flip_y: bool = False,
@@ -272,7 +274,7 @@ def event_picture(images: Array) -> Floats: ...
 # Light fields and pictures
 def read_light_field(
         path: Path, *, views: int = 8, step: int = 1, colour: bool = False, reverse_rows: bool = False,
-        range: str = "refuse", white: float = 0.0, view_columns: int = 0, lenslet_views: int = 0,
+        range: str = "refuse", white: float = 0.0, view_columns: int = 0, lenslet_views: int = 0, patch_views: int = 8,
         turn_views: bool = False, flip_x: bool = False, flip_y: bool = False,
         progress: Optional[Progress] = None) -> Floats: ...
 def write_light_field(
