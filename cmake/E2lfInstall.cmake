@@ -87,8 +87,13 @@ function(e2lf_install_module module)
 
   # From the .pc file, so that the package works under any prefix.
   file(RELATIVE_PATH to_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+  string(REGEX REPLACE "/$" "" to_prefix "${to_prefix}")  # the compiler takes // in a macro for a comment
   list(JOIN pkg_requires " " pkg_requires)
   list(JOIN pkg_flags " " pkg_flags)
+  set(pkg_cflags)
+  if(module STREQUAL "files" AND NOT BUILD_SHARED_LIBS)
+    set(pkg_cflags "-DE2LF_DATA_FOLDER=\${prefix}/${CMAKE_INSTALL_DATADIR}/e2lf")
+  endif()
   configure_file(${PROJECT_SOURCE_DIR}/cmake/e2lf-module.pc.in ${PROJECT_BINARY_DIR}/generated/e2lf-${module}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/generated/e2lf-${module}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
     COMPONENT development)
@@ -102,8 +107,9 @@ function(e2lf_install_package)
   endforeach()
   get_property(E2LF_COMPONENTS GLOBAL PROPERTY E2LF_COMPONENTS)
   set(E2LF_PKG_NAMES "set(e2lf_pkg_HWY libhwy)\nset(e2lf_pkg_HDF5 hdf5)\nset(e2lf_pkg_LZ4 liblz4)\nset(e2lf_pkg_ZSTD libzstd)\nset(e2lf_pkg_SQLITE sqlite3)")
+  set(E2LF_DATA_DIR ${CMAKE_INSTALL_DATADIR}/e2lf)
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/e2lfConfig.cmake.in ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake
-    INSTALL_DESTINATION ${E2LF_CMAKE_DIR})
+    INSTALL_DESTINATION ${E2LF_CMAKE_DIR} PATH_VARS E2LF_DATA_DIR)
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake COMPATIBILITY ${E2LF_COMPATIBILITY})
   install(FILES ${PROJECT_BINARY_DIR}/generated/e2lfConfig.cmake ${PROJECT_BINARY_DIR}/generated/e2lfConfigVersion.cmake
     DESTINATION ${E2LF_CMAKE_DIR} COMPONENT development)

@@ -1,6 +1,4 @@
 # Finds the libraries of the programs and of the Python package, and determines their optional parts.
-find_package(Eigen3 REQUIRED NO_MODULE)
-
 # Debian's FFmpeg is licensed under the GPL; see docs/packages.md.
 pkg_check_modules(FFMPEG QUIET IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
 e2lf_optional(films FFMPEG_FOUND "films of e2lf animate"

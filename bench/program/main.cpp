@@ -19,7 +19,6 @@
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/files/options.h"
 #include "e2lf/formats/formats.h"
-#include "e2lf/geometry/operations.h"
 #include "e2lf/model/model.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/option_values.h"
@@ -295,7 +294,6 @@ int run(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
   e2lf::formats::add_formats();
   e2lf::cameras::add_cameras();
-  e2lf::geometry::add_operations();  // any model may have them
-  e2lf::video::add_operations();
+  e2lf::video::add_operations();  // any model may have them
   return e2lf::program::run_program("e2lf-bench", argc, argv, e2lf::bench::run);
 }

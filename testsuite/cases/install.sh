@@ -5,7 +5,10 @@ part install
 # and run, and the headers need no others.
 skip_sanitizers "the package of a build with sanitizers links with them alone"
 [ -n "${E2LF_BUILD:-}" ] || skip "E2LF_BUILD does not name the build folder"
-cmake --install "$E2LF_BUILD" --prefix "$PWD/prefix" >install.log || fail "$(tail -5 install.log)"
+cmake --install "$E2LF_BUILD" --prefix "$PWD/first" >install.log || fail "$(tail -5 install.log)"
+# Moved twice: programs that link the static libraries find the models all the same.
+mv first second
+mv second prefix
 installed=$PWD/prefix/bin/e2lf
 # No file contains a path of the build, apart from debugging information and the simulated camera of the tests.
 find prefix -name '*.a' -exec strip --strip-debug {} +
@@ -57,6 +60,33 @@ c++ -O1 "$TESTSUITE/../examples/custom_codec.cpp" -o with_pkg_config $(pkg-confi
 rm records.raw
 LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH") ./with_pkg_config records.bin records.raw 2>/dev/null | grep -qx "3 events" || fail "the program made with pkg-config"
 
+# The lines of docs/library.md, for a program that reconstructs with a bundled model; it lies outside of the prefix. The path
+# contains a macro of GNU dialects.
+page=$TESTSUITE/../docs/library.md
+mkdir -p linux/mine
+mv prefix linux/prefix
+ln -s linux/prefix prefix
+cp "$TESTSUITE/parent/main.cpp" linux/mine/mine.cpp
+cd linux/mine
+{
+  printf 'cmake_minimum_required(VERSION 3.24)\nproject(mine CXX)\nadd_executable(mine mine.cpp)\n'
+  py "$TESTSUITE/documents/documents.py" block "$page" find_package
+} >CMakeLists.txt
+cmake -S . -B build -DCMAKE_PREFIX_PATH="$case_folder/install/linux/prefix" >configure.log 2>&1 || fail "$(tail -5 configure.log)"
+cmake --build build >build.log 2>&1 || fail "$(grep -m 5 -A 3 error build.log)"
+PKG_CONFIG_PATH=$(dirname "$(find "$case_folder/install/linux/prefix" -name e2lf-base.pc)")
+export PKG_CONFIG_PATH
+py "$TESTSUITE/documents/documents.py" block "$page" pkg-config >compile.sh
+sed 's/-o mine/-std=gnu++20 -o mine/' compile.sh >compile_gnu.sh
+for script in compile.sh compile_gnu.sh; do
+  sh -e "$script" || fail "pkg-config"
+  for program in build/mine ./mine; do
+    found=$(LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH") in_clean_root "$program") || fail "$program: $found"
+    [ "$(realpath "$found")" = "$case_folder/install/linux/prefix/share/e2lf/models/e2lf-n4-geometry.safetensors" ] || fail "$program: $found"
+  done
+done
+cd ../..
+
 # A program without models says that, and not that no model was trained for the patterns.
 mkdir -p alone/bin
 cp prefix/bin/e2lf alone/bin
@@ -96,13 +126,20 @@ part subproject
 # A project that contains e2lf builds only the library that it links, finds its models, and keeps its settings and packages.
 skip_sanitizers "the compiler of a build with sanitizers is not the subject"
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
-cmake -S "$TESTSUITE/parent" -B parent -G Ninja -DCMAKE_INSTALL_PREFIX="$PWD/prefix" -DCMAKE_CXX_FLAGS=-O0 >configure.log 2>&1 ||
+# e2lf::recon needs no picture library, HDF5 or LZ4: they are hidden here, and what needs them is left out.
+mkdir hidden
+for name in libhwy zlib; do cp "$(find /usr/lib /usr/share /usr/local -name $name.pc 2>/dev/null | head -1)" hidden/; done
+PKG_CONFIG_LIBDIR=$PWD/hidden cmake -S "$TESTSUITE/parent" -B parent -G Ninja -DCMAKE_INSTALL_PREFIX="$PWD/prefix" -DCMAKE_CXX_FLAGS=-O0 \
+  -DCMAKE_DISABLE_FIND_PACKAGE_PNG=ON -DCMAKE_DISABLE_FIND_PACKAGE_JPEG=ON -DCMAKE_DISABLE_FIND_PACKAGE_OpenSSL=ON >configure.log 2>&1 ||
   fail "$(grep -A 5 Error configure.log)"
+grep -q "libpng-dev not found: no lightfield" configure.log || fail "$(cat configure.log)"
+grep -q "liblz4-dev not found: no recordings" configure.log || fail "$(cat configure.log)"
+if ninja -C parent -t commands | grep src/e2lf/engine | grep -q -- ' -O3'; then fail "the project asked for -O0"; fi
 commands=$(ninja -C parent -t commands | grep -c -- ' -c ')
-[ "$commands" -le 30 ] || fail "e2lf::engine needs $commands sources"
+[ "$commands" -le 35 ] || fail "e2lf::recon needs $commands sources"
 ctest --test-dir parent -N | grep -q "Total Tests: 0" || fail "tests of e2lf"
 cmake --build parent >build.log 2>&1 || fail "$(grep -m 5 -A 3 error build.log)"
-[ "$(parent/parent)" = "$(realpath "$TESTSUITE/../models/e2lf-n4.safetensors")" ] || fail "the program found $(parent/parent)"
+[ "$(parent/parent)" = "$(realpath "$TESTSUITE/../models/e2lf-n4-geometry.safetensors")" ] || fail "the program found $(parent/parent)"
 cmake --install parent >install.log || fail "$(tail -5 install.log)"
 [ "$(cd prefix && find . -type f)" = ./bin/parent ] || fail "installed: $(find prefix -type f)"
 grep -q 'CPACK_PACKAGE_NAME "parent"' parent/CPackConfig.cmake || fail "the package is that of e2lf"
@@ -111,4 +148,37 @@ grep -q 'CPACK_PACKAGE_NAME "parent"' parent/CPackConfig.cmake || fail "the pack
 cmake parent -DE2LF_INSTALL=ON >configure.log 2>&1 || fail "$(grep -A 5 Error configure.log)"
 cmake --install parent --component program >install.log || fail "$(tail -5 install.log)"
 found=$(in_clean_root prefix/bin/parent)
-[ "$found" = "$PWD/prefix/share/e2lf/models/e2lf-n4.safetensors" ] || fail "the installed program found $found"
+[ "$found" = "$PWD/prefix/share/e2lf/models/e2lf-n4-geometry.safetensors" ] || fail "the installed program found $found"
+
+# Without any statement on the optimisation, e2lf is optimised, and the project is left as it is.
+CXXFLAGS='' cmake -S "$TESTSUITE/parent" -B unstated -G Ninja >configure.log 2>&1 || fail "$(grep -A 5 Error configure.log)"
+ninja -C unstated -t commands parent >commands.txt
+grep -- ' -c .*src/e2lf/engine' commands.txt | grep -qv -- ' -O3' && fail "a kernel without -O3: $(grep -m 1 src/e2lf/engine commands.txt)"
+if grep -- ' -c .*parent/main.cpp' commands.txt | grep -q -- ' -O3'; then fail "the project is compiled with -O3"; fi
+
+part fetched
+# The lines of docs/library.md for FetchContent, with a clone of these sources in place of the URL.
+git -C "$TESTSUITE/.." rev-parse HEAD >/dev/null 2>&1 || skip "the sources are no clone"
+git clone --quiet --bare --depth 1 "file://$(git -C "$TESTSUITE/.." rev-parse --show-toplevel)" clone.git
+git -C clone.git update-ref refs/heads/main HEAD
+{
+  printf 'cmake_minimum_required(VERSION 3.24)\nproject(mine CXX)\nadd_executable(mine mine.cpp)\n'
+  py "$TESTSUITE/documents/documents.py" block "$TESTSUITE/../docs/library.md" FetchContent | sed "s|https://[^ ]*|file://$PWD/clone.git|"
+} >CMakeLists.txt
+grep -q "file://" CMakeLists.txt || fail "$(cat CMakeLists.txt)"
+cp "$TESTSUITE/parent/main.cpp" mine.cpp
+cmake -S . -B build -G Ninja >configure.log 2>&1 || fail "$(tail -20 configure.log)"
+ninja -C build -n mine >commands.txt || fail "$(tail -5 commands.txt)"
+[ "$(git -C build/_deps/e2lf-src rev-list --count HEAD)" = 1 ] || fail "the whole history was fetched"
+
+part plain_build
+# `cmake -S . -B build` without the packages of the tests builds the rest, and says what they are; other packages are named as
+# Debian names them, all at once.
+configure() { cmake -S "$TESTSUITE/.." -B "$1" -G Ninja -DE2LF_WITH_TORCH=OFF -DE2LF_WITH_PYTHON=OFF -DE2LF_WITH_VIEWER=OFF "${@:2}" >"$1.txt" 2>&1; }
+configure tests -DCMAKE_DISABLE_FIND_PACKAGE_GTest=ON || fail "$(tail -5 tests.txt)"
+[ "$(grep -c "libgtest-dev" tests.txt)" = 1 ] || fail "$(tail -20 tests.txt)"
+grep -qx -- "--   tests: OFF (apt-get install libgtest-dev libgmock-dev)" tests.txt || fail "$(tail -20 tests.txt)"
+if configure asked -DCMAKE_DISABLE_FIND_PACKAGE_GTest=ON -DE2LF_BUILD_TESTS=ON; then fail "tests without GoogleTest"; fi
+grep -q "packages of Debian: libgtest-dev" asked.txt || fail "$(tail -5 asked.txt)"
+if configure library -DCMAKE_DISABLE_FIND_PACKAGE_PNG=ON -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON; then fail "without libpng"; fi
+grep -q "apt-get install libpng-dev libeigen3-dev$" library.txt || fail "$(tail -5 library.txt)"

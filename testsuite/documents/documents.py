@@ -3,6 +3,7 @@
   documents.py links ROOT             every relative link leads to a file and a heading
   documents.py words ROOT E2LF        every command names a verb, options and files that exist
   documents.py script PAGE [NOT_RUN]  the commands of the page as a script for bash; see not_run.txt
+  documents.py block PAGE WORD        the first block of the page that contains a word
 """
 import pathlib
 import re
@@ -152,6 +153,9 @@ def main(kind, *arguments):
     if kind == "script":
         not_run = pathlib.Path(arguments[1]).read_text().splitlines() if len(arguments) > 1 else []
         print("\n".join(script(pathlib.Path(arguments[0]), not_run)))
+        return 0
+    if kind == "block":
+        print(next(block for _, block in re.findall(BLOCK, pathlib.Path(arguments[0]).read_text(), flags=re.S | re.M) if arguments[1] in block))
         return 0
     root = pathlib.Path(arguments[0]).resolve()
     if kind == "links":

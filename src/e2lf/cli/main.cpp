@@ -12,7 +12,6 @@
 #include "e2lf/device/torch_device.h"
 #endif
 #include "e2lf/formats/formats.h"
-#include "e2lf/geometry/operations.h"
 #include "e2lf/info/version.h"
 #include "e2lf/video/operations.h"
 
@@ -69,8 +68,7 @@ int run(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
   e2lf::formats::add_formats();
   e2lf::cameras::add_cameras();
-  e2lf::geometry::add_operations();  // any model may have them
-  e2lf::video::add_operations();
+  e2lf::video::add_operations();  // any model may have them
 #if E2LF_TORCH_DEVICES
   e2lf::device::add_torch_devices();
 #endif

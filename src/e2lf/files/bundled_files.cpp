@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <dlfcn.h>
+#include <mutex>
+#include <utility>
 
 #include "e2lf/base/text.h"
 
@@ -21,15 +23,34 @@ fs::path find_own_file() {
                                                                      : fs::read_symlink("/proc/self/exe", error);
 }
 
-/// Returns the folders that may contain bundled files, nearest first: share/e2lf above this program or library, and
-/// that of the prefix for which e2lf was built.
-std::vector<fs::path> find_folders() {
+/// Returns the folders share/e2lf above this program or library, nearest first.
+std::vector<fs::path> find_folders_above() {
   std::error_code error;
   std::vector<fs::path> folders;
   for (fs::path folder = find_own_file().parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
     // In a build folder it is a link to the sources.
     if (const fs::path share = fs::canonical(folder / "share/e2lf", error); !error) folders.push_back(share);
   }
+  return folders;
+}
+
+/// The folders that the program added. Initialised on first use, which is before main().
+struct AddedFolders {
+  std::mutex mutex;
+  std::vector<fs::path> folders;
+};
+
+AddedFolders& added() {
+  static AddedFolders instance;
+  return instance;
+}
+
+/// Returns the folders that may contain bundled files, nearest first.
+std::vector<fs::path> data_folders() {
+  static const std::vector<fs::path> above = find_folders_above();
+  std::vector<fs::path> folders = above;
+  const std::scoped_lock lock(added().mutex);
+  folders.insert(folders.end(), added().folders.begin(), added().folders.end());
   folders.emplace_back(E2LF_INSTALLED_DATA);
   return folders;
 }
@@ -43,11 +64,17 @@ fs::path place_of_caller(const std::string& path) {
 
 }  // namespace
 
+bool add_data_folder(std::string path) {
+  if (path.size() > 1 && path.front() == '"' && path.back() == '"') path = path.substr(1, path.size() - 2);
+  const std::scoped_lock lock(added().mutex);
+  added().folders.emplace_back(std::move(path));
+  return true;
+}
+
 std::optional<fs::path> bundled_file(const std::string& path) {
-  static const std::vector<fs::path> folders = find_folders();
   std::error_code error;
   if (const fs::path place = place_of_caller(path); fs::exists(place, error)) return place.lexically_normal();
-  for (const fs::path& folder : folders) {
+  for (const fs::path& folder : data_folders()) {
     if (fs::exists(folder / path, error)) return (folder / path).lexically_normal();
   }
   return std::nullopt;

@@ -12,9 +12,27 @@ namespace e2lf {
 
 /// Returns the path of a file that is distributed with e2lf, such as "models/e2lf-n4.safetensors", or nothing if it
 /// does not exist. It is searched in the folder of models that the environment variable E2LF_MODELS names and beside
-/// it, in share/e2lf of the folders above the program or the shared library that contains e2lf, nearest first, and in
-/// share/e2lf of the prefix for which e2lf was built.
+/// it, in share/e2lf of the folders above the program or the shared library that contains e2lf, nearest first, in the
+/// folders of add_data_folder(), and in share/e2lf of the prefix for which e2lf was built.
 [[nodiscard]] std::optional<std::filesystem::path> bundled_file(const std::string& path);
+
+/// Adds a folder with the folders "models" and "cameras". Any quotes around the path are removed.
+bool add_data_folder(std::string path);
+
+// An installed package of static libraries passes its folder to the programs that are compiled with it.
+#ifdef E2LF_DATA_FOLDER
+#pragma push_macro("linux")
+#pragma push_macro("unix")
+#undef linux  // macros of GNU dialects, which a path of pkg-config without quotes may contain
+#undef unix
+#define E2LF_TEXT_OF(...) #__VA_ARGS__
+#define E2LF_TEXT(...) E2LF_TEXT_OF(__VA_ARGS__)
+inline const bool kHasDataFolder = add_data_folder(E2LF_TEXT(E2LF_DATA_FOLDER));
+#undef E2LF_TEXT
+#undef E2LF_TEXT_OF
+#pragma pop_macro("unix")
+#pragma pop_macro("linux")
+#endif
 
 /// Returns the model that verbs use if none is given, or nothing if it is missing.
 [[nodiscard]] std::optional<std::filesystem::path> bundled_model();

@@ -21,7 +21,8 @@ struct Op : model::Op {
   static constexpr const char* kRenderLayers = "render-layers";
 };
 
-/// Adds these operations to the process, unless they are there. A program that reads models with them calls it first.
+/// Adds these operations to the process, unless they are there. Programs that use a recon::Reconstructor need no call;
+/// others call it before they read models with them.
 void add_operations();
 
 // The operations, one for each file.

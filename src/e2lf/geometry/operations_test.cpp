@@ -53,6 +53,14 @@ struct Golden {
   double value;
 };
 
+/// Programs without this component are told of it.
+TEST(GeometryOperations, AreNamedWithTheirComponentWhereTheyAreMissing) {
+  for (const engine::Operation& operation : {plane_sweep(), render_layers()}) {
+    const std::string text = model::unknown_operation(operation.model.name, "").text();
+    EXPECT_NE(text.find("e2lf::geometry::add_operations()"), std::string::npos) << text;
+  }
+}
+
 void expect_golden(const Layer& layer, size_t channels, const std::vector<Golden>& golden, double sum) {
   add_operations();
   const std::vector<float> output = run_engine({channels, {layer}}, {}, material(channels, 5, 6), 5, 6);

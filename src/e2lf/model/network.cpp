@@ -50,10 +50,7 @@ Result<LayerShape> infer_shape(const Layer& layer, const Shapes& known) {
   if (layer.name.empty()) return invalid_layer("the layer has no name; add one");
   if (known.contains(layer.name)) return invalid_layer("an earlier layer has the same name; choose another one");
   const Operation* operation = find_operation(layer.op);
-  if (operation == nullptr) {
-    return fail(ErrorCode::kUnsupported, "", "unknown operation \"", layer.op, "\"; known are ",
-                join(operation_names()));
-  }
+  if (operation == nullptr) return unknown_operation(layer.op, "");
   for (const auto& entry : layer.attributes) {
     if (std::ranges::find(operation->attributes, entry.first) != operation->attributes.end()) continue;
     return invalid_layer(cat("this operation has no attribute \"", entry.first, "\"; remove it"));

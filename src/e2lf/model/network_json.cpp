@@ -52,10 +52,7 @@ Result<Layer> layer_from_json(const Json& json, const std::string& location) {
   OptionReader reader(json, location);
   E2LF_VISIT(layer, reader, name, op, inputs, out_channels, kernel, stride, residual, relu);
   const Operation* operation = find_operation(layer.op);
-  if (operation == nullptr) {
-    return fail(ErrorCode::kUnsupported, reader.child_location("op"), "unknown operation \"", layer.op,
-                "\"; known are ", join(operation_names()));
-  }
+  if (operation == nullptr) return unknown_operation(layer.op, reader.child_location("op"));
   for (const std::string& name : operation->attributes) {
     const Json& attribute = reader.child(name);
     if (attribute.is_null()) continue;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <list>
+#include <map>
 #include <mutex>
 
 #include "e2lf/base/result.h"
@@ -168,6 +169,13 @@ Operation sigmoid() {
   return {.name = Op::kSigmoid, .shape = equal_shapes, .onnx = [](OnnxCall& call) { return call.node("Sigmoid"); }};
 }
 
+/// The components whose add_operations() adds operations, for messages.
+const std::map<std::string, std::vector<std::string>> kOfComponents = {
+    {"geometry", {"plane-sweep", "render-layers"}},
+    {"video",
+     {"tanh", "upsample-bilinear", "dynamic-filter", "layer-norm", "position-code", "attention", "previous", "conv-gru",
+      "conv-lstm"}}};
+
 /// The operations of this process. Pointers to the elements of a list stay valid.
 struct Registry {
   std::mutex mutex;
@@ -196,11 +204,17 @@ const Operation* find_operation(const std::string& name) {
   return found == all.end() ? nullptr : &*found;
 }
 
-std::vector<std::string> operation_names() {
+Error unknown_operation(const std::string& name, const std::string& location) {
+  for (const auto& [component, operations] : kOfComponents) {
+    if (std::ranges::find(operations, name) == operations.end()) continue;
+    return fail(ErrorCode::kUnsupported, location, "the program has not added the operation \"", name,
+                "\"; link the component e2lf::", component, " and call e2lf::", component,
+                "::add_operations() before it reads the model");
+  }
   const std::scoped_lock lock(registry().mutex);
-  std::vector<std::string> names;
-  for (const Operation& each : registry().operations) names.push_back(each.name);
-  return names;
+  std::vector<std::string> known;
+  for (const Operation& each : registry().operations) known.push_back(each.name);
+  return fail(ErrorCode::kUnsupported, location, "unknown operation \"", name, "\"; known are ", join(known));
 }
 
 Result<void> check_kernel(const Layer& layer) {

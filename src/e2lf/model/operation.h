@@ -52,8 +52,9 @@ void add_operation(Operation operation);
 /// Returns the operation of that name, or null.
 [[nodiscard]] const Operation* find_operation(const std::string& name);
 
-/// Returns the names of all operations, those of Op first.
-[[nodiscard]] std::vector<std::string> operation_names();
+/// Returns the error of a model with an operation that this process does not know: for those of other components of
+/// e2lf it states the component and the call that adds them.
+[[nodiscard]] Error unknown_operation(const std::string& name, const std::string& location);
 
 // Parts of Operation::shape that several operations share. Their errors have no location.
 

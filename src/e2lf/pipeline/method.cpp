@@ -9,7 +9,6 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/model/model.h"
-#include "e2lf/model/operation.h"
 #include "e2lf/recon/inversion.h"
 
 namespace e2lf::pipeline {
@@ -35,8 +34,7 @@ Result<std::optional<BundledNetwork>> first_for(const capture::Codes& codes, con
   return std::optional<BundledNetwork>();
 }
 
-/// The operation of networks whose views follow a geometry. Devices other than the CPU lack it, as do programs that
-/// have not added the operations of `geometry`.
+/// The operation of networks whose views follow a geometry, which devices other than the CPU lack.
 constexpr const char* kRenderLayers = "render-layers";
 
 bool follows_geometry(const model::Model& model) {
@@ -65,8 +63,7 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
                 "the patterns that the camera showed are unknown; give them as `codes`, or give the model that was "
                 "trained for them");
   }
-  const bool with_geometry =
-      !choice.prefers_fast && choice.device == "cpu" && model::find_operation(kRenderLayers) != nullptr;
+  const bool with_geometry = !choice.prefers_fast && choice.device == "cpu";
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
                         choice.algorithm == kDepth
                             ? first_for(known->codes, {"e2lf-n4-depth", "e2lf-n4-cycle-depth"})

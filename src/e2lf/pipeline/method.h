@@ -15,7 +15,7 @@ namespace e2lf::pipeline {
 struct MethodChoice {
   std::string algorithm = "network";  ///< or "depth" (a network), or "inversion" (patterns)
   /// The network; empty = the bundled one for the patterns. Without `prefers_fast`, it is one whose views follow a
-  /// geometry if there is one, the device is the CPU, and the program has added the operations of `geometry`.
+  /// geometry if there is one and the device is the CPU.
   std::optional<model::Model> model = {};
   std::optional<capture::Codes> codes = {};                ///< patterns that the caller specifies
   std::optional<capture::SensorProfile> camera = {};       ///< sensor profile that the caller specifies

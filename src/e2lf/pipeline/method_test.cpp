@@ -32,15 +32,15 @@ TEST(OpenMethod, TakesTheBundledNetworkForPatternsAndCamera) {
   const capture::Codes codes = *bundled("e2lf-n4").codes;
   const auto of_paper = open_method({.events = {.codes = codes}});
   ASSERT_TRUE(of_paper) << of_paper.error().text();
-  EXPECT_EQ(of_paper->network->model().name, "e2lf-n4");
-  EXPECT_EQ(of_paper->bundled->stem(), "e2lf-n4");
+  EXPECT_EQ(of_paper->network->model().name, "e2lf-n4-geometry");
+  EXPECT_EQ(of_paper->bundled->stem(), "e2lf-n4-geometry");
   EXPECT_EQ(of_paper->codes->stated_by, StatedBy::kEvents);
   EXPECT_TRUE(of_paper->are_patterns_the_models());
   EXPECT_EQ(of_paper->camera_stated_by, StatedBy::kNone);
 
   const auto of_pixels = open_method({.codes = codes, .events = {.camera = pixel_camera()}});
   ASSERT_TRUE(of_pixels) << of_pixels.error().text();
-  EXPECT_EQ(of_pixels->network->model().name, "e2lf-n4-camera");
+  EXPECT_EQ(of_pixels->network->model().name, "e2lf-n4-geometry-camera");
   EXPECT_EQ(of_pixels->codes->stated_by, StatedBy::kCaller);
   EXPECT_EQ(of_pixels->camera_stated_by, StatedBy::kEvents);
 

@@ -8,10 +8,14 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/geometry/operations.h"
 #include "e2lf/model/network.h"
 
 namespace e2lf::recon {
 namespace {
+
+/// Every program that reconstructs knows the operations of the bundled networks, before it reads the first model.
+[[maybe_unused]] const bool knows_geometry = (geometry::add_operations(), true);
 
 constexpr size_t kSamples = 1 << 18;
 constexpr double kBrightQuantile = 0.995, kDarkQuantile = 0.005;

@@ -57,6 +57,16 @@ Network with_feedback() {
   return network;
 }
 
+/// Programs without this component are told of it.
+TEST(VideoOperations, AreNamedWithTheirComponentWhereTheyAreMissing) {
+  for (const engine::Operation& operation :
+       {attention(), bilinear_upsampling(), conv_gru(), conv_lstm(), dynamic_filter(), layer_norm(), position_code(),
+        previous_output(), hyperbolic_tangent()}) {
+    const std::string text = model::unknown_operation(operation.model.name, "").text();
+    EXPECT_NE(text.find("e2lf::video::add_operations()"), std::string::npos) << text;
+  }
+}
+
 TEST(VideoOperations, PixelsWithFiltersOfTheirOwnHaveAResultOfEach) {
   const Network network = with_feedback();
   const auto shapes = infer_shapes(network);
