@@ -1,4 +1,4 @@
-"""What `pip install .` runs (PEP 517): CMake builds the module, and this packs it as a wheel with the models and cameras.
+"""What `pip install .` runs (PEP 517): CMake builds the module, and this packs it as a wheel with three models and the cameras.
 
 Nothing but Python's own library is needed, so pip downloads nothing. A build tree of this checkout that was configured for
 the same Python is built further; without one build/wheel is made. --config-settings build-dir=FOLDER takes the module that a
@@ -19,7 +19,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 # Folders beside share/e2lf in an environment of Python: e2lf.data_file() looks there.
-DATA = {"models": "*.safetensors", "cameras": "*.json"}
+DATA = {"models": ["e2lf-n4.safetensors", "e2lf-n4-geometry.safetensors", "e2lf-n8.safetensors"], "cameras": ["*.json"]}
+DESCRIPTION = """Light fields from the events of a camera behind a coded aperture.
+
+The wheel contains the models e2lf-n4, e2lf-n4-geometry and e2lf-n8, so that it stays small. The others are in the folder models
+of the sources of e2lf: set E2LF_MODELS to this folder, or give their paths.
+"""
 # Build trees that may hold the module already, the optimised ones first.
 REUSED = ["wheel", "release", "dev"]
 PROGRESS_S = 10
@@ -128,7 +133,7 @@ def package(folder, prefix):
 def metadata():
     return (f"Metadata-Version: 2.1\nName: e2lf\nVersion: {version()}\n"
             "Summary: Light fields from the events of a camera behind a coded aperture\n"
-            "License: MIT\nRequires-Python: >=3.9\nRequires-Dist: numpy\n")
+            "License: MIT\nRequires-Python: >=3.9\nRequires-Dist: numpy\n\n" + DESCRIPTION)
 
 
 def contents(package_folder):
@@ -137,8 +142,8 @@ def contents(package_folder):
     info = f"e2lf-{version()}.dist-info"
     for file in sorted(package_folder.rglob("*.*")):
         yield f"e2lf/{file.relative_to(package_folder)}", file.read_bytes(), 0o644
-    for folder, pattern in DATA.items():
-        for file in sorted((ROOT / folder).glob(pattern)):
+    for folder, patterns in DATA.items():
+        for file in sorted(file for pattern in patterns for file in (ROOT / folder).glob(pattern)):
             yield f"{data}/{folder}/{file.name}", file.read_bytes(), 0o644
     yield f"{info}/LICENSE", (ROOT / "LICENSE").read_bytes(), 0o644
     yield f"{info}/METADATA", metadata().encode(), 0o644

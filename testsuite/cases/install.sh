@@ -60,33 +60,6 @@ c++ -O1 "$TESTSUITE/../examples/custom_codec.cpp" -o with_pkg_config $(pkg-confi
 rm records.raw
 LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH") ./with_pkg_config records.bin records.raw 2>/dev/null | grep -qx "3 events" || fail "the program made with pkg-config"
 
-# The lines of docs/library.md, for a program that reconstructs with a bundled model; it lies outside of the prefix. The path
-# contains a macro of GNU dialects.
-page=$TESTSUITE/../docs/library.md
-mkdir -p linux/mine
-mv prefix linux/prefix
-ln -s linux/prefix prefix
-cp "$TESTSUITE/parent/main.cpp" linux/mine/mine.cpp
-cd linux/mine
-{
-  printf 'cmake_minimum_required(VERSION 3.24)\nproject(mine CXX)\nadd_executable(mine mine.cpp)\n'
-  py "$TESTSUITE/documents/documents.py" block "$page" find_package
-} >CMakeLists.txt
-cmake -S . -B build -DCMAKE_PREFIX_PATH="$case_folder/install/linux/prefix" >configure.log 2>&1 || fail "$(tail -5 configure.log)"
-cmake --build build >build.log 2>&1 || fail "$(grep -m 5 -A 3 error build.log)"
-PKG_CONFIG_PATH=$(dirname "$(find "$case_folder/install/linux/prefix" -name e2lf-base.pc)")
-export PKG_CONFIG_PATH
-py "$TESTSUITE/documents/documents.py" block "$page" pkg-config >compile.sh
-sed 's/-o mine/-std=gnu++20 -o mine/' compile.sh >compile_gnu.sh
-for script in compile.sh compile_gnu.sh; do
-  sh -e "$script" || fail "pkg-config"
-  for program in build/mine ./mine; do
-    found=$(LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH") in_clean_root "$program") || fail "$program: $found"
-    [ "$(realpath "$found")" = "$case_folder/install/linux/prefix/share/e2lf/models/e2lf-n4-geometry.safetensors" ] || fail "$program: $found"
-  done
-done
-cd ../..
-
 # A program without models says that, and not that no model was trained for the patterns.
 mkdir -p alone/bin
 cp prefix/bin/e2lf alone/bin
@@ -121,6 +94,31 @@ grep -q "SONAME = libe2lf_base.so.0.1$" shared/build.ninja || fail "$(grep -m 1 
 # What links them needs the packages of their headers alone.
 grep "^set(e2lf_recordings_finds" shared/generated/e2lfConfig.cmake | grep -q LZ4 && fail "a shared library needs its private packages"
 ! grep -q liblz4 shared/generated/e2lf-recordings.pc || fail "so does pkg-config"
+
+# The lines of docs/library.md, for a program that reconstructs with a bundled model; it lies outside of the prefix. The path
+# contains a macro of GNU dialects.
+page=$TESTSUITE/../docs/library.md
+mkdir -p linux/mine
+mv prefix linux/prefix
+cp "$TESTSUITE/parent/main.cpp" linux/mine/mine.cpp
+cd linux/mine
+{
+  printf 'cmake_minimum_required(VERSION 3.24)\nproject(mine CXX)\nadd_executable(mine mine.cpp)\n'
+  py "$TESTSUITE/documents/documents.py" block "$page" find_package
+} >CMakeLists.txt
+cmake -S . -B build -DCMAKE_PREFIX_PATH="$case_folder/install/linux/prefix" >configure.log 2>&1 || fail "$(tail -5 configure.log)"
+cmake --build build >build.log 2>&1 || fail "$(grep -m 5 -A 3 error build.log)"
+PKG_CONFIG_PATH=$(dirname "$(find "$case_folder/install/linux/prefix" -name e2lf-base.pc)")
+export PKG_CONFIG_PATH
+py "$TESTSUITE/documents/documents.py" block "$page" pkg-config >compile.sh
+sed '/^c++/s/$/ -std=gnu++20/' compile.sh >compile_gnu.sh
+for script in compile.sh compile_gnu.sh; do
+  sh -e "$script" || fail "pkg-config"
+  for program in build/mine ./mine; do
+    found=$(LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH") in_clean_root "$program") || fail "$program: $found"
+    [ "$(realpath "$found")" = "$case_folder/install/linux/prefix/share/e2lf/models/e2lf-n4-geometry.safetensors" ] || fail "$program: $found"
+  done
+done
 
 part subproject
 # A project that contains e2lf builds only the library that it links, finds its models, and keeps its settings and packages.

@@ -5,6 +5,7 @@ py -m venv --system-site-packages environment >venv.txt 2>&1 || skip "python3-ve
 export PIP_NO_INDEX=1 PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_CACHE_DIR=$PWD/cache PYTHONPATH=
 environment/bin/python -m pip wheel "$TESTSUITE/.." --config-settings build-dir="$E2LF_BUILD" --no-deps -w wheels >pip.txt 2>&1 ||
   fail "$(tail -5 pip.txt)"
+[ "$(cat wheels/*.whl | wc -c)" -le 30000000 ] || fail "the wheel has $(cat wheels/*.whl | wc -c) bytes"
 environment/bin/python -m pip install wheels/e2lf-*.whl >pip.txt 2>&1 || fail "$(tail -5 pip.txt)"
 mkdir empty
 cd empty
@@ -24,6 +25,11 @@ assert {file.name for file in listed} >= {"py.typed", "__init__.pyi", "e2lf-n8.s
 for file in listed:
     digest = base64.urlsafe_b64encode(hashlib.sha256(file.read_binary()).digest()).rstrip(b"=").decode()
     assert digest == file.hash.value, file
+assert sorted(file.stem for file in listed if file.suffix == ".safetensors") == ["e2lf-n4", "e2lf-n4-geometry", "e2lf-n8"]
+try:
+    e2lf.Model("e2lf-n4-camera")
+except e2lf.Error as error:
+    assert "E2LF_MODELS" in error.message, error
 model = e2lf.read_model(e2lf.bundled_model())
 images = e2lf.simulate(e2lf.demo_scene(48, 32), model.codes, constants=model.constants)
 assert np.isfinite(e2lf.Reconstructor(model).reconstruct(images)).all()

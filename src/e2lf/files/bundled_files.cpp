@@ -115,7 +115,8 @@ Result<fs::path> find_file_or_bundled(const BundledKind& kind, const std::string
   const std::vector<std::string> names = bundled_names(kind);
   const std::string remedy =
       names.empty() ? "give its path: the files of e2lf were not found, whose folder models E2LF_MODELS names"
-                    : cat("give one, or a bundled ", kind.bundled, ": ", join(names));
+                    : cat("give one, or a bundled ", kind.bundled, ": ", join(names),
+                          "; for others, let E2LF_MODELS name the folder models of the sources of e2lf");
   return fail(ErrorCode::kNotFound, name, "there is no such ", kind.any, "; ", remedy);
 }
 
