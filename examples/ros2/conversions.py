@@ -77,4 +77,5 @@ def camera_info_fields(width: int, height: int, focal_px: float, time_ns: int, f
 def central_view(light_field: e2lf.Array) -> e2lf.Array:
     """Returns the central view as uint8 [y, x]."""
     view = light_field[light_field.shape[0] // 2, light_field.shape[1] // 2]
-    return np.round(255 * np.clip(view, 0, 1)).astype(np.uint8)
+    grey: e2lf.Array = np.round(255 * np.clip(view, 0, 1)).astype(np.uint8)
+    return grey
