@@ -32,7 +32,7 @@ void check_index(size_t index, size_t size, const char* axis) {
 
 py::array read(const fs::path& path, Whole<size_t> views, Whole<size_t> step, bool colour, bool reverse_rows,
                const std::string& range, float white, Whole<size_t> view_columns, Whole<size_t> lenslet_views,
-               Whole<size_t> patch_views, E2LF_ORIENTATION_PARAMETERS, const ProgressArgument& progress) {
+               E2LF_ORIENTATION_PARAMETERS, const ProgressArgument& progress) {
   lightfield::ReadOptions options;
   for (lightfield::AxisViews* axis : {&options.views_y, &options.views_x}) {
     axis->count = views;
@@ -43,8 +43,6 @@ py::array read(const fs::path& path, Whole<size_t> views, Whole<size_t> step, bo
   options.white = white;
   options.view_columns = view_columns;
   options.lenslet_views = lenslet_views;
-  if (patch_views < 1) throw py::value_error("a patch has at least one view per axis");
-  options.patch_views = patch_views;
   options.orientation = E2LF_ORIENTATION_VALUE;
   constexpr Choice<lightfield::RangePolicy> kRanges[] = {{"refuse", lightfield::RangePolicy::kRefuse},
                                                          {"clamp", lightfield::RangePolicy::kClamp},
@@ -214,7 +212,7 @@ void bind_lightfield(py::module_& module) {
   module.def(
       "read_light_field", &read, py::arg("path"), py::kw_only(), py::arg("views") = 8, py::arg("step") = 1,
       py::arg("colour") = false, py::arg("reverse_rows") = false, py::arg("range") = "refuse", py::arg("white") = 0.0F,
-      py::arg("view_columns") = 0, py::arg("lenslet_views") = 0, py::arg("patch_views") = 8, E2LF_ORIENTATION_ARGUMENTS,
+      py::arg("view_columns") = 0, py::arg("lenslet_views") = 0, E2LF_ORIENTATION_ARGUMENTS,
       py::arg("progress") = py::none(),
       "Reads a light field of any format: float32 [view_y, view_x, y, x] in [0, 1], with a last axis [channel] of 3 "
       "if colour is requested and available. Views are reordered as the run.json in its folder states.\n\n"
@@ -225,9 +223,9 @@ void bind_lightfield(py::module_& module) {
       "range: treatment of values outside [0, 1]: \"refuse\", \"clamp\" or \"keep\" (for reconstructions).\n"
       "white: stored value that is white; 0 = the largest of the type.\n"
       "view_columns: number of views in a row of the grid if views are numbered consecutively; 0 = detected.\n"
-      "lenslet_views: number of views per axis of a lenslet mosaic; 0 = as it states.\n"
-      "patch_views: number of views per axis of a patch of BasicLFSR (.h5), which does not state "
-      "it.\n" E2LF_ORIENTATION_DOC "progress: called with (views done, views).");
+      "lenslet_views: number of views per axis of one picture that holds all: a lenslet mosaic, or a patch of "
+      "BasicLFSR "
+      "(.h5); 0 = as its name or content states.\n" E2LF_ORIENTATION_DOC "progress: called with (views done, views).");
   module.def(
       "write_light_field", &write, py::arg("path"), py::arg("light_field"), py::kw_only(), py::arg("format") = "",
       py::arg("overwrite") = false, py::arg("progress") = py::none(),

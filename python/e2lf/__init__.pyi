@@ -274,7 +274,7 @@ def event_picture(images: Array) -> Floats: ...
 # Light fields and pictures
 def read_light_field(
         path: Path, *, views: int = 8, step: int = 1, colour: bool = False, reverse_rows: bool = False,
-        range: str = "refuse", white: float = 0.0, view_columns: int = 0, lenslet_views: int = 0, patch_views: int = 8,
+        range: str = "refuse", white: float = 0.0, view_columns: int = 0, lenslet_views: int = 0,
         turn_views: bool = False, flip_x: bool = False, flip_y: bool = False,
         progress: Optional[Progress] = None) -> Floats: ...
 def write_light_field(

@@ -77,7 +77,7 @@ class DefaultsTest(InFolder):
         self.compare(e2lf.depth, options, {}, {"view"})
         options = self.options("convert", "scene", "b.npy", record="b.npy.run.json")
         # A conversion keeps all views, colours and values, and does not record its steps.
-        self.compare(e2lf.read_light_field, options, {}, {"views", "step", "colour", "range", "reverse_rows", "patch_views"})
+        self.compare(e2lf.read_light_field, options, {}, {"views", "step", "colour", "range", "reverse_rows"})
 
 
 if __name__ == "__main__":

@@ -369,7 +369,8 @@ class DataTest(InFolder):
             import h5py
         except ImportError:
             self.skipTest("python3-h5py is not installed")
-        fields = torch.rand(3, 5, 5, 6, 7)
+        scene = torch.from_numpy(e2lf.demo_scene(72, 32))[:5, :5]
+        fields = torch.stack([scene[..., :32, 20 * n : 20 * n + 28] for n in range(3)])
         # As its script writes them: the image of the views, transposed.
         for number, place in enumerate(("data_for_training/SR_5x5_2x/EPFL", "data_for_training/SR_5x5_2x/HCI_new",
                                         "data_for_test/SR_5x5_2x/EPFL")):

@@ -91,7 +91,7 @@ class BasicLFSRPatches(Dataset[Tensor]):
         return len(self.files)
 
     def __getitem__(self, number: int) -> Tensor:
-        patch = torch.as_tensor(e2lf.read_light_field(self.files[number], views=0, patch_views=self.views, range="clamp"))
+        patch = torch.as_tensor(e2lf.read_light_field(self.files[number], views=0, lenslet_views=self.views, range="clamp"))
         if not self.augmented:
             return patch
         return augment(patch, torch.Generator().manual_seed(int(torch.randint(1 << 62, ()))))
