@@ -55,6 +55,47 @@ absent strict.npz
 "$E2LF" info sorted.csv --sensor-width 32 --sensor-height 48 --json >out.json
 check "$(json out.json "j['left_out'][0]['count'] + j['events'] == 50000")"
 
+# Zeros in a chunk of HDF5, as an interrupted copy leaves them, are no events, and all lost events are counted.
+"$E2LF" convert sorted.csv whole.hdf5 --sensor-width 64 --sensor-height 48 --quiet
+py - <<'PY'
+import h5py
+with h5py.File("whole.hdf5") as f:
+    chunks = [f["CD/events"].id.get_chunk_info(i) for i in range(3)]
+whole = open("whole.hdf5", "rb").read()
+for name, begins in dict(half=[(chunks[1], chunks[1].size // 2)], all=[(chunks[1], 0)],
+                         both=[(chunks[0], chunks[0].size // 2), (chunks[2], 0)]).items():
+    damaged = bytearray(whole)
+    for chunk, begin in begins:
+        damaged[chunk.byte_offset + begin : chunk.byte_offset + chunk.size] = bytes(chunk.size - begin)
+    open(name + ".hdf5", "wb").write(damaged)
+    open(name + ".txt", "w").write(str(begins[0][0].byte_offset))
+PY
+for name in half all both; do
+  "$E2LF" info $name.hdf5 --json >info.json 2>/dev/null
+  check "$(json info.json "j['events'] + sum(l['count'] for l in j['left_out']) == 50000")"
+  check "$(json info.json "j['left_out'][0]['first_byte'] == $(cat $name.txt) or j['left_out'][-1]['first_byte'] == $(cat $name.txt)")"
+  "$E2LF" convert $name.hdf5 out.npz --overwrite --quiet 2>/dev/null
+  py -c "
+import numpy as np
+a = np.load('out.npz')
+assert ((a['x'] == 0) & (a['y'] == 0) & (a['p'] == 0)).sum() < 40, 'zeros became events'" || fail "$name"
+done
+check "$(json info.json "{l['reason'] for l in j['left_out']} == {'zero_words', 'bad_record'}")"
+"$E2LF" info all.hdf5 --json >info.json 2>/dev/null
+check "$(json info.json "j['left_out'][0]['reason'] == 'bad_record' and j['left_out'][0]['count'] == 16384")"
+fails 1 "zeros" "$E2LF" convert half.hdf5 strict.npz --strict
+absent strict.npz
+
+# Exact duplicates are counted.
+py -c "
+rows = open('sorted.csv').read().splitlines()
+open('twice.csv', 'w').write('\n'.join(r for row in rows for r in [row] * (2 if row[0] == '5' else 1)) + '\n')"
+"$E2LF" info sorted.csv --json >info.json
+before=$(json info.json "j['duplicates']")
+"$E2LF" info twice.csv --json >info.json
+check "$(json info.json "j['duplicates'] - $before == j['events'] - 50000 and j['duplicates'] > 8000")"
+"$E2LF" info twice.csv | grep -q "% of the events are exact duplicates" || fail "duplicates are not told"
+
 # Damage in RAW is in the JSON of convert and accumulate, and --strict refuses it.
 "$E2LF" demo -o demo --width 96 --height 64 --quiet
 "$E2LF" simulate demo/scene -o recording.raw --quiet

@@ -206,7 +206,7 @@ class ColumnBlocks final : public EventBlocks {
     }
     length_ = parts_[0].shape.length;
     for (const Part& part : parts_) {
-      is_cut_ |= part.shape.is_cut;
+      num_missing_ = std::max(num_missing_, part.shape.claimed_length - part.shape.length);
       if (part.shape.length == length_) continue;
       return fail(ErrorCode::kShape, name, "the columns of events differ in length; the file is damaged");
     }
@@ -230,8 +230,7 @@ class ColumnBlocks final : public EventBlocks {
     block.clear();
     const uint64_t count = std::min(kBlock, length_ - next_);
     if (count == 0) {
-      if (is_cut_) summary.add(Violation::kTruncated, 0);
-      is_cut_ = false;
+      summary.add_dropped(Violation::kTruncated, 0, std::exchange(num_missing_, 0));
       return false;
     }
     E2LF_RETURN_IF_ERROR(read(next_, count));
@@ -298,7 +297,7 @@ class ColumnBlocks final : public EventBlocks {
   table::TableLayout layout_;
   int64_t offset_us_ = 0;
   uint64_t length_ = 0, next_ = 0;
-  bool is_cut_ = false;
+  uint64_t num_missing_ = 0;  ///< events that the file states but does not contain
 };
 
 }  // namespace

@@ -22,7 +22,8 @@ constexpr std::array<ViolationText, kNumViolations> kTexts = {{
     {"misaligned", "bytes are missing or inserted", "places with missing or inserted bytes"},
     {"truncated", "the data ends inside a word, record or packet", "unfinished words, records or packets at the end"},
     {"bad_record", "a record that cannot be read", "records that cannot be read"},
-    {"zero_words", "zeros in place of data", "zero words in place of data, as an interrupted copy leaves them"},
+    {"zero_words", "zeros in place of data",
+     "zero words or records in place of data, as an interrupted copy leaves them"},
 }};
 
 /// The numbers that add up over the parts of a recording.

@@ -41,7 +41,7 @@ enum class Violation {
   kMisaligned,     ///< bytes were lost or inserted; words are dropped until the stream is valid again
   kTruncated,      ///< the data ends inside a word, record or packet
   kBadRecord,      ///< a record, row or packet that cannot be read; dropped
-  kZeros,          ///< a zero word of a long run of them, which is not data; dropped
+  kZeros,          ///< a zero word or record of a long run of them, which is not data; dropped
 };
 inline constexpr size_t kNumViolations = 8;
 

@@ -120,8 +120,8 @@ Result<DatasetShape> open_dataset(hid_t file, const std::string& name, const std
   }
   shape.columns = columns;
   shape.chunk_length = storage.is_chunked() ? storage.chunk[0] : 0;
-  shape.length = std::min(storage.claimed_elements(), storage.stored_elements) / columns;
-  shape.is_cut = shape.length < storage.claimed_elements() / columns;
+  shape.claimed_length = storage.claimed_elements() / columns;
+  shape.length = std::min(shape.claimed_length, storage.stored_elements / columns);
   return shape;
 }
 

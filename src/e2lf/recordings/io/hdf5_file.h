@@ -27,10 +27,10 @@ using e2lf::hdf5::Storage;
 struct DatasetShape {
   Handle dataset;
   Storage storage;
-  uint64_t columns = 1;       ///< elements per row
-  uint64_t length = 0;        ///< number of rows, limited to those that are actually stored
-  uint64_t chunk_length = 0;  ///< rows per chunk; 0 = not chunked
-  bool is_cut = false;        ///< whether fewer rows are stored than the header states
+  uint64_t columns = 1;         ///< elements per row
+  uint64_t length = 0;          ///< number of rows, limited to those that are actually stored
+  uint64_t chunk_length = 0;    ///< rows per chunk; 0 = not chunked
+  uint64_t claimed_length = 0;  ///< number of rows that the header states, at least `length`
 };
 
 /// Opens a data set [rows, columns]; one column may also be a data set with one dimension. Fails with kNotFound, kShape

@@ -5,6 +5,8 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
@@ -75,6 +77,7 @@ Result<void> read_times(Cursor& in, std::span<int64_t> t) {
     gap = digits = 0;
     if (now >= kEndOfTime) return overrun("a time beyond 2^62 us");
     if (count == 15 && !in.u16(count)) return in.error();
+    if (count == 0) return overrun("a run of no times");
     if (!fill_run(t, done, count, static_cast<int64_t>(now))) return overrun("a run of times longer than itself");
   }
   return {};
@@ -282,6 +285,57 @@ Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& e
   }
   E2LF_RETURN_IF_ERROR(read_x_groups(in, e.x));
   return read_runs<&Cursor::u8, 7>(in, e.p, "a polarity run longer than itself");
+}
+
+namespace {
+
+/// Returns whether the events [begin, end), which are all at x = 0, are zeros in place of data.
+bool are_zeros(bool has_packed_places, const MutableChunkColumns& e, size_t begin, size_t end) {
+  if (end - begin < kMinZeros) return false;
+  bool are_at_origin = true, have_equals = false;
+  for (size_t i = begin; i < end; ++i) {
+    are_at_origin = are_at_origin && e.y[i] == 0 && e.p[i] == 0;
+    have_equals = have_equals || (i > begin && e.y[i] == e.y[i - 1] && e.p[i] == e.p[i - 1] && e.t[i] == e.t[i - 1]);
+  }
+  return has_packed_places ? are_at_origin : have_equals;
+}
+
+/// Moves the events [begin, end) to `to`, which is not after them.
+void move_events(const MutableChunkColumns& e, size_t begin, size_t end, size_t to) {
+  const auto move = [=](auto column) {
+    std::copy(column.begin() + static_cast<ptrdiff_t>(begin), column.begin() + static_cast<ptrdiff_t>(end),
+              column.begin() + static_cast<ptrdiff_t>(to));
+  };
+  move(e.x);
+  move(e.y);
+  move(e.p);
+  move(e.t);
+}
+
+}  // namespace
+
+size_t drop_zeros(std::span<const uint8_t> chunk, const MutableChunkColumns& e) {
+  const size_t n = e.x.size();
+  const bool has_packed_places = (chunk[0] & 2) != 0;
+  // A place of its own is all zeros, while the others only have no column.
+  const auto may_be_zero = [&](size_t i) { return e.x[i] == 0 && (!has_packed_places || (e.y[i] | e.p[i]) == 0); };
+  std::vector<std::pair<size_t, size_t>> zeros;
+  // A run of kMinZeros contains an event whose number is a multiple of it.
+  for (size_t probe = 0; probe < n; probe += kMinZeros) {
+    if (!may_be_zero(probe) || (!zeros.empty() && probe < zeros.back().second)) continue;
+    size_t begin = probe, end = probe + 1;
+    while (begin > 0 && may_be_zero(begin - 1)) --begin;
+    while (end < n && may_be_zero(end)) ++end;
+    if (are_zeros(has_packed_places, e, begin, end)) zeros.emplace_back(begin, end);
+  }
+  if (zeros.empty()) return n;
+  size_t kept = zeros.front().first;
+  for (size_t i = 0; i < zeros.size(); ++i) {
+    const size_t next = i + 1 < zeros.size() ? zeros[i + 1].first : n;
+    move_events(e, zeros[i].second, next, kept);
+    kept += next - zeros[i].second;
+  }
+  return kept;
 }
 
 bool can_encode(const ChunkColumns& e) {

@@ -54,4 +54,12 @@ struct MutableChunkColumns {
 /// and kFormat (a run exceeds the chunk, or a time exceeds 2^62); the columns are then unspecified.
 [[nodiscard]] Result<void> decode(std::span<const uint8_t> chunk, const MutableChunkColumns& events);
 
+/// Removes events that decode() made of zero bytes in place of data, such as an interrupted copy leaves, from the
+/// columns of a chunk. Returns the number of events that remain, at the front. Zero bytes are taken for lost data if
+/// they are kMinZeros or more events at (0, 0), or at x = 0 with the same y, p and t as a neighbour, which no pixel
+/// generates.
+[[nodiscard]] size_t drop_zeros(std::span<const uint8_t> chunk, const MutableChunkColumns& events);
+
+inline constexpr size_t kMinZeros = 64;
+
 }  // namespace e2lf::recordings::ecf

@@ -44,7 +44,7 @@ class EventChunks final : public EventBlocks {
     auto chunks = std::make_unique<EventChunks>();
     E2LF_ASSIGN_OR_RETURN(chunks->shape_, open_dataset(file, "CD/events", location));
     const DatasetShape& shape = chunks->shape_;
-    chunks->is_cut_uncounted_ = shape.is_cut;
+    chunks->num_missing_ = shape.claimed_length - shape.length;
     chunks->location_ = location + ": CD/events";
     chunks->threads_ = threads;
     const bool is_ecf = shape.storage.filters.size() == 1 && shape.storage.filters[0] == kEcfFilter;
@@ -53,13 +53,14 @@ class EventChunks final : public EventBlocks {
     return BlocksPtr(std::move(chunks));
   }
 
-  /// Reads the next block. A chunk that cannot be decoded is counted as kBadRecord and skipped. In a damaged chunk,
-  /// events that are later than the first time of the next chunk are dropped (kTimeJump).
+  /// Reads the next block. All events of a chunk that cannot be decoded are counted as kBadRecord, and those that are
+  /// zeros as kZeros. In a damaged chunk, events that are later than the first time of the next chunk are dropped
+  /// (kTimeJump).
   Result<bool> next(EventBatch& block, DecodeSummary& summary) override {
     const LibraryLock lock;
     block.clear();
     EventColumns& events = block.events;
-    if (next_event_ >= shape_.length && std::exchange(is_cut_uncounted_, false)) summary.add(Violation::kTruncated, 0);
+    if (next_event_ >= shape_.length) summary.add_dropped(Violation::kTruncated, 0, std::exchange(num_missing_, 0));
     if (!is_direct_) return next_records(events);
     std::vector<Chunk> chunks = fetch_block();
     std::vector<size_t> begins = {0};
@@ -79,7 +80,7 @@ class EventChunks final : public EventBlocks {
     const LibraryLock lock;
     ahead_.reset();
     next_event_ = 0;
-    is_cut_uncounted_ = shape_.is_cut;
+    num_missing_ = shape_.claimed_length - shape_.length;
     if (!is_direct_ || shape_.length == 0) return {};
     uint64_t low = 0, high = (shape_.length - 1) / shape_.chunk_length;
     while (low < high) {
@@ -97,7 +98,9 @@ class EventChunks final : public EventBlocks {
  private:
   struct Chunk {
     uint64_t index = 0;
-    size_t count = 0;  ///< expected number of events
+    uint64_t byte = 0;     ///< position in the file
+    size_t count = 0;      ///< expected number of events
+    size_t num_zeros = 0;  ///< events that were zeros in place of data
     bool is_stored_raw = false;
     std::vector<uint8_t> bytes;       ///< empty if the chunk is missing or cannot be read
     std::optional<int64_t> first_us;  ///< empty if the chunk is too short to have one
@@ -120,9 +123,12 @@ class EventChunks final : public EventBlocks {
     chunk.index = index;
     chunk.count = std::min<uint64_t>(shape_.chunk_length, shape_.length - offset);
     hsize_t size = 0;
+    haddr_t address = 0;
     uint32_t filter_mask = 0;
-    if (H5Dget_chunk_storage_size(shape_.dataset.get(), &offset, &size) < 0 || size == 0 || size > kMaxChunkBytes)
-      return chunk;
+    const bool is_found =
+        H5Dget_chunk_info_by_coord(shape_.dataset.get(), &offset, &filter_mask, &address, &size) >= 0 && size > 0;
+    if (is_found) chunk.byte = address;
+    if (!is_found || size > kMaxChunkBytes) return chunk;
     chunk.bytes.resize(size);
     if (H5Dread_chunk(shape_.dataset.get(), H5P_DEFAULT, &offset, &filter_mask, chunk.bytes.data()) < 0) {
       chunk.bytes.clear();
@@ -151,16 +157,19 @@ class EventChunks final : public EventBlocks {
       const auto part = [&](auto& column) { return std::span(column).subspan(at, *stored); };
       return ecf::decode(chunk.bytes, {part(out.x), part(out.y), part(out.p), part(out.t)}).ok();
     };
+    const size_t count = std::min(*stored, wanted);
     if (*stored <= wanted) {
-      if (decode_into(events, begin)) chunk.count = *stored;
-      return;
+      if (!decode_into(events, begin)) return;
+    } else {
+      // The last chunk of a file may be stored at full length, with padding after its events.
+      EventColumns full;
+      full.resize(*stored);
+      if (!decode_into(full, 0)) return;
+      for (size_t i = 0; i < wanted; ++i) events.set(begin + i, full[i]);
     }
-    // The last chunk of a file may be stored at full length, with padding after its events.
-    EventColumns full;
-    full.resize(*stored);
-    if (!decode_into(full, 0)) return;
-    for (size_t i = 0; i < wanted; ++i) events.set(begin + i, full[i]);
-    chunk.count = wanted;
+    const auto part = [&](auto& column) { return std::span(column).subspan(begin, count); };
+    chunk.count = ecf::drop_zeros(chunk.bytes, {part(events.x), part(events.y), part(events.p), part(events.t)});
+    chunk.num_zeros = count - chunk.count;
   }
 
   std::vector<Chunk> fetch_block() {
@@ -190,14 +199,14 @@ class EventChunks final : public EventBlocks {
   /// Reduces [begin, end), the room of a chunk, to the events that were decoded and are plausible.
   void keep_plausible(const Chunk& chunk, const Chunk* after, size_t begin, size_t end, EventColumns& events,
                       DecodeSummary& summary) const {
-    const uint64_t first_event = chunk.index * shape_.chunk_length;
     size_t kept = chunk.count;
-    if (begin + kept < end) summary.add(Violation::kBadRecord, first_event);
+    summary.add(Violation::kZeros, chunk.byte, chunk.num_zeros);
+    summary.add(Violation::kBadRecord, chunk.byte, end - begin - kept - chunk.num_zeros);
     if (kept > 0 && after != nullptr && after->first_us && *after->first_us >= events.t[begin]) {
       const auto from = events.t.begin() + static_cast<ptrdiff_t>(begin);
       const auto is_late = [&](int64_t t) { return t > *after->first_us; };
       kept = static_cast<size_t>(std::find_if(from, from + static_cast<ptrdiff_t>(kept), is_late) - from);
-      if (kept < chunk.count) summary.add(Violation::kTimeJump, first_event);
+      summary.add(Violation::kTimeJump, chunk.byte, chunk.count - kept);
     }
     if (begin + kept == end) return;
     summary.dropped_words += end - begin - kept;
@@ -207,8 +216,8 @@ class EventChunks final : public EventBlocks {
   DatasetShape shape_;
   std::string location_;
   int threads_ = 1;
-  bool is_direct_ = false;  ///< whether chunks are ECF or uncompressed records
-  bool is_cut_uncounted_ = false;
+  bool is_direct_ = false;    ///< whether chunks are ECF or uncompressed records
+  uint64_t num_missing_ = 0;  ///< events that the file states but does not contain, until they are counted
   uint64_t next_event_ = 0;
   std::optional<Chunk> ahead_;  ///< fetched in advance for its first time
   std::vector<EventRecord> records_;
