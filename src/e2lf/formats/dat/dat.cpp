@@ -16,7 +16,7 @@ namespace e2lf::formats::dat {
 namespace {
 
 constexpr size_t kTriggerBlock = 4096;
-constexpr size_t kRecordBytes = 8;
+constexpr size_t kTypeBytes = 2, kRecordBytes = 8;
 constexpr uint8_t kTypeEvent2d = 0x00, kTypeCd = 0x0C, kTypeTrigger = 0x0E;
 
 struct Header {
@@ -32,19 +32,18 @@ size_t number_or_zero(const std::optional<std::string>& text) {
   return value > 65536 ? 0 : value;
 }
 
-/// Parses the text header and the two bytes after it. Returns nothing if `head` is not the start of a DAT file: no "%"
-/// line, the keys of a RAW file, or another record type or size.
-std::optional<Header> parse_header(std::span<const uint8_t> head) {
-  auto lines = parse_percent_header(as_text(head), /*ended=*/true);
-  if (!lines || lines->keys.empty() || head.size() < lines->num_bytes + 2) return std::nullopt;
+/// Interprets the lines of the header and the two bytes after it. Returns nothing if they are not the start of a DAT
+/// file: no "%" line, the keys of a RAW file, or another record type or size.
+std::optional<Header> interpret(PercentHeader lines, std::span<const uint8_t> head) {
+  if (lines.num_bytes == 0 || head.size() < lines.num_bytes + kTypeBytes) return std::nullopt;
   Header header;
   header.info.format = "dat";
-  header.info.header = std::move(lines->keys);
-  header.bytes = lines->num_bytes + 2;
+  header.info.header = std::move(lines.keys);
+  header.bytes = lines.num_bytes + kTypeBytes;
   if (header.info.find("evt") || header.info.find("format")) return std::nullopt;
-  header.type = head[lines->num_bytes];
+  header.type = head[lines.num_bytes];
   const bool known = header.type == kTypeEvent2d || header.type == kTypeCd || header.type == kTypeTrigger;
-  if (!known || head[lines->num_bytes + 1] != kRecordBytes) return std::nullopt;
+  if (!known || head[lines.num_bytes + 1] != kRecordBytes) return std::nullopt;
   if (const auto version = number_or_zero(header.info.find("Version")); version != 0) {
     header.version = static_cast<int>(version);
   }
@@ -99,8 +98,15 @@ Trigger trigger_of_record(const uint8_t* record, TimeUnwrapper<32>& unwrap) {
 }
 
 Result<Header> read_header(ByteSource& source) {
-  E2LF_ASSIGN_OR_RETURN(const auto head, source.fetch(kDetectBytes));
-  std::optional<Header> header = parse_header(head.first(std::min(head.size(), kDetectBytes)));
+  std::span<const uint8_t> head;
+  std::optional<PercentHeader> lines;
+  for (bool ended = false; !ended && !(lines && head.size() >= lines->num_bytes + kTypeBytes);) {
+    const size_t wanted = head.size() + 1;
+    E2LF_ASSIGN_OR_RETURN(head, source.fetch(wanted));
+    ended = head.size() < wanted;
+    lines = parse_percent_header(as_text(head), ended, DataBegin::kIsNoPercent);
+  }
+  std::optional<Header> header = lines ? interpret(*std::move(lines), head) : std::nullopt;
   if (!header) {
     return fail(ErrorCode::kFormat, source.name(),
                 "this is not a DAT recording, which has a header of % lines and 8-byte records");
@@ -136,14 +142,14 @@ class TriggerFile final : public EventBlocks {
   TimeUnwrapper<32> unwrap_;
 };
 
-/// Returns the index of the first record that is the text "% ...", with which a header begins, or their number if there
-/// is none.
+/// Returns the index of the first record that is text beginning with "%", as a header does, or their number if there is
+/// none.
 size_t find_text(std::span<const uint8_t> records) {
-  const auto is_printable = [](uint8_t byte) { return byte >= ' ' && byte <= '~'; };
+  const auto is_text = [](uint8_t byte) { return byte >= ' ' ? byte != 0x7F : byte >= '\t' && byte <= '\r'; };
   size_t at = 0;
   for (; at < records.size(); at += kRecordBytes) {
     const auto record = records.subspan(at, kRecordBytes);
-    if (record[0] == '%' && record[1] == ' ' && std::all_of(record.begin(), record.end(), is_printable)) break;
+    if (record[0] == '%' && std::all_of(record.begin(), record.end(), is_text)) break;
   }
   return at / kRecordBytes;
 }
@@ -296,7 +302,8 @@ Result<WriterPtr> start(SinkPtr sink, const RecordingInfo& info, std::filesystem
 }  // namespace
 
 bool detect(std::span<const uint8_t> head) {
-  return parse_header(head).has_value();
+  auto lines = parse_percent_header(as_text(head), /*ended=*/true, DataBegin::kIsNoPercent);
+  return lines && interpret(*std::move(lines), head);
 }
 
 std::filesystem::path trigger_path(const std::filesystem::path& path) {

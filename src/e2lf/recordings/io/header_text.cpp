@@ -9,7 +9,7 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr size_t kMaxLine = 4096, kMaxHeader = size_t{1} << 16;
+constexpr size_t kMaxLine = size_t{1} << 16, kMaxHeader = size_t{1} << 20;
 
 bool is_beyond_ascii(char c) {
   return static_cast<uint8_t>(c) >= 0x80;
@@ -80,8 +80,10 @@ bool is_key_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
 }
 
-std::optional<PercentHeader> parse_percent_header(std::string_view text, bool ended) {
-  auto bytes = header_bytes(text, ended, /*until_end=*/true, is_percent_text);
+std::optional<PercentHeader> parse_percent_header(std::string_view text, bool ended, DataBegin data) {
+  const auto begins_with_percent = [](std::string_view line) { return line.starts_with('%'); };
+  auto bytes = data == DataBegin::kIsNoPercent ? header_bytes(text, ended, /*until_end=*/false, begins_with_percent)
+                                               : header_bytes(text, ended, /*until_end=*/true, is_percent_text);
   if (bytes == size_t{0}) bytes = header_bytes(text, ended, /*until_end=*/false, is_key_line);
   if (!bytes) return std::nullopt;
   PercentHeader header;

@@ -41,9 +41,13 @@ struct PercentHeader {
 /// Returns whether a character may be in a key.
 [[nodiscard]] bool is_key_character(char c);
 
-/// Parses the header at the start of `text`: all lines of text that begin with "%" up to the line "% end"; or, if there
-/// is no such line, those of the form "% key value", since binary data may also begin with "%". A missing header is an
-/// empty one. If not `ended`, more text may follow, and nothing is returned to request it.
-[[nodiscard]] std::optional<PercentHeader> parse_percent_header(std::string_view text, bool ended);
+/// Whether the data after a header may begin with "%": events of RAW may, but not the type of the records of DAT.
+enum class DataBegin { kMayBePercent, kIsNoPercent };
+
+/// Parses the header at the start of `text`: all lines of text that begin with "%" up to the line "% end". If there is
+/// no such line, it has those of the form "% key value", or, if the data cannot begin with "%", all lines that do. A
+/// missing header is an empty one. If not `ended`, more text may follow, and nothing is returned to request it.
+[[nodiscard]] std::optional<PercentHeader> parse_percent_header(std::string_view text, bool ended,
+                                                                DataBegin data = DataBegin::kMayBePercent);
 
 }  // namespace e2lf::recordings

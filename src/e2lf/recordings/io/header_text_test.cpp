@@ -57,5 +57,41 @@ TEST(DatHeaders, LettersBeyondAsciiBecomeUtf8) {
   EXPECT_EQ(reader->info().find("owner"), "M\u00fcller");
 }
 
+TEST(DatHeaders, MayHaveAnyLinesThatBeginWithPercent) {
+  const std::string comments(70'000, 'x');
+  for (const std::string& line : std::initializer_list<std::string>{
+           "%", "%comment", "%% x", "%\tkey value", "% \"quoted\" name", "% M\xc3\xbcller x", "% M\xfcller x", "% ",
+           "% " + comments.substr(0, 5'000), "% " + comments}) {
+    for (const std::string& end : std::initializer_list<std::string>{"", "% end\n"}) {
+      // Long headers exceed a line's limit in one line, and do not in several.
+      std::string text = "% Version 2\n" + (line.size() > 60'000 ? "" : line + "\n");
+      for (size_t i = 0; line.size() > 60'000 && i < 70; ++i) text += "% " + comments.substr(0, 1'000) + "\n";
+      text += "% Width 64\n% Height 48\n" + end;
+      text += std::string("\x0c\x08\x05\0\0\0\x07\xC0\x02\x10", 10);  // t = 5, x = 7, y = 11, p = 1
+      auto reader = open_recording(make_memory_source(std::vector<uint8_t>(text.begin(), text.end())),
+                                   {.format = text.size() > 4'000 ? "dat" : ""});
+      ASSERT_TRUE(reader.ok()) << line.substr(0, 40) << ": " << reader.error().text();
+      EXPECT_EQ((*reader)->info().format, "dat");
+      EXPECT_EQ((*reader)->info().width, 64U);
+      const EventBatch batch = read_all(**reader).value();
+      ASSERT_EQ(batch.events.size(), 1U) << line.substr(0, 40);
+      EXPECT_EQ(batch.events[0], (Event{7, 11, 1, 5}));
+    }
+  }
+}
+
+TEST(RawHeaders, MayHave70Kilobytes) {
+  std::string lines;
+  for (size_t i = 0; i < 70; ++i) lines += "% note " + std::string(1'000, 'x') + "\n";
+  RecordingInfo info;
+  std::vector<uint8_t> bytes;
+  const EventBatch batch = random_stream({.events = 500, .width = 64, .height = 48});
+  bytes = encoded(batch, "evt3", {.width = 64, .height = 48});
+  bytes.insert(bytes.begin(), lines.begin(), lines.end());
+  auto reader = open_recording(make_memory_source(bytes), {.format = "raw"}).value();
+  EXPECT_EQ(reader->info().width, 64U);
+  EXPECT_EQ(read_all(*reader).value(), batch);
+}
+
 }  // namespace
 }  // namespace e2lf::recordings
