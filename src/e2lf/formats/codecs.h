@@ -120,10 +120,16 @@ namespace e2lf::formats::numpy {
 /// Events as numpy arrays, which are read as a whole, in memory. A .npy file is an array of records with the fields x,
 /// y, p, t in any order and of any numeric type, or an array [events, 4]. An .npz file contains the columns x, y, p, t
 /// as arrays of equal length, or one array of records or rows, and optionally trigger_p, trigger_id, trigger_t, and
-/// size = [width, height]; it is also written. table/table.h describes columns, names, units and polarities.
+/// size = [width, height]; it is also written. A folder may contain the columns as .npy files with their names, as in
+/// EVIMO2: events_t.npy, events_xy.npy [events, 2], events_p.npy. table/table.h describes columns, names, units and
+/// polarities.
 
 [[nodiscard]] bool detect_npy(std::span<const uint8_t> head);
 [[nodiscard]] Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options);
+
+/// Returns whether a folder contains all columns of events as .npy files.
+[[nodiscard]] bool is_column_folder(const std::filesystem::path& path);
+[[nodiscard]] Result<ReaderPtr> open_column_folder(const std::filesystem::path& path, const OpenOptions& options);
 
 [[nodiscard]] bool detect_npz(std::span<const uint8_t> head);
 [[nodiscard]] Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options);

@@ -43,6 +43,8 @@ std::vector<Codec> all_formats() {
        .is_table = true,
        .detect = numpy::detect_npy,
        .open = numpy::open_npy,
+       .is_folder = numpy::is_column_folder,
+       .open_folder = numpy::open_column_folder,
        .side_file = recordings::side_trigger_path},
       {.name = "npz",
        .extensions = {".npz"},

@@ -73,6 +73,9 @@ Result<FileKind> folder_kind(const fs::path& path) {
   if (kind.error().code != ErrorCode::kUnsupported) return kind.error();
   if (is_training_run(path)) return FileKind::kTrainingRun;
   if (!verb.empty()) return FileKind::kResults;
+  if (const std::string unread = lightfield::unread_pictures_text(path); !unread.empty()) {
+    return fail(ErrorCode::kUnsupported, path, unread);
+  }
   return fail(ErrorCode::kFormat, path,
               "the folder contains neither event images (event_image_00000.npy ...) nor views of a light field (PNG "
               "or JPEG images named by row and column, such as 00_00.png or view_0_0.png, or numbered, "

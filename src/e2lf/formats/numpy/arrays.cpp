@@ -2,6 +2,8 @@
 // Reads events in .npy and .npz files and writes .npz; declared in codecs.h.
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <map>
 #include <string_view>
 
 #include "e2lf/base/little_endian.h"
@@ -319,6 +321,50 @@ Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
   }
   E2LF_ASSIGN_OR_RETURN(BlocksPtr triggers, open_side_triggers(source->path()));
   return open_arrays(std::move(arrays), {.format = "npy"}, name, options, std::move(triggers));
+}
+
+namespace {
+
+/// Returns the .npy files in a folder whose names state columns of events, by these names, if they are all columns;
+/// otherwise none.
+std::map<std::string, std::filesystem::path> column_files(const std::filesystem::path& folder) {
+  std::map<std::string, std::filesystem::path> files;
+  std::vector<std::string> names;
+  bool has_xy = false;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().stem().string();
+    const table::ColumnName column = table::parse_column_name(name);
+    if (entry->path().extension() != ".npy" || (!column.field && !column.is_xy)) continue;
+    files.emplace(name, entry->path());
+    has_xy = has_xy || column.is_xy;
+    names.push_back(name);
+  }
+  table::KnownColumns known = table::find_fields(names);
+  if (has_xy) known[of(Field::kX)] = known[of(Field::kY)] = 0;
+  return table::are_complete(known) ? files : decltype(files)();
+}
+
+}  // namespace
+
+bool is_column_folder(const std::filesystem::path& path) {
+  return !column_files(path).empty();
+}
+
+Result<ReaderPtr> open_column_folder(const std::filesystem::path& path, const OpenOptions& options) {
+  const auto files = column_files(path);
+  uint64_t bytes = 0;
+  for (const auto& [name, file] : files) {
+    std::error_code error;
+    const uint64_t size = std::filesystem::file_size(file, error);
+    if (!error) bytes += size;
+  }
+  E2LF_RETURN_IF_ERROR(require_memory(3 * bytes, kReadRemedy, path.string()));
+  NpzArrays arrays;
+  for (const auto& [name, file] : files) {
+    E2LF_ASSIGN_OR_RETURN(arrays[name], read_npy(file));
+  }
+  return open_arrays(std::move(arrays), {.format = "npy"}, path.string(), options);
 }
 
 Result<WriterPtr> create_npz(SinkPtr sink, const RecordingInfo& info) {

@@ -19,7 +19,7 @@ TEST(ForeignFile, IsNamedByItsFirstBytesAndNotByItsName) {
       {"7z\xBC\xAF\x27\x1C\0\x04"sv, "7-Zip"},
       {"#ROSBAG V2.0\n"sv, "ROS 1"},
       {"Event Stream\x02\0\0\x01"sv, "Event Stream"},
-      {"#!AER-DAT2.0\r\n"sv, "AEDAT 4"},
+      {"#!AER-DAT2.0\r\n"sv, "aedat2_to_csv.py"},
       {"\x89PNG\r\n\x1A\n"sv, "PNG"},
   };
   TestFolder folder;

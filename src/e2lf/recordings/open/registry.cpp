@@ -66,7 +66,11 @@ constexpr Beginning kBeginnings[] = {
     {"ustar"sv, 257, "a tar archive; unpack it with `tar -xf`, then give the recording in it"},
     {"#ROSBAG V"sv, 0, "a bag of ROS 1; convert it to one of ROS 2 with `rosbags-convert` (Python package rosbags)"},
     {"Event Stream"sv, 0, "an Event Stream file (.es); convert it to CSV with `faery`"},
-    {"#!AER-DAT"sv, 0, "an AEDAT recording of version 1 to 3; convert it to AEDAT 4 or CSV, e.g. with `faery`"},
+    {"#!AER-DAT4"sv, 0, "an AEDAT4 recording whose header is damaged; record or copy the file again"},
+    {"#!AER-DAT2"sv, 0,
+     "an AEDAT recording of version 2; convert it with examples/python/aedat2_to_csv.py, or let v2e write its events "
+     "with --dvs_h5"},
+    {"#!AER-DAT"sv, 0, "an AEDAT recording of version 1 or 3; convert it to AEDAT4 with the converter of DV"},
     {"[["sv, 0, "JSON; write the events as .csv or .npy"},
     {"[{"sv, 0, "JSON; write the events as .csv or .npy"},
     {"version https://git-lfs"sv, 0, "a pointer of Git LFS and not the file itself; fetch it with `git lfs pull`"},
