@@ -29,8 +29,8 @@ struct Header {
   std::vector<Stream> streams;
 };
 
-constexpr std::string_view kVersionLine = "#!AER-DAT4.0\r\n";
-constexpr size_t kMaxHeaderBytes = size_t{1} << 22;  // larger ones are damage
+constexpr std::string_view kVersion = "#!AER-DAT4.0";  // until "\r\n", or "\n" of some writers
+constexpr size_t kMaxHeaderBytes = size_t{1} << 22;    // larger ones are damage
 
 /// Reads the fields of a FlatBuffer. Every offset is checked against the buffer, so that damage yields nothing instead
 /// of a wrong value. (A table begins with the distance back to its vtable, which lists the offsets of the fields.
@@ -99,13 +99,20 @@ class FlatBuffer {
 
 constexpr size_t kCompressionField = 0, kTableField = 1, kInfoField = 2;
 
-/// Returns the value of attribute `key` in a tag, e.g. path in <node name="0" path="/outInfo/0/">.
+/// Returns the value of attribute `key` in a tag, e.g. path in <node name="0" path="/outInfo/0/"> or
+/// path='/outInfo/0/'.
 std::string_view attribute(std::string_view tag, std::string_view key) {
-  const size_t begin = tag.find(cat(" ", key, "=\""));
-  if (begin == std::string_view::npos) return {};
-  const size_t value = begin + key.size() + 3;
-  const size_t end = tag.find('"', value);
-  return end == std::string_view::npos ? std::string_view() : tag.substr(value, end - value);
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::string with_equals = cat(key, "=");
+  for (size_t begin = tag.find(with_equals); begin != std::string_view::npos;
+       begin = tag.find(with_equals, begin + 1)) {
+    const size_t quote = begin + with_equals.size();
+    if (begin == 0 || kBlanks.find(tag[begin - 1]) == std::string_view::npos || quote >= tag.size()) continue;
+    if (tag[quote] != '"' && tag[quote] != '\'') continue;
+    const size_t end = tag.find(tag[quote], quote + 1);
+    return end == std::string_view::npos ? std::string_view() : tag.substr(quote + 1, end - quote - 1);
+  }
+  return {};
 }
 
 /// Returns the number in a path ".../outInfo/<number>/" or ".../outInfo/<number>/info/".
@@ -160,25 +167,34 @@ std::vector<Stream> parse_streams(std::string_view xml) {
   return streams;
 }
 
-/// Returns the size of the header in bytes from its first 18 bytes, or nothing if it is not an AEDAT 4 file.
-std::optional<size_t> header_size(std::span<const uint8_t> head) {
-  const size_t line = kVersionLine.size();
-  if (head.size() < line + 4 || !as_text(head).starts_with(kVersionLine)) return std::nullopt;
-  return line + 4 + load_le<uint32_t>(head.data() + line);
+/// The number of bytes that show where the header ends.
+constexpr size_t kHeaderBegin = kVersion.size() + 6;
+
+/// The header in bytes of the file: its FlatBuffer.
+struct HeaderPlace {
+  size_t begin = 0, end = 0;
+};
+
+/// Returns the place of the header from the first kHeaderBegin bytes, or nothing if it is not an AEDAT 4 file.
+std::optional<HeaderPlace> header_place(std::span<const uint8_t> head) {
+  const std::string_view text = as_text(head);
+  if (head.size() < kHeaderBegin || !text.starts_with(kVersion)) return std::nullopt;
+  const size_t line = text.find('\n', kVersion.size()) + 1;
+  if (line != kVersion.size() + 1 && (line != kVersion.size() + 2 || text[line - 2] != '\r')) return std::nullopt;
+  return HeaderPlace{line + 4, line + 4 + load_le<uint32_t>(head.data() + line)};
 }
 
 /// Reads the header at the position of the source, after which the packets follow. Returns nothing if there is none.
 /// Fails with kFormat and kIo.
 Result<std::optional<Header>> read_header(ByteSource& source) {
-  constexpr size_t kBegin = kVersionLine.size() + 4;
-  E2LF_ASSIGN_OR_RETURN(auto bytes, source.fetch(kBegin));
-  const auto size = header_size(bytes);
-  if (!size || *size > kMaxHeaderBytes) return std::optional<Header>();
-  E2LF_ASSIGN_OR_RETURN(bytes, source.fetch(*size));
+  E2LF_ASSIGN_OR_RETURN(auto bytes, source.fetch(kHeaderBegin));
+  const auto place = header_place(bytes);
+  if (!place || place->end > kMaxHeaderBytes) return std::optional<Header>();
+  E2LF_ASSIGN_OR_RETURN(bytes, source.fetch(place->end));
   const Error malformed{ErrorCode::kFormat, "the AEDAT4 header is damaged; record or copy the file again",
                         source.name()};
-  if (*size > bytes.size()) return malformed;
-  const FlatBuffer buffer(bytes.subspan(kBegin, *size - kBegin));
+  if (place->end > bytes.size()) return malformed;
+  const FlatBuffer buffer(bytes.subspan(place->begin, place->end - place->begin));
   const auto root = buffer.root("IOHE");
   if (!root) return malformed;
   Header header;
@@ -188,7 +204,7 @@ Result<std::optional<Header>> read_header(ByteSource& source) {
   const auto info = buffer.vector_field(*root, kInfoField, 1);
   if (!info) return malformed;
   header.streams = parse_streams(as_text(*info));
-  source.consume(*size);
+  source.consume(place->end);
   return std::optional(std::move(header));
 }
 
@@ -267,11 +283,8 @@ class Aedat4Blocks final : public EventBlocks {
     if (bytes.empty()) return false;
     if (bytes.size() < kPacketHeader) return give_up(Violation::kTruncated, summary);
     const auto packet = parse_packet(bytes);
-    if (!packet && kVersionLine.starts_with(as_text(bytes).substr(0, kVersionLine.size())))
-      return read_appended_header();
-    // Without a file table, a foreign packet occurs where a regular end would be. The position of the next packet is
-    // unknown.
-    if (!packet) return give_up(Violation::kMisaligned, summary);
+    if (!packet && as_text(bytes).starts_with(kVersion.substr(0, kPacketHeader))) return read_appended_header();
+    if (!packet) return pass_over_unknown(summary);
     E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(packet->bytes));
     if (bytes.size() < packet->bytes) return give_up(Violation::kTruncated, summary);
     const auto packed = bytes.subspan(kPacketHeader, packet->bytes - kPacketHeader);
@@ -281,6 +294,11 @@ class Aedat4Blocks final : public EventBlocks {
       summary.add_dropped(Violation::kBadRecord, position);
     }
     source_->consume(packet->bytes);
+    if (!block.events.empty() && std::ranges::none_of(block.events.t, is_time)) {
+      return fail(ErrorCode::kFormat, cat(source_->name(), ": byte ", position),
+                  "the times of the events are too large to be microseconds, as AEDAT4 has them, such as nanoseconds "
+                  "of a computer's clock; write microseconds");
+    }
     return true;
   }
 
@@ -293,18 +311,36 @@ class Aedat4Blocks final : public EventBlocks {
   }
 
  private:
+  /// Skips a packet of a stream that the header does not list, which it is if another packet follows. Otherwise, bytes
+  /// are missing, and the position of the next packet is unknown; without a table, the table may also begin here.
+  Result<bool> pass_over_unknown(DecodeSummary& summary) {
+    E2LF_ASSIGN_OR_RETURN(auto bytes, source_->fetch(kPacketHeader));
+    const auto size = load_le<int32_t>(bytes.data() + 4);
+    if (size <= 0 || static_cast<size_t>(size) > kMaxPacketBytes) return give_up(Violation::kMisaligned, summary);
+    const size_t end = kPacketHeader + static_cast<size_t>(size);
+    E2LF_ASSIGN_OR_RETURN(bytes, source_->fetch(end + kPacketHeader));
+    const auto after = bytes.size() >= end + kPacketHeader ? parse_packet(bytes.subspan(end)) : std::nullopt;
+    const bool is_followed = after && after->bytes > kPacketHeader;
+    if (!is_followed && (header_.table_position == 0 || source_->position() + end != header_.table_position)) {
+      return give_up(Violation::kMisaligned, summary);
+    }
+    ++summary.other_streams;
+    source_->consume(end);
+    return true;
+  }
+
   /// Skips the table of the packets to the header of an appended recording. Returns false if there is none.
   Result<bool> pass_over_table() {
     constexpr size_t kSearchedBytes = size_t{1} << 16;
     for (;;) {
       E2LF_ASSIGN_OR_RETURN(const auto bytes, source_->fetch(kSearchedBytes));
-      const auto line = std::search(bytes.begin(), bytes.end(), kVersionLine.begin(), kVersionLine.end());
+      const auto line = std::search(bytes.begin(), bytes.end(), kVersion.begin(), kVersion.end());
       if (line != bytes.end()) {
         source_->consume(static_cast<size_t>(line - bytes.begin()));
         return read_appended_header();
       }
       const bool has_ended = bytes.size() < kSearchedBytes;
-      source_->consume(has_ended ? bytes.size() : bytes.size() - kVersionLine.size());
+      source_->consume(has_ended ? bytes.size() : bytes.size() - kVersion.size());
       if (has_ended) return false;
     }
   }
@@ -369,7 +405,7 @@ std::vector<Stream> streams_of_events(const Header& header) {
 }  // namespace
 
 bool detect(std::span<const uint8_t> head) {
-  return header_size(head).has_value();
+  return header_place(head).has_value();
 }
 
 Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
@@ -377,7 +413,9 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(const auto found, read_header(*source));
   if (!found) return fail(ErrorCode::kFormat, name, "this is not an AEDAT4 recording, or its header is damaged");
   const Header& header = *found;
-  E2LF_RETURN_IF_ERROR(check_compression(header.compression));
+  if (const auto known = check_compression(header.compression); !known) {
+    return Error{known.error().code, known.error().message, name};
+  }
 
   RecordingInfo info{.format = "aedat4"};
   const std::vector<Stream> event_streams = streams_of_events(header);

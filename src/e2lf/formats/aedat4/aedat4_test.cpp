@@ -68,6 +68,57 @@ Result<EventBatch> read(const Bytes& bytes, DecodeSummary* summary = nullptr) {
   return batch;
 }
 
+/// Replaces the header's XML in place, without changing its length.
+void replace_all(Bytes& bytes, const std::string& from, const std::string& to) {
+  ASSERT_EQ(from.size(), to.size());
+  for (auto at = bytes.begin(); (at = std::search(at, bytes.end(), from.begin(), from.end())) != bytes.end(); at += 1) {
+    std::copy(to.begin(), to.end(), at);
+  }
+}
+
+TEST(Aedat4, FilesOfOtherWritersAreRead) {
+  const auto [bytes, expected] = example(Compression::kNone);
+  Bytes with_line_feed = bytes;
+  with_line_feed.erase(with_line_feed.begin() + 12);  // the carriage return
+  Bytes single_quoted = bytes;
+  for (const char* key :
+       {"key=\"typeIdentifier\"", "key=\"sizeX\"", "key=\"sizeY\"", "path=\"/mainloop/Recorder/outInfo/0/\""}) {
+    std::string quoted = key;
+    std::replace(quoted.begin(), quoted.end(), '"', '\'');
+    replace_all(single_quoted, key, quoted);
+  }
+  for (const Bytes& file : {with_line_feed, single_quoted}) {
+    DecodeSummary summary;
+    const auto batch = read(file, &summary);
+    ASSERT_TRUE(batch.ok()) << batch.error().text();
+    EXPECT_EQ(*batch, expected);
+    EXPECT_EQ(summary.num_violations(), 0U);
+  }
+}
+
+TEST(Aedat4, APacketOfAnUnlistedStreamIsCountedAndPassedOver) {
+  const EventBatch all = random_stream({.events = 200});
+  const auto part = [&](size_t begin) {
+    EventColumns events;
+    events.append(all.events, begin, begin + 100);
+    return event_packet(events);
+  };
+  DecodeSummary summary;
+  const auto batch = read(make_file({{0, part(0)}, {77, part(0)}, {0, part(100)}}, Compression::kNone), &summary);
+  ASSERT_TRUE(batch.ok()) << batch.error().text();
+  EXPECT_EQ(batch->events, all.events);
+  EXPECT_EQ(summary.other_streams, 1U);
+  EXPECT_EQ(summary.num_violations(), 0U);
+}
+
+TEST(Aedat4, NanosecondsAreRefused) {
+  EventBatch all = random_stream({.events = 100});
+  for (int64_t& t : all.events.t) t = 1'600'000'000'000'000'000 + 1000 * t;
+  const auto batch = read(make_file({{0, event_packet(all.events)}}, Compression::kNone));
+  ASSERT_FALSE(batch.ok());
+  EXPECT_EQ(batch.error().code, ErrorCode::kFormat);
+}
+
 TEST(Aedat4, EventsAndExternalSignalsAreReadForEveryCompression) {
   std::vector<Compression> compressions = {Compression::kNone, Compression::kLz4};
 #ifdef E2LF_HAVE_ZSTD
