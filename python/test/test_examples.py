@@ -12,7 +12,8 @@ FOLDER = Path(__file__).resolve().parents[2] / "examples" / "python"
 
 class ExampleTest(InFolder):
     def test_every_script_writes_its_picture(self):
-        scripts = sorted(FOLDER.glob("*.py"))
+        # aedat2_to_csv.py converts files; the case event_arrays runs it.
+        scripts = sorted(script for script in FOLDER.glob("*.py") if script.name != "aedat2_to_csv.py")
         self.assertEqual(len(scripts), 5)
         for script in scripts:
             done = subprocess.run([sys.executable, script, "picture.png"], capture_output=True, text=True)
