@@ -173,16 +173,18 @@ Result<void> export_model(const RewriteArguments& arguments, const Verb& verb) {
         E2LF_ASSIGN_OR_RETURN(const std::string bytes, model::onnx_file(model));
         return write_file(path, bytes);
       }));
+  const std::string result = model::is_depth_network(model)
+                                 ? cat("disparity [batch, ", model::kDepthOutputs, ", y, x]")
+                                 : cat("views [batch, ", model.views_y * model.views_x, ", y, x]");
   print_result(verb.common(), export_summary(model),
                cat(output.string(), " takes events [batch, ", model.num_patterns - 1, ", y, x]",
-                   model::is_conditioned_on_camera(model) ? ", traits" : "", " and returns views [batch, ",
-                   model.views_y * model.views_x, ", y, x]\n"));
+                   model::is_conditioned_on_camera(model) ? ", traits" : "", " and returns ", result, "\n"));
   return {};
 }
 
 int run_model_export(const std::vector<std::string>& arguments) {
   Verb verb("model export",
-            "Export a model as ONNX for other programs, with event images as input and views as output.",
+            "Export a model as ONNX for other programs, with event images as input and views or a disparity as output.",
             "e2lf model export e2lf-n4 -o e2lf-n4.onnx");
   RewriteArguments exporting;
   add_rewrite_options(verb, exporting, "file to write (.onnx)", "the camera that records the events");

@@ -40,7 +40,8 @@ struct OnnxCall {
 ///  - input `events` [batch, N-1, y, x]: the counts of each transition, or their means over several cycles;
 ///  - input `traits` [batch, C], only if is_conditioned_on_camera(): the conditioning vector,
 ///  capture::conditioning_vector();
-///  - output `views` [batch, views, y, x]: the unprocessed network output; view number = views_x * view_y + view_x.
+///  - output `views` [batch, views, y, x]: the unprocessed network output; view number = views_x * view_y + view_x; or,
+///  if is_depth_network(), `disparity` [batch, kDepthOutputs, y, x].
 ///
 /// Images may have any size: the graph extends them to multiples of size_multiple() as recon::network_input() does, and
 /// crops the views. Intensities are computed with the constants of model.camera, or with model.constants if it is
