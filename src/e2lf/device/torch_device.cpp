@@ -90,12 +90,15 @@ Result<std::shared_ptr<const engine::DeviceNetwork>> open(const model::Network& 
   E2LF_ASSIGN_OR_RETURN(const torch::ScalarType type, type_of(options, device));
   // The layout and the sizes are those that the engine accepts.
   E2LF_RETURN_IF_ERROR(model::infer_shapes(network));
+  for (const model::Layer& layer : network.layers) {
+    if (learn::has_operation(layer.op)) continue;
+    return fail(ErrorCode::kUnsupported, "", "the device ", options.device, " does not have the operation ", layer.op,
+                " of this network; use the device cpu, or a network without it");
+  }
   try {
     auto opened = std::make_shared<TorchNetwork>(network, device, type);
     E2LF_RETURN_IF_ERROR(opened->take(weights));
     return std::shared_ptr<const engine::DeviceNetwork>(std::move(opened));
-  } catch (const ContractError& error) {
-    return fail(ErrorCode::kUnsupported, "", "torch does not have all operations of the network: ", error.what());
   } catch (const c10::Error& error) {
     return fail(ErrorCode::kInternal, "", "torch failed on ", options.device, ": ", error.what_without_backtrace());
   }

@@ -30,6 +30,7 @@
 #include "e2lf/program/light_fields.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
+#include "e2lf/program/sibling_program.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -250,6 +251,8 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
   constexpr std::array kOfLightFields = {"--min-disparity", "--view-row",     "--views",        "--step",
                                          "--white",         "--view-columns", "--lenslet-views"};
   E2LF_RETURN_IF_ERROR(refuse(verb, kOfLightFields, "only applies to light fields, not to events; leave it out"));
+  // Before there is an output, because the program that continues would find it unfinished.
+  E2LF_RETURN_IF_ERROR(find_device(arguments.method.device));
   const fs::path& path = arguments.output.input;
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));

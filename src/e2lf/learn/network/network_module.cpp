@@ -235,6 +235,11 @@ void add_operation(const std::string& name, TorchOperation operation) {
                cat("an operation \"", name, "\" already exists"));
 }
 
+bool has_operation(const std::string& name) {
+  const std::scoped_lock lock(registry().mutex);
+  return name == Op::kConv || name == Op::kConvTransposed || registry().operations.contains(name);
+}
+
 TorchOperation find_operation(const std::string& name) {
   const std::scoped_lock lock(registry().mutex);
   const auto found = registry().operations.find(name);

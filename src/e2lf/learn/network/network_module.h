@@ -101,4 +101,7 @@ void add_operation(const std::string& name, TorchOperation operation);
 /// Returns the function of an operation other than convolutions. A name that is unknown breaks the contract.
 [[nodiscard]] TorchOperation find_operation(const std::string& name);
 
+/// Returns whether torch has an operation; it has convolutions.
+[[nodiscard]] bool has_operation(const std::string& name);
+
 }  // namespace e2lf::learn
