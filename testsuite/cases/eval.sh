@@ -35,6 +35,17 @@ check "$(json eval.json "all(m['disparity']['truth'].endswith('gt_disparity.npy'
 "$E2LF" depth demo/scene -o disparity.pfm --quiet
 "$E2LF" eval demo/scene demo/scene --true-disparity disparity.pfm --json >same.json
 check "$(json same.json "j['disparity']['bad_07_percent']") == 0 and abs($(json same.json "j['disparity']['slope']") - 1) < 1e-6"
+# Disparities of the opposite sign are refused, and distances are told.
+py -c "
+import numpy as np
+truth = np.load('demo/scene/gt_disparity.npy')
+np.save('negated.npy', -truth)
+np.save('metres.npy', 4 / (1 + 0.3 * (truth - truth.min())))"
+fails 1 "negate them" "$E2LF" eval demo/scene plain --true-disparity negated.npy
+"$E2LF" eval demo/scene plain --true-disparity metres.npy >eval.txt 2>told.txt
+grep -q "may be distances" told.txt || fail "$(cat told.txt)"
+"$E2LF" eval demo/scene plain --true-disparity demo/scene/gt_disparity.npy >eval.txt 2>told.txt
+[ ! -s told.txt ] || fail "$(cat told.txt)"
 fails 1 "disparity map" "$E2LF" eval demo/scene plain --true-disparity demo/events.npz
 fails 1 "NAME=PATH" "$E2LF" eval demo/scene --name bright
 # What a verb does not take is sent to the verb that does.

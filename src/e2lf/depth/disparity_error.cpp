@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_files.h"
 #include "e2lf/files/file.h"
@@ -164,6 +165,29 @@ Result<FoundDisparity> judge_disparity(const lightfield::LightField& light_field
   E2LF_ASSIGN_OR_RETURN(DisparityMap map, estimate_disparity(light_field, {}, progress));
   E2LF_ASSIGN_OR_RETURN(DisparityError error, compare(map.disparity, map.confidence, truth));
   return FoundDisparity{std::move(map.disparity), std::move(error)};
+}
+
+Result<void> check_true_disparity(const lightfield::LightField& true_views, const TrueDisparity& truth,
+                                  const ProgressFn& progress) {
+  constexpr double kMostBadPercent = 50;
+  E2LF_ASSIGN_OR_RETURN(const FoundDisparity found, judge_disparity(true_views, truth.disparity, progress));
+  const double bad_percent = found.error.bad_20_percent;
+  if (bad_percent <= kMostBadPercent) return {};
+  Image negated = truth.disparity;
+  for (float& value : negated.pixels) value = -value;
+  E2LF_ASSIGN_OR_RETURN(const DisparityError opposite, compare(found.disparity, {}, negated));
+  const std::string share = formatted(
+      "%.0f %% of the disparities are off by more than 0.2 px from those that are found "
+      "in the true views",
+      bad_percent);
+  if (opposite.bad_20_percent < bad_percent / 2) {
+    return fail(ErrorCode::kInvalidValue, truth.source, share,
+                formatted(", but only %.0f %% of their negatives; ", opposite.bad_20_percent),
+                "negate them: a point at x in one view is at x + disparity in the next view to the right");
+  }
+  log_warning(cat(truth.source, ": ", share,
+                  "; they may be distances, or those of another view or scale: give px per view step"));
+  return {};
 }
 
 bool has_comparable_disparity(const lightfield::Shape& shape) {

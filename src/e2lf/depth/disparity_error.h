@@ -72,6 +72,12 @@ struct FoundDisparity {
 [[nodiscard]] Result<TrueDisparity> true_disparity(const lightfield::LightField& true_views,
                                                    const std::optional<std::filesystem::path>& file);
 
+/// Compares true disparities that come from a file with those that estimate_disparity() finds in the true views. Fails
+/// with kInvalidValue if they have the opposite sign. Warns if most are off for another reason, e.g. since they are
+/// distances in metres. Fails as judge_disparity() does.
+[[nodiscard]] Result<void> check_true_disparity(const lightfield::LightField& true_views, const TrueDisparity& truth,
+                                                const ProgressFn& progress = {});
+
 /// Returns true if light fields of this shape have a disparity that compare() accepts: several views that are more than
 /// two borders high and wide.
 [[nodiscard]] bool has_comparable_disparity(const lightfield::Shape& shape);

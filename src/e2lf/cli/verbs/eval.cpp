@@ -205,6 +205,10 @@ Result<Truth> read_truth(const EvalArguments& arguments, const lightfield::Shape
   const auto file = arguments.true_disparity.empty() ? depth::find_true_disparity(arguments.truth)
                                                      : std::optional(arguments.true_disparity);
   E2LF_ASSIGN_OR_RETURN(truth.disparity, depth::true_disparity(truth.field, file));
+  if (file) {
+    ProgressBar bar("check the true disparity", quiet);
+    E2LF_RETURN_IF_ERROR(depth::check_true_disparity(truth.field, *truth.disparity, bar.callback()));
+  }
   return truth;
 }
 
