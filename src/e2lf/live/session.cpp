@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/live/session.h"
 
+#include "e2lf/base/guarded.h"
 #include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/pipeline/event_depth.h"
 
@@ -37,6 +39,15 @@ SizedImages images_of(const LiveCycle& cycle, PictureSize size, capture::EventIm
   return {side > 1 ? sums : cycle.images, cycle.cycles * side * side};
 }
 
+/// Returns the finding that a thread ended early. The other threads go on, so that a recording is completed.
+diagnose::Finding step_failed(const char* step, const Error& error) {
+  return {.code = "live-step-failed",
+          .severity = diagnose::Severity::kError,
+          .message = cat("the ", step, " ended early: ", error.message),
+          .remedy = "start `e2lf live` again",
+          .figures = {{"step", step}}};
+}
+
 bool is_recent(Clock::rep asked) {
   constexpr std::chrono::seconds kAskedRecently{1};
   return Clock::now().time_since_epoch().count() - asked < Clock::duration(kAskedRecently).count();
@@ -66,9 +77,28 @@ void Session::join() {
 
 void Session::start() {
   LiveField prepared = prepare();
-  reading_ = std::thread([this] { read(); });
-  reconstructing_ = std::thread([this, field = std::move(prepared)]() mutable { reconstruct(std::move(field)); });
-  showing_ = std::thread([this] { show(); });
+  reading_ = start_step(
+      "reading", [this] { read(); }, [this] { end_reading(); });
+  reconstructing_ = start_step(
+      "reconstruction", [this, field = std::move(prepared)]() mutable { reconstruct(std::move(field)); },
+      [this] { end_reconstruction(); });
+  showing_ = start_step(
+      "display", [this] { show(); },
+      [this] {
+        has_ended_ = true;
+        picture_changed_.notify_all();
+      });
+}
+
+template <typename Work, typename AtEnd>
+std::thread Session::start_step(const char* step, Work work, AtEnd at_end) {
+  return guarded_thread(
+      std::move(work),
+      [this, step](const Error& error) {
+        fail(error);
+        reader_->add_findings({step_failed(step, error)});
+      },
+      std::move(at_end));
 }
 
 Result<void> Session::wait() {
@@ -91,7 +121,11 @@ void Session::read() {
     if (!more || !*more) break;
     if (slot_.put(cycle)) reader_->statistics().add_skipped();
   }
-  if (const auto ended = reader_->recorder().end(); !ended) fail(ended.error());
+}
+
+/// Completes the recording and lets the reconstruction end, however the reading ended.
+void Session::end_reading() {
+  if (const auto ended = guarded([this] { return reader_->recorder().end(); }); !ended) fail(ended.error());
   slot_.close();
 }
 
@@ -99,7 +133,7 @@ void Session::reconstruct(LiveField field) {
   LiveCycle cycle;
   while (slot_.take(cycle)) {
     if (has_depth() && is_recent(depth_asked_)) {
-      const Result<FieldReport> made = make_depth(cycle);
+      const Result<FieldReport> made = guarded([&] { return make_depth(cycle); });
       if (!made) fail(made.error());
       // A cycle that is shown in both ways counts once.
       if (!is_recent(picture_asked_)) {
@@ -108,7 +142,7 @@ void Session::reconstruct(LiveField field) {
         continue;
       }
     }
-    const Result<void> made = make(cycle, field);
+    const Result<void> made = guarded([&] { return make(cycle, field); });
     // An error of the reconstruction must not stop the reading, which also writes the recording.
     if (!made) {
       fail(made.error());
@@ -122,9 +156,14 @@ void Session::reconstruct(LiveField field) {
     }
     field_changed_.notify_one();
   }
+  const std::lock_guard lock(field_mutex_);
+  if (shown_.serial > 0) begin_check(shown_.cycle);
+}
+
+/// Lets the display end, however the reconstruction ended.
+void Session::end_reconstruction() {
   {
     const std::lock_guard lock(field_mutex_);
-    if (shown_.serial > 0) begin_check(shown_.cycle);
     is_last_ = true;
   }
   field_changed_.notify_one();
@@ -246,7 +285,10 @@ void Session::begin_check(const LiveCycle& cycle) {
       capture::is_without_events(cycle.images)) {
     return;
   }
-  checking_ = std::thread([this, events = cycle.images] { reader_->add_findings(options_.check(events)); });
+  checking_ = start_step(
+      "check",
+      [this, events = cycle.images, cycles = cycle.cycles] { reader_->add_findings(options_.check(events, cycles)); },
+      [] {});
 }
 
 /// While the settings change, all views are made, so that the next picture need not wait for another light field.
@@ -300,7 +342,6 @@ void Session::show() {
     reader_->statistics().add_field(report.latency_s, report.reconstruct_s, report.level.size);
     if (options_.on_field) options_.on_field(report);
   }
-  has_ended_ = true;
 }
 
 std::shared_ptr<const ShownPicture> Session::picture(const RenderSettings& settings, uint64_t after,

@@ -120,9 +120,9 @@ struct SessionOptions {
   pipeline::Tone tone = {.gain = {}, .black = {}};  ///< by default, determined from the first cycle that has events
   capture::Orientation views = {};                  ///< orientation in which the views are reconstructed
   std::optional<recon::Reconstructor> depth = {};   ///< network of disparities, for the same event images
-  /// Judges the events of the twenty-first cycle, or of the last one of a shorter source, in a thread of its own; empty
-  /// = not at all.
-  std::function<diagnose::Findings(const capture::EventImages&)> check = {};
+  /// Judges the events of the twenty-first cycle, or of the last one of a shorter source, summed over the cycles before
+  /// it if there are several, in a thread of its own; empty = not at all.
+  std::function<diagnose::Findings(const capture::EventImages& events, size_t cycles)> check = {};
   std::function<void(const FieldReport&)> on_field = {};
   std::function<void(const QualityLevel&)> on_level =
       {};  ///< called after the size or the network was changed automatically
@@ -195,8 +195,14 @@ class Session {
   [[nodiscard]] std::optional<LiveField> freeze();
 
  private:
+  /// Starts a thread for a step, which is called `step` in the finding if an exception ends it. `at_end` is called in
+  /// every case and lets the other threads end.
+  template <typename Work, typename AtEnd>
+  [[nodiscard]] std::thread start_step(const char* step, Work work, AtEnd at_end);
   void read();
+  void end_reading();
   void reconstruct(LiveField field);
+  void end_reconstruction();
   [[nodiscard]] LiveField prepare();
   void show();
   [[nodiscard]] Result<void> make(LiveCycle& cycle, LiveField& field);

@@ -138,6 +138,44 @@ TEST(Session, EachCycleIsShownOrCountedAndTheLastOneIsShown) {
   for (const FieldReport& report : reports) EXPECT_GE(report.latency_s, report.reconstruct_s);
 }
 
+bool is_step_failed(const Json& session) {
+  return std::ranges::any_of(session["findings"],
+                             [](const Json& finding) { return finding["code"] == "live-step-failed"; });
+}
+
+TEST(Session, AnExceptionOfACheckIsAFindingAndEachCycleIsStillCounted) {
+  const TestFolder folder;
+  constexpr uint64_t kCycles = 3;
+  write_recording(folder / "a.raw", kCycles);
+  SessionOptions options;
+  options.size = PictureSize::kFull;
+  options.check = [](const capture::EventImages&, size_t) -> diagnose::Findings { throw std::bad_alloc(); };
+  Session session(open_replay(folder / "a.raw"), one_maker(), options);
+  session.start();
+  const Result<void> ended = session.wait();
+  ASSERT_FALSE(ended.ok());
+  EXPECT_EQ(ended.error().code, ErrorCode::kInternal);
+  const Json json = session.json();
+  EXPECT_TRUE(is_step_failed(json));
+  EXPECT_EQ(json["fields"].get<uint64_t>() + json["skipped_cycles"].get<uint64_t>(), kCycles);
+}
+
+TEST(Session, AnExceptionOfTheDisplayLeavesTheRecordingComplete) {
+  const TestFolder folder;
+  write_recording(folder / "a.raw", 3);
+  SessionOptions options;
+  options.size = PictureSize::kFull;
+  options.on_field = [](const FieldReport&) { throw std::bad_alloc(); };
+  auto reader = open_replay(folder / "a.raw", {folder / ".", false, 3});
+  ASSERT_TRUE(reader->recorder().begin().ok());
+  Session session(std::move(reader), one_maker(), options);
+  session.start();
+  EXPECT_FALSE(session.wait().ok());
+  const Json json = session.json();
+  EXPECT_TRUE(is_step_failed(json));
+  EXPECT_EQ(json["cycles"], 3);
+}
+
 TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   const TestFolder folder;
   write_recording(folder / "a.raw", 1);

@@ -213,7 +213,6 @@ Result<void> Reconstructor::reconstruct_into(const capture::MeasurementView& mea
 Result<lightfield::LightField> Reconstructor::reconstruct(const capture::MeasurementView& measurement,
                                                           const ProgressFn& progress, size_t passes,
                                                           size_t cycles) const {
-  E2LF_REQUIRE(cycles == 1 || model::is_conditioned_on_camera(model_), "the network must know of several cycles");
   E2LF_RETURN_IF_ERROR(check(measurement));
   const lightfield::Shape shape = field_shape(measurement);
   const auto shifts = grid_shifts(num_passes(passes), model::size_multiple(model_.network));

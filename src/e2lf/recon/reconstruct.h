@@ -64,17 +64,16 @@ class Reconstructor {
   /// errors of a network with reduced resolution depend on the position of the pixels on its grid. The result is
   /// therefore the mean over the first num_passes(passes) of grid_shifts(), at a proportional cost. With two or more
   /// passes, or if the result is cropped, memory for a second light field is needed. The images may be sums over
-  /// several `cycles` of a static scene if model::is_conditioned_on_camera(). Fails with kInvalidValue if the
-  /// measurement is not of the kind that the model takes, with kShape if the number of images does not match its
-  /// patterns or if they are empty, and as Engine::run does.
+  /// several `cycles` of a static scene; networks that are not conditioned on the sensor profile receive the mean.
+  /// Fails with kInvalidValue if the measurement is not of the kind that the model takes, with kShape if the number of
+  /// images does not match its patterns or if they are empty, and as Engine::run does.
   [[nodiscard]] Result<lightfield::LightField> reconstruct(const capture::MeasurementView& measurement,
                                                            const ProgressFn& progress = {}, size_t passes = 1,
                                                            size_t cycles = 1) const;
 
   /// Computes one pass of reconstruct() into `field`, memory of the caller with field_shape(); another shape breaks the
   /// contract. If the network permits it, only the views with the numbers `views`, in ascending order, are computed and
-  /// the others are not changed; if `views` is empty, all are computed. Networks that are not conditioned on the sensor
-  /// profile receive the mean of the `cycles`. Fails as reconstruct() does.
+  /// the others are not changed; if `views` is empty, all are computed. Fails as reconstruct() does.
   [[nodiscard]] Result<void> reconstruct_into(const capture::MeasurementView& measurement, size_t cycles,
                                               std::span<const size_t> views, ReconstructionMemory& memory,
                                               const LightFieldOutput& field, const ProgressFn& progress = {}) const;

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "e2lf/base/guarded.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/live/live_cycle.h"
@@ -77,9 +78,11 @@ class ServedLivePage {
   }
 
   Result<void> start(uint16_t port) {
-    E2LF_ASSIGN_OR_RETURN(
-        server_, view::Server::create(document(), port, [this](const auto& question) { return answer(question); }));
-    serving_ = std::thread([this] { result_ = server_->run(); });
+    E2LF_ASSIGN_OR_RETURN(server_, view::Server::create(document(), port, [this](const auto& question) {
+                            return guarded_answer(question);
+                          }));
+    serving_ = guarded_thread([this] { return result_ = server_->run(); },
+                              [this](const Error& error) { result_ = error; }, [] {});
     return {};
   }
 
@@ -96,6 +99,12 @@ class ServedLivePage {
   }
 
  private:
+  /// An exception must not leave the thread of a connection, because it would end the recording.
+  std::optional<Answer> guarded_answer(const view::Question& question) {
+    auto answered = guarded([&]() -> Result<std::optional<Answer>> { return answer(question); });
+    return answered ? *std::move(answered) : refusal(answered.error().message);
+  }
+
   std::optional<Answer> answer(const view::Question& question) {
     if (question.is_command && question.name == "freeze") return freeze();
     if (question.is_command && question.name == "fine") return refine();
@@ -160,22 +169,31 @@ class ServedLivePage {
       name = fine_name();
     }
     if (refining_.joinable()) refining_.join();
-    refining_ = std::thread([this] {
-      std::unique_lock lock(mutex_);
-      const live::LiveField frozen = frozen_;
-      lock.unlock();
-      auto refined = method_(frozen);
-      lock.lock();
-      is_refining_ = false;
-      if (!refined) refining_error_ = refined.error().text();
-      if (refined && frozen.serial != frozen_.serial)
-        refining_error_ = "another light field was frozen in the meantime";
-      if (!refining_error_.empty()) return;
-      fine_ = keep(std::move(*refined));
-      enlarge_quick();
-      server_->replace(document());
-    });
+    refining_ = guarded_thread([this] { return refine_frozen(); },
+                               [this](const Error& error) {
+                                 const std::lock_guard lock(mutex_);
+                                 refining_error_ = error.text();
+                               },
+                               [this] {
+                                 const std::lock_guard lock(mutex_);
+                                 is_refining_ = false;
+                               });
     return made({{"name", name}});
+  }
+
+  Result<void> refine_frozen() {
+    std::unique_lock lock(mutex_);
+    const live::LiveField frozen = frozen_;
+    lock.unlock();
+    E2LF_ASSIGN_OR_RETURN(lightfield::LightField refined, method_(frozen));
+    lock.lock();
+    if (frozen.serial != frozen_.serial) {
+      return fail(ErrorCode::kCancelled, "", "another light field was frozen in the meantime");
+    }
+    fine_ = keep(std::move(refined));
+    enlarge_quick();
+    server_->replace(document());
+    return {};
   }
 
   /// Gives the frozen light field the size of the one that was reconstructed well, so that both are compared.

@@ -278,10 +278,7 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
     return fail(ErrorCode::kInvalidValue, "--record", "recordings require a folder; set it with -o");
   }
   RunRecord record(verb);
-  const CodesSource& codes = arguments.method.codes;
-  const std::vector<fs::path> inputs = {
-      arguments.source,        codes.model,          codes.codes,          arguments.cycles.schedule,
-      arguments.method.camera, arguments.fine_model, arguments.depth_model};
+  const std::vector<fs::path> inputs = {arguments.source};
   GrowingFolder folder("live", {});
   if (!arguments.output.empty()) {
     E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far()));
