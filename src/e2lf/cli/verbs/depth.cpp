@@ -53,7 +53,8 @@ using DisparitySource = std::function<Result<std::optional<DisparityResult>>()>;
 
 struct DisparityOutput {
   std::filesystem::path input, output;
-  bool is_one = true;  ///< whether the folder itself gets the files of the one map
+  bool is_one = true;      ///< whether the folder itself gets the files of the one map
+  bool is_strict = false;  ///< whether nothing appears before it is known that no data were left out
   float least_confidence = depth::kLeastConfidence;
   std::optional<depth::Lens> lens = {};  ///< without it, points are in units of the distance of disparity 0
 };
@@ -163,14 +164,14 @@ Result<void> write_disparities(const DisparityOutput& output, const DisparitySou
                               : write_all(place, output, **result, shared));
     if (is_one) break;
     E2LF_RETURN_IF_ERROR(folder->commit_part((*result)->name, {{"map", maps.back()}}));
-    if (maps.size() == 1) E2LF_RETURN_IF_ERROR(folder->commit(record.json_so_far()));
+    if (maps.size() == 1 && !output.is_strict) E2LF_RETURN_IF_ERROR(folder->commit(record.json_so_far()));
   }
   if (maps.empty()) {
     return fail(ErrorCode::kNotFound, output.input, "the recording contains no complete cycle; use a longer recording");
   }
   record.end_step("estimate");
   record.note("maps", maps);
-  if (is_one) {
+  if (is_one || output.is_strict) {
     E2LF_RETURN_IF_ERROR(file ? commit(*file, record) : commit(*folder, record));
   } else {
     E2LF_ASSIGN_OR_RETURN(Json about, record.json());
@@ -275,6 +276,7 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
       arguments.light_field.orientation.after(method.views).value_or(capture::Orientation{});
   const model::Model& model = method.network->model();
   arguments.output.is_one = input.has_one_field();
+  arguments.output.is_strict = arguments.cycles.recording.is_strict;
   const auto source = [&, number = size_t{0}]() mutable -> Result<std::optional<DisparityResult>> {
     E2LF_ASSIGN_OR_RETURN(const std::optional<pipeline::CycleImages> cycle, input.next());
     if (!cycle) return std::optional<DisparityResult>();
