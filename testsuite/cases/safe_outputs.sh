@@ -31,6 +31,14 @@ refused "put it beside that, e.g. at $PWD/demo/x.json" "$E2LF" eval demo/scene d
 refused "is an input" "$E2LF" accumulate cap/rec.raw -o x.npz --report plot.svg --overwrite
 refused "is an input" "$E2LF" pack demo/scene ev.npz -o ev.npz --overwrite
 refused "is an input" "$E2LF" eval demo/scene demo/recon -o ev.npz --events ev.npz --overwrite
+# What an option names is an input, too.
+cp "$TESTSUITE/../models/e2lf-n4-depth.safetensors" own.safetensors
+"$E2LF" codes show -m e2lf-n4 -o own.npy --quiet
+find . -type f ! -name before.txt -print0 | sort -z | xargs -0 sha256sum >before.txt
+refused "is an input" "$E2LF" depth ev.npz --codes own.npy -o own.npy --overwrite
+refused "is an input" "$E2LF" simulate demo/scene --codes ev.npz -o ev.npz --overwrite
+refused "is an input" "$E2LF" model store own.safetensors -o own.safetensors --overwrite
+refused "is an input" "$E2LF" accumulate cap/rec.raw --codes own.npy -o x.npz --report own.npy --overwrite
 mkdir folder.npz
 refused "a folder has this name" "$E2LF" simulate demo/scene -o folder.npz --overwrite
 ln "$PWD/cap/rec.raw" same.raw

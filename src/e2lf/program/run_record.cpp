@@ -92,8 +92,24 @@ Result<void> RunRecord::write(const fs::path& path) const {
   return write_file(path, json_text(record));
 }
 
+namespace {
+
+/// Returns the inputs and everything else that the options of the verb name.
+std::vector<fs::path> with_named(std::vector<fs::path> inputs, const Verb& verb) {
+  const std::vector<fs::path> named = verb.named_inputs();
+  inputs.insert(inputs.end(), named.begin(), named.end());
+  return inputs;
+}
+
+}  // namespace
+
+OutputRules recording_output_rules(const Verb& verb, const std::vector<fs::path>& inputs,
+                                   const recordings::Codec& codec) {
+  return recordings::recording_output_rules(with_named(inputs, verb), verb.common().overwrite, codec);
+}
+
 OutputRules output_rules(const Verb& verb, const std::vector<fs::path>& inputs, std::string ending) {
-  OutputRules rules = recordings::output_rules(inputs, verb.common().overwrite);
+  OutputRules rules = recordings::output_rules(with_named(inputs, verb), verb.common().overwrite);
   rules.ending = std::move(ending);
   return rules;
 }

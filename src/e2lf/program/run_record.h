@@ -13,6 +13,7 @@
 #include "e2lf/files/output.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/program/verb.h"
+#include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::program {
 
@@ -64,7 +65,10 @@ class RunRecord {
   Clock::time_point step_begin_ = Clock::now();
 };
 
-/// Returns the rules for an output of a verb with these inputs; see recordings::output_rules().
+/// Return the rules for an output of a verb with these inputs, the main one first, and with Verb::named_inputs(); see
+/// the functions of `recordings` with the same names.
+[[nodiscard]] OutputRules recording_output_rules(const Verb& verb, const std::vector<std::filesystem::path>& inputs,
+                                                 const recordings::Codec& codec);
 [[nodiscard]] OutputRules output_rules(const Verb& verb, const std::vector<std::filesystem::path>& inputs,
                                        std::string ending = {});
 

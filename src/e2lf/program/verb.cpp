@@ -15,6 +15,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/files/workspace.h"
 #include "e2lf/info/version.h"
@@ -361,6 +362,40 @@ int Verb::exit_code(const Result<void>& result) const {
                stop_signal() == SIGINT ? "SIGINT" : "SIGTERM",
                result ? "everything that was complete was written" : "nothing was complete");
   return 128 + stop_signal();
+}
+
+namespace {
+
+/// Returns whether an option names what the verb writes.
+bool is_output(const CLI::Option& option) {
+  constexpr std::array kOutputs = {"output", "last", "export", "report"};
+  return std::ranges::any_of(option.get_lnames(), [&](const std::string& name) {
+    return std::ranges::find(kOutputs, name) != kOutputs.end();
+  });
+}
+
+/// Returns the path that a value of an option denotes, or an empty one if the option names no files.
+fs::path path_of_value(const std::string& type, const std::string& value) {
+  if (type == kPathType) return value;
+  const bool is_camera = type == kCameraType;
+  if (!is_camera && type != kModelType && type != kCodesType && type != kThingType) return {};
+  return find_file_or_bundled(is_camera ? kBundledCameras : kBundledModels, value).value_or(value);
+}
+
+}  // namespace
+
+std::vector<fs::path> Verb::named_inputs() const {
+  std::vector<fs::path> inputs;
+  for (const CLI::Option* option : app_.get_options()) {
+    if (is_output(*option)) continue;
+    for (const std::string& value : option->results()) {
+      fs::path path = path_of_value(option->get_type_name(), value);
+      if (!path.empty()) inputs.push_back(std::move(path));
+    }
+  }
+  // The record of a run may be replaced when the run is repeated.
+  if (earlier_run_.is_null() && !config_.empty()) inputs.emplace_back(config_);
+  return inputs;
 }
 
 Json Verb::resolved_options() const {

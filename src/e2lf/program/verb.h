@@ -89,6 +89,10 @@ class Verb {
   /// Returns true if the command line, or the run that is repeated, has this flag.
   [[nodiscard]] bool is_given(const char* flag) const { return app_.get_option(flag)->count() > 0; }
 
+  /// Returns the files and folders that options and arguments name, other than those that the verb writes, with the
+  /// paths of bundled files: no output may replace them.
+  [[nodiscard]] std::vector<std::filesystem::path> named_inputs() const;
+
   /// Returns every flag with its value after parsing, for run.json.
   [[nodiscard]] Json resolved_options() const;
 

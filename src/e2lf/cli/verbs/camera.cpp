@@ -192,15 +192,16 @@ struct RecordArguments {
 
 /// Returns the path of the camera's settings: x.bias beside x.raw. Fails if this file exists and does not belong to an
 /// earlier recording of the same name.
-Result<fs::path> bias_place(const RecordArguments& arguments, bool overwrite) {
+Result<fs::path> bias_place(const RecordArguments& arguments, const Verb& verb) {
   fs::path place = arguments.output;
   place.replace_extension(".bias");
+  E2LF_RETURN_IF_ERROR(check_apart(place, verb.named_inputs()));
   std::error_code error;
   if (!fs::exists(fs::symlink_status(place, error))) return place;
   const auto earlier = read_json(record_path_beside(arguments.output));
   const bool is_ours = earlier && earlier->contains("notes") && (*earlier)["notes"].is_object() &&
                        (*earlier)["notes"].value("biases", "") == place.filename().string();
-  if (overwrite && is_ours) return place;
+  if (verb.common().overwrite && is_ours) return place;
   return fail(ErrorCode::kExists, place,
               "the camera's settings would replace this file; move it away or choose another output");
 }
@@ -256,7 +257,7 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
   const std::string biases = source.bias_file_text();
   fs::path bias_file;
   if (!biases.empty() && !output.is_stream()) {
-    E2LF_ASSIGN_OR_RETURN(bias_file, bias_place(arguments, verb.common().overwrite));
+    E2LF_ASSIGN_OR_RETURN(bias_file, bias_place(arguments, verb));
     record.note("biases", bias_file.filename().string());
   }
   if (!output.is_stream()) {
@@ -301,7 +302,7 @@ Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   // This is checked before the camera starts, because its data must not wait for it.
   if (!output.is_stream() && recordings::is_camera_name(arguments.input.string())) {
-    E2LF_RETURN_IF_ERROR(bias_place(arguments, verb.common().overwrite));
+    E2LF_RETURN_IF_ERROR(bias_place(arguments, verb));
   }
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(const auto sink, recordings::open_file_sink(output.path()));

@@ -88,9 +88,9 @@ fs::path part_path(const fs::path& output, size_t number) {
 }
 
 Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recordings::Codec& codec, size_t number,
-                                  const CommonOptions& common) {
+                                  const Verb& verb) {
   const fs::path named = part_path(arguments.output, number);
-  OutputRules rules = recordings::recording_output_rules({arguments.input}, common.overwrite, codec);
+  const OutputRules rules = recording_output_rules(verb, {arguments.input}, codec);
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, rules));
   if (number > 1 && output.is_stream()) {
     return fail(ErrorCode::kUnsupported, arguments.output,
