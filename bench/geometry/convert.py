@@ -1,4 +1,4 @@
-"""Makes a model file of e2lf from a network that train.py trained.
+"""Makes a model file of e2lf from a network that train.py of revision c8f7355f trained for fixed patterns.
 
 usage: convert.py NETWORK.pt MODEL NAME OUT.safetensors [KEY=VALUE...]
 MODEL is a bundled model for the same patterns and, if the network is conditioned on the camera, for cameras: the result has its

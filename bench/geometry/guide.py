@@ -132,7 +132,8 @@ def main():
         sys.exit(f"{sys.argv[2]} was trained for other patterns than {sys.argv[1]}")
     if header["input"][-1]["kind"] != "camera":
         paper = sensor.Conditions(1, np.random.default_rng(0), torch.device("cpu"), stated=True)
-        fold_conditioning(depth, depth_tensors, paper.conditioning(header["num_patterns"], 1)[0].numpy())
+        of_cycles_and_transmissions = np.zeros(header["num_patterns"] - 1)
+        fold_conditioning(depth, depth_tensors, np.concatenate([paper.conditioning()[0].numpy(), of_cycles_and_transmissions]))
     if convert.INPUTS[2] not in header["input"]:
         insert_level(header, tensors)
     if depth["input"] != header["input"]:

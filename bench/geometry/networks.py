@@ -1,167 +1,165 @@
-"""Networks from events to disparity, as lists of layers in the form of model files, and their operation plane-sweep, which compares the
-pictures behind the patterns at each of a list of disparities."""
+"""The network from events to disparity for any patterns, and its operation plane-sweep, which compares the pictures behind the patterns at
+each of a list of disparities. Parameters are named as in model files."""
 import math
 
 import torch
 import torch.nn.functional as F
 
+import patterns
+from sensor import FIXED_CONDITIONS
+
 DISPARITIES = [round(-3.4 + 0.2 * i, 3) for i in range(35)]
 FEATURES = 4  # of each picture
 SWEEP_SCALE = 4
+GROUPS = 3  # of event planes: cumulative counts, levels, intensities
+WINDOW = 7  # of the comparison, px of its scale
+STEM_INPUTS = 3 * GROUPS + patterns.CONSTANTS + FIXED_CONDITIONS
+SLOPE_OF_TRANSMISSION = patterns.COUNT_SCALE / patterns.TAU / 5  # of the normal of a picture by its element of the conditioning vector
 
 
-def conv(name, source, out, kernel=3, stride=1, relu=False, residual=""):
-    return {"name": name, "op": "conv", "inputs": [source], "out_channels": out, "kernel": kernel, "stride": stride, "relu": relu,
-            "residual": residual}
+def aperture_planes(groups, transmissions, aperture):
+    """Returns what does not depend on the patterns, the central picture and its two derivatives for each group: [batch, 9, y, x].
+
+    groups: [batch, 3, P, y, x]; transmissions: those of the conditioning vector, [batch, P], 0 for the first.
+    """
+    normal = aperture.normal + SLOPE_OF_TRANSMISSION * transmissions
+    map_of = torch.stack([aperture.moments, aperture.moments, aperture.moments * aperture.gain[:, None]], 1)
+    constant = torch.einsum("bgcp,bp->bgc", map_of[:, :2], normal)
+    planes = torch.matmul(map_of, groups.flatten(3)).view(len(groups), GROUPS, 3, *groups.shape[3:])
+    return torch.cat([planes[:, :2] - constant[..., None, None], planes[:, 2:]], 1).flatten(1, 2)
 
 
-def sweep_layers(offsets, whole_cycle):
-    """The pictures at a quarter of the resolution, their features, and the evidence for each disparity. At half resolution, the
-    noise of single pixels hides the evidence (docs/experiments/geometry.md)."""
-    scaled = [[row / SWEEP_SCALE, column / SWEEP_SCALE] for row, column in offsets]
-    return [conv("pictures", "input", 6 if whole_cycle else 3, SWEEP_SCALE, SWEEP_SCALE), conv("features", "pictures", 3 * FEATURES, 5),
-            {"name": "sweep", "op": "plane-sweep", "inputs": ["features"], "kernel": 7, "offsets": scaled, "disparities": DISPARITIES}]
+def hats(size, offsets):
+    """Returns matrices [..., size, size] with (M x)[i] = x(i + offset), linear with zeros outside, for offsets [...]."""
+    axis = torch.arange(size, device=offsets.device, dtype=torch.float32)
+    return (1 - (axis - axis[:, None] - offsets[..., None, None]).abs()).clamp_min_(0)
 
 
-def unet(layers, x, widths, blocks):
-    """Appends a residual U-Net that receives the evidence at a quarter of the resolution; returns the name of its output."""
-    def residual_blocks(tag, x, width, number):
-        for i in range(number):
-            layers.append(conv(f"{tag}_{i}a", x, width, relu=True))
-            layers.append(conv(f"{tag}_{i}b", f"{tag}_{i}a", width, residual=x))
-            x = f"{tag}_{i}b"
-        return x
-
-    skips, last = [], len(widths) - 1
-    for level in range(last):
-        x = residual_blocks(f"down{level}", x, widths[level], blocks[level])
-        skips.append(x)
-        layers.append(conv(f"down{level}_half", x, widths[level + 1], 2, 2))
-        x = f"down{level}_half"
-        if level == 0:
-            layers.append({"name": "evidence", "op": "concat", "inputs": [x, "sweep", "features"]})
-            layers.append(conv("weigh", "evidence", widths[1], residual=x))
-            x = "weigh"
-    x = residual_blocks("middle", x, widths[last], blocks[last])
-    for level in reversed(range(last)):
-        layers.append({"name": f"up{level}_double", "op": "conv-transposed", "inputs": [x], "out_channels": widths[level], "kernel": 2, "stride": 2})
-        layers.append({"name": f"up{level}_join", "op": "add", "inputs": [f"up{level}_double", skips[level]]})
-        x = residual_blocks(f"up{level}", f"up{level}_join", widths[level], blocks[level])
-    return x
-
-
-def depth_network(offsets, whole_cycle=False, widths=(40, 64, 88, 112, 128, 128)):
-    """Disparity of view (4, 4) and the logarithm of its scale, [2, y, x]; 43 k multiply-adds per pixel."""
-    layers = [conv("stem", "input", widths[0], 2, 2, relu=True), conv("start", "stem", widths[0]), *sweep_layers(offsets, whole_cycle)]
-    x = unet(layers, "start", list(widths), [1] * len(widths))
-    layers.append(conv("head", x, 8))
-    layers.append({"name": "output", "op": "pixel-shuffle", "inputs": ["head"], "stride": 2})
-    return layers
-
-
-class Network(torch.nn.Module):
-    """The network of a list of layers; parameters are named as in model files, with a slash for the dot."""
-
-    def __init__(self, layers, input_channels):
-        super().__init__()
-        self.layers, self.weights, channels = layers, torch.nn.ParameterDict(), {"input": input_channels}
-        for layer in layers:
-            name, inputs = layer["name"], [channels[source] for source in layer["inputs"]]
-            channels[name] = layer.get("out_channels", {"concat": sum(inputs), "pixel-unshuffle": inputs[0] * 4, "pixel-shuffle": inputs[0] // 4,
-                                                        "plane-sweep": len(layer.get("disparities", ()))}.get(layer["op"], inputs[0]))
-            if "out_channels" in layer:
-                self._add(layer, inputs[0])
-
-    def _add(self, layer, inputs):
-        out, kernel = layer["out_channels"], layer["kernel"]
-        is_transposed = layer["op"] == "conv-transposed"
-        shape = (inputs, out, kernel, kernel) if is_transposed else (out, inputs, kernel, kernel)
-        fan_in = inputs if is_transposed else inputs * kernel * kernel
-        gain = math.sqrt((2 if layer.get("relu") else 1) / fan_in) * (0.3 if layer.get("residual") else 1)
-        self.weights[layer["name"] + "/weight"] = torch.nn.Parameter(gain * torch.randn(shape))
-        self.weights[layer["name"] + "/bias"] = torch.nn.Parameter(torch.zeros(out))
-
-    def forward(self, x):
-        values, sources = {"input": x}, lambda layer: [*layer["inputs"], *([layer["residual"]] if layer.get("residual") else [])]
-        last_use = {name: i for i, layer in enumerate(self.layers) for name in sources(layer)}
-        for i, layer in enumerate(self.layers):
-            y = self._output_of(layer, [values[name] for name in layer["inputs"]])
-            if layer.get("residual"):
-                y = y + values[layer["residual"]]
-            values[layer["name"]] = F.relu(y) if layer.get("relu") else y
-            for name in sources(layer):
-                if last_use[name] == i:
-                    values.pop(name, None)
-        return y
-
-    def _output_of(self, layer, inputs):
-        op, name, kernel, stride = layer["op"], layer["name"], layer.get("kernel", 1), layer.get("stride", 1)
-        if op in ("conv", "conv-transposed"):
-            weight, bias = self.weights[name + "/weight"], self.weights[name + "/bias"]
-            if op == "conv-transposed":
-                return F.conv_transpose2d(inputs[0], weight, bias, stride)
-            return F.conv2d(inputs[0], weight, bias, stride, 0 if kernel == stride else kernel // 2)
-        return {"pixel-unshuffle": lambda: F.pixel_unshuffle(inputs[0], stride), "pixel-shuffle": lambda: F.pixel_shuffle(inputs[0], stride),
-                "add": lambda: inputs[0] + inputs[1], "concat": lambda: torch.cat(inputs, 1),
-                "plane-sweep": lambda: plane_sweep(inputs[0], layer)}[op]()
-
-
-def start_features(network, num_patterns):
-    """Starts with pictures of the log intensity, and with its details and gradients as features."""
-    binomial, derivative, centre = torch.tensor([1.0, 2.0, 1.0]), torch.tensor([-1.0, 0.0, 1.0]), torch.zeros(5, 5)
-    centre[2, 2] = 1
-    framed = lambda row, column: F.pad(torch.outer(row, column), (1, 1, 1, 1))
-    kernels = [centre - 1 / 25, framed(binomial, derivative), framed(derivative, binomial), framed(binomial, binomial) / 16 - 1 / 25]
-    with torch.no_grad():
-        pictures, features = network.weights["pictures/weight"], network.weights["features/weight"]
-        pictures.mul_(0.02), features.mul_(0.3)
-        for p in range(3):
-            pictures[p] = 0
-            pictures[p, num_patterns - 1 + p] = 2.4 / SWEEP_SCALE**2  # of 0.125 counts: thresholds of 0.3
-            for g, kernel in enumerate(kernels):
-                features[p * FEATURES + g] = 0
-                features[p * FEATURES + g, p] = 8 * kernel / kernel.norm()
-
-
-_matrices = {}
-
-
-def shift_matrices(size, offsets, like):
-    """Returns matrices [offset, size, size] with (M x)[i] = x(i + offset), linear with zeros outside."""
-    key = (size, tuple(round(float(offset), 5) for offset in offsets), like.dtype, like.device)
-    if key in _matrices:
-        return _matrices[key]
-    matrices, rows = torch.zeros(len(offsets), size, size), torch.arange(size)
-    for matrix, offset in zip(matrices, offsets):
-        whole = math.floor(offset)
-        for tap, weight in ((0, 1 - offset + whole), (1, offset - whole)):
-            columns = rows + whole + tap
-            inside = (columns >= 0) & (columns < size)
-            matrix.index_put_((rows[inside], columns[inside]), torch.tensor(float(weight)).expand(int(inside.sum())), accumulate=True)
-    _matrices[key] = matrices.to(like)
-    return _matrices[key]
-
-
-def plane_sweep(x, layer):
-    """Compares P pictures of G features, [batch, P G, y, x], at K disparities: [batch, K, y, x]. Picture p is read at offset_p * d.
-    The result is the mean over the features of the sum of the products of all pairs, C / (1 + E), where E is the sum of the squares and
-    both are averaged over a window."""
-    with torch.autocast(x.device.type, enabled=False):  # half precision hides small evidence
-        return _plane_sweep(x.float(), layer)
-
-
-def _plane_sweep(x, layer):
-    offsets, disparities, kernel = layer["offsets"], layer["disparities"], layer["kernel"]
-    batch, channels, height, width = x.shape
-    planes, features = len(disparities), channels // len(offsets)
+def plane_sweep(x, offsets):
+    """Compares P pictures of G features, [batch, P, G, y, x], at K disparities: [batch, K, y, x]. Picture p is read at offset_p * d; offsets
+    [batch, P, 2] in px of the pictures per px of disparity. The result is the mean over the features of the sum of the products of all
+    pairs, C / (1 + E), where E is the sum of the squares and both are averaged over a window."""
+    batch, number, features, height, width = x.shape
+    disparities = torch.tensor(DISPARITIES, device=x.device)
+    planes = len(DISPARITIES)
     total, energy = 0, 0
-    for picture, (row, column) in zip(x.view(batch, len(offsets), features, height, width).unbind(1), offsets):
-        across = shift_matrices(width, [d * column for d in disparities], x).reshape(planes * width, width)
-        down = shift_matrices(height, [d * row for d in disparities], x)
-        moved = (picture.reshape(-1, width) @ across.t()).view(batch, features, height, planes, width)
-        moved = torch.bmm(down, moved.permute(3, 2, 0, 1, 4).reshape(planes, height, -1))
+    for picture, (row, column) in zip(x.unbind(1), (offset.unbind(1) for offset in offsets.unbind(1))):
+        across = hats(width, column[:, None] * disparities).view(batch, planes * width, width)
+        down = hats(height, row[:, None] * disparities).view(batch * planes, height, height)
+        moved = torch.bmm(picture.reshape(batch, features * height, width), across.transpose(1, 2)).view(batch, features, height, planes, width)
+        moved = torch.bmm(down, moved.permute(0, 3, 2, 1, 4).reshape(batch * planes, height, features * width))
         total, energy = total + moved, energy + moved * moved
-    both = torch.stack([0.5 * (total * total - energy), energy]).view(2, planes, height, batch, features, width).mean(4)
-    both = F.avg_pool2d(both.permute(0, 3, 1, 2, 4).reshape(2 * batch, planes, height, width), kernel, 1, kernel // 2)
-    evidence, energy = both.view(2, batch, planes, height, width)
+    both = torch.stack([0.5 * (total * total - energy), energy]).view(2 * batch, planes, height, features, width).mean(3)
+    evidence, energy = F.avg_pool2d(both, WINDOW, 1, WINDOW // 2).view(2, batch, planes, height, width)
     return evidence / (1 + energy)
+
+
+class DepthNetwork(torch.nn.Module):
+    """Disparity of view (4, 4) and the logarithm of its scale, [2, y, x]; 43 k multiply-adds per pixel."""
+
+    def __init__(self, widths=(40, 64, 88, 112, 128, 128)):
+        super().__init__()
+        self.widths, self.weights = widths, torch.nn.ParameterDict()
+        w = widths
+        self._conv("stem", w[0], STEM_INPUTS, 2, relu=True)
+        self._conv("start", w[0], w[0], 3)
+        self._conv("pictures", 1, 2 * GROUPS + FIXED_CONDITIONS, SWEEP_SCALE)
+        self._conv("features", FEATURES, 1, 5)
+        for level in range(len(w) - 1):
+            self._block(f"down{level}_0", w[level])
+            self._conv(f"down{level}_half", w[level + 1], w[level], 2)
+            if level == 0:
+                self._conv("weigh", w[1], w[1] + len(DISPARITIES) + 3 * FEATURES, 3, residual=True)
+            self._conv(f"up{level}_double", w[level], w[level + 1], 2, is_transposed=True)
+            self._block(f"up{level}_0", w[level])
+        self._block("middle_0", w[-1])
+        self._conv("head", 8, w[0], 3)
+
+    def _conv(self, name, out, inputs, kernel, relu=False, residual=False, is_transposed=False):
+        shape = (inputs, out, kernel, kernel) if is_transposed else (out, inputs, kernel, kernel)
+        gain = math.sqrt((2 if relu else 1) / (inputs if is_transposed else inputs * kernel * kernel)) * (0.3 if residual else 1)
+        self.weights[name + "/weight"] = torch.nn.Parameter(gain * torch.randn(shape))
+        self.weights[name + "/bias"] = torch.nn.Parameter(torch.zeros(out))
+
+    def _block(self, name, width):
+        self._conv(name + "a", width, width, 3, relu=True)
+        self._conv(name + "b", width, width, 3, residual=True)
+
+    def _of(self, name, x, stride=1):
+        weight, bias = self.weights[name + "/weight"], self.weights[name + "/bias"]
+        return F.conv2d(x, weight, bias, stride, 0 if weight.shape[2] == stride else weight.shape[2] // 2)
+
+    def _blocked(self, name, x):
+        return x + self._of(name + "b", F.relu(self._of(name + "a", x)))
+
+    def _sized(self, name, x, constants, stride):
+        """A convolution whose kernel is its stride, of planes, of constants [batch, n] for the next n channels, and of a last plane."""
+        weight, first = self.weights[name + "/weight"], x.shape[1] - 1
+        of_planes = torch.cat([weight[:, :first], weight[:, -1:]], 1)
+        return F.conv2d(x, of_planes, None, stride) + (self.weights[name + "/bias"] + constants @ weight[:, first:-1].sum((2, 3)).t())[:, :, None, None]
+
+    def _features(self, groups, conditions, cycles, number):
+        """Returns the features of each picture, [batch, P, G, y, x], which are made of it and of the one before."""
+        batch, own = len(groups), groups.transpose(1, 2)
+        before = torch.cat([torch.zeros_like(own[:, :1]), own[:, :-1]], 1)
+        planes = torch.cat([own, before, cycles[:, None, None].expand(-1, number, -1, -1, -1)], 2).flatten(0, 1)
+        pictures = self._sized("pictures", planes, conditions.repeat_interleave(number, 0), SWEEP_SCALE)
+        features = self._of("features", pictures)
+        return features.view(batch, number, FEATURES, *features.shape[2:])
+
+    def forward(self, groups, conditions, cycles, transmissions, aperture):
+        """groups: [batch, 3, P, y, x]; conditions: [batch, 15]; cycles: the last element of the conditions, [batch, y, x]."""
+        planes = torch.cat([aperture_planes(groups, transmissions, aperture), cycles[:, None]], 1)
+        x = self._of("start", F.relu(self._sized("stem", planes, torch.cat([aperture.constants, conditions], 1), 2)))
+        features = self._features(groups, conditions, cycles, aperture.number)
+        with torch.autocast(x.device.type, enabled=False):  # half precision hides small evidence
+            features = features.float()
+            compared = features * (aperture.weights * 3 / aperture.number).sqrt()[:, :, None, None, None]
+            sweep = plane_sweep(compared, aperture.offsets / SWEEP_SCALE) * (2 / max(1, aperture.number - 1))
+            details = torch.einsum("bcp,bpgyx->bcgyx", aperture.moments, features).flatten(1, 2)
+        skips = []
+        for level in range(len(self.widths) - 1):
+            x = self._blocked(f"down{level}_0", x)
+            skips.append(x)
+            x = self._of(f"down{level}_half", x, 2)
+            if level == 0:
+                x = x + self._of("weigh", torch.cat([x, sweep.to(x.dtype), details.to(x.dtype)], 1))
+        x = self._blocked("middle_0", x)
+        for level in reversed(range(len(self.widths) - 1)):
+            x = F.conv_transpose2d(x, self.weights[f"up{level}_double/weight"], self.weights[f"up{level}_double/bias"], 2) + skips[level]
+            x = self._blocked(f"up{level}_0", x)
+        return F.pixel_shuffle(self._of("head", x), 2)
+
+
+@torch.no_grad()
+def start_from_fixed(network, tensors, codes):
+    """Takes the weights of a network for fixed lit patterns [P, 64], by name, so that both agree for these patterns as far as possible."""
+    aperture = patterns.Aperture(codes[None], "cpu")
+    number, put = aperture.number, lambda name, values: network.weights[name].copy_(values)
+    inverse = torch.linalg.inv(aperture.moments[0].double()).float()  # from the planes to the pictures
+    of = lambda name: torch.as_tensor(tensors[name])
+    for name, weight in network.weights.items():
+        source = name.replace("/", ".")
+        if source in tensors and tensors[source].shape == tuple(weight.shape):
+            put(name, of(source))
+    grouped = of("stem.weight").split([number] * 4 + [FIXED_CONDITIONS, number - 1], 1)
+    of_counts = grouped[0] - F.pad(grouped[0][:, 1:], (0, 0, 0, 0, 0, 1))  # counts are differences of cumulative counts
+    groups = [grouped[1] + of_counts, grouped[2], grouped[3]]
+    bias = of("stem.bias") + sum(torch.einsum("opyx,p->o", g, aperture.normal[0]) for g in groups[:2])
+    groups[2] = groups[2] / aperture.gain[0][:, None, None]
+    planes = [torch.einsum("opyx,pc->ocyx", g, inverse) for g in groups]
+    put("stem/weight", torch.cat([*planes, torch.zeros(len(bias), patterns.CONSTANTS, 2, 2), grouped[4]], 1))
+    put("stem/bias", bias)
+    grouped = of("pictures.weight").split([number] * 4 + [FIXED_CONDITIONS, number - 1], 1)
+    of_counts = grouped[0] - F.pad(grouped[0][:, 1:], (0, 0, 0, 0, 0, 1))
+    groups = [grouped[1] + of_counts, grouped[2], grouped[3]]
+    own = [sum(g[p, p] for p in range(number)) / number for g in groups]
+    before = [sum(g[p, p - 1] for p in range(1, number)) / (number - 1) for g in groups]
+    put("pictures/weight", torch.cat([torch.stack([*own, *before]), grouped[4].mean(0)])[None])
+    put("pictures/bias", of("pictures.bias").mean()[None])
+    kernels = of("features.weight").view(number, FEATURES, number, 5, 5)
+    put("features/weight", sum(kernels[p, :, p] for p in range(number))[:, None] / number)
+    put("features/bias", of("features.bias").view(number, FEATURES).mean(0))
+    weigh, split = of("weigh.weight"), network.widths[1] + len(DISPARITIES)
+    details = torch.einsum("opgyx,pc->ocgyx", weigh[:, split:].view(len(weigh), number, FEATURES, 3, 3), inverse)
+    put("weigh/weight", torch.cat([weigh[:, :split], details.flatten(1, 2)], 1))

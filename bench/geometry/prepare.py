@@ -1,9 +1,8 @@
 """Packs what train.py reads into one folder for a machine that has only torch: photographs, real light fields, and scenes for the evaluation.
 
-usage: prepare.py MODEL OUT --textures FOLDER --real FOLDER ... --scene FOLDER ... [--e2lf PROGRAM]
-MODEL provides the patterns. Scenes are folders of 8x8 views. Disparities of real light fields for the training are those that `e2lf depth`
-estimates for the four middle views. Scenes for the evaluation have the true disparities of gt_disparity.npy, or else estimated ones; only
-their coded intensities are packed. Requires numpy and pillow.
+usage: prepare.py OUT --patterns FILE ... --textures FOLDER --real FOLDER ... --scene FOLDER ... [--e2lf PROGRAM]
+Scenes are folders of 8x8 views. Disparities of real light fields for the training are those that `e2lf depth`
+estimates for the four middle views. Scenes for the evaluation have the true disparities of gt_disparity.npy, or else estimated ones. Requires numpy and pillow.
 """
 import argparse
 import io
@@ -67,35 +66,39 @@ def pack_real(options, scene):
                         disparity=np.stack([d for d, _ in maps]).astype(np.float16), is_sure=np.stack([c for _, c in maps]) > SURE)
 
 
-def pack_evaluation(options, scene, opened):
+def pack_evaluation(options, scene):
     truth = scene / "gt_disparity.npy"
     disparity = np.load(truth) if truth.exists() else depth(options, scene, 4, 4)[0]
-    coded = np.einsum("pv,vyx->pyx", opened, read_views(scene).astype(np.float32) / 255)
-    np.savez_compressed(options.out / f"scene-{scene.name}.npz", coded=coded.astype(np.float16), disparity=disparity.astype(np.float16))
+    np.savez_compressed(options.out / f"scene-{scene.name}.npz", views=read_views(scene), disparity=disparity.astype(np.float16))
+
+
+def pack_patterns(options):
+    """Packs the lit patterns of model files and of .npy files, by name."""
+    sets = {}
+    for path in options.patterns:
+        codes = np.load(path).reshape(-1, 64) if path.suffix == ".npy" else read_codes(path)
+        sets[path.stem] = codes[codes.sum(1) > 0].astype(np.float32)
+    np.savez(options.out / "patterns.npz", **sets)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("model", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--textures", type=pathlib.Path, required=True)
     parser.add_argument("--real", type=pathlib.Path, nargs="*", default=[])
     parser.add_argument("--scene", type=pathlib.Path, nargs="*", default=[])
     parser.add_argument("--e2lf", default="e2lf", help="the program")
-    parser.add_argument("--turn-codes", action="store_true", help="turn the patterns by 180 degrees, for a lens that shows them so to the scene")
+    parser.add_argument("--patterns", type=pathlib.Path, nargs="+", required=True, help="model files, and .npy files of patterns; those named test-* are for the evaluation")
     parser.add_argument("--quality", type=int, default=92, help="of the views of real light fields, as JPEG")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    codes = read_codes(options.model)
-    if options.turn_codes:
-        codes = codes[:, ::-1]
-    np.save(options.out / "codes.npy", codes)
+    pack_patterns(options)
     photos = [pack_photo(path) for path in sorted(options.textures.rglob("*.jpg"))]
     np.savez(options.out / "photos.npz", sizes=[len(photo) for photo in photos], bytes=np.concatenate(photos))
     for scene in options.real:
         pack_real(options, scene)
     for scene in options.scene:
-        pack_evaluation(options, scene, np.concatenate([codes, np.ones((1, 64))]) / 64)
+        pack_evaluation(options, scene)
 
 
 if __name__ == "__main__":

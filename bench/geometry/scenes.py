@@ -18,6 +18,7 @@ ROOM_SHARE = 0.6  # of the scenes: walls, a floor, and a few things before them;
 PLANE_SHARES = [0.35, 0.45, 0.2]  # of rooms with 0, 1, ... planes besides the wall
 THING_SHARES = [0.08, 0.27, 0.3, 0.2, 0.15]  # of rooms with 0, 1, ... things
 CLUTTER_SHARES = [0.0, 0.06, 0.14, 0.2, 0.2, 0.16, 0.12, 0.07, 0.05]  # of the other scenes with 0, 1, ... surfaces
+CHEQUER_SHARE = 0.15  # of walls and planes
 STEEPEST = 0.1  # slope of a disparity, by which the points of a view are found in few steps (render.cpp)
 
 
@@ -135,14 +136,25 @@ class Surfaces:
         grain = self.chance(0.5, number) * self.noise(number, self.log_uniform(1.5, 6, number)) * self.log_uniform(0.01, 0.12, number)
         return (mean + contrast * (textures - mean)) * torch.exp(shade) * (1 + grain)
 
+    def chequers(self, number):
+        """Returns large squares of two brightnesses without texture."""
+        period, angle = self.log_uniform(30, 200, number), self.uniform(-0.4, 0.4, number)
+        inside = 1
+        for across, down in ((angle.cos(), angle.sin()), (-angle.sin(), angle.cos())):
+            position = (self.axis * across + self.axis[:, None] * down) / period + self.uniform(0, 1, number)
+            inside = inside * ((0.25 - (position - position.floor() - 0.5).abs()) * period).clamp(-0.5, 0.5) * 2
+        dark = self.log_uniform(0.02, 0.6, number)
+        return dark + (self.uniform(0.05, 1, number) - dark) * (0.5 * inside + 0.5)
+
     def things(self, number):
         """Returns the distance from the outline, positive inside, of compact things, and y of their lowest points, px."""
         half = 0.5 * self.side
         centre_y, centre_x = (self.uniform(-0.8, 0.8, number) * half for _ in range(2))
         radius_y, radius_x = (self.log_uniform(20, half, number) for _ in range(2))
+        radius_x = torch.where(self.chance(0.12, number) > 0, self.log_uniform(2, 8, number), radius_x)  # rods
         y, x = (self.axis[:, None] - centre_y) / radius_y, (self.axis - centre_x) / radius_x
         radius = torch.where(self.chance(0.35, number) > 0, torch.maximum(x.abs(), y.abs()), (x * x + y * y + 1e-6).sqrt())
-        uneven = self.noise(number, self.log_uniform(20, 100, number))
+        uneven = self.noise(number, torch.where(self.chance(0.25, number) > 0, self.log_uniform(2, 8, number), self.log_uniform(20, 100, number)))
         smooth = (1 - radius) * torch.minimum(radius_x, radius_y) + self.chance(0.5, number) * self.log_uniform(1, 10, number) * uneven
         blob = self._in_px(self.noise(number, self.log_uniform(50, 260, number)) - self.uniform(-0.4, 1.0, number))
         return torch.where(self.chance(0.65, number) > 0, smooth, blob), centre_y + radius_y
@@ -331,7 +343,11 @@ class Synthesiser:
         everywhere = torch.ones(rooms, self.side, self.side, device=self.device)
         coverages = torch.cat([everywhere, (inside + 0.5).clamp(0, 1), draw.edges(outlines)])
         scene = torch.cat([torch.arange(rooms, device=self.device), of_planes, of_things])
-        textures = draw.shaded(draw.textures(number)) * self._light(reliefs, scene, rooms) * self._shadows(coverages[rooms + count:], of_things, scene, rooms)
+        textures = draw.shaded(draw.textures(number))
+        tiles = (torch.rand(rooms + count, device=self.device) < CHEQUER_SHARE).nonzero()[:, 0]
+        if len(tiles):
+            textures[tiles] = draw.chequers(len(tiles))
+        textures = textures * self._light(reliefs, scene, rooms) * self._shadows(coverages[rooms + count:], of_things, scene, rooms)
         ranks = torch.cat([torch.zeros(rooms, device=self.device), torch.ones(count, device=self.device), torch.full((len(of_things),), 2.0, device=self.device)])
         # A room is as bright as its lamp.
         lamp = torch.where(draw.chance(0.25, rooms) > 0, draw.log_uniform(0.08, 1.0, rooms), draw.uniform(1, 1, rooms))
@@ -402,33 +418,23 @@ class RealScenes:
 
 
 class Batches:
-    """Batches without end: intensities through the codes and the open aperture [batch, N + 1, y, x], the disparity [batch, y, x] of
-    view (4, 4), and 1 where it is known."""
+    """Batches without end: views [batch, 64, y, x], the disparity [batch, y, x] of view (4, 4), and 1 where it is known."""
 
-    def __init__(self, photos, real, codes, batch, size, seed, device, real_share=0.15):
+    def __init__(self, photos, real, batch, size, seed, device, real_share=0.15):
         torch.manual_seed(seed)
         self.rng = np.random.default_rng(seed)
         self.synthesiser = Synthesiser(photos, size, self.rng, device)
         self.real = RealScenes(real, size, self.rng, device) if real else None
         self.batch, self.real_share = batch, real_share if real else 0
-        # The open aperture of synthesised scenes is approximated by the open views and an eighth of the others.
-        used = codes.sum(0).cpu() > 0
-        sparse = torch.arange(VIEWS**2)[~used][::8]
-        weights = torch.cat([codes.cpu(), used[None].float()]) / VIEWS**2
-        weights[-1, sparse] = float((~used).sum()) / len(sparse) / VIEWS**2
-        self.coded_views = torch.nonzero(weights.sum(0))[:, 0].numpy()
-        self.weights = weights[:, torch.from_numpy(self.coded_views)].to(device)
-        self.all_weights = torch.cat([codes.cpu(), torch.ones(1, VIEWS**2)]).to(device) / VIEWS**2
 
     @torch.no_grad()
     def next(self):
         num_real = min(int(self.rng.binomial(self.batch, self.real_share)), self.batch - 2)
         scenes = self.synthesiser.draw(self.batch - num_real)
-        coded = torch.einsum("pv,bvyx->bpyx", self.weights, scenes.views(self.coded_views))
-        disparity = scenes.disparity()
+        views, disparity = scenes.views(np.arange(VIEWS**2)), scenes.disparity()
         known = torch.ones_like(disparity)
         if num_real:
             drawn = [self.real.draw() for _ in range(num_real)]
-            coded = torch.cat([coded, torch.stack([torch.einsum("pv,vyx->pyx", self.all_weights, v.flatten(0, 1)) for v, _, _ in drawn])])
+            views = torch.cat([views, torch.stack([v.flatten(0, 1) for v, _, _ in drawn])])
             disparity, known = (torch.cat([a, torch.stack([scene[k] for scene in drawn])]) for a, k in ((disparity, 1), (known, 2)))
-        return coded, disparity, known
+        return views, disparity, known

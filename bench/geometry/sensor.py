@@ -9,6 +9,7 @@ from scenes import to_device
 THRESHOLD_FLOOR, RELATIVE_FLOOR = 0.01, 0.3
 FIXED_CONDITIONS = 16  # as in capture::conditioning_vector()
 CYCLES_CONDITION, CYCLES_STEP = 15, 0.25  # the place of the number of cycles, and what a doubling adds
+MOST_PATTERNS = 7  # lit ones
 
 
 def nominal(camera):
@@ -48,7 +49,8 @@ class Conditions:
             factor = np.where(is_better & (rng.random(batch) < 0.5), np.exp(rng.uniform(math.log(least), math.log(most), batch)), 1.0)
             for key in keys:
                 self.pixel[key] = self.pixel[key] * factor
-        stated = np.asarray(camera["transmission"]["value"])
+        stated = np.ones(MOST_PATTERNS)
+        stated[:len(camera["transmission"]["value"])] = camera["transmission"]["value"]
         self.known_transmission = stated * np.exp(rng.uniform(-1, 1, (batch, len(stated))) * 0.06 * spread)
         self.transmission = self.known_transmission * np.exp(rng.uniform(-1, 1, (batch, len(stated))) * 0.12 * spread)
         self.gain = np.where(self.is_pixel & (spread > 0), np.exp(rng.uniform(math.log(0.12), math.log(1.4), batch)), self.gain)
@@ -58,39 +60,46 @@ class Conditions:
         """Returns a value per sample, shaped to be multiplied with [batch, y, x]."""
         return to_device(np.asarray(values, np.float32), self.device).view(-1, 1, 1)
 
-    def conditioning(self, num_patterns, cycles):
-        """Returns the vectors that describe the sensor to a network, as capture::conditioning_vector()."""
+    def conditioning(self):
+        """Returns what describes the sensor to a network, as the first elements of capture::conditioning_vector() before the number of
+        cycles: [batch, 15]."""
         batch = len(self.tau)
         threshold = lambda tau: 4 * (tau / 0.3 - 1)
         lag = lambda rate_hz: 30 / (30 + rate_hz)
         zero = np.zeros(batch)
         rows = [zero, threshold(self.tau), threshold(self.tau), self.sigma_w / 0.1, self.sigma_z / 0.04, zero, zero, self.residue, *[zero] * 7]
-        transmission = np.ones((batch, 3))
         if self.is_pixel.any():
             p = self.pixel
             pixel = [zero + 1, threshold(p["threshold_on"]), threshold(p["threshold_off"]), p["noise"] / 0.1, zero, p["mismatch"] / 0.1,
                      p["mismatch_each"] / 0.1, p["reset_span"], p["reset_offset"] / 0.1, lag(p["receptor_rate_hz"]),
                      lag(p["amplifier_rate_hz"]), p["leak"] * 500, p["shot_noise"] / 0.1, p["dark_off"] * 20, p["dark_on"] * 20]
             rows = [np.where(self.is_pixel, a, b) for a, b in zip(pixel, rows)]
-            transmission = np.where(self.is_pixel[:, None], self.known_transmission, transmission)
-        rows.append(zero + CYCLES_STEP * math.log2(cycles))
-        of_code = lambda k: transmission[:, k] if k < transmission.shape[1] else np.ones(batch)
-        rows += [5 * (of_code(k) / of_code(0) - 1) for k in range(1, num_patterns - 1)]
         return to_device(np.stack(rows, 1).astype(np.float32), self.device)
 
+    def transmissions(self, lit, number):
+        """Returns the elements of the conditioning vector for the transmissions of `lit` patterns, relative to the first, and 0 for the other
+        pictures of a whole cycle: [batch, number]."""
+        relative = np.zeros((len(self.tau), number))
+        if self.is_pixel.any():
+            relative[:, :lit] = 5 * (self.known_transmission[:, :lit] / self.known_transmission[:, :1] - 1) * self.is_pixel[:, None]
+        return to_device(relative.astype(np.float32), self.device)
 
-def count_events(intensities, conditions, whole_cycle, cycles=1):
-    """Returns event images [batch, transitions, y, x] of one kind of sensor for each sample, averaged over cycles."""
+
+def count_events(intensities, conditions, whole_cycle, cycles):
+    """Returns event images [batch, transitions, y, x] of one kind of sensor for each sample, averaged over cycles [batch, y, x]."""
     light = intensities * conditions.planes(conditions.gain).unsqueeze(1)
     codes, full = light[:, :-1], light[:, -1]
-    counts = None
+    counts, numbers = None, torch.unique(cycles).tolist()
     for is_pixel, count in ((False, count_paper), (True, count_pixel)):
         chosen = np.nonzero(conditions.is_pixel == is_pixel)[0]
         if not len(chosen):
             continue
         at = to_device(chosen, light.device)
-        mismatch = torch.randn(3, *full[at].shape, device=light.device)  # of the pixels: the same in each cycle
-        found = sum(count(codes[at], full[at], conditions, at, whole_cycle, mismatch) for _ in range(cycles)) / cycles
+        mismatch, total, found = torch.randn(3, *full[at].shape, device=light.device), 0, 0  # of the pixels: the same in each cycle
+        for done in range(1, int(max(numbers)) + 1):
+            total = total + count(codes[at], full[at], conditions, at, whole_cycle, mismatch)
+            if done in numbers:
+                found = torch.where(cycles[at].unsqueeze(1) == done, total / done, found)
         if counts is None:
             counts = found.new_empty(len(light), *found.shape[1:])
         counts[at] = found
@@ -154,8 +163,8 @@ def count_pixel(codes, full, conditions, at, whole_cycle, mismatch):
     return torch.stack(counts, 1)
 
 
-def network_input(events, conditions, conditioning=None):
-    """Returns the planes counts, cumulative, level, intensity and, with a conditioning vector, camera, as recon::network_input()."""
+def event_planes(events, conditions):
+    """Returns the cumulative counts, levels and intensities of each picture, [batch, 3, P, y, x], as recon::network_input()."""
     cumulative, signs = events.cumsum(1), []
     for count in events.unbind(1):
         sign = count.sign()
@@ -166,7 +175,4 @@ def network_input(events, conditions, conditioning=None):
         tau = conditions.planes(np.where(conditions.is_pixel, means, conditions.tau)).unsqueeze(1)
     level = cumulative + 0.5 * torch.stack(signs, 1)
     intensity = eps * torch.expm1(torch.minimum(tau * level, torch.log1p(1 / eps)))
-    planes = [0.125 * events, 0.125 * cumulative, 0.125 * level, 4 * intensity]
-    if conditioning is not None:
-        planes.append(conditioning[:, :, None, None].expand(-1, -1, *events.shape[2:]))
-    return torch.cat(planes, 1)
+    return torch.stack([0.125 * cumulative, 0.125 * level, 4 * intensity], 1)

@@ -1,57 +1,39 @@
-"""Trains a network from events to disparity.
+"""Trains a network from events to disparity for any patterns, which are drawn anew for each sample.
 
-usage: train.py DATA OUT [--whole-cycle] [--camera FILE] [--seconds S] [--profile]
-DATA is a folder made by prepare.py. Continues from OUT/checkpoint.pt, or else from --start, a network.pt or a model file, of which it
-takes what fits.
-Requires torch, numpy, pillow and a C++ compiler, or nvcc; runs on the CPU or on one GPU.
+usage: train.py DATA POOL OUT --camera FILE [--start NETWORK] [--seconds S]
+DATA is a folder made by prepare.py, POOL one that draw.py fills at the same time. Continues from OUT/checkpoint.pt, or else from --start, a network.pt of this script or the model file
+of a network for fixed patterns. Requires torch, numpy, pillow and a C++ compiler, or nvcc; runs on the CPU or on one GPU.
 """
 import argparse
 import contextlib
-import io
 import json
 import math
 import pathlib
-import queue
 import re
-import threading
 import time
 
 import numpy as np
 import torch
 import torch.nn.functional as F
-from PIL import Image
 
 import convert
 import networks
-from scenes import Batches
-from sensor import FIXED_CONDITIONS, Conditions, count_events, network_input
+import patterns
+from scenes import VIEWS
+from sensor import CYCLES_STEP, Conditions, count_events, event_planes
 
-AVERAGED_CYCLES = 0.2  # share of the steps with the mean of several cycles of a still scene, for networks that are told their number
+AVERAGED_SHARE = 0.3  # of the steps with the mean of several cycles of a still scene
+NUMBERS, NUMBER_SHARES = [2, 3, 4, 5, 6, 7], [0.02, 0.72, 0.04, 0.02, 0.02, 0.18]  # of lit patterns
+WHOLE_CYCLE_SHARE = 0.15  # of the steps with three lit patterns
 NEWEST = 0.001  # weight of the newest weights in their average
 MULTIPLE = 64  # of the height and width of pictures, px
 TOLERANCE = 0.2  # error of a disparity that counts as wrong, px per view step
 
 
-def read_weights(path):
-    """Returns the weights of a network.pt, or of a model file by the same names; of two scales, those of the full one."""
-    if path.suffix != ".safetensors":
-        return torch.load(path, map_location="cpu")["weights"]
-    return {re.sub(r"\.(weight|bias)$", r"/\1", name): torch.tensor(values) for name, values in convert.read_model(path)[1].items()}
-
-
-def read_photos(folder):
-    packed = np.load(folder / "photos.npz")
-    ends = np.cumsum(packed["sizes"])
-    images = [np.asarray(Image.open(io.BytesIO(packed["bytes"][end - size:end].tobytes()))) for end, size in zip(ends, packed["sizes"])]
-    return torch.as_tensor(np.stack(images))
-
-
-def centroids(codes):
-    """Returns where the patterns lie relative to view (4, 4), in view steps: (row, column) for each but the first."""
-    cells, weights = torch.arange(8.0), codes[1:].cpu().view(-1, 8, 8)
-    total = weights.sum((1, 2))
-    return [(float(row), float(column)) for row, column in
-            zip((weights.sum(2) @ cells) / total - 4, (weights.sum(1) @ cells) / total - 4)]
+def read_patterns(path):
+    """Returns the sets of lit patterns of a .npz file, [number, 64]."""
+    packed = np.load(path)
+    return {name: packed[name] for name in packed.files}
 
 
 class Optimiser:
@@ -59,8 +41,8 @@ class Optimiser:
 
     def __init__(self, network):
         self.weights = dict(network.weights.items())
-        last = network.layers[-1]["name"] if "out_channels" in network.layers[-1] else network.layers[-2]["name"]
-        self.matrices = {k: v for k, v in self.weights.items() if k.endswith("weight") and v.shape[2] > 1 and not k.startswith(last + "/")}
+        others = ("head/", "pictures/", "features/")
+        self.matrices = {k: v for k, v in self.weights.items() if k.endswith("weight") and not k.startswith(others)}
         self.momenta = {k: torch.zeros_like(v) for k, v in self.matrices.items()}
         self.adam = torch.optim.Adam([v for k, v in self.weights.items() if k not in self.matrices], betas=(0.9, 0.99))
         self.average, self.steps = {k: v.detach().clone() for k, v in self.weights.items()}, 0
@@ -108,73 +90,87 @@ def orthogonalise(matrices):
     return x.transpose(1, 2) if is_tall else x
 
 
-def drawn_ahead(batches, uses=2):
-    """Returns a function that returns batches of scenes.Batches, which a thread draws ahead, each `uses` times: on a CPU, drawing takes
-    as long as training."""
-    ready = queue.Queue(2)
+class Pool:
+    """Scenes that draw.py keeps adding to a folder, of which each step takes a batch: on a CPU, drawing takes longer than training."""
 
-    def draw():
-        while True:
-            batch = batches.next()
-            for _ in range(uses):
-                ready.put(batch)
+    def __init__(self, folder, batch, device):
+        self.folder, self.batch, self.device, self.rng = folder, batch, device, np.random.default_rng()
 
-    threading.Thread(target=draw, daemon=True).start()
-    return ready.get
+    def next(self):
+        while not (paths := sorted(self.folder.glob("*.npz"))):
+            time.sleep(1)
+        samples = []
+        while len(samples) < self.batch:
+            with contextlib.suppress(OSError, ValueError):  # draw.py removes old files
+                packed = np.load(paths[self.rng.integers(len(paths))])
+                scenes = [packed[name] for name in ("views", "disparity", "known")]
+                for at in self.rng.integers(len(scenes[0]), size=4):
+                    samples.append([torch.from_numpy(part[at].astype(np.float32)) for part in scenes])
+        views, disparity, known = (torch.stack(parts[:self.batch]).to(self.device) for parts in zip(*samples))
+        return views / 255, disparity, known
 
 
 class Task:
-    """What a kind of network learns: its inputs, loss and figures."""
+    """The network, and what it learns from: inputs, loss and figures."""
 
-    def __init__(self, options, codes):
+    def __init__(self, options):
         self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-        self.whole_cycle, self.camera_share = options.whole_cycle, options.camera_share
+        self.camera_share = options.camera_share
         self.is_half = self.device.type == "cuda" or options.bfloat16
-        text = options.camera.read_text() if options.camera else ""
-        self.camera = json.loads(re.sub(r"^\s*//.*$", "", text, flags=re.M)) if text else None
-        self.codes = torch.from_numpy(codes).to(self.device)
-        self.num_patterns = 2 * len(self.codes) + 1 if options.whole_cycle else len(self.codes)
-        of_events = 4 * (self.num_patterns - 1)
-        channels = of_events + (FIXED_CONDITIONS + self.num_patterns - 2 if self.camera else 0)
-        self.share_of_events = of_events / channels
-        self.network = networks.Network(networks.depth_network(centroids(self.codes), options.whole_cycle), channels).to(self.device)
-        networks.start_features(self.network, self.num_patterns)
+        self.camera = json.loads(re.sub(r"^\s*//.*$", "", options.camera.read_text(), flags=re.M))
+        sets = read_patterns(options.data / "patterns.npz")
+        self.known = [codes for name, codes in sets.items() if not name.startswith("test-")]
+        self.judged = {name: codes for name, codes in sets.items() if name in options.judge}
+        self.network = networks.DepthNetwork().to(self.device)
         self.network.to(memory_format=torch.channels_last)
         self.rng = np.random.default_rng(options.seed)
 
-    @torch.no_grad()
     def start_from(self, path):
-        """Takes the weights of another network, which may lack the inputs of the camera, where their names are those of this one."""
-        other = read_weights(path)
-        for name, weight in self.network.weights.items():
-            known = other.get(name, torch.empty(0))
-            if known.shape == weight.shape:
-                weight.copy_(known)
-            elif known.shape[:1] == weight.shape[:1] and known.shape[1] == round(self.share_of_events * weight.shape[1]):
-                weight.zero_()[:, :known.shape[1]] = known
-            else:
-                print("starts at random:", name)
+        if path.suffix == ".safetensors":
+            tensors = convert.read_model(path)[1]
+            networks.start_from_fixed(self.network, tensors, tensors["aperture.codes"].reshape(-1, VIEWS**2)[1:])
+        else:
+            for name, weight in torch.load(path, map_location=self.device)["weights"].items():
+                self.network.weights[name].data.copy_(weight)
 
     def _autocast(self):
         """Half precision for the steps of the training: an evaluation in it would be pessimistic."""
         is_step = self.is_half and torch.is_grad_enabled()
         return torch.autocast(self.device.type, torch.bfloat16) if is_step else contextlib.nullcontext()
 
-    def apply(self, coded, conditions, cycles):
-        """Returns the output of the network for the events of the intensities through the codes and the open aperture."""
+    def apply(self, views, codes, conditions, cycles, whole_cycle):
+        """Returns the output for the events of views [batch, 64, y, x] through lit patterns [batch, P, 64]; cycles [batch, y, x]."""
         with torch.no_grad():
-            events = count_events(coded, conditions, self.whole_cycle, cycles)
-            known = conditions.conditioning(self.num_patterns, cycles) if self.camera else None
-            x = network_input(events, conditions, known).contiguous(memory_format=torch.channels_last)
+            black_lit_open = np.concatenate([np.zeros_like(codes[:, :1]), codes, np.ones_like(codes[:, :1])], 1) / VIEWS**2
+            coded = torch.einsum("bpv,bvyx->bpyx", torch.from_numpy(black_lit_open).to(views), views)
+            lit = codes.shape[1]
+            if whole_cycle:
+                codes = np.stack([patterns.with_inverses(c) for c in codes])
+            events = count_events(coded, conditions, whole_cycle, cycles)[:, :codes.shape[1]]
+            groups, known = event_planes(events, conditions), conditions.conditioning()
+            aperture, transmissions = patterns.Aperture(codes, self.device), conditions.transmissions(lit, codes.shape[1])
         with self._autocast():
-            return self.network(x)
+            return self.network(groups, known, CYCLES_STEP * torch.log2(cycles), transmissions, aperture)
 
-    def loss(self, coded, disparity, known):
+    def loss(self, views, disparity, known):
         """Returns the loss of a batch of scenes.Batches, and its figures."""
-        batch = len(coded)
-        conditions = Conditions(batch, self.rng, self.device, self.camera, camera_share=self.camera_share, residue_share=0.3 if self.camera else 0.0)
-        cycles = 2 ** int(self.rng.integers(1, 5)) if self.camera and self.rng.random() < AVERAGED_CYCLES else 1
-        return self._likelihood(self.apply(coded, conditions, cycles).float(), disparity, known)
+        batch, rng = len(views), self.rng
+        conditions = Conditions(batch, rng, self.device, self.camera, camera_share=self.camera_share, residue_share=0.3)
+        number = int(rng.choice(NUMBERS, p=NUMBER_SHARES))
+        whole_cycle = number == 3 and rng.random() < WHOLE_CYCLE_SHARE
+        codes = np.stack([patterns.draw_patterns(rng, number, self.known) for _ in range(batch)])
+        y = self.apply(views, codes, conditions, self._draw_cycles(disparity), whole_cycle)
+        return self._likelihood(y.float(), disparity, known)
+
+    def _draw_cycles(self, like):
+        """Returns the number of averaged cycles of each pixel: one, or several that differ between two parts of the picture."""
+        cycles = torch.ones_like(like)
+        if self.rng.random() < AVERAGED_SHARE:
+            cycles *= 2 ** int(self.rng.integers(1, 5))
+            if self.rng.random() < 0.6:
+                field = F.interpolate(torch.randn(len(like), 1, 6, 6, device=like.device), like.shape[1:], mode="bicubic")[:, 0]
+                cycles = torch.where(field > 0.4 * torch.randn(len(like), 1, 1, device=like.device), cycles, torch.full_like(cycles, 2 ** int(self.rng.integers(0, 2))))
+        return cycles
 
     def _likelihood(self, y, disparity, known):
         """The negative logarithm of a Laplace likelihood, and a bounded error that prefers the likeliest disparity to the median."""
@@ -185,25 +181,23 @@ class Task:
         return loss, {"loss": loss, "off by 0.2": ((error > TOLERANCE) * share).sum()}
 
     @torch.no_grad()
-    def evaluate(self, folder, is_pixel, cycles=1):
-        """Returns the share of disparities off by 0.2 px in %."""
+    def evaluate(self, folder):
+        """Returns the share of disparities off by 0.2 px in %, by scene, patterns and sensor, and their mean."""
         figures, inside = {}, slice(15, -15)
         for path in sorted(folder.glob("scene-*.npz")):
             scene = np.load(path)
-            height, width = scene["coded"].shape[1:]
-            coded = torch.as_tensor(scene["coded"][None].astype(np.float32), device=self.device)
-            coded = F.pad(coded, (0, -width % MULTIPLE, 0, -height % MULTIPLE), mode="reflect")
-            torch.manual_seed(11)
-            y = self.apply(coded, Conditions(1, self.rng, self.device, self.camera, camera_share=float(is_pixel), stated=True), cycles)
-            y = y[:, :, :height, :width].float()
-            disparity, scale = y[0]
-            name = path.stem[6:] + ("@camera" if is_pixel else "") + (f"x{cycles}" if cycles > 1 else "")
+            height, width = scene["views"].shape[1:]
+            views = torch.as_tensor(scene["views"][None].astype(np.float32) / 255, device=self.device)
+            views = F.pad(views, (0, -width % MULTIPLE, 0, -height % MULTIPLE), mode="reflect")
             truth = torch.as_tensor(scene["disparity"].astype(np.float32), device=self.device)
-            off = ((disparity - truth).abs() > TOLERANCE).float()[inside, inside]
-            figures[name] = f"{100 * float(off.mean()):.1f} %"
-            scale = scale[inside, inside]
-            figures[name] += f" (surer half {100 * float(off[scale < scale.median()].mean()):.1f} %)"
-        return figures
+            for name, codes in self.judged.items():
+                for sensor in "paper", "pixel":
+                    torch.manual_seed(11)
+                    conditions = Conditions(1, self.rng, self.device, self.camera, camera_share=float(sensor == "pixel"), stated=True)
+                    y = self.apply(views, codes[None], conditions, torch.ones_like(views[:, 0]), False)
+                    off = ((y[0, 0, :height, :width].float() - truth).abs() > TOLERANCE).float()[inside, inside]
+                    figures[f"{path.stem[6:]} {name} {sensor}"] = round(100 * float(off.mean()), 1)
+        return figures, round(float(np.mean(list(figures.values()))), 2)
 
 
 def train(options):
@@ -211,7 +205,7 @@ def train(options):
     torch.set_flush_denormal(True)
     torch.backends.cudnn.benchmark = torch.backends.cudnn.allow_tf32 = torch.backends.cuda.matmul.allow_tf32 = True
     options.out.mkdir(parents=True, exist_ok=True)
-    task = Task(options, np.load(options.data / "codes.npy"))
+    task = Task(options)
     optimiser = Optimiser(task.network)
     checkpoint, trained_s = options.out / "checkpoint.pt", 0.0
     if checkpoint.exists():
@@ -222,9 +216,7 @@ def train(options):
     elif options.start:
         task.start_from(options.start)
         optimiser.begin()
-    batches = Batches(read_photos(options.data), sorted(options.data.glob("real-*.npz")), task.codes, options.batch, options.size,
-                      options.seed + optimiser.steps, task.device)
-    next_batch = batches.next if task.device.type == "cuda" else drawn_ahead(batches)
+    next_batch = Pool(options.pool, options.batch, task.device).next
     began = reported = time.time()
     begin = reported - trained_s
     sums, count = {}, 0
@@ -238,7 +230,7 @@ def train(options):
         trained = {name: weight.detach().clone() for name, weight in task.network.weights.items()}
         for name, weight in task.network.weights.items():
             weight.data.copy_(optimiser.average[name])
-        figures = [task.evaluate(options.data, False), task.evaluate(options.data, False, 16), *([task.evaluate(options.data, True)] if task.camera else [])]
+        figures = task.evaluate(options.data)
         for name, weight in task.network.weights.items():
             weight.data.copy_(trained[name])
         return figures
@@ -246,13 +238,17 @@ def train(options):
     def step(rate):
         loss, figures = task.loss(*next_batch())
         loss.backward()
-        torch.nn.utils.clip_grad_norm_(task.network.parameters(), 5.0)
-        optimiser.step(rate)
+        norm = torch.nn.utils.clip_grad_norm_(task.network.parameters(), 5.0)
+        if torch.isfinite(norm):
+            optimiser.step(rate)
+        else:
+            task.network.zero_grad()
+            figures = {}
         return figures
 
     def save():
         torch.save({"network": task.network.state_dict(), "optimiser": optimiser.state(), "trained_s": time.time() - begin}, checkpoint)
-        torch.save({"layers": task.network.layers, "weights": optimiser.average, "num_patterns": task.num_patterns}, options.out / "network.pt")
+        torch.save({"weights": optimiser.average}, options.out / "network.pt")
 
     while (share := (time.time() - begin) / options.seconds) < 1:
         # A constant rate first, then down to zero.
@@ -286,14 +282,14 @@ def print_profile(step):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", type=pathlib.Path)
+    parser.add_argument("pool", type=pathlib.Path, help="the folder of draw.py")
     parser.add_argument("out", type=pathlib.Path)
-    parser.add_argument("--whole-cycle", action="store_true")
-    parser.add_argument("--camera", type=pathlib.Path, help="a camera file of physical pixels")
-    parser.add_argument("--camera-share", type=float, default=0.3, help="share of the samples of the camera; the others have the model of the paper")
+    parser.add_argument("--camera", type=pathlib.Path, required=True, help="a camera file of physical pixels")
+    parser.add_argument("--judge", nargs="*", default=["e2lf-n4", "release", "test-1"], help="the patterns of the evaluation")
+    parser.add_argument("--camera-share", type=float, default=0.45, help="share of the samples of the camera; the others have the model of the paper")
     parser.add_argument("--seconds", type=float, default=600)
     parser.add_argument("--report-s", type=float, default=150)
     parser.add_argument("--batch", type=int, default=48)
-    parser.add_argument("--size", type=int, default=256, help="height and width of the synthesised views in px")
     parser.add_argument("--start", type=pathlib.Path, help="a network.pt or model file to start from")
     parser.add_argument("--pause-s", type=float, default=math.inf, help="stop after this time; another run continues")
     parser.add_argument("--rate", type=float, default=1e-3, help="largest rate of learning")
