@@ -115,7 +115,24 @@ Result<std::optional<CycleImages>> CycleInput::next() {
     more->images = std::move(sum->images);
     sum = std::move(more);
   }
+  if (sum && fusion_) {
+    fusion_->add(sum->images.events);
+    sum->images.fused = fusion_->fused();
+  }
   return sum;
+}
+
+Result<void> CycleInput::fuse(const capture::SensorProfile& camera, size_t most_cycles) {
+  if (measurement() != capture::MeasurementKind::kEventImages) {
+    return fail(ErrorCode::kInvalidValue, "fuse", "only event images can be fused; this is the measurement ",
+                capture::measurement_name(measurement()), "; omit this setting");
+  }
+  if (options_.cycles_per_field > 1) {
+    return fail(ErrorCode::kInvalidValue, "fuse",
+                "the cycles of a light field are summed already; omit the number of cycles per light field");
+  }
+  fusion_.emplace(camera, most_cycles);
+  return {};
 }
 
 bool CycleInput::is_without_events() const {

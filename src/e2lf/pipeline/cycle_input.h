@@ -10,6 +10,7 @@
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/pipeline/recorded_setup.h"
+#include "e2lf/recon/fusion.h"
 
 namespace e2lf::pipeline {
 
@@ -48,6 +49,11 @@ class CycleInput {
   /// and the events lost in this way are counted in summary().
   [[nodiscard]] Result<std::optional<CycleImages>> next();
 
+  /// Fuses each cycle with up to `most_cycles` before it, of which a camera with this profile recorded the events: see
+  /// recon::CycleFusion. The images remain those of the last cycle. Fails with kInvalidValue, location "fuse", for
+  /// measurements other than event images and for sums over cycles.
+  [[nodiscard]] Result<void> fuse(const capture::SensorProfile& camera, size_t most_cycles);
+
   /// Returns true if all counts of a file of event images are 0.
   [[nodiscard]] bool is_without_events() const;
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }
@@ -79,6 +85,7 @@ class CycleInput {
   CycleInputOptions options_;
   capture::MeasurementFile file_;
   std::optional<cycles::CycleReader> reader_;
+  std::optional<recon::CycleFusion> fusion_;
   bool has_one_field_ = false;
   size_t taken_ = 0;
   uint64_t saturated_ = 0;  ///< number of events lost to saturated sums

@@ -185,6 +185,11 @@ Result<OpenedMethod> open_method(MethodChoice choice) {
   return opened;
 }
 
+capture::SensorProfile OpenedMethod::sensor() const {
+  if (camera) return *camera;
+  return network ? network->model().camera.value_or(capture::SensorProfile()) : capture::SensorProfile();
+}
+
 bool OpenedMethod::are_patterns_the_models() const {
   return network && are_patterns_stated(codes) && network->model().codes && *network->model().codes == codes->codes;
 }

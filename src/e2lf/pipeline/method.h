@@ -48,6 +48,8 @@ struct OpenedMethod {
   std::optional<capture::Orientation> views;  ///< orientation of the views, as the profile or the events state it
   std::optional<capture::SensorProfile> models_camera;  ///< profile of the network, if the caller specifies another
 
+  /// Returns the profile of the sensor, which is that of the network or of the paper if none is stated.
+  [[nodiscard]] capture::SensorProfile sensor() const;
   /// Returns true if the method accepts sums over several cycles.
   [[nodiscard]] bool takes_sums() const { return network && model::is_conditioned_on_camera(network->model()); }
   /// Returns true if the network was trained for the patterns of the events, as far as these are known.

@@ -82,8 +82,8 @@ void fill_conditioning(std::span<const float> conditioning, float scale, size_t 
   for (const float trait : conditioning) plane = std::fill_n(plane, planes.height * planes.width, scale * trait);
 }
 
-/// Fills the planes of all groups that are made from event counts.
-void fill_counts(const PlanesView<const int16_t>& images, std::span<const model::InputGroup> groups,
+/// Fills the planes of all groups that are made from event counts, which are sums over `cycles`.
+void fill_counts(const PlanesView<const int16_t>& images, size_t cycles, std::span<const model::InputGroup> groups,
                  std::span<const size_t> first_channels, const InputConditions& conditions, InputPlanes& planes) {
   const IntensityTable table(conditions.constants);
   const size_t transitions = images.extents[0], height = images.extents[1], width = images.extents[2];
@@ -98,7 +98,7 @@ void fill_counts(const PlanesView<const int16_t>& images, std::span<const model:
         for (size_t g = 0; g < groups.size(); ++g) {
           if (!is_of_counts(groups[g])) continue;
           float* row = planes.values.data() + ((first_channels[g] + k) * planes.height + y) * planes.width;
-          fill_row(groups[g], counts, state, table, conditions.cycles, row + shift.x);
+          fill_row(groups[g], counts, state, table, cycles, row + shift.x);
           for (size_t x = 0; x < shift.x; ++x) row[x] = row[shift.x + mirrored(x, width, shift.x)];
           for (size_t x = shift.x + width; x < planes.width; ++x) row[x] = row[mirrored(x, shift.x + width)];
         }
@@ -119,6 +119,16 @@ void fill_images(const PlanesView<const float>& images, float scale, const GridS
       float* row = planes.values.data() + ((first_channel + n) * planes.height + y) * planes.width;
       for (size_t x = 0; x < planes.width; ++x) row[x] = scale * from[columns[x]];
     }
+  }
+}
+
+/// Fills the plane of the number of cycles, which differs between pixels.
+void fill_cycles(const PlanesView<const float>& cycles, float scale, const GridShift& shift, size_t channel,
+                 InputPlanes& planes) {
+  fill_images(cycles, scale, shift, channel, planes);
+  const size_t size = planes.height * planes.width;
+  for (float& value : std::span(planes.values).subspan(channel * size, size)) {
+    value = scale * capture::cycles_condition(value / scale);
   }
 }
 
@@ -174,13 +184,20 @@ Result<void> network_input(const capture::MeasurementView& measurement, std::spa
   planes.resize(first_channels.back(), round_up(measurement.height() + conditions.shift.y, size_multiple),
                 round_up(measurement.width() + conditions.shift.x, size_multiple));
   if (std::any_of(groups.begin(), groups.end(), model::is_of_counts)) {
-    fill_counts(measurement.events, groups, first_channels, conditions, planes);
+    const bool is_fused = measurement.is_fused();
+    fill_counts(is_fused ? measurement.fused : measurement.events, is_fused ? capture::kFusedUnits : conditions.cycles,
+                groups, first_channels, conditions, planes);
   }
   for (size_t g = 0; g < groups.size(); ++g) {
     const float scale = groups[g].scale;
     const bool is_image = groups[g].kind == model::InputKind::kImages || groups[g].kind == model::InputKind::kImageSum;
-    if (groups[g].kind == model::InputKind::kCamera)
+    if (groups[g].kind == model::InputKind::kCamera) {
       fill_conditioning(conditions.conditioning, scale, first_channels[g], planes);
+      const size_t of_cycles = first_channels[g] + capture::kCyclesCondition;
+      if (measurement.is_fused() && of_cycles < first_channels[g + 1]) {
+        fill_cycles(measurement.cycles, scale, conditions.shift, of_cycles, planes);
+      }
+    }
     if (is_image) fill_images(measurement.images, scale, conditions.shift, first_channels[g], planes);
     if (groups[g].kind == model::InputKind::kLensArray) {
       fill_lens_array(measurement.images, scale, first_channels[g], planes);

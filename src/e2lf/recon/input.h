@@ -64,17 +64,18 @@ struct GridShift {
 struct InputConditions {
   capture::SensorConstants constants = {};  ///< eps and tau are used for intensities
   std::vector<float> conditioning = {};     ///< the conditioning vector capture::conditioning_vector()
-  size_t cycles = 1;                        ///< number of cycles of a static scene over which counts are summed
-  GridShift shift = {};                     ///< the images are extended by this at the top and on the left
+  size_t cycles = 1;     ///< number of cycles of a static scene over which counts are summed, unless they are fused
+  GridShift shift = {};  ///< the images are extended by this at the top and on the left
 };
 
 /// Makes the input channels of `groups` in `planes`, whose memory is reused, one group after another (see
 /// model::InputKind; C_k, m and J_k as in invert_events() with `centred`). The channels of a camera hold its
-/// conditioning vector, and counts are divided by the number of cycles. Height and width, with the shift, are rounded
-/// up to multiples of `size_multiple`. The additional rows and columns on every side are mirror images: the absence of
-/// events would look like a black frame to a network, and repeated pixels like stripes. The image behind a lens array
-/// could only be extended by whole lenses and therefore allows no shift. Fails with kInvalidValue if a group needs
-/// constants that are not positive. If `measurement` lacks the data for a group, the contract is broken.
+/// conditioning vector, and counts are divided by the number of cycles. Of fused cycles, the fused counts are taken,
+/// and the element for the number of cycles is that of each pixel. Height and width, with the shift, are rounded up to
+/// multiples of `size_multiple`. The additional rows and columns on every side are mirror images: the absence of events
+/// would look like a black frame to a network, and repeated pixels like stripes. The image behind a lens array could
+/// only be extended by whole lenses and therefore allows no shift. Fails with kInvalidValue if a group needs constants
+/// that are not positive. If `measurement` lacks the data for a group, the contract is broken.
 [[nodiscard]] Result<void> network_input(const capture::MeasurementView& measurement,
                                          std::span<const model::InputGroup> groups, const InputConditions& conditions,
                                          size_t size_multiple, InputPlanes& planes);

@@ -163,5 +163,27 @@ TEST(NetworkInput, IntensityNeedsPositiveConstants) {
   EXPECT_EQ(planes.error().code, ErrorCode::kInvalidValue);
 }
 
+TEST(NetworkInput, TakesTheMeansAndTheNumberOfCyclesOfEachPixelFromFusedCycles) {
+  capture::Measurement measurement(capture::EventImages(1, 1, 3));
+  measurement.events.values = {9, 9, 9};
+  measurement.fused.counts = capture::EventImages(1, 1, 3);
+  measurement.fused.counts.values = {64, 160, -32};  // 1, 2.5 and -0.5 events
+  measurement.fused.cycles = Planes<float>(1, 1, 3);
+  measurement.fused.cycles.values = {1, 4, 2};
+  const std::vector<model::InputGroup> groups = {{model::InputKind::kCounts, 2.0F}, {model::InputKind::kCamera, 1.0F}};
+  InputConditions conditions;
+  conditions.conditioning.assign(capture::kNumFixedConditions, 0.5F);
+  InputPlanes planes;
+  ASSERT_TRUE(network_input(measurement, groups, conditions, 4, planes));
+  ASSERT_EQ(planes.width, 4U);
+  const auto row = [&](size_t channel) {
+    const auto image = planes.image(channel).first(4);
+    return std::vector<float>(image.begin(), image.end());
+  };
+  EXPECT_EQ(row(0), (std::vector<float>{2, 5, -1, -1}));  // the last one is a mirror image
+  EXPECT_EQ(row(1), (std::vector<float>{0.5, 0.5, 0.5, 0.5}));
+  EXPECT_EQ(row(1 + capture::kCyclesCondition), (std::vector<float>{0, 0.5, 0.25, 0.25}));
+}
+
 }  // namespace
 }  // namespace e2lf::recon

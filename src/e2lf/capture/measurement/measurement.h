@@ -67,6 +67,15 @@ inline constexpr Choice<MeasurementKind> kMeasurementKinds[] = {{"event-images",
 /// Returns the number of intensity images for N patterns, or 0 for a kind without any.
 [[nodiscard]] size_t num_images(MeasurementKind kind, size_t num_patterns);
 
+/// The unit of fused counts: 1/64 of an event.
+inline constexpr size_t kFusedUnits = 64;
+
+/// Event images of a cycle that were fused with those of the cycles before (recon::CycleFusion).
+struct FusedCycles {
+  EventImages counts;    ///< means over cycles in kFusedUnits, [transition, y, x]
+  Planes<float> cycles;  ///< effective number of cycles of each pixel, [1, y, x]; at least 1
+};
+
 /// The measurement of one light field.
 struct Measurement {
   Measurement() = default;
@@ -76,6 +85,7 @@ struct Measurement {
   MeasurementKind kind = MeasurementKind::kEventImages;
   EventImages events;       ///< empty if the kind has none
   CodedIntensities images;  ///< num_images() of them
+  FusedCycles fused;        ///< what a network receives in place of `events`; empty if cycles are not fused
 
   [[nodiscard]] size_t height() const { return has_events(kind) ? events.height : images.height; }
   [[nodiscard]] size_t width() const { return has_events(kind) ? events.width : images.width; }
@@ -85,14 +95,21 @@ struct Measurement {
 struct MeasurementView {
   // What owns the memory converts implicitly, as to other views.
   MeasurementView(const Measurement& owner)  // NOLINT(google-explicit-constructor)
-      : kind(owner.kind), events(owner.events), images(owner.images) {}
+      : kind(owner.kind),
+        events(owner.events),
+        images(owner.images),
+        fused(owner.fused.counts),
+        cycles(owner.fused.cycles) {}
   MeasurementView(const EventImages& owner) : events(owner) {}                    // NOLINT(google-explicit-constructor)
   MeasurementView(const PlanesView<const int16_t>& events_) : events(events_) {}  // NOLINT(google-explicit-constructor)
 
   MeasurementKind kind = MeasurementKind::kEventImages;
   PlanesView<const int16_t> events;
   PlanesView<const float> images;
+  PlanesView<const int16_t> fused;  ///< FusedCycles::counts, of the same size as `events`, or empty
+  PlanesView<const float> cycles;   ///< FusedCycles::cycles
 
+  [[nodiscard]] bool is_fused() const { return fused.size() > 0; }
   [[nodiscard]] size_t height() const { return (has_events(kind) ? events.extents : images.extents)[1]; }
   [[nodiscard]] size_t width() const { return (has_events(kind) ? events.extents : images.extents)[2]; }
 };

@@ -235,7 +235,7 @@ std::vector<float> conditioning_vector(const ConditioningSource& source, size_t 
     conditioning = {0.0F, tau, tau, paper.sigma_w / 0.1F, paper.sigma_z / 0.04F, 0.0F, 0.0F, source.residue};
     conditioning.resize(kNumFixedConditions - 1);
   }
-  conditioning.push_back(0.25F * std::log2(static_cast<float>(source.cycles)));
+  conditioning.push_back(cycles_condition(static_cast<float>(source.cycles)));
   E2LF_REQUIRE(conditioning.size() == kNumFixedConditions, "the conditioning vector has a fixed length");
   const auto transmission = [&](size_t k) { return k < source.transmission.size() ? source.transmission[k] : 1.0F; };
   for (size_t k = 1; k + 1 < num_patterns; ++k)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -140,6 +141,11 @@ struct SensorProfile {
 
 /// Lengths of the conditioning vector, whose numbers lie approximately in [-1, 1]; see conditioning_vector().
 inline constexpr size_t kNumFixedConditions = 16;
+/// The place of the number of cycles in it, and the element for counts that are averaged over `cycles` >= 1.
+inline constexpr size_t kCyclesCondition = kNumFixedConditions - 1;
+[[nodiscard]] inline float cycles_condition(float cycles) {
+  return 0.25F * std::log2(cycles);
+}
 [[nodiscard]] inline size_t conditioning_size(size_t num_patterns) {
   return kNumFixedConditions + num_patterns - 2;
 }

@@ -149,9 +149,17 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   return cycles::CycleReader::open(std::move(reader), options);
 }
 
+void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* of_one_result) {
+  add_count(app, "--fuse", most_cycles, 1, capture::kFusedUnits,
+            cat("number of cycles: each pixel is the mean of up to so many cycles since the scene last changed there, "
+                "for each ",
+                of_one_result, ", of which every cycle gives one"));
+}
+
 Error by_flag(Error error, const fs::path& input) {
   constexpr std::pair<const char*, const char*> kFlags[] = {{"camera", "--camera"},
                                                             {"cycles", "--cycles-per-field"},
+                                                            {"fuse", "--fuse"},
                                                             {"invert_polarity", "--invert-polarity"},
                                                             {"max_cycles", "--max-cycles"},
                                                             {"origin_us", "--origin-us"},

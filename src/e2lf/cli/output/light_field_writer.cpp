@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/cli/output/light_field_writer.h"
 
+#include <numeric>
+
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
@@ -60,6 +62,9 @@ Result<void> LightFieldWriter::process(const pipeline::CycleImages& cycle, const
   if (field.motion) {
     about["motion"] = *field.motion;
     about["transitions"] = field.is_of_lit ? "lit" : "all";
+  }
+  if (const auto& cycles = cycle.images.fused.cycles.values; !cycles.empty()) {
+    about["fused_cycles"] = std::reduce(cycles.begin(), cycles.end(), 0.0) / static_cast<double>(cycles.size());
   }
   about["latency_s"] = cycle.behind_s + seconds_since(cycle.ready);
   about.update(comparison);

@@ -188,7 +188,7 @@ struct DepthArguments {
   std::optional<size_t> view_row, view_column;
   LightFieldFlags light_field;
   MethodFlags method;
-  size_t cycles_per_map = 1;
+  size_t cycles_per_map = 1, fuse = 1;
   CycleFlags cycles;
 };
 
@@ -270,6 +270,7 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
     return fail(ErrorCode::kInvalidValue, "--cycles-per-map", method.network->model().name,
                 " takes one cycle for each map");
   }
+  if (arguments.fuse > 1) E2LF_RETURN_IF_ERROR(by_flag(input.fuse(method.sensor(), arguments.fuse), path));
   note_method(method, path, arguments.method.codes.model, 1, record);
   record.end_step("open");
   const capture::Orientation views =
@@ -351,6 +352,7 @@ int run_depth(const std::vector<std::string>& arguments) {
   add_method_options(app, depth_arguments.method, "the file of the events");
   add_count(app, "--cycles-per-map", depth_arguments.cycles_per_map, 1, 64,
             "events: number of cycles of a static scene from which each map is estimated");
+  add_fuse_option(app, depth_arguments.fuse, "map");
   add_cycle_options(app, depth_arguments.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] { return run(depth_arguments, verb); });

@@ -26,7 +26,7 @@ struct ReconstructArguments {
   fs::path input, output;
   MethodFlags method_flags;
   std::string method = "network", format = "png";
-  size_t passes = 1, cycles_per_field = 1;
+  size_t passes = 1, cycles_per_field = 1, fuse = 1;
   CycleFlags cycles;
   OrientationFlags orientation;
 };
@@ -88,9 +88,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   const MethodFlags& flags = arguments.method_flags;
   // Before there is an output, because the program that continues would find it unfinished.
   E2LF_RETURN_IF_ERROR(find_device(flags.device));
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb,
-                                                                {arguments.input, flags.codes.model, flags.codes.codes,
-                                                                 arguments.cycles.schedule, flags.camera}));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb, {arguments.input}));
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(flags, record));
   choice.algorithm = arguments.method;
@@ -119,6 +117,9 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_RETURN_IF_ERROR(complete_choice(flags, std::move(setup), record, choice));
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method,
                         by_flag(pipeline::open_method(std::move(choice)), arguments.input));
+  if (arguments.fuse > 1) {
+    E2LF_RETURN_IF_ERROR(by_flag(input.fuse(method.sensor(), arguments.fuse), arguments.input));
+  }
   const pipeline::MethodUse use{.passes = arguments.passes, .cycles = arguments.cycles_per_field};
   E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(flags));
   E2LF_ASSIGN_OR_RETURN(pipeline::FieldSequence sequence,
@@ -188,6 +189,7 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   add_count(app, "--cycles-per-field", reconstruction.cycles_per_field, 1, 64,
             "number of cycles of a static scene from which each light field is reconstructed: better with each "
             "doubling; for networks conditioned on the sensor profile");
+  add_fuse_option(app, reconstruction.fuse, "light field");
   add_choice(app, "--format", reconstruction.format, {"png", "png16", "npy"},
              "png, png16 (64 views) or npy (float32 [8, 8, y, x], not clamped)");
   add_cycle_options(app, reconstruction.cycles);

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/recon/fusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "e2lf/capture/patterns/codes.h"
+#include "e2lf/files/bundled_files.h"
+#include "e2lf/lightfield/scene.h"
+#include "e2lf/recon/input.h"
+#include "e2lf/sensor/event_model.h"
+#include "e2lf/sensor/pixel_model.h"
+
+namespace e2lf::recon {
+namespace {
+
+constexpr size_t kSize = 96;
+
+/// Black and four quarters of the aperture.
+capture::Codes quarters() {
+  capture::Codes codes(5, 8, 8);
+  for (size_t cell = 0; cell < 64; ++cell) codes.values[(1 + cell / 32 * 2 + cell % 8 / 4) * 64 + cell] = 1.0F;
+  return codes;
+}
+
+capture::SensorProfile camera(const std::string& name) {
+  if (name == "paper") return {};
+  return capture::read_camera(*bundled_file_named(kBundledCameras, name)).value();
+}
+
+capture::EventImages play(const capture::Codes& codes, const lightfield::LightField& scene,
+                          const capture::SensorProfile& camera, uint64_t seed) {
+  if (camera.is_pixel()) return sensor::simulate_pixel_events(codes, scene, camera, {.seed = seed}).value();
+  return sensor::simulate_events(codes, scene, {.constants = camera.constants, .seed = seed}).value();
+}
+
+/// Adds a bright square of 32 px, whose left edge is at `left`, to every view.
+lightfield::LightField with_square(lightfield::LightField field, size_t left) {
+  for (size_t view = 0; view < 64; ++view) {
+    for (size_t y = 32; y < 64; ++y) {
+      float* const row = field.data().data() + (view * kSize + y) * kSize;
+      for (size_t x = left; x < left + 32; ++x) row[x] = (x - left) / 4 % 2 == y / 4 % 2 ? 0.9F : 0.2F;
+    }
+  }
+  return field;
+}
+
+class Fusion : public testing::TestWithParam<std::tuple<const char*, bool>> {
+ protected:
+  capture::SensorProfile sensor = camera(std::get<0>(GetParam()));
+  capture::Codes codes = std::get<1>(GetParam()) ? capture::whole_cycle(quarters()) : quarters();
+  lightfield::LightField scene = lightfield::render_light_field(lightfield::demo_scene(), {8, 8, kSize, kSize, 1});
+};
+
+TEST_P(Fusion, OfAStillSceneIsTheMeanOfTheCycles) {
+  constexpr size_t kCycles = 8;
+  CycleFusion fusion(sensor, kCycles);
+  std::vector<double> sums;
+  double restarted = 0;
+  for (uint64_t seed = 1; seed <= kCycles; ++seed) {
+    const capture::EventImages cycle = play(codes, scene, sensor, seed);
+    sums.resize(cycle.values.size());
+    for (size_t i = 0; i < sums.size(); ++i) sums[i] += cycle.values[i];
+    fusion.add(cycle);
+    if (seed > 1) restarted += fusion.changed();
+  }
+  // A false alarm makes 5x5 blocks start again.
+  EXPECT_LT(restarted / (kCycles - 1), 25 * kFalseAlarmRate);
+  size_t different = 0;
+  for (size_t i = 0; i < sums.size(); ++i) {
+    const bool is_mean = fusion.fused().cycles.values[i % (kSize * kSize)] == kCycles;
+    const double mean = fusion.fused().counts.values[i] / static_cast<double>(capture::kFusedUnits);
+    different += is_mean && std::abs(mean - sums[i] / kCycles) > 0.05 ? 1 : 0;
+  }
+  EXPECT_EQ(different, 0U);
+}
+
+TEST_P(Fusion, StartsAgainWhereASquareMovesAndNowhereElse) {
+  CycleFusion fusion(sensor, 16);
+  capture::EventImages last;
+  for (uint64_t seed = 1; seed <= 6; ++seed) {
+    last = play(codes, with_square(scene, 16 + 4 * seed), sensor, seed);
+    fusion.add(last);
+  }
+  size_t stale = 0, moving = 0, kept = 0, still = 0;
+  for (size_t y = 0; y < kSize; ++y) {
+    for (size_t x = 0; x < kSize; ++x) {
+      const float cycles = fusion.fused().cycles.values[y * kSize + x];
+      if (y >= 34 && y < 62 && x >= 38 && x < 70) ++moving, stale += cycles > 1 ? 1 : 0;
+      if (y < 20 || y >= 76 || x < 8 || x >= 84) ++still, kept += cycles == 6 ? 1 : 0;
+    }
+  }
+  EXPECT_LT(static_cast<double>(stale), 0.02 * static_cast<double>(moving));
+  EXPECT_GT(static_cast<double>(kept), 0.95 * static_cast<double>(still));
+  // Pixels that started again hold the last cycle alone.
+  for (size_t i = 0; i < last.values.size(); ++i) {
+    if (fusion.fused().cycles.values[i % (kSize * kSize)] != 1) continue;
+    ASSERT_EQ(fusion.fused().counts.values[i], static_cast<int>(capture::kFusedUnits) * last.values[i]);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, Fusion, testing::Combine(testing::Values("paper", "evk4-lcos"), testing::Bool()));
+
+TEST(CycleFusion, BoundsTheWeightOfOldCycles) {
+  CycleFusion fusion({}, 4);
+  for (int cycle = 0; cycle < 40; ++cycle) {
+    capture::EventImages images(2, 5, 7);
+    std::ranges::fill(images.values, int16_t{3});
+    fusion.add(images);
+  }
+  EXPECT_NEAR(fusion.fused().cycles.values[0], 7, 1e-3);  // 2 x 4 - 1
+  EXPECT_TRUE(
+      std::ranges::all_of(fusion.fused().counts.values, [](int16_t mean) { return mean == 3 * capture::kFusedUnits; }));
+}
+
+TEST(CycleFusion, StartsAgainWithAnotherSize) {
+  CycleFusion fusion({}, 4);
+  fusion.add(capture::EventImages(2, 5, 7));
+  fusion.add(capture::EventImages(2, 5, 7));
+  EXPECT_EQ(fusion.changed(), 0);
+  fusion.add(capture::EventImages(3, 4, 9));
+  EXPECT_EQ(fusion.changed(), 1);
+  EXPECT_EQ(fusion.fused().counts.count, 3U);
+  EXPECT_EQ(fusion.fused().cycles.values.size(), 36U);
+}
+
+TEST(CycleFusion, LimitsCountsOfDamagedPixels) {
+  CycleFusion fusion({}, 4);
+  capture::EventImages images(1, 2, 2);
+  images.values = {INT16_MAX, INT16_MIN, 1, -1};
+  fusion.add(images);
+  EXPECT_EQ(fusion.fused().counts.values, (std::vector<int16_t>{511 * 64, -512 * 64, 64, -64}));
+}
+
+}  // namespace
+}  // namespace e2lf::recon
