@@ -14,9 +14,11 @@ using capture::PixelConstant;
 
 constexpr size_t kBlock = 2;  // px along each axis that start again together
 constexpr int kUnits = capture::kFusedUnits;
-constexpr int kLevelsPerEvent = 4;      // of the table of variances
-constexpr int kMostLevel = 64;          // in events; levels beyond have the variance of the last one
-constexpr float kRounding = 1.0F / 12;  // variance of a rounded count
+constexpr int kLevelsPerEvent = 4;  // of the table of variances
+constexpr int kMostLevel = 64;      // in events; levels beyond have the variance of the last one
+/// What is added to the variance of a count for its rounding. Of physical pixels, whose noise is small, most see the
+/// same count in each cycle.
+constexpr float kRounding = 1.0F / 12, kRoundingOfPixels = 1.0F / 60;
 constexpr int kWeightBits = 14;
 constexpr size_t kMost = 64;  // cycles
 
@@ -38,10 +40,9 @@ float reference_variance(const capture::SensorProfile& camera) {
 }
 
 /// Returns what a chi-squared variable with `freedom` degrees of freedom, divided by them, exceeds as rarely as a
-/// normal one exceeds five standard deviations (Wilson and Hilferty 1931). Noisy thresholds make counts exceed it more
-/// often, but less than at kFalseAlarmRate.
+/// normal one exceeds 4.5 standard deviations (Wilson and Hilferty 1931).
 float limit_of(double freedom) {
-  constexpr double kDeviations = 5;
+  constexpr double kDeviations = 4.5;
   const double share = 2 / (9 * freedom);
   return static_cast<float>(std::pow(1 - share + kDeviations * std::sqrt(share), 3));
 }
@@ -83,14 +84,15 @@ void sum_windows(std::span<float> plane, size_t height, size_t width) {
   });
 }
 
-/// Sets everything within the reach of the windows of what is set: two blocks to each side.
+/// Sets everything within three blocks of what is set: within the reach of the windows, and where a moving thing has
+/// weak texture beside what is seen to move.
 void dilate(std::vector<uint8_t>& mask, size_t height, size_t width) {
-  constexpr size_t kReach = 2;
+  constexpr size_t kReach = 3;
   std::vector<uint8_t> across(mask.size()), row(width + 2 * kReach);
   for (size_t y = 0; y < height; ++y) {
     std::copy_n(mask.begin() + static_cast<ptrdiff_t>(y * width), width, row.begin() + kReach);
     uint8_t* const to = across.data() + y * width;
-    for (size_t x = 0; x < width; ++x) to[x] = row[x] | row[x + 1] | row[x + 2] | row[x + 3] | row[x + 4];
+    for (size_t x = 0; x < width; ++x) to[x] = *std::max_element(&row[x], &row[x] + 2 * kReach + 1);
   }
   std::ranges::fill(mask, uint8_t{0});
   for (size_t y = 0; y < height; ++y) {
@@ -112,6 +114,7 @@ CycleFusion::CycleFusion(const capture::SensorProfile& camera, size_t most_cycle
   const bool is_pixel = camera.is_pixel();
   threshold_on_ = is_pixel ? camera.pixel[PixelConstant::kThresholdOn] : camera.constants.tau;
   threshold_off_ = is_pixel ? camera.pixel[PixelConstant::kThresholdOff] : camera.constants.tau;
+  rounding_ = is_pixel ? kRoundingOfPixels : kRounding;
   threshold_spread_ = is_pixel ? 0 : camera.constants.sigma_z / camera.constants.tau;
   for (int level = 0; level <= kMostLevel * kLevelsPerEvent; ++level) {
     variances_.push_back(level_variance(camera, threshold_on_ * static_cast<float>(level) / kLevelsPerEvent));
@@ -162,7 +165,7 @@ void CycleFusion::compare(const PlanesView<const int16_t>& cycle) {
     std::vector<int> level(blocks_x), residual(fused_.counts.width), mean(fused_.counts.width);
     for (size_t block_y = begin; block_y < end; ++block_y) {
       std::ranges::fill(level, 0);
-      std::vector<float> before(blocks_x, reference_variance_ / (threshold_on_ * threshold_on_) + kRounding);
+      std::vector<float> before(blocks_x, reference_variance_ / (threshold_on_ * threshold_on_) + rounding_);
       const size_t first = block_y * kBlock, rows = std::min(kBlock, fused_.counts.height - first);
       for (size_t k = 0; k < fused_.counts.count; ++k) {
         std::ranges::fill(residual, 0);
@@ -187,7 +190,7 @@ void CycleFusion::compare(const PlanesView<const int16_t>& cycle) {
           const float threshold = count < 0 ? threshold_off_ : threshold_on_;
           // What noisy thresholds add to one count, the next one takes back.
           const float spread = threshold_spread_ * static_cast<float>(count) / kUnits;
-          const float variance = variance_at(level[x]) / (threshold * threshold) + spread * spread + kRounding;
+          const float variance = variance_at(level[x]) / (threshold * threshold) + spread * spread + rounding_;
           sums[x] = static_cast<float>(residual[left] + (columns == 2 ? residual[right] : 0)) / kUnits;
           expected[x] = static_cast<float>(pixels) * (1 + 1 / effective_[added[x]]) * (before[x] + variance);
           before[x] = variance;

@@ -11,8 +11,8 @@
 namespace e2lf::recon {
 
 /// The largest share of the windows of a still scene in which a new cycle seems to show a change, with the sensors
-/// `paper` and `evk4-lcos`. Each false alarm makes 10x10 px start again.
-inline constexpr double kFalseAlarmRate = 2e-4;
+/// `paper` and `evk4-lcos`. Each false alarm makes 14x14 px start again.
+inline constexpr double kFalseAlarmRate = 1e-3;
 
 /// Fuses the cycles of a scene of which parts move: each pixel holds the mean of the cycles since the scene last
 /// changed there.
@@ -48,6 +48,7 @@ class CycleFusion {
   size_t most_cycles_;
   float threshold_on_ = 0, threshold_off_ = 0;  ///< natural logarithm
   float threshold_spread_ = 0;                  ///< relative standard deviation from one transition to the next
+  float rounding_ = 0;                          ///< variance of a rounded count
   float reference_variance_;                    ///< of the reference at the beginning of a cycle
   std::vector<float> variances_;                ///< of the log intensity, by the level in quarters of an event
   std::vector<float> effective_;                ///< number of cycles, by the number of cycles added

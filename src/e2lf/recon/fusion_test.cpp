@@ -65,8 +65,8 @@ TEST_P(Fusion, OfAStillSceneIsTheMeanOfTheCycles) {
     fusion.add(cycle);
     if (seed > 1) restarted += fusion.changed();
   }
-  // A false alarm makes 5x5 blocks start again.
-  EXPECT_LT(restarted / (kCycles - 1), 25 * kFalseAlarmRate);
+  // A false alarm makes 7x7 blocks start again.
+  EXPECT_LT(restarted / (kCycles - 1), 49 * kFalseAlarmRate);
   size_t different = 0;
   for (size_t i = 0; i < sums.size(); ++i) {
     const bool is_mean = fusion.fused().cycles.values[i % (kSize * kSize)] == kCycles;
@@ -92,7 +92,7 @@ TEST_P(Fusion, StartsAgainWhereASquareMovesAndNowhereElse) {
     }
   }
   EXPECT_LT(static_cast<double>(stale), 0.02 * static_cast<double>(moving));
-  EXPECT_GT(static_cast<double>(kept), 0.95 * static_cast<double>(still));
+  EXPECT_GT(static_cast<double>(kept), 0.75 * static_cast<double>(still));
   // Pixels that started again hold the last cycle alone.
   for (size_t i = 0; i < last.values.size(); ++i) {
     if (fusion.fused().cycles.values[i % (kSize * kSize)] != 1) continue;

@@ -145,7 +145,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   E2LF_ASSIGN_OR_RETURN(recordings::OpenOptions open, open_options(arguments.input, arguments.recording, true));
   // Before a stream is opened, because it cannot be repeated.
   std::vector<ConvertedPart> parts;
-  E2LF_ASSIGN_OR_RETURN(ConvertedPart first, create_part(arguments, *codec, 1, common));
+  E2LF_ASSIGN_OR_RETURN(ConvertedPart first, create_part(arguments, *codec, 1, verb));
   parts.push_back(std::move(first));
   // A replay can be repeated.
   if (codec->is_written_at_end && is_live(arguments.input) &&
@@ -162,7 +162,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
     E2LF_RETURN_IF_ERROR(convert_part(arguments, *reader, parts.back(), verb));
     E2LF_ASSIGN_OR_RETURN(more, reader->next_part());
     if (!more) break;
-    E2LF_ASSIGN_OR_RETURN(ConvertedPart next, create_part(arguments, *codec, parts.size() + 1, common));
+    E2LF_ASSIGN_OR_RETURN(ConvertedPart next, create_part(arguments, *codec, parts.size() + 1, verb));
     parts.push_back(std::move(next));
   }
   Json json;

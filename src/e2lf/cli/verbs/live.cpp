@@ -161,13 +161,12 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
     instrument.makers.emplace_back(*best.network);
   }
   instrument.makers.emplace_back(*method.network);
-  E2LF_ASSIGN_OR_RETURN(std::optional<diagnose::FieldCheck> check, diagnose::FieldCheck::create(method, {}));
-  if (check) {
-    instrument.options.check = [check = *std::move(check)](const capture::EventImages& events) {
-      const auto explained = check.judge_events(events);
-      return explained && *explained ? (*explained)->findings : diagnose::Findings();
-    };
-  }
+  instrument.options.check = [method](const capture::EventImages& events, size_t summed) {
+    const auto check = diagnose::FieldCheck::create(method, {.cycles = summed});
+    if (!check || !*check) return diagnose::Findings();  // for example, a network that takes no sums
+    const auto explained = (*check)->judge_events(events);
+    return explained && *explained ? (*explained)->findings : diagnose::Findings();
+  };
   instrument.fine = fine_method(*best.network, instrument.options.views);
   return instrument;
 }
