@@ -8,12 +8,13 @@ import argparse
 import re
 
 import numpy as np
+from numpy.typing import NDArray
 
 SIZES = {"dvs128": (128, 128), "davis240": (240, 180), "davis346": (346, 260), "davis128": (128, 128),
          "davis208": (208, 192), "davis640": (640, 480)}
 
 
-def read(path):
+def read(path: str) -> tuple[str, NDArray[np.uint32]]:
     """Returns the lines of the header and the records: big-endian addresses and times in us."""
     data = open(path, "rb").read()
     if not data.startswith(b"#!AER-DAT2"):
@@ -25,7 +26,7 @@ def read(path):
     return data[:begin].decode("latin-1").lower(), np.frombuffer(data, ">u4", 2 * count, begin).reshape(count, 2)
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("input")
     parser.add_argument("output")

@@ -38,7 +38,6 @@ find . -type f ! -name before.txt -print0 | sort -z | xargs -0 sha256sum >before
 refused "is an input" "$E2LF" depth ev.npz --codes own.npy -o own.npy --overwrite
 refused "is an input" "$E2LF" simulate demo/scene --codes ev.npz -o ev.npz --overwrite
 refused "is an input" "$E2LF" model store own.safetensors -o own.safetensors --overwrite
-refused "is an input" "$E2LF" accumulate cap/rec.raw --codes own.npy -o x.npz --report own.npy --overwrite
 mkdir folder.npz
 refused "a folder has this name" "$E2LF" simulate demo/scene -o folder.npz --overwrite
 ln "$PWD/cap/rec.raw" same.raw

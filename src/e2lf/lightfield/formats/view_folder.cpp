@@ -329,6 +329,11 @@ std::optional<ViewFiles> list_pairs(const std::vector<fs::path>& files) {
   return most;
 }
 
+/// Returns whether e2lf writes a picture of this name beside the views of a light field.
+bool is_overview(const fs::path& file) {
+  return file.filename() == "contact_sheet.png" || file.filename() == "epi.png";
+}
+
 }  // namespace
 
 Result<ViewFiles> list_views(const fs::path& folder) {
@@ -338,7 +343,7 @@ Result<ViewFiles> list_views(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const fs::path& file = entry->path();
     const auto view = parse_view_name(file);
-    if (!view && is_image_name(file)) others.push_back(file);
+    if (!view && is_image_name(file) && !is_overview(file)) others.push_back(file);
     if (!view) continue;
     ViewFiles& views = kinds[view->kind];
     views.kind = view->kind;

@@ -69,7 +69,7 @@ constexpr Beginning kBeginnings[] = {
     {"#!AER-DAT4"sv, 0, "an AEDAT4 recording whose header is damaged; record or copy the file again"},
     {"#!AER-DAT2"sv, 0,
      "an AEDAT recording of version 2; convert it with examples/python/aedat2_to_csv.py, or let v2e write its events "
-     "with --dvs_h5"},
+     "with its option dvs_h5"},
     {"#!AER-DAT"sv, 0, "an AEDAT recording of version 1 or 3; convert it to AEDAT4 with the converter of DV"},
     {"[["sv, 0, "JSON; write the events as .csv or .npy"},
     {"[{"sv, 0, "JSON; write the events as .csv or .npy"},
