@@ -30,6 +30,13 @@ constexpr int kSilenceMs = 5'000;        // longest time in which a client accep
 constexpr int kMostConnections = 500;    // further ones are closed
 constexpr size_t kMostRequests = 1'000;  // of one connection
 
+/// Returns true if bytes follow the head of a request. No request of the page has any.
+bool has_body(const httplib::Request& request) {
+  const auto lengths = request.headers.equal_range("Content-Length");
+  return request.has_header("Transfer-Encoding") ||
+         std::any_of(lengths.first, lengths.second, [](const auto& length) { return length.second != "0"; });
+}
+
 /// One connection, whose waiting ends at a stop or at the deadline of the request.
 class Connection : public httplib::Stream {
  public:
@@ -58,6 +65,13 @@ class Connection : public httplib::Stream {
   ssize_t write(const char* data, size_t size) override {
     if (!wait_for(POLLOUT, Clock::now() + std::chrono::milliseconds(kSilenceMs))) return -1;
     return ::send(socket_, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+  }
+
+  /// Ends the answers, and discards what the client still sends until the deadline of the request: if the socket were
+  /// closed with unread bytes in it, the system would reset the connection and the client could lose the answer.
+  void discard_rest() {
+    ::shutdown(socket_, SHUT_WR);
+    while (wait_for(POLLIN, deadline_) && ::recv(socket_, buffer_.data(), buffer_.size(), 0) > 0) continue;
   }
 
   [[nodiscard]] bool is_readable() const override { return !is_over_; }
@@ -122,9 +136,17 @@ class ConnectionServer : public httplib::Server {
   bool process_and_close_socket(socket_t socket) override {
     bool is_good = connections_++ < kMostConnections, is_closed = !is_good;
     Connection connection(socket, is_over_);
-    for (size_t request = 1; !is_closed && is_good && connection.begin_request(); ++request) {
-      is_good = process_request(connection, request == kMostRequests, is_closed, nullptr);
-      if (request == kMostRequests) break;
+    for (size_t number = 1; !is_closed && is_good && connection.begin_request(); ++number) {
+      // Bodies are not read, and of a request whose head is wrong it is unknown where it ends. What follows would be
+      // executed as the next request, so the connection ends after the answer.
+      bool is_whole = false;
+      is_good = process_request(connection, number == kMostRequests, is_closed, [&](httplib::Request& request) {
+        is_whole = !has_body(request);
+        if (!is_whole) request.headers.erase("Connection");
+        if (!is_whole) request.set_header("Connection", "close");  // httplib repeats it in the answer
+      });
+      if (!is_whole) connection.discard_rest();
+      if (!is_whole || number == kMostRequests) break;
     }
     --connections_;
     ::shutdown(socket, SHUT_RDWR);

@@ -30,7 +30,8 @@ using Answerer = std::function<std::optional<Answer>(const Question&)>;
 /// Serves a document and its page to browsers on this computer, and nothing else: it never opens a file named by a
 /// request. It listens on 127.0.0.1 only. Every address contains a secret of 128 random bits. A request is refused
 /// (403) unless its Host is this server's own: a page of another site that resolves its name to 127.0.0.1 has another
-/// Host. It is also refused if its Origin or Sec-Fetch-Site shows that it comes from another site.
+/// Host. It is also refused if its Origin or Sec-Fetch-Site shows that it comes from another site. Bodies of requests
+/// are not read: the connection ends after the answer to a request that has one.
 class Server {
  public:
   /// Binds the port; 0 selects any free one. `answerer` receives commands and the requests that the document does not

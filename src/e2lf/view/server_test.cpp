@@ -63,5 +63,51 @@ TEST(Server, RequestsThatNeverEndNeitherBlockThePageNorTheStop) {
   running.join();
 }
 
+TEST(Server, WhatFollowsARequestWithABodyIsNotExecuted) {
+  size_t commands = 0;
+  const std::unique_ptr<Server> server = Server::create(Document(), 0, [&](const Question& question) {
+                                           commands += question.is_command;
+                                           return std::optional<Answer>({200, "text/plain", "done"});
+                                         }).value();
+  const std::string url = server->url(), port = url.substr(17, url.find('/', 17) - 17);
+  const std::string path = url.substr(17 + port.size()), host = " HTTP/1.1\r\nHost: 127.0.0.1:" + port + "\r\n";
+  std::thread running([&] { EXPECT_TRUE(server->run()); });
+  const std::string hidden = "POST " + path + "hidden" + host + "\r\n";
+  const std::string length = "Content-Length: " + std::to_string(hidden.size()) + "\r\n";
+  const auto answers = [&](const std::string& text) {
+    const Client client(static_cast<uint16_t>(std::stoi(port)));
+    client.send(text);
+    const std::string all = client.received();
+    std::vector<std::string> codes;
+    for (size_t at = 0; (at = all.find("HTTP/1.1 ", at)) != std::string::npos; ++at) {
+      codes.push_back(all.substr(at + 9, 3));
+    }
+    return codes;
+  };
+  using Codes = std::vector<std::string>;
+  const std::string foreign = "Origin: http://evil.example\r\n", chunked = "Transfer-Encoding: chunked\r\n";
+  EXPECT_EQ(answers("POST /x" + host + foreign + length + "\r\n" + hidden), Codes{"403"});
+  EXPECT_EQ(answers("POST /x" + host + foreign + chunked + "\r\n" + hidden), Codes{"403"});
+  EXPECT_EQ(answers("POST /x" + host + foreign + "Connection: keep-alive\r\n" + length + "\r\n" + hidden),
+            Codes{"403"});
+  EXPECT_EQ(answers("POST /x" + host + "Content-Length: 0\r\n" + foreign + length + "\r\n" + hidden), Codes{"403"});
+  EXPECT_EQ(answers("PUT " + path + host + length + "\r\n" + hidden), Codes{"405"});
+  EXPECT_EQ(answers("POST /x" + host + length + "\r\n" + hidden), Codes{"404"});
+  EXPECT_EQ(answers("GET /x" + host + length + "\r\n" + hidden), Codes{"404"});
+  EXPECT_EQ(answers("GET " + path + host + length + "\r\n" + hidden), Codes{"200"});
+  EXPECT_EQ(answers("nonsense\r\n" + hidden), Codes{"400"});
+  EXPECT_EQ(answers("GET /" + std::string(10'000, 'x') + host + "\r\n" + hidden), Codes{"414"});
+  EXPECT_EQ(answers("POST /x" + host + foreign + "Content-Length: 1000000\r\n\r\n" + std::string(1'000'000, 'x')),
+            Codes{"403"});
+  EXPECT_EQ(commands, 0u);
+  // Requests of the page, which have no body, share a connection.
+  const std::string last = "GET " + path + "version" + host + "Connection: close\r\n\r\n";
+  EXPECT_EQ(answers("POST " + path + "command" + host + "Content-Length: 0\r\n\r\n" + hidden + last),
+            (Codes{"200", "200", "200"}));
+  EXPECT_EQ(commands, 2u);
+  server->end();
+  running.join();
+}
+
 }  // namespace
 }  // namespace e2lf::view
