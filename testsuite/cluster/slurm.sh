@@ -82,7 +82,8 @@ JSON
 }
 
 check_reconstruct() {
-  local names=(a b c) name
+  local names=(a/recording b/recording c) name
+  mkdir a b
   e2lf demo -o demo --width 64 --height 48 --quiet >demo.txt
   for name in "${names[@]}"; do
     e2lf simulate demo/scene -m e2lf-n4 -o "$name.raw" --quiet
@@ -90,7 +91,7 @@ check_reconstruct() {
   done >list.txt
   sbatch --wait --array="1-$(wc -l <list.txt)" --output=reconstruct_%a.out "$jobs/reconstruct.sbatch" list.txt e2lf-n4 \
     fields >submitted.txt
-  for name in "${names[@]}"; do test -s "fields/$name/run.json"; done
+  for name in "${names[@]}"; do test -s "fields/$name.raw-lightfield/run.json"; done
   echo "slurm: three tasks reconstructed three recordings"
 }
 
