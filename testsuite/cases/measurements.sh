@@ -5,10 +5,12 @@ check_info() { # file, expression on the answer of info
   check "$(json info.json "$2")"
 }
 "$E2LF" simulate demo/scene --measurement coded-images -o coded.npz --quiet
-"$E2LF" simulate demo/scene --measurement hybrid --sigma-i 0 -o hybrid.npz --seed 4 --quiet
+"$E2LF" simulate demo/scene --measurement hybrid --sigma-i 0 -o hybrid.npz --seed 4 --quiet --json >hybrid.json
 "$E2LF" simulate demo/scene --measurement lens-array --sigma-i 0 -o lens.npz --quiet
-"$E2LF" simulate demo/scene -o events.npz --seed 4 --quiet
+"$E2LF" simulate demo/scene -o events.npz --seed 4 --quiet --json >events.json
 check_info coded.npz "(j['measurement'], j['images'], j['transitions'], j['codes']) == ('coded-images', 4, 0, True)"
+check "$(json hybrid.json "(j['measurement'], j['images'], j['height'], j['width']) == ('hybrid', 1, 48, 64)")"
+check "$(json hybrid.json "{**j, 'measurement': 'event-images', 'images': 0} == __import__('json').load(open('events.json'))")"
 check_info hybrid.npz "(j['measurement'], j['images'], j['transitions']) == ('hybrid', 1, 3)"
 check_info lens.npz "(j['measurement'], j['images'], j['height'], j['width']) == ('lens-array', 1, 48, 64)"
 

@@ -47,13 +47,17 @@ void print_measurement(const capture::Measurement& measured, const CommonOptions
   const capture::EventImages& events = measured.events;
   const char* const kind = capture::measurement_name(measured.kind);
   std::string text;
-  Json json = {{"measurement", kind}, {"images", images.count}, {"height", images.height}, {"width", images.width}};
-  if (images.count > 0) {
+  const bool has_images = images.count > 0;
+  Json json = {{"measurement", kind},
+               {"images", images.count},
+               {"height", has_images ? images.height : events.height},
+               {"width", has_images ? images.width : events.width}};
+  if (has_images) {
     text = cat(kind, ": ", counted(images.count, "intensity image"), " of ", images.width, "x", images.height, " px\n");
   }
   if (events.count > 0) {
     const eval::EventStatistics statistics = eval::event_statistics(events);
-    json = eval::to_json(statistics);
+    json.update(eval::to_json(statistics));
     text += formatted(
         "%zu transitions of %zux%zu px, %.2f events per pixel; a sensor of 1.066 G events/s needs at least %.1f ms\n",
         events.count, events.width, events.height, statistics.total_events_per_pixel, statistics.min_measurement_ms);
