@@ -14,6 +14,13 @@ constexpr size_t kBatchEvents = size_t{1} << 16;
 constexpr int64_t kCyclesAhead = 2;
 constexpr size_t kEventsAhead = 1'000'000, kMaxEventsAhead = 16'000'000;
 
+/// Returns a time after a delay, limited to the times that exist: before the first event, it is INT64_MIN.
+int64_t delayed(int64_t t_us, int64_t delay_us) {
+  int64_t sum_us = 0;
+  if (!__builtin_add_overflow(t_us, delay_us, &sum_us)) return sum_us;
+  return delay_us < 0 ? INT64_MIN : INT64_MAX;
+}
+
 /// Returns the schedule for the tracker: with one trigger per cycle, it is one pattern as long as the cycle.
 Schedule tracked_schedule(const CycleOptions& options) {
   if (options.source != CycleSource::kTriggers || !options.one_trigger_per_cycle) return options.schedule;
@@ -101,7 +108,7 @@ class CycleReader::Impl {
       case CycleSource::kTriggers:
         add_starts_of_triggers();
         // Triggers that are yet to come may begin patterns at earlier times.
-        known_us += std::min<int64_t>(options_.trigger_delay_us, 0);
+        known_us = delayed(known_us, std::min<int64_t>(options_.trigger_delay_us, 0));
         known_us = tracker_.known_until(has_ended_ ? INT64_MAX : signer_.known_until(known_us));
         break;
       case CycleSource::kBursts:
@@ -148,7 +155,7 @@ class CycleReader::Impl {
     starts_.clear();
     for (const recordings::Trigger& trigger : batch_.triggers) {
       if (!is_of(trigger, options_.channel, options_.edge)) continue;
-      found_.push_back({trigger.t + options_.trigger_delay_us, {}, 1.0F});
+      found_.push_back({delayed(trigger.t, options_.trigger_delay_us), {}, 1.0F});
     }
     if (options_.on_mark) show_triggers();
     signer_.add(batch_.events, found_);

@@ -553,6 +553,17 @@ TEST(CycleReader, MemoryDoesNotGrowWithTheRecording) {
   }
 }
 
+/// The time of a recording without events is INT64_MIN, and nothing comes before it. Sanitizers see the overflow.
+TEST(CycleReader, RecordingWithoutEventsHasNoCyclesWhateverTheDelay) {
+  for (const int64_t delay_us : {-100'000, -1, 0, 100'000}) {
+    CycleOptions options = by_triggers();
+    options.trigger_delay_us = delay_us;
+    const Outcome outcome = cut(0, SynthesisOptions(), options);
+    EXPECT_TRUE(outcome.cycles.empty()) << delay_us;
+    EXPECT_EQ(outcome.report.marks, 0u) << delay_us;
+  }
+}
+
 TEST(CycleReader, SensorOfUnknownSizeIsRefused) {
   auto reader = CycleReader::open(std::make_unique<recordings::RecordingReader>(
                                       std::make_unique<SynthesisedBlocks>(1, SynthesisOptions(), Change()),

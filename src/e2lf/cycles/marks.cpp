@@ -108,11 +108,10 @@ float abrupt_change_confidence(const EventHistogram& histogram, int64_t t_us, in
 
 void TriggerSigns::add(const recordings::EventColumns& events, const std::vector<Mark>& marks) {
   marks_.insert(marks_.end(), marks.begin(), marks.end());
+  if (events.empty()) return;
   histogram_.add(events, 0, events.size());
-  if (!events.empty()) {
-    first_event_us_ = std::min(first_event_us_, events.t.front());
-    last_event_us_ = std::max(last_event_us_, events.t.back());
-  }
+  first_event_us_ = std::min(first_event_us_, events.t.front());
+  last_event_us_ = std::max(last_event_us_, events.t.back());
   // Future triggers do not need the bins before this time.
   histogram_.forget_before(std::min(known_until(last_event_us_), last_event_us_) - 2 * kSignWindowUs);
 }
