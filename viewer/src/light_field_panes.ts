@@ -6,7 +6,7 @@ import type { LightFieldItem } from './document';
 import { canvas, clamp, placeOn } from './dom';
 import { Camera, LightFieldViews, lightFieldUniforms, toneUniforms } from './light_field';
 import type { Uniform } from './painter';
-import { Pane } from './pane';
+import { Pane, type Epis } from './pane';
 import { Relief } from './relief';
 import { fit, focusOn, setSize, type Context } from './screen';
 import { epiShader, gridShader, pictureShader } from './shaders';
@@ -14,6 +14,9 @@ import { partOf } from './zoom';
 
 const modes: Record<string, number> = { first: 0, second: 1, swipe: 2, difference: 3 };
 const swipeMode = 2;
+const paddingPx = 8; // of the stage, and the gap in it
+
+type Arrangement = [boxWidth: number, boxHeight: number, epis: Epis];
 
 interface Shown {
   pane: Pane;
@@ -91,13 +94,27 @@ export class LightFieldPanes {
     this.sheet.hidden = !isGrid;
     this.all[0]!.pane.caption.textContent = this.captionOfFirst();
     this.all.forEach(({ pane }, i) => (pane.root.hidden = isGrid || (i === 1 && !isSide)));
-    const isWide = stage.clientWidth >= stage.clientHeight;
-    const both = this.isComparison && isSide ? 2 : 1;
-    const width = stage.clientWidth / (isWide ? both : 1) - 16;
-    const height = stage.clientHeight / (isWide ? 1 : both) - 16;
-    for (const { pane } of this.all) pane.layout(width, height, isRelief);
+    this.arrange(this.isComparison && isSide, isRelief);
     const [rows, columns] = this.item.views;
     setSize(this.sheet, ...fit(this.item.width * columns, this.item.height * rows, stage.clientWidth - 16, stage.clientHeight - 16));
+  }
+
+  /** Two pictures are beside or above each other, as they become larger. Each leaves out the EPI that would take the room
+   *  that they share. */
+  private arrange(areTwo: boolean, isRelief: boolean): void {
+    const { stage } = this.context;
+    const [width, height] = [stage.clientWidth - 2 * paddingPx, stage.clientHeight - 2 * paddingPx];
+    const half = (length: number) => Math.floor((length - paddingPx) / 2);
+    const beside: Arrangement = [half(width), height, { row: true, column: false }];
+    const above: Arrangement = [width, half(height), { row: false, column: true }];
+    const area = ([boxWidth, boxHeight, epis]: Arrangement) => {
+      const sizes = this.all[0]!.pane.sizesIn(boxWidth, boxHeight, epis);
+      return sizes.width * sizes.height;
+    };
+    const isAbove = areTwo && area(above) > area(beside);
+    stage.style.flexDirection = isAbove ? 'column' : '';
+    const [boxWidth, boxHeight, epis] = !areTwo ? [width, height, undefined] : isAbove ? above : beside;
+    for (const { pane } of this.all) pane.layout(boxWidth, boxHeight, isRelief, epis);
   }
 
   /** The first pane may also show both light fields at once, or only the second one. */
@@ -118,10 +135,11 @@ export class LightFieldPanes {
     const camera = this.camera.uniforms(state, this.item.views);
     const width = Math.max(1, Math.round(this.item.width * scale));
     const height = Math.max(1, Math.round(this.item.height * scale));
+    const part = partOf(state);
+    const split = part.x + state.get('split') * part.size; // of the whole picture: the line stays in the part that is shown
     for (const { pane, isSecond } of this.all) {
       if (pane.root.hidden) continue;
       const mode = this.isComparison ? (modes[this.compared()] ?? Number(isSecond)) : 0;
-      const split = state.get('split');
       const { map, relief, views } = this.all[mode === 1 ? 1 : 0]!;
       if (this.shown() === 'relief') {
         if (map?.isKnown && scale > 0) relief!.paint(pane.picture, state, scale, { ...lightFieldUniforms(views, views), ...toneUniforms(state) });
@@ -130,8 +148,8 @@ export class LightFieldPanes {
       }
       const values = { ...common, ...camera, ...this.overlay(camera, mode < swipeMode ? map : null), mode, split, boost: state.get('boost') };
       if (scale > 0) painter.paint(pane.picture, width, height, pictureShader, values);
-      this.paintEpis(pane, common, mode);
-      pane.drawLines(mode === swipeMode ? split : null);
+      this.paintEpis(pane, common, mode, split);
+      pane.drawLines(mode === swipeMode ? state.get('split') : null);
     }
     if (!this.sheet.hidden && scale > 0) this.paintSheet(common);
     painter.finish();
@@ -150,12 +168,12 @@ export class LightFieldPanes {
     return tone ? { secondTone: tone } : {};
   }
 
-  private paintEpis(pane: Pane, common: Record<string, Uniform>, mode: number): void {
+  private paintEpis(pane: Pane, common: Record<string, Uniform>, mode: number, split: number): void {
     const { painter, state } = this.context;
     const { row, column } = pane.cut();
     const [rows, columns] = this.item.views;
     const view = nearestView(this.item.views, { x: state.get('x'), y: state.get('y') });
-    const isSecond = mode === swipeMode ? column / this.item.width >= state.get('split') : mode > 0;
+    const isSecond = mode === swipeMode ? column / this.item.width >= split : mode > 0;
     if (this.isSingleView) return;
     const values = { ...common, isSecond };
     const part = partOf(state);
@@ -215,6 +233,7 @@ export class LightFieldPanes {
   }
 
   close(): void {
+    this.context.stage.style.flexDirection = '';
     for (const { views, map, relief } of this.all) [views, map, relief].forEach((part) => part?.close());
   }
 }

@@ -21,6 +21,13 @@ export interface PaneSize {
   disparity?: unknown; // a map, along which single views are interpolated
 }
 
+/** The EPIs for which there is room. */
+export interface Epis {
+  row: boolean;
+  column: boolean;
+}
+const bothEpis: Epis = { row: true, column: true };
+
 export class Pane {
   readonly root: HTMLElement;
   readonly picture: HTMLCanvasElement;
@@ -42,7 +49,8 @@ export class Pane {
     this.picture = canvas(`${name}: drag to move the viewpoint, press on a point to focus on it`, 'picture');
     this.rowEpi = canvas(`${name}: EPI of the row under the cursor`, 'epi');
     this.columnEpi = canvas(`${name}: EPI of the column under the cursor`, 'epi');
-    this.zoom = new ZoomBox(state, size.width, this.picture, this.rowLine, this.columnLine, this.splitLine);
+    this.zoom = new ZoomBox(state, size.width, this.picture, this.rowLine, this.columnLine);
+    this.zoom.root.append(this.splitLine);
     this.caption.textContent = name;
     this.root = element('figure', { class: 'pane' }, this.caption, this.zoom.root, this.columnEpi, this.rowEpi);
     this.listen();
@@ -53,13 +61,19 @@ export class Pane {
     return !this.isRelief && this.size.views[0] * this.size.views[1] > 1;
   }
 
-  layout(boxWidth: number, boxHeight: number, isRelief: boolean): void {
-    this.isRelief = isRelief;
+  /** Returns the size of the picture in a box, and the height of its EPIs. */
+  sizesIn(boxWidth: number, boxHeight: number, epis = bothEpis): { width: number; height: number; epiPx: number } {
     const epiPx = clamp(Math.round(Math.min(boxWidth, boxHeight) / 6), mostEpiPx / 2, mostEpiPx);
-    const extra = (this.hasEpis() ? epiPx : 0) + gapPx;
-    const [width, height] = fit(this.size.width, this.size.height, boxWidth - extra, boxHeight - extra - captionPx);
-    for (const part of [this.rowEpi, this.columnEpi]) part.hidden = !this.hasEpis();
-    for (const part of [this.rowLine, this.columnLine]) part.hidden = isRelief;
+    const extra = (hasOne: boolean) => (hasOne && this.hasEpis() ? epiPx : 0) + gapPx; // the gap stays
+    const [width, height] = fit(this.size.width, this.size.height, boxWidth - extra(epis.column), boxHeight - extra(epis.row) - captionPx);
+    return { width, height, epiPx };
+  }
+
+  layout(boxWidth: number, boxHeight: number, isRelief: boolean, epis = bothEpis): void {
+    this.isRelief = isRelief;
+    const { width, height, epiPx } = this.sizesIn(boxWidth, boxHeight, epis);
+    for (const part of [this.rowEpi, this.rowLine]) part.hidden = !this.hasEpis() || !epis.row;
+    for (const part of [this.columnEpi, this.columnLine]) part.hidden = !this.hasEpis() || !epis.column;
     this.zoom.layout(width, height);
     setSize(this.rowEpi, width, epiPx);
     setSize(this.columnEpi, epiPx, height);
@@ -115,7 +129,7 @@ export class Pane {
     }, { passive: false });
     this.splitLine.addEventListener('pointerdown', (event) => this.splitLine.setPointerCapture(event.pointerId));
     this.splitLine.addEventListener('pointermove', (event) => {
-      if (this.splitLine.hasPointerCapture(event.pointerId)) this.state.set('split', clamp(placeOn(this.picture, event).x, 0, 1));
+      if (this.splitLine.hasPointerCapture(event.pointerId)) this.state.set('split', clamp(placeOn(this.zoom.root, event).x, 0, 1));
     });
   }
 

@@ -30,6 +30,25 @@ export const tests = {
     assert.ok(Math.abs(Number((await stateOf(page)).split) - 0.75) < 0.01);
   }),
 
+  'the swipe line stays in the part that is shown': ({ url, expected }) => withPage(url('compare.html', 'x=0.5&y=0.5&compare=swipe&zoom=2&panx=0.75'), {}, async (page) => {
+    // The right half is shown, and its middle is at three quarters of the picture.
+    assertNear(await rowOf(page, 'canvas.picture', row), [...expected.views[4][4].slice(0, 48), ...expected.other.slice(48)], 0, 'swipe');
+    const [frame, line] = [await page.locator('.frame').first().boundingBox(), await page.locator('.split').first().boundingBox()];
+    assert.ok(Math.abs(line.x + line.width / 2 - (frame.x + frame.width / 2)) < 2, `${line.x} in ${frame.x}`);
+  }),
+
+  'two pictures fill the stage beside or above each other': async ({ url }) => {
+    for (const [viewport, isBeside] of [[{ width: 828, height: 460 }, true], [{ width: 390, height: 900 }, false]]) {
+      await withPage(url('compare.html', ''), { viewport }, async (page) => {
+        const stage = await page.locator('#stage').boundingBox();
+        const [first, second] = [await page.locator('.frame').first().boundingBox(), await page.locator('.frame').nth(1).boundingBox()];
+        const [begin, end, whole] = isBeside ? [first.x, second.x + second.width, stage.width] : [first.y, second.y + second.height, stage.height];
+        assert.ok(end - begin > 0.88 * whole, `${begin} to ${end} of ${whole}`);
+        assert.equal(first.y === second.y, isBeside);
+      });
+    }
+  },
+
   'PSNR of each view is a map that selects the view': ({ url, expected }) => withPage(url('compare.html', ''), {}, async (page) => {
     const known = expected.psnr_db.filter((value) => value !== null);
     const ends = (await page.locator('.bar + .ends span').allTextContents()).map((text) => /^([\d.]+) dB(, equal)?$/.exec(text));

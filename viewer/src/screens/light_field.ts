@@ -82,7 +82,8 @@ export class LightFieldScreen implements Screen {
     if (key === 'show' || key === 'compare' || key === 'tab') this.layout();
     if (this.isRecording) return; // the recording paints its frames itself
     const isPoint = key === 'row' || key === 'column';
-    if (isPoint || (keysOfPart.includes(key) && this.panes.shown() !== 'relief')) this.epiClock.ask(false, 1);
+    const isWhole = this.panes.shown() !== 'relief' && this.panes.compared() !== 'swipe'; // the page moves what was painted
+    if (isPoint || (keysOfPart.includes(key) && isWhole)) this.epiClock.ask(false, 1);
     else this.repaint(keysWhileMoving.includes(key));
     if (isPoint) this.context.say(this.panes.pointed());
   }
