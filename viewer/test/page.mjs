@@ -59,6 +59,17 @@ export const tests = {
     assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], [64, 48]);
   }),
 
+  'each tab is reached on a phone': ({ url }) => withPage(url('all.html', 'tab=0'), { ...phone, viewport: { width: 390, height: 844 } }, async (page) => {
+    for (const tab of await page.getByRole('tab').all()) {
+      await tab.scrollIntoViewIfNeeded();
+      const box = await tab.boundingBox();
+      assert.ok(box.x >= 0 && box.x + box.width <= 390, `from ${box.x}, ${box.width} px`);
+      await page.touchscreen.tap(box.x + box.width / 2, box.y + box.height / 2);
+      await settle(page);
+      assert.equal(await tab.getAttribute('aria-selected'), 'true', await tab.textContent());
+    }
+  }),
+
   'the chosen tab is in sight': ({ url }) => withPage(url('all.html', 'tab=4'), phone, async (page) => {
     const box = await page.getByRole('tab', { selected: true }).boundingBox();
     assert.ok(box.x >= 0 && box.x + box.width <= 390, `from ${box.x}, ${box.width} px`);
