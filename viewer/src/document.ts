@@ -58,6 +58,7 @@ export interface ModelItem {
   kind: 'model';
   name: string;
   facts: [string, string][]; // the rows of `e2lf model info`
+  is_of_depth: boolean; // its output is the disparity of one view
   codes?: Codes;
 }
 

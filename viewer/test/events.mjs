@@ -89,6 +89,12 @@ export const tests = {
 
   'a model shows its patterns and what is known of it': ({ url }) => withPage(url('model.html', ''), {}, async (page) => {
     assert.equal(await page.getByRole('img', { name: /pattern \d: / }).count(), 4);
-    assert.ok((await page.locator('td', { hasText: 'e2lf-n4' }).count()) > 0);
+    const said = await page.evaluate(() => Object.fromEntries([...document.querySelectorAll('.sentences tr')].map((row) => [...row.children].map((cell) => cell.textContent))));
+    assert.equal(said['Output'], 'A light field of 8x8 views at the resolution of the sensor.');
+    assert.match(said['Patterns'], /^4 patterns of 8x8 views, of which the first one is black\. They open 0 % to 13 % of the aperture, and each cell is open or closed\.$/);
+    assert.match(said['Network'], /^2,090,272 parameters in 42 layers\./);
+    assert.ok(!(await page.locator('td', { hasText: 'e2lf-n4' }).first().isVisible()), 'the facts are folded');
+    await page.locator('summary').click();
+    assert.ok(await page.locator('td', { hasText: 'e2lf-n4' }).first().isVisible());
   }),
 };

@@ -123,7 +123,10 @@ void Document::add_event_images(const std::string& name, const std::vector<captu
 }
 
 void Document::add_model(const model::Model& model) {
-  Json item = {{"kind", "model"}, {"name", model.name}, {"facts", facts_of(model)}};
+  Json item = {{"kind", "model"},
+               {"name", model.name},
+               {"facts", facts_of(model)},
+               {"is_of_depth", model::is_depth_network(model)}};
   if (model.codes) item["codes"] = codes_json(*model.codes);
   add_item(std::move(item));
 }
