@@ -15,7 +15,7 @@ namespace e2lf::recon {
 namespace {
 
 /// Every program that reconstructs knows the operations of the bundled networks, before it reads the first model.
-[[maybe_unused]] const bool knows_geometry = (geometry::add_operations(), true);
+[[maybe_unused]] const bool kKnowsGeometry = (geometry::add_operations(), true);
 
 constexpr size_t kSamples = 1 << 18;
 constexpr double kBrightQuantile = 0.995, kDarkQuantile = 0.005;
