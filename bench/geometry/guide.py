@@ -14,7 +14,7 @@ import sys
 import numpy as np
 import torch
 
-import convert
+import model_files
 import sensor
 
 GUIDE = "guide_"
@@ -66,7 +66,7 @@ def insert_level(header, tensors):
             key, group = layer["name"] + ".weight", transitions * pixels[source]
             tensors[key] = np.insert(tensors[key], [2 * group] * group, 0, axis=1)
     network["input_channels"] += transitions
-    header["input"].insert(2, convert.INPUTS[2])
+    header["input"].insert(2, model_files.INPUTS[2])
 
 
 class Graph:
@@ -126,7 +126,7 @@ def follow(views, number, disparity):
 
 
 def main():
-    (header, tensors), (depth, depth_tensors) = convert.read_model(sys.argv[1]), convert.read_model(sys.argv[2])
+    (header, tensors), (depth, depth_tensors) = model_files.read_model(sys.argv[1]), model_files.read_model(sys.argv[2])
     name, out = sys.argv[3], sys.argv[4]
     if not np.array_equal(tensors.get("aperture.codes"), depth_tensors.pop("aperture.codes", None)):
         sys.exit(f"{sys.argv[2]} was trained for other patterns than {sys.argv[1]}")
@@ -134,18 +134,18 @@ def main():
         paper = sensor.Conditions(1, np.random.default_rng(0), torch.device("cpu"), stated=True)
         of_cycles_and_transmissions = np.zeros(header["num_patterns"] - 1)
         fold_conditioning(depth, depth_tensors, np.concatenate([paper.conditioning()[0].numpy(), of_cycles_and_transmissions]))
-    if convert.INPUTS[2] not in header["input"]:
+    if model_files.INPUTS[2] not in header["input"]:
         insert_level(header, tensors)
     if depth["input"] != header["input"]:
         sys.exit(f"{sys.argv[2]} has other inputs than {sys.argv[1]}")
-    layers, guide = header["network"]["layers"], convert.prefixed(depth["network"]["layers"], GUIDE)
+    layers, guide = header["network"]["layers"], model_files.prefixed(depth["network"]["layers"], GUIDE)
     graph = follow(layers[-1]["name"], len(VIEWPOINTS)**2, guide[-1]["name"])
     header["network"]["layers"] = [*guide, *layers, *graph.layers]
     tensors.update({GUIDE + key: values for key, values in depth_tensors.items()} | graph.tensors)
     header["provenance"]["guided_by"] = depth["name"]
     header.pop("precision_loss", None)
     header["name"] = name
-    convert.write(pathlib.Path(out), header, tensors)
+    model_files.write(pathlib.Path(out), header, tensors)
 
 
 if __name__ == "__main__":

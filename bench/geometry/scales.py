@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 
-import convert
+import model_files
 from sensor import CYCLES_CONDITION, CYCLES_STEP
 
 HALF = "half_"
@@ -38,14 +38,14 @@ def mean(share):
 
 
 def main():
-    header, tensors = convert.read_model(sys.argv[1])
+    header, tensors = model_files.read_model(sys.argv[1])
     share, name, out = float(sys.argv[2]), sys.argv[3], sys.argv[4]
     if header["input"][-1]["kind"] != "camera" or HALF + "input.weight" in tensors:
-        sys.exit(f"{sys.argv[1]} has two scales already or is not conditioned on a camera; give a file of convert.py, trained with --camera")
+        sys.exit(f"{sys.argv[1]} has two scales already or is not conditioned on a camera; give one of a single scale that is conditioned")
     channels = header["network"]["input_channels"]
     *layers, shuffle = header["network"]["layers"]
     head = layers[-1]["name"]
-    half = convert.prefixed([*layers, shuffle], HALF, HALF + "input")
+    half = model_files.prefixed([*layers, shuffle], HALF, HALF + "input")
     header["network"]["layers"] = [
         *layers, {"name": HALF + "input", "op": "conv", "inputs": ["input"], "out_channels": channels, "kernel": 2, "stride": 2}, *half,
         {"name": "both", "op": "concat", "inputs": [head, half[-1]["name"]]},
@@ -56,7 +56,7 @@ def main():
     header["provenance"]["share_of_full_scale"] = str(share)
     header.pop("precision_loss", None)
     header["name"] = name
-    convert.write(pathlib.Path(out), header, tensors)
+    model_files.write(pathlib.Path(out), header, tensors)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-import convert
+import model_files
 import networks
 import patterns
 from scenes import VIEWS
@@ -127,7 +127,7 @@ class Task:
 
     def start_from(self, path):
         if path.suffix == ".safetensors":
-            tensors = convert.read_model(path)[1]
+            tensors = model_files.read_model(path)[1]
             networks.start_from_fixed(self.network, tensors, tensors["aperture.codes"].reshape(-1, VIEWS**2)[1:])
         else:
             for name, weight in torch.load(path, map_location=self.device)["weights"].items():

@@ -1,16 +1,9 @@
-"""Makes a model file of e2lf from a network that train.py of revision c8f7355f trained for fixed patterns.
-
-usage: convert.py NETWORK.pt MODEL NAME OUT.safetensors [KEY=VALUE...]
-MODEL is a bundled model for the same patterns and, if the network is conditioned on the camera, for cameras: the result has its
-patterns, camera and constants. KEY=VALUE is added to the provenance. Requires torch.
-"""
+"""Reads and writes model files for the scripts of this folder."""
 import json
 import pathlib
 import struct
-import sys
 
 import numpy as np
-import torch
 
 INPUTS = [{"kind": "counts", "scale": 0.125}, {"kind": "cumulative", "scale": 0.125}, {"kind": "level", "scale": 0.125},
           {"kind": "intensity", "scale": 4.0}]
@@ -30,17 +23,6 @@ def read_model(path):
         tensors[name] = values.reshape(entry["shape"])
     tensors.update((name, tensors[source]) for name, source in header.pop("shared_weights", {}).items())
     return header, tensors
-
-
-def file_layers(layers):
-    """Returns layers as model files have them, with lists of numbers as attributes."""
-    result = []
-    for layer in layers:
-        layer = {key: value for key, value in layer.items() if value not in (False, "")}
-        if layer["op"] == "plane-sweep":
-            layer["offsets"] = [position for offset in layer["offsets"] for position in offset]
-        result.append(layer)
-    return result
 
 
 def prefixed(layers, prefix, source="input"):
@@ -63,26 +45,3 @@ def write(path, header, tensors):
     text = json.dumps(entries).encode()
     text += b" " * (-len(text) % 8)
     path.write_bytes(struct.pack("<Q", len(text)) + text + b"".join(values.tobytes() for values in stored.values()))
-
-
-def main():
-    network, model, name, out = sys.argv[1:5]
-    trained = torch.load(network, map_location="cpu")
-    header, of_model = read_model(model)
-    if header["num_patterns"] != trained["num_patterns"]:
-        sys.exit(f"{network} is for {trained['num_patterns']} patterns, and {model} for {header['num_patterns']}")
-    channels = trained["weights"]["pictures/weight"].shape[1]
-    is_conditioned = channels > 4 * (trained["num_patterns"] - 1)
-    header.pop("precision_loss", None)
-    if not is_conditioned:
-        header.pop("camera", None)
-    header.update(name=name, input=INPUTS + ([{"kind": "camera", "scale": 1.0}] if is_conditioned else []),
-                  network={"type": "conv-graph", "input_channels": channels, "layers": file_layers(trained["layers"])},
-                  provenance={"trained_by": "bench/geometry/train.py", **dict(pair.split("=", 1) for pair in sys.argv[5:])})
-    tensors = {key.replace("/", "."): weight.float().numpy() for key, weight in trained["weights"].items()}
-    tensors.update((key, values) for key, values in of_model.items() if key == "aperture.codes")  # some models leave them to the user
-    write(pathlib.Path(out), header, tensors)
-
-
-if __name__ == "__main__":
-    main()
