@@ -144,6 +144,17 @@ grep -Eq "^extents width +64$" info.txt || fail "$(cat info.txt)"
 check "$(json info.json "j['kind'] == 'training data' and len(j['light_fields']) == 1")"
 fails 1 "strict" "$E2LF" reconstruct damaged.raw --method inversion -o strict --strict
 absent strict
+# Maps that were finished before the damage are written without --strict, and not with it.
+"$E2LF" simulate demo/scene --cycles 4 -o cycles.raw --quiet
+py - <<'PY'
+data = bytearray(open("cycles.raw", "rb").read())
+del data[len(data) * 7 // 8:len(data) * 7 // 8 + 3]
+open("late.raw", "wb").write(data)
+PY
+"$E2LF" depth late.raw -m e2lf-n4-depth -o maps --quiet 2>stderr.txt
+exists maps/cycle_00000/disparity.npy
+fails 1 "strict" "$E2LF" depth late.raw -m e2lf-n4-depth -o strict --strict
+absent strict
 
 # A simulated recording says where its format has no place for triggers.
 "$E2LF" simulate demo/scene -o simulated.csv --quiet 2>stderr.txt
