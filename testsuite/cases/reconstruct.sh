@@ -124,6 +124,14 @@ assert 0 < np.abs(four - one).mean() < 0.3 * one.mean(), np.abs(four - one).mean
 PY
 py compare.py
 
+# Fused cycles of a still scene are their mean, in the units of fused counts, for each cycle and as many pixels.
+"$E2LF" reconstruct alike.npz -m "$told" --fuse 4 -o fused --format npy --gain 1 --quiet 2>warnings.txt
+[ "$(json fused/run.json 'j["notes"]["cycles"][3]["fused_cycles"]')" = 4.0 ] || fail "not all pixels rest on four cycles"
+py -c 'import numpy as np; a, b = np.load("four/lightfield.npy"), np.load("fused/cycle_00003/lightfield.npy"); assert np.abs(a - b).max() < 1e-4, np.abs(a - b).max()'
+fails 1 "--fuse" "$E2LF" reconstruct alike.npz -m "$own" --fuse 4 -o x
+fails 1 "--fuse" "$E2LF" reconstruct alike.npz --method inversion --fuse 4 -o x
+fails 1 "--fuse" "$E2LF" reconstruct alike.npz -m "$told" --fuse 4 --cycles-per-field 2 -o x
+
 # Of a recording too.
 "$E2LF" simulate demo/scene --codes codes.json --camera evk4-lcos --cycles 5 -o five.raw --quiet
 "$E2LF" reconstruct five.raw -m "$told" --cycles-per-field 2 -o recorded --quiet 2>warnings.txt

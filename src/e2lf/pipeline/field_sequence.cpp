@@ -24,7 +24,12 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   std::optional<capture::Measurement> lit;
   if (lit_) {
     field.motion = recon::scene_motion(measurement.events);
-    if (*field.motion > recon::kMuchMotion) lit = recon::lit_transitions(measurement.events);
+    if (*field.motion > recon::kMuchMotion) {
+      lit.emplace(recon::lit_transitions(measurement.events));
+      if (!measurement.fused.counts.values.empty()) {
+        lit->fused = {recon::lit_transitions(measurement.fused.counts), measurement.fused.cycles};
+      }
+    }
   }
   field.is_of_lit = lit.has_value();
   const capture::Measurement& used = lit ? *lit : measurement;

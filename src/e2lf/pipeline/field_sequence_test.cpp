@@ -81,5 +81,23 @@ TEST(FieldSequence, TakesTheLitTransitionsOfCyclesInWhichTheSceneMoves) {
   EXPECT_FLOAT_EQ(of_lit.light_field.data()[0], 0);
 }
 
+TEST(FieldSequence, KeepsWhatIsFusedOfTheLitTransitions) {
+  const recon::Method lit = [](const capture::MeasurementView& measured,
+                               const ProgressFn&) -> Result<lightfield::LightField> {
+    EXPECT_TRUE(measured.is_fused());
+    EXPECT_EQ(measured.fused.extents, measured.events.extents);
+    EXPECT_EQ(measured.fused[2][0][0], 7);
+    EXPECT_EQ(measured.cycles[0][0][0], 4);
+    return lightfield::LightField({8, 8, measured.height(), measured.width()});
+  };
+  FieldSequence sequence(constant_field, {.gain = 1.0F}, lit);
+  capture::Measurement moving(capture::EventImages(8, 32, 32));
+  for (size_t i = 0; i < moving.events.image_size(); ++i) moving.events.image(2)[i] = i % 8 < 4 ? 5 : 0;
+  moving.fused = {capture::EventImages(8, 32, 32), Planes<float>(1, 32, 32)};
+  moving.fused.counts.image(2)[0] = 7;
+  moving.fused.cycles.values[0] = 4;
+  EXPECT_TRUE(sequence.next(moving).value().is_of_lit);
+}
+
 }  // namespace
 }  // namespace e2lf::pipeline

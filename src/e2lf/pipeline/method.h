@@ -31,8 +31,9 @@ struct MethodChoice {
 
 /// How a method is applied to each measurement.
 struct MethodUse {
-  size_t passes = 1;  ///< number of passes of the network; see Reconstructor::reconstruct()
-  size_t cycles = 1;  ///< number of cycles of a static scene over which counts are summed
+  size_t passes = 1;        ///< number of passes of the network; see Reconstructor::reconstruct()
+  size_t cycles = 1;        ///< number of cycles of a static scene over which counts are summed
+  size_t fused_cycles = 1;  ///< largest number of cycles that CycleInput::fuse() averages
 };
 
 /// A method that is ready for any number of measurements, and the decisions that led to it, which callers log and
@@ -50,7 +51,7 @@ struct OpenedMethod {
 
   /// Returns the profile of the sensor, which is that of the network or of the paper if none is stated.
   [[nodiscard]] capture::SensorProfile sensor() const;
-  /// Returns true if the method accepts sums over several cycles.
+  /// Returns true if the method accepts sums over several cycles, and fused ones.
   [[nodiscard]] bool takes_sums() const { return network && model::is_conditioned_on_camera(network->model()); }
   /// Returns true if the network was trained for the patterns of the events, as far as these are known.
   [[nodiscard]] bool are_patterns_the_models() const;
@@ -64,8 +65,8 @@ struct OpenedMethod {
   /// empty, too.
   [[nodiscard]] Tone complete(Tone tone) const;
 
-  /// Returns the method for this use. Fails with kInvalidValue if several passes or cycles are requested from a method
-  /// that supports only one; the location is "passes" or "cycles".
+  /// Returns the method for this use. Fails with kInvalidValue if several passes, cycles or fused cycles are requested
+  /// from a method that supports only one; the location is "passes", "cycles" or "fuse".
   [[nodiscard]] Result<recon::Method> ready(const MethodUse& use = {}) const;
 };
 

@@ -20,7 +20,7 @@ constexpr int kMostLevel = 64;      // in events; levels beyond have the varianc
 /// same count in each cycle.
 constexpr float kRounding = 1.0F / 12, kRoundingOfPixels = 1.0F / 60;
 constexpr int kWeightBits = 14;
-constexpr size_t kMost = 64;  // cycles
+constexpr size_t kSettled = 8;  // after so many times the number of cycles, the effective number hardly grows
 
 /// Returns the variance of the log intensity with which a cycle compares, at a level above black in logarithm.
 float level_variance(const capture::SensorProfile& camera, float level) {
@@ -106,11 +106,22 @@ size_t blocks_of(size_t pixels) {
   return (pixels + kBlock - 1) / kBlock;
 }
 
+/// Returns a count in units of fused counts, limited to their range.
+int units_of(int16_t count) {
+  return std::clamp<int>(count, INT16_MIN / kUnits, INT16_MAX / kUnits) * kUnits;
+}
+
+/// Returns the sum over the columns of a block of sums over its rows.
+int sum_of_block(const std::vector<int>& columns, size_t block) {
+  const size_t left = block * kBlock;
+  return columns[left] + (left + 1 < columns.size() ? columns[left + 1] : 0);
+}
+
 }  // namespace
 
 CycleFusion::CycleFusion(const capture::SensorProfile& camera, size_t most_cycles)
     : most_cycles_(most_cycles), reference_variance_(reference_variance(camera)) {
-  E2LF_REQUIRE(most_cycles >= 1 && most_cycles <= kMost, "the mean is over 1 to 64 cycles");
+  E2LF_REQUIRE(most_cycles >= 1 && most_cycles <= kMostFusedCycles, "the number of fused cycles is out of range");
   const bool is_pixel = camera.is_pixel();
   threshold_on_ = is_pixel ? camera.pixel[PixelConstant::kThresholdOn] : camera.constants.tau;
   threshold_off_ = is_pixel ? camera.pixel[PixelConstant::kThresholdOff] : camera.constants.tau;
@@ -122,16 +133,19 @@ CycleFusion::CycleFusion(const capture::SensorProfile& camera, size_t most_cycle
   // The weight w of a new cycle changes the relative variance v to (1 - w)^2 v + w^2.
   double variance = 1;
   effective_ = {1, 1};
-  while (effective_.size() < 8 * most_cycles) {
+  while (effective_.size() < kSettled * most_cycles) {
     const double weight = 1 / static_cast<double>(std::min(effective_.size(), most_cycles));
     variance = (1 - weight) * (1 - weight) * variance + weight * weight;
     effective_.push_back(static_cast<float>(1 / variance));
   }
 }
 
-float CycleFusion::variance_at(int level) const {
+float CycleFusion::count_variance(int level, int count) const {
   const int at = std::max(level, 0) * kLevelsPerEvent / kUnits;
-  return variances_[static_cast<size_t>(std::min(at, kMostLevel * kLevelsPerEvent))];
+  const float threshold = count < 0 ? threshold_off_ : threshold_on_;
+  const float spread = threshold_spread_ * static_cast<float>(count) / kUnits;
+  return variances_[static_cast<size_t>(std::min(at, kMostLevel * kLevelsPerEvent))] / (threshold * threshold) +
+         spread * spread + rounding_;
 }
 
 void CycleFusion::restart(const PlanesView<const int16_t>& cycle) {
@@ -159,45 +173,41 @@ void CycleFusion::add(const PlanesView<const int16_t>& cycle) {
 }
 
 void CycleFusion::compare(const PlanesView<const int16_t>& cycle) {
-  const size_t blocks_x = residuals_.width;
   parallel_for(residuals_.height, 8, [&](size_t begin, size_t end) {
-    std::vector<int16_t> scratch;
-    std::vector<int> level(blocks_x), residual(fused_.counts.width), mean(fused_.counts.width);
-    for (size_t block_y = begin; block_y < end; ++block_y) {
-      std::ranges::fill(level, 0);
-      std::vector<float> before(blocks_x, reference_variance_ / (threshold_on_ * threshold_on_) + rounding_);
-      const size_t first = block_y * kBlock, rows = std::min(kBlock, fused_.counts.height - first);
-      for (size_t k = 0; k < fused_.counts.count; ++k) {
-        std::ranges::fill(residual, 0);
-        std::ranges::fill(mean, 0);
-        for (size_t y = first; y < first + rows; ++y) {
-          const auto counts = cycle[k][y].values(scratch);
-          const int16_t* const means = fused_.counts.image(k).data() + y * fused_.counts.width;
-          for (size_t x = 0; x < counts.size(); ++x) {
-            residual[x] += kUnits * counts[x] - means[x];
-            mean[x] += means[x];
-          }
-        }
-        float* const sums = residuals_.image(k).data() + block_y * blocks_x;
-        float* const expected = expected_.image(k).data() + block_y * blocks_x;
-        const uint16_t* const added = added_.data() + block_y * blocks_x;
-        for (size_t x = 0; x < blocks_x; ++x) {
-          const size_t left = x * kBlock, right = std::min(left + 1, fused_.counts.width - 1),
-                       columns = right - left + 1;
-          const auto pixels = static_cast<int>(rows * columns);
-          const int count = (mean[left] + (columns == 2 ? mean[right] : 0)) / pixels;
-          level[x] += count;
-          const float threshold = count < 0 ? threshold_off_ : threshold_on_;
-          // What noisy thresholds add to one count, the next one takes back.
-          const float spread = threshold_spread_ * static_cast<float>(count) / kUnits;
-          const float variance = variance_at(level[x]) / (threshold * threshold) + spread * spread + rounding_;
-          sums[x] = static_cast<float>(residual[left] + (columns == 2 ? residual[right] : 0)) / kUnits;
-          expected[x] = static_cast<float>(pixels) * (1 + 1 / effective_[added[x]]) * (before[x] + variance);
-          before[x] = variance;
-        }
+    for (size_t block_y = begin; block_y < end; ++block_y) compare_row(cycle, block_y);
+  });
+}
+
+void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t block_y) {
+  const size_t blocks_x = residuals_.width, width = fused_.counts.width, first = block_y * kBlock;
+  const size_t rows = std::min(kBlock, fused_.counts.height - first);
+  const uint16_t* const added = added_.data() + block_y * blocks_x;
+  std::vector<int16_t> scratch;
+  std::vector<int> level(blocks_x);
+  std::vector<float> before(blocks_x, reference_variance_ / (threshold_on_ * threshold_on_) + rounding_);
+  for (size_t k = 0; k < fused_.counts.count; ++k) {
+    std::vector<int> residual(width), mean(width);  // sums over the rows of the blocks
+    for (size_t y = first; y < first + rows; ++y) {
+      const auto counts = cycle[k][y].values(scratch);
+      const int16_t* const means = fused_.counts.image(k).data() + y * width;
+      for (size_t x = 0; x < width; ++x) {
+        residual[x] += units_of(counts[x]) - means[x];
+        mean[x] += means[x];
       }
     }
-  });
+    float* const sums = residuals_.image(k).data() + block_y * blocks_x;
+    float* const expected = expected_.image(k).data() + block_y * blocks_x;
+    for (size_t x = 0; x < blocks_x; ++x) {
+      const auto pixels = static_cast<int>(rows * std::min(kBlock, width - x * kBlock));
+      const int count = sum_of_block(mean, x) / pixels;
+      level[x] += count;
+      const float variance = count_variance(level[x], count);
+      sums[x] = static_cast<float>(sum_of_block(residual, x)) / kUnits;
+      // The noise of the level before a transition is in its count, too, and noisy thresholds are made up for.
+      expected[x] = static_cast<float>(pixels) * (1 + 1 / effective_[added[x]]) * (before[x] + variance);
+      before[x] = variance;
+    }
+  }
 }
 
 void CycleFusion::find_changes() {
@@ -226,37 +236,37 @@ void CycleFusion::find_changes() {
 }
 
 void CycleFusion::update(const PlanesView<const int16_t>& cycle) {
-  const size_t blocks_x = blocks_of(fused_.counts.width);
   parallel_for(blocks_of(fused_.counts.height), 8, [&](size_t begin, size_t end) {
-    std::vector<int16_t> scratch;
-    std::vector<int> weights(blocks_x * kBlock);
-    for (size_t block_y = begin; block_y < end; ++block_y) {
-      for (size_t x = 0; x < blocks_x; ++x) {
-        uint16_t& added = added_[block_y * blocks_x + x];
-        if (is_changed_[block_y * blocks_x + x] != 0) added = 0;
-        added = static_cast<uint16_t>(std::min<size_t>(added + 1U, effective_.size() - 1));
-        weights[2 * x] = weights[2 * x + 1] =
-            (1 << kWeightBits) / static_cast<int>(std::min<size_t>(added, most_cycles_));
-      }
-      for (size_t y = block_y * kBlock; y < std::min(fused_.counts.height, (block_y + 1) * kBlock); ++y) {
-        float* const cycles = fused_.cycles.values.data() + y * fused_.counts.width;
-        for (size_t x = 0; x < fused_.counts.width; ++x)
-          cycles[x] = effective_[added_[block_y * blocks_x + x / kBlock]];
-        for (size_t k = 0; k < fused_.counts.count; ++k) {
-          const auto counts = cycle[k][y].values(scratch);
-          int16_t* const means = fused_.counts.image(k).data() + y * fused_.counts.width;
-          for (size_t x = 0; x < counts.size(); ++x) {
-            const int target = std::clamp<int>(counts[x], INT16_MIN / kUnits, INT16_MAX / kUnits) * kUnits;
-            const int step = (target - means[x]) * weights[x] + (1 << (kWeightBits - 1));
-            means[x] = static_cast<int16_t>(means[x] + (step >> kWeightBits));
-          }
-        }
-      }
-    }
+    for (size_t block_y = begin; block_y < end; ++block_y) update_row(cycle, block_y);
   });
   const auto restarted = std::ranges::count(is_changed_, uint8_t{1});
   changed_ = static_cast<double>(restarted) / static_cast<double>(is_changed_.size());
   std::ranges::fill(is_changed_, uint8_t{0});
+}
+
+void CycleFusion::update_row(const PlanesView<const int16_t>& cycle, size_t block_y) {
+  const size_t blocks_x = residuals_.width, width = fused_.counts.width, first = block_y * kBlock;
+  uint16_t* const added = added_.data() + block_y * blocks_x;
+  std::vector<int> weights(blocks_x * kBlock);
+  for (size_t x = 0; x < blocks_x; ++x) {
+    if (is_changed_[block_y * blocks_x + x] != 0) added[x] = 0;
+    added[x] = static_cast<uint16_t>(std::min<size_t>(added[x] + 1U, effective_.size() - 1));
+    std::fill_n(weights.begin() + static_cast<ptrdiff_t>(x * kBlock), kBlock,
+                (1 << kWeightBits) / static_cast<int>(std::min<size_t>(added[x], most_cycles_)));
+  }
+  std::vector<int16_t> scratch;
+  for (size_t y = first; y < std::min(fused_.counts.height, first + kBlock); ++y) {
+    float* const cycles = fused_.cycles.values.data() + y * width;
+    for (size_t x = 0; x < width; ++x) cycles[x] = effective_[added[x / kBlock]];
+    for (size_t k = 0; k < fused_.counts.count; ++k) {
+      const auto counts = cycle[k][y].values(scratch);
+      int16_t* const means = fused_.counts.image(k).data() + y * width;
+      for (size_t x = 0; x < width; ++x) {
+        const int step = (units_of(counts[x]) - means[x]) * weights[x] + (1 << (kWeightBits - 1));
+        means[x] = static_cast<int16_t>(means[x] + (step >> kWeightBits));
+      }
+    }
+  }
 }
 
 }  // namespace e2lf::recon

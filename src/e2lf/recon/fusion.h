@@ -14,6 +14,9 @@ namespace e2lf::recon {
 /// `paper` and `evk4-lcos`. Each false alarm makes 14x14 px start again.
 inline constexpr double kFalseAlarmRate = 1e-3;
 
+/// The largest number of cycles in a mean.
+inline constexpr size_t kMostFusedCycles = 64;
+
 /// Fuses the cycles of a scene of which parts move: each pixel holds the mean of the cycles since the scene last
 /// changed there.
 ///
@@ -25,7 +28,8 @@ inline constexpr double kFalseAlarmRate = 1e-3;
 class CycleFusion {
  public:
   /// Prepares the fusion of event images, [transition, y, x], of lit transitions or of a whole cycle, from a camera
-  /// with this profile. Means are over up to `most_cycles` >= 1; then each new cycle has the weight 1 / most_cycles.
+  /// with this profile. Means are over up to `most_cycles`, 1 to kMostFusedCycles; then each new cycle has the weight 1
+  /// / most_cycles.
   CycleFusion(const capture::SensorProfile& camera, size_t most_cycles);
 
   /// Adds the event images of the next cycle. Another size than before starts everything again.
@@ -40,10 +44,13 @@ class CycleFusion {
  private:
   void restart(const PlanesView<const int16_t>& cycle);
   void compare(const PlanesView<const int16_t>& cycle);
+  void compare_row(const PlanesView<const int16_t>& cycle, size_t block_y);
   void find_changes();
   void update(const PlanesView<const int16_t>& cycle);
-
-  [[nodiscard]] float variance_at(int level) const;  ///< level in capture::kFusedUnits
+  void update_row(const PlanesView<const int16_t>& cycle, size_t block_y);
+  /// Returns what the noise at the end of a transition adds to the variance of its count, in squared events; the level
+  /// above black and the count are in capture::kFusedUnits.
+  [[nodiscard]] float count_variance(int level, int count) const;
 
   size_t most_cycles_;
   float threshold_on_ = 0, threshold_off_ = 0;  ///< natural logarithm

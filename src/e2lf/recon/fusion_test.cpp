@@ -130,6 +130,8 @@ TEST(CycleFusion, LimitsCountsOfDamagedPixels) {
   capture::EventImages images(1, 2, 2);
   images.values = {INT16_MAX, INT16_MIN, 1, -1};
   fusion.add(images);
+  fusion.add(images);
+  EXPECT_EQ(fusion.changed(), 0);
   EXPECT_EQ(fusion.fused().counts.values, (std::vector<int16_t>{511 * 64, -512 * 64, 64, -64}));
 }
 

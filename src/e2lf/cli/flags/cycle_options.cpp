@@ -149,11 +149,11 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   return cycles::CycleReader::open(std::move(reader), options);
 }
 
-void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* of_one_result) {
-  add_count(app, "--fuse", most_cycles, 1, capture::kFusedUnits,
-            cat("number of cycles: each pixel is the mean of up to so many cycles since the scene last changed there, "
-                "for each ",
-                of_one_result, ", of which every cycle gives one"));
+void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result) {
+  add_count(app, "--fuse", most_cycles, 1, recon::kMostFusedCycles,
+            cat("make a ", result,
+                " of each cycle, and average each pixel over up to this number of cycles, but none from before the "
+                "scene changed there; for networks conditioned on the sensor profile"));
 }
 
 Error by_flag(Error error, const fs::path& input) {

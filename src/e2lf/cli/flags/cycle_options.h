@@ -59,8 +59,8 @@ inline constexpr const char* kCycleOptions = "Pattern cycles of a recording";
 /// Declares all of CycleFlags; --transitions and --max-cycles also apply to event images.
 void add_cycle_options(CLI::App& app, CycleFlags& flags);
 
-/// Declares --fuse, the largest number of cycles in a mean, for verbs that make `of_one_result` of each cycle.
-void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* of_one_result);
+/// Declares --fuse, the largest number of cycles in a mean; `result` is what the verb makes of each cycle.
+void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result);
 
 /// Opens a recording (a path, "-" for standard input, or the name of a camera) and divides it into cycles. The source
 /// "auto" selects triggers if the recording begins with some, and bursts otherwise. Fails with kInvalidValue if the

@@ -266,9 +266,9 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
   E2LF_RETURN_IF_ERROR(complete_choice(arguments.method, std::move(setup), record, choice));
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, by_flag(pipeline::open_method(std::move(choice)), path));
-  if (arguments.cycles_per_map > 1 && !method.takes_sums()) {
-    return fail(ErrorCode::kInvalidValue, "--cycles-per-map", method.network->model().name,
-                " takes one cycle for each map");
+  if ((arguments.cycles_per_map > 1 || arguments.fuse > 1) && !method.takes_sums()) {
+    return fail(ErrorCode::kInvalidValue, arguments.fuse > 1 ? "--fuse" : "--cycles-per-map",
+                method.network->model().name, " takes one cycle for each map");
   }
   if (arguments.fuse > 1) E2LF_RETURN_IF_ERROR(by_flag(input.fuse(method.sensor(), arguments.fuse), path));
   note_method(method, path, arguments.method.codes.model, 1, record);

@@ -120,7 +120,8 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   if (arguments.fuse > 1) {
     E2LF_RETURN_IF_ERROR(by_flag(input.fuse(method.sensor(), arguments.fuse), arguments.input));
   }
-  const pipeline::MethodUse use{.passes = arguments.passes, .cycles = arguments.cycles_per_field};
+  const pipeline::MethodUse use{
+      .passes = arguments.passes, .cycles = arguments.cycles_per_field, .fused_cycles = arguments.fuse};
   E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(flags));
   E2LF_ASSIGN_OR_RETURN(pipeline::FieldSequence sequence,
                         by_flag(pipeline::open_sequence(method, use, tone), arguments.input));
