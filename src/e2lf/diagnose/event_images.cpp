@@ -18,7 +18,7 @@ constexpr size_t kNoiseRadius = 1, kDetailRadius = 8;              // px
 constexpr float kLargestDisparity = 2.5F, kDisparityStep = 0.25F;  // px per view step
 
 constexpr size_t kMostSideOfParallax = 512;  // px
-// docs/troubleshooting.md states how often these thresholds are wrong.
+// docs/experiments/findings.md states how often these thresholds are wrong.
 constexpr double kMismatchRatio = 0.97;  // below it, other places are right
 constexpr double kConfirmed = 1.003;     // above it, the stated ones are
 

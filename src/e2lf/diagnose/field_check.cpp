@@ -16,7 +16,7 @@
 namespace e2lf::diagnose {
 namespace {
 
-// docs/troubleshooting.md states how often these thresholds are wrong.
+// docs/experiments/findings.md states how often these thresholds are wrong.
 constexpr double kGoodRatio = 1.15;
 constexpr double kWrongRatio = 1.5;
 constexpr double kLeastRatio = 0.7;
