@@ -3,7 +3,7 @@
 # libraries follows from that.
 set(CPACK_PACKAGE_NAME e2lf)
 set(CPACK_PACKAGE_VENDOR "the e2lf authors")
-set(CPACK_PACKAGE_CONTACT "the e2lf authors <e2lf@example.org>")
+set(CPACK_PACKAGE_CONTACT "the e2lf authors")  # who publishes packages states an address: cpack -D CPACK_PACKAGE_CONTACT=...
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "light fields from the events of a coded-aperture camera")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
