@@ -187,7 +187,8 @@ void bind_recon(py::module_& module) {
       .def(
           "depth", &Network::depth, py::arg("images"), py::kw_only(), py::arg("cycles") = 1, E2LF_ORIENTATION_ARGUMENTS,
           py::arg("progress") = py::none(),
-          "Estimates the disparity of view (4, 4) from event images, with a depth network. Returns a DisparityMap with "
+          "Estimates the disparity of view (4, 4), or (3, 3) of turned views, from event images, with a depth network. "
+          "Returns a DisparityMap with "
           "disparity and confidence, float32 [y, x].\n\n"
           "images: int16 [transition, y, x], or [cycle, transition, y, x] of a static scene.\n"
           "cycles: number of cycles over which `images` were summed.\n" E2LF_ORIENTATION_DOC

@@ -101,6 +101,7 @@ Result<std::optional<CycleImages>> CycleInput::next_cycle() {
 recordings::DecodeSummary CycleInput::summary() const {
   recordings::DecodeSummary summary = reader_ ? reader_->summary() : recordings::DecodeSummary();
   summary.saturated += saturated_;
+  summary.left_over_cycles += left_over_;
   return summary;
 }
 
@@ -108,7 +109,10 @@ Result<std::optional<CycleImages>> CycleInput::next() {
   E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> sum, next_cycle());
   for (size_t cycle = 1; sum && cycle < options_.cycles_per_field; ++cycle) {
     E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> more, next_cycle());
-    if (!more) return std::optional<CycleImages>();
+    if (!more) {
+      left_over_ = cycle;
+      return std::optional<CycleImages>();
+    }
     const uint64_t saturated = add_counts(more->images.events, sum->images.events);
     saturated_ += saturated;
     if (saturated > 0 && options_.is_strict) return recordings::saturation_error(saturated, "cycles");

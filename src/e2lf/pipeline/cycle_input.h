@@ -45,8 +45,8 @@ class CycleInput {
   [[nodiscard]] static Result<CycleInput> create(capture::MeasurementFile file, CycleInputOptions options);
   [[nodiscard]] static Result<CycleInput> create(cycles::CycleReader reader, CycleInputOptions options);
 
-  /// Returns the sums over the next cycles_per_field cycles, or nothing if fewer are left. Sums saturate at 16 bits,
-  /// and the events lost in this way are counted in summary().
+  /// Returns the sums over the next cycles_per_field cycles, or nothing if fewer are left; these are counted in
+  /// summary(). Sums saturate at 16 bits, and the events lost in this way are counted there, too.
   [[nodiscard]] Result<std::optional<CycleImages>> next();
 
   /// Fuses each cycle with up to `most_cycles` before it, of which a camera with this profile recorded the events: see
@@ -89,6 +89,7 @@ class CycleInput {
   bool has_one_field_ = false;
   size_t taken_ = 0;
   uint64_t saturated_ = 0;  ///< number of events lost to saturated sums
+  uint64_t left_over_ = 0;  ///< number of cycles at the end, too few for a sum
 };
 
 /// Adds the counts of another cycle to a sum of the same shape. Returns the number of events that were lost because the

@@ -28,7 +28,10 @@ TEST(CycleInput, SumsTheCyclesOfALightFieldAndLeavesFewerOut) {
   EXPECT_FALSE(input.has_one_field());
   EXPECT_EQ(input.next().value()->images.events.values[0], 3);
   EXPECT_EQ(input.next().value()->images.events.values[0], 7);
+  EXPECT_EQ(input.summary().left_over_cycles, 0U);
   EXPECT_FALSE(input.next().value());
+  EXPECT_EQ(input.summary().left_over_cycles, 1U);
+  EXPECT_EQ(recordings::losses(input.summary()).at(0).reason, "left_over_cycles");
   EXPECT_TRUE(CycleInput::create(file_of({1, 2, 3}), {.cycles_per_field = 2})->has_one_field());
 }
 

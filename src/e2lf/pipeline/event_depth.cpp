@@ -61,8 +61,10 @@ Result<EventDepth> depth_of_outputs(const model::Model& model, const lightfield:
   if (!views.is_upright()) {
     for (float& value : location.pixels) value = -value;
   }
-  depth::DisparityMap map = map_of_laplace(std::move(location), lightfield::view_image(outputs, 0, 1),
-                                           {model.views_y / 2, model.views_x / 2});
+  // Light fields are written upright, where the view of the network has another number if the grid was turned.
+  depth::ViewIndex view{model.views_y / 2, model.views_x / 2};
+  if (!views.is_upright()) view = {model.views_y - 1 - view.y, model.views_x - 1 - view.x};
+  depth::DisparityMap map = map_of_laplace(std::move(location), lightfield::view_image(outputs, 0, 1), view);
   E2LF_ASSIGN_OR_RETURN(lightfield::Image picture, mean_picture(model, events, cycles));
   return EventDepth{std::move(map), std::move(picture)};
 }

@@ -11,7 +11,8 @@ namespace e2lf::pipeline {
 
 /// A disparity map that a network of model::is_depth_network() estimates from events.
 struct EventDepth {
-  depth::DisparityMap map;    ///< of view (views_y / 2, views_x / 2) in the order of the patterns
+  depth::DisparityMap
+      map;  ///< of view (views_y / 2, views_x / 2) in the order of the patterns, numbered as upright views
   lightfield::Image picture;  ///< the mean intensity through the patterns that the events state, about 0 to 1
 };
 

@@ -47,6 +47,9 @@ TEST(DepthOfEvents, ChangesItsSignWithTurnedViews) {
              turned = depth_of_events(method, counts(), 1, capture::kTurned);
   ASSERT_TRUE(upright && turned);
   EXPECT_EQ(turned->map.disparity.pixels[3], -upright->map.disparity.pixels[3]);
+  // The view in row 4 of the turned 8x8 views is in row 3 of the upright ones.
+  EXPECT_EQ(turned->map.view.y, 3U);
+  EXPECT_EQ(turned->map.view.x, 3U);
   EXPECT_EQ(depth_of_events(method, counts(), 1, {.flip_x = true}).error().code, ErrorCode::kUnsupported);
 }
 

@@ -23,7 +23,7 @@ Result<Field> FieldSequence::next(const capture::Measurement& measurement, const
   Field field;
   std::optional<capture::Measurement> lit;
   if (lit_) {
-    field.motion = recon::scene_motion(measurement.events);
+    field.motion = recon::scene_motion(measurement.events, cycles_);
     if (*field.motion > recon::kMuchMotion) {
       lit.emplace(recon::lit_transitions(measurement.events));
       if (!measurement.fused.counts.values.empty()) {

@@ -34,9 +34,10 @@ using FieldObserver =
 /// events and is then kept, so that the sequence does not flicker.
 class FieldSequence {
  public:
-  /// `lit` replaces the method in cycles whose recon::scene_motion() exceeds recon::kMuchMotion.
-  FieldSequence(recon::Method method, Tone tone, std::optional<recon::Method> lit = {})
-      : method_(std::move(method)), tone_(tone), lit_(std::move(lit)) {}
+  /// Measurements are sums over this number of `cycles`. `lit` replaces the method in cycles whose
+  /// recon::scene_motion() exceeds recon::kMuchMotion.
+  FieldSequence(recon::Method method, Tone tone, size_t cycles = 1, std::optional<recon::Method> lit = {})
+      : method_(std::move(method)), tone_(tone), cycles_(cycles), lit_(std::move(lit)) {}
 
   /// Reconstructs the next light field. Fails as the method and the observer do.
   [[nodiscard]] Result<Field> next(const capture::Measurement& measurement, const ProgressFn& progress = {},
@@ -48,6 +49,7 @@ class FieldSequence {
  private:
   recon::Method method_;
   Tone tone_;
+  size_t cycles_;
   std::optional<recon::Method> lit_;
 };
 

@@ -66,7 +66,7 @@ TEST(FieldSequence, TakesTheLitTransitionsOfCyclesInWhichTheSceneMoves) {
     EXPECT_EQ(measured.events.extents[0], 3U);
     return lightfield::LightField({8, 8, measured.height(), measured.width()});
   };
-  FieldSequence sequence(constant_field, {.gain = 1.0F}, lit);
+  FieldSequence sequence(constant_field, {.gain = 1.0F}, 1, lit);
   // The second of the two last patterns is brighter on the left, its inverse is not darker there.
   capture::EventImages moving(8, 32, 32), still(8, 32, 32);
   for (size_t i = 0; i < moving.image_size(); ++i) moving.image(2)[i] = i % 8 < 4 ? 5 : 0;
@@ -90,7 +90,7 @@ TEST(FieldSequence, KeepsWhatIsFusedOfTheLitTransitions) {
     EXPECT_EQ(measured.cycles[0][0][0], 4);
     return lightfield::LightField({8, 8, measured.height(), measured.width()});
   };
-  FieldSequence sequence(constant_field, {.gain = 1.0F}, lit);
+  FieldSequence sequence(constant_field, {.gain = 1.0F}, 1, lit);
   capture::Measurement moving(capture::EventImages(8, 32, 32));
   for (size_t i = 0; i < moving.events.image_size(); ++i) moving.events.image(2)[i] = i % 8 < 4 ? 5 : 0;
   moving.fused = {capture::EventImages(8, 32, 32), Planes<float>(1, 32, 32)};

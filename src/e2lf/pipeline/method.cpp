@@ -235,7 +235,7 @@ Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse&
   if (method.lit && (use.cycles == 1 || model::is_conditioned_on_camera(method.lit->model()))) {
     lit = method_of(method.lit, use);
   }
-  return FieldSequence(std::move(ready), method.complete(tone), std::move(lit));
+  return FieldSequence(std::move(ready), method.complete(tone), use.cycles, std::move(lit));
 }
 
 }  // namespace e2lf::pipeline

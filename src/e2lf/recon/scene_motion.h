@@ -14,9 +14,9 @@ inline constexpr double kMuchMotion = 0.125;
 /// patterns if the scene is static. The result is the correlation between neighbouring pixels of the difference of the
 /// last two such sums, without its local mean: about 0 if only noise contributes, at most 1, and larger the more the
 /// scene moved. The intensities follow from the counts with the threshold of the paper; the value hardly depends on it.
-/// Returns 0 for fewer than 3 patterns, for an odd number of images, and if the rounding of the counts explains the
-/// differences.
-[[nodiscard]] double scene_motion(const capture::EventImages& whole_cycle);
+/// If the images are sums over several `cycles`, their means are compared. Returns 0 for fewer than 3 patterns, for an
+/// odd number of images, and if the rounding of the counts explains the differences.
+[[nodiscard]] double scene_motion(const capture::EventImages& whole_cycle, size_t cycles = 1);
 
 /// Returns the event images of the lit transitions, a1 to a2 to ... aN, from those of a whole cycle.
 [[nodiscard]] capture::EventImages lit_transitions(const capture::EventImages& whole_cycle);

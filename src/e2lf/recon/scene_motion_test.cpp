@@ -23,10 +23,10 @@ double scene(double x, double y) {
 
 /// The counts of a whole cycle of a scene that moves by `px_per_pattern` from pattern to pattern, with noise of the log
 /// intensity at each.
-capture::EventImages play(double px_per_pattern, double noise) {
+capture::EventImages play(double px_per_pattern, double noise, uint64_t seed = 7) {
   constexpr double kDark = 0.02, kThreshold = 0.3;
   capture::EventImages images(2 * kCodes, kHeight, kWidth);
-  const CounterRng rng(7, 0);
+  const CounterRng rng(seed, 0);
   for (size_t y = 0; y < kHeight; ++y) {
     for (size_t x = 0; x < kWidth; ++x) {
       double reference = std::log(kDark);
@@ -52,6 +52,29 @@ TEST(SceneMotion, IsSmallForAStaticSceneAndGrowsWithMotion) {
     const double slow = scene_motion(play(0.2, noise)), fast = scene_motion(play(1, noise));
     EXPECT_GT(fast, kMuchMotion) << noise;
     EXPECT_GT(fast, slow) << noise;
+  }
+}
+
+/// The sums of the counts over `cycles`, each with noise of its own.
+capture::EventImages play_sum(double px_per_pattern, double noise, size_t cycles) {
+  capture::EventImages sum = play(px_per_pattern, noise);
+  for (size_t cycle = 1; cycle < cycles; ++cycle) {
+    const capture::EventImages more = play(px_per_pattern, noise, 7 + cycle);
+    for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] = static_cast<int16_t>(sum.values[i] + more.values[i]);
+  }
+  return sum;
+}
+
+TEST(SceneMotion, OfSumsIsThatOfTheirMeans) {
+  for (const double px : {0.0, 0.2, 1.0}) {
+    const capture::EventImages once = play(px, 0.15);
+    capture::EventImages equal = once;
+    for (int16_t& count : equal.values) count = static_cast<int16_t>(16 * count);
+    EXPECT_NEAR(scene_motion(equal, 16), scene_motion(once), 1e-4) << px;
+  }
+  for (const double noise : {0.15, 0.2}) {
+    EXPECT_LT(std::abs(scene_motion(play_sum(0, noise, 16), 16)), 0.05) << noise;
+    EXPECT_GT(scene_motion(play_sum(1, noise, 16), 16), kMuchMotion) << noise;
   }
 }
 

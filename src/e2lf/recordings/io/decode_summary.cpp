@@ -31,7 +31,8 @@ constexpr uint64_t DecodeSummary::*kCounts[] = {
     &DecodeSummary::events_on,          &DecodeSummary::events_off,       &DecodeSummary::triggers,
     &DecodeSummary::events_before_time, &DecodeSummary::time_loops,       &DecodeSummary::out_of_order,
     &DecodeSummary::dropped_words,      &DecodeSummary::other_streams,    &DecodeSummary::events_unplaced,
-    &DecodeSummary::saturated,          &DecodeSummary::sensor_events_in, &DecodeSummary::sensor_events_sent};
+    &DecodeSummary::saturated,          &DecodeSummary::left_over_cycles, &DecodeSummary::sensor_events_in,
+    &DecodeSummary::sensor_events_sent};
 
 /// The losses that are not violations.
 struct OtherLoss {
@@ -44,6 +45,7 @@ constexpr OtherLoss kOtherLosses[] = {
     {&DecodeSummary::other_streams, "other_stream", "packets of other event streams"},
     {&DecodeSummary::events_unplaced, "unplaced", "events whose time or row was lost with a damaged word"},
     {&DecodeSummary::saturated, "saturated", "events of pixels with more than 32,767 in an event image"},
+    {&DecodeSummary::left_over_cycles, "left_over_cycles", "complete cycles at the end, too few for another sum"},
 };
 
 }  // namespace

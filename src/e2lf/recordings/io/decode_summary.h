@@ -109,8 +109,9 @@ struct DecodeSummary {
   uint64_t out_of_order = 0;   ///< events that were sorted to their place
   uint64_t dropped_words = 0;  ///< words or records that were dropped because of a violation
   uint64_t other_streams = 0;  ///< packets or messages of event streams that were neither selected nor excluded by name
-  uint64_t events_unplaced = 0;  ///< dropped because the word with their time or row was damaged
-  uint64_t saturated = 0;        ///< events that exceeded the 16-bit counts of an event image
+  uint64_t events_unplaced = 0;   ///< dropped because the word with their time or row was damaged
+  uint64_t saturated = 0;         ///< events that exceeded the 16-bit counts of an event image
+  uint64_t left_over_cycles = 0;  ///< complete cycles at the end, too few for another sum
   std::array<ViolationCount, kNumViolations> violations{};
   std::vector<TimeGap> gaps;  ///< the first kMaxGaps of num_gaps
   uint64_t num_gaps = 0;
