@@ -17,16 +17,29 @@ STEM_INPUTS = 3 * GROUPS + patterns.CONSTANTS + FIXED_CONDITIONS
 SLOPE_OF_TRANSMISSION = patterns.COUNT_SCALE / patterns.TAU / 5  # of the normal of a picture by its element of the conditioning vector
 
 
-def aperture_planes(groups, transmissions, aperture):
-    """Returns what does not depend on the patterns, the central picture and its two derivatives for each group: [batch, 9, y, x].
+def normalised(groups, transmissions, aperture):
+    """Returns the groups, [batch, 3, P, y, x], as if all patterns were equally large and equally transparent; transmissions: those of the
+    conditioning vector, [batch, P], 0 for the first."""
+    normal = (aperture.normal + SLOPE_OF_TRANSMISSION * transmissions)[..., None, None]
+    return torch.stack([groups[:, 0] - normal, groups[:, 1] - normal, groups[:, 2] * aperture.gain[..., None, None]], 1)
 
-    groups: [batch, 3, P, y, x]; transmissions: those of the conditioning vector, [batch, P], 0 for the first.
-    """
-    normal = aperture.normal + SLOPE_OF_TRANSMISSION * transmissions
-    map_of = torch.stack([aperture.moments, aperture.moments, aperture.moments * aperture.gain[:, None]], 1)
-    constant = torch.einsum("bgcp,bp->bgc", map_of[:, :2], normal)
-    planes = torch.matmul(map_of, groups.flatten(3)).view(len(groups), GROUPS, 3, *groups.shape[3:])
-    return torch.cat([planes[:, :2] - constant[..., None, None], planes[:, 2:]], 1).flatten(1, 2)
+
+def aperture_planes(groups, aperture):
+    """Returns the central picture and its two derivatives for each group, [batch, 9, y, x], of groups from normalised()."""
+    planes = torch.matmul(aperture.moments[:, None], groups.flatten(3))
+    return planes.view(len(groups), 3 * GROUPS, *groups.shape[3:])
+
+
+def with_neighbours(pictures):
+    """Returns each of P pictures, [batch, P, n, y, x], with the one before it (zeros for the first) and the mean of all: [batch, P, 3 n, y, x]."""
+    before = torch.cat([torch.zeros_like(pictures[:, :1]), pictures[:, :-1]], 1)
+    return torch.cat([pictures, before, pictures.mean(1, keepdim=True).expand_as(pictures)], 2)
+
+
+def first_and_later(pictures):
+    """Takes the first half of the channels for the first picture, which follows the black pattern, and the second half for the others."""
+    first, later = pictures.chunk(2, 2)
+    return torch.cat([first[:, :1], later[:, 1:]], 1)
 
 
 def hats(size, offsets):
@@ -63,8 +76,8 @@ class DepthNetwork(torch.nn.Module):
         w = widths
         self._conv("stem", w[0], STEM_INPUTS, 2, relu=True)
         self._conv("start", w[0], w[0], 3)
-        self._conv("pictures", 1, 2 * GROUPS + FIXED_CONDITIONS, SWEEP_SCALE)
-        self._conv("features", FEATURES, 1, 5)
+        self._conv("pictures", 2, 3 * GROUPS + FIXED_CONDITIONS, SWEEP_SCALE)
+        self._conv("features", 2 * FEATURES, 3, 5)
         for level in range(len(w) - 1):
             self._block(f"down{level}_0", w[level])
             self._conv(f"down{level}_half", w[level + 1], w[level], 2)
@@ -99,17 +112,17 @@ class DepthNetwork(torch.nn.Module):
         return F.conv2d(x, of_planes, None, stride) + (self.weights[name + "/bias"] + constants @ weight[:, first:-1].sum((2, 3)).t())[:, :, None, None]
 
     def _features(self, groups, conditions, cycles, number):
-        """Returns the features of each picture, [batch, P, G, y, x], which are made of it and of the one before."""
-        batch, own = len(groups), groups.transpose(1, 2)
-        before = torch.cat([torch.zeros_like(own[:, :1]), own[:, :-1]], 1)
-        planes = torch.cat([own, before, cycles[:, None, None].expand(-1, number, -1, -1, -1)], 2).flatten(0, 1)
-        pictures = self._sized("pictures", planes, conditions.repeat_interleave(number, 0), SWEEP_SCALE)
-        features = self._of("features", pictures)
-        return features.view(batch, number, FEATURES, *features.shape[2:])
+        """Returns the features of each picture, [batch, P, G, y, x], which are made of it, of the one before, and of the mean of all."""
+        batch = len(groups)
+        apart = lambda x: x.view(batch, number, *x.shape[1:])
+        planes = torch.cat([with_neighbours(groups.transpose(1, 2)), cycles[:, None, None].expand(-1, number, -1, -1, -1)], 2).flatten(0, 1)
+        pictures = first_and_later(apart(self._sized("pictures", planes, conditions.repeat_interleave(number, 0), SWEEP_SCALE)))
+        return first_and_later(apart(self._of("features", with_neighbours(pictures).flatten(0, 1))))
 
     def forward(self, groups, conditions, cycles, transmissions, aperture):
         """groups: [batch, 3, P, y, x]; conditions: [batch, 15]; cycles: the last element of the conditions, [batch, y, x]."""
-        planes = torch.cat([aperture_planes(groups, transmissions, aperture), cycles[:, None]], 1)
+        groups = normalised(groups, transmissions, aperture)
+        planes = torch.cat([aperture_planes(groups, aperture), cycles[:, None]], 1)
         x = self._of("start", F.relu(self._sized("stem", planes, torch.cat([aperture.constants, conditions], 1), 2)))
         features = self._features(groups, conditions, cycles, aperture.number)
         with torch.autocast(x.device.type, enabled=False):  # half precision hides small evidence
@@ -131,6 +144,20 @@ class DepthNetwork(torch.nn.Module):
         return F.pixel_shuffle(self._of("head", x), 2)
 
 
+def shared_kernels(kernels):
+    """Returns what the kernels [P, P, ...] of each picture for each picture have in common, for the first picture and for the others: the
+    kernel of the picture itself, of the one before, and of the mean of all."""
+    number = len(kernels)
+
+    def common(pictures):
+        before = [kernels[p, p - 1] for p in pictures if p]
+        others = torch.stack([kernels[p, q] for p in pictures for q in range(number) if q not in (p, p - 1)]).mean(0)
+        own = torch.stack([kernels[p, p] for p in pictures]).mean(0) - others
+        return [own, torch.stack(before).mean(0) - others if before else torch.zeros_like(own), number * others]
+
+    return common([0]), common(range(1, number))
+
+
 @torch.no_grad()
 def start_from_fixed(network, tensors, codes):
     """Takes the weights of a network for fixed lit patterns [P, 64], by name, so that both agree for these patterns as far as possible."""
@@ -142,24 +169,32 @@ def start_from_fixed(network, tensors, codes):
         source = name.replace("/", ".")
         if source in tensors and tensors[source].shape == tuple(weight.shape):
             put(name, of(source))
-    grouped = of("stem.weight").split([number] * 4 + [FIXED_CONDITIONS, number - 1], 1)
-    of_counts = grouped[0] - F.pad(grouped[0][:, 1:], (0, 0, 0, 0, 0, 1))  # counts are differences of cumulative counts
-    groups = [grouped[1] + of_counts, grouped[2], grouped[3]]
+
+    def split_groups(weight):
+        """Returns the weights of the groups, [out, P, y, x] each, and those of the conditions."""
+        counts, *groups, conditions, _ = weight.split([number] * 4 + [FIXED_CONDITIONS, number - 1], 1)
+        groups[0] = groups[0] + counts - F.pad(counts[:, 1:], (0, 0, 0, 0, 0, 1))  # counts are differences of cumulative counts
+        return groups, conditions
+
+    groups, of_conditions = split_groups(of("stem.weight"))
     bias = of("stem.bias") + sum(torch.einsum("opyx,p->o", g, aperture.normal[0]) for g in groups[:2])
     groups[2] = groups[2] / aperture.gain[0][:, None, None]
     planes = [torch.einsum("opyx,pc->ocyx", g, inverse) for g in groups]
-    put("stem/weight", torch.cat([*planes, torch.zeros(len(bias), patterns.CONSTANTS, 2, 2), grouped[4]], 1))
+    put("stem/weight", torch.cat([*planes, torch.zeros(len(bias), patterns.CONSTANTS, 2, 2), of_conditions], 1))
     put("stem/bias", bias)
-    grouped = of("pictures.weight").split([number] * 4 + [FIXED_CONDITIONS, number - 1], 1)
-    of_counts = grouped[0] - F.pad(grouped[0][:, 1:], (0, 0, 0, 0, 0, 1))
-    groups = [grouped[1] + of_counts, grouped[2], grouped[3]]
-    own = [sum(g[p, p] for p in range(number)) / number for g in groups]
-    before = [sum(g[p, p - 1] for p in range(1, number)) / (number - 1) for g in groups]
-    put("pictures/weight", torch.cat([torch.stack([*own, *before]), grouped[4].mean(0)])[None])
-    put("pictures/bias", of("pictures.bias").mean()[None])
-    kernels = of("features.weight").view(number, FEATURES, number, 5, 5)
-    put("features/weight", sum(kernels[p, :, p] for p in range(number))[:, None] / number)
-    put("features/bias", of("features.bias").view(number, FEATURES).mean(0))
+    of_pictures, of_conditions = split_groups(of("pictures.weight"))
+    bias_of_pictures = of("pictures.bias") + torch.einsum("opyx,p->o", sum(of_pictures[:2]), aperture.normal[0])
+    of_pictures[2] = of_pictures[2] / aperture.gain[0][:, None, None]
+    shared = [shared_kernels(g) for g in of_pictures]
+    first, later = ([torch.stack([g[half][part] for g in shared]) for part in range(3)] for half in range(2))
+    conditions = torch.stack([of_conditions[0], of_conditions[1:].mean(0)])
+    put("pictures/weight", torch.cat([torch.stack([torch.cat(first), torch.cat(later)]), conditions], 1))
+    put("pictures/bias", torch.stack([bias_of_pictures[0], bias_of_pictures[1:].mean()]))
+    kernels = of("features.weight").view(number, FEATURES, number, 5, 5).transpose(1, 2)
+    first, later = (torch.stack(half, 1) for half in shared_kernels(kernels))
+    put("features/weight", torch.cat([first, later]))
+    bias = of("features.bias").view(number, FEATURES)
+    put("features/bias", torch.cat([bias[0], bias[1:].mean(0)]))
     weigh, split = of("weigh.weight"), network.widths[1] + len(DISPARITIES)
     details = torch.einsum("opgyx,pc->ocgyx", weigh[:, split:].view(len(weigh), number, FEATURES, 3, 3), inverse)
     put("weigh/weight", torch.cat([weigh[:, :split], details.flatten(1, 2)], 1))

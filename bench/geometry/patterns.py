@@ -73,7 +73,7 @@ def _is_usable(codes):
     return np.isfinite(centroids).all() and (len(codes) < 2 or centroids.std(0).sum() > 0.7)
 
 
-def draw_patterns(rng, number, known, known_share=0.3):
+def draw_patterns(rng, number, known, known_share=0.4):
     """Returns `number` lit patterns, [number, 64] in [0, 1]; known: sets of lit patterns [n, 64] of which some are taken."""
     while True:
         candidates = [codes for codes in known if len(codes) >= number]

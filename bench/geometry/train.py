@@ -249,10 +249,11 @@ def train(options):
     def save():
         torch.save({"network": task.network.state_dict(), "optimiser": optimiser.state(), "trained_s": time.time() - begin}, checkpoint)
         torch.save({"weights": optimiser.average}, options.out / "network.pt")
+        torch.save({"weights": optimiser.average}, options.out / f"network-{optimiser.steps}.pt")
 
     while (share := (time.time() - begin) / options.seconds) < 1:
         # A constant rate first, then down to zero.
-        rate = options.rate * min(1, (optimiser.steps + 1) / 100) * min(1, (1 - share) / 0.55)
+        rate = options.rate * min(1, (optimiser.steps + 1) / 100) * min(1, (1 - share) / 0.9)
         if options.profile and count == 20:
             print_profile(lambda: step(rate))
         for name, value in step(rate).items():

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -66,6 +67,12 @@ struct PrecisionLoss {
   bool operator==(const PrecisionLoss&) const = default;
 };
 
+/// Weights whose shape no layer states.
+struct SharedWeights {
+  std::vector<size_t> shape;
+  std::vector<float> values;
+};
+
 /// The contents of a model file.
 struct Model {
   std::string name;         ///< e.g. "e2lf-n4"
@@ -79,8 +86,11 @@ struct Model {
   std::vector<InputGroup> input;                 ///< in channel order
   Network network;                               ///< 64 output channels = views; view number = 8 * view_y + view_x
   Weights weights;                               ///< "<layer>.weight", "<layer>.bias"
-  PrecisionLoss precision_loss = {};             ///< precisions that were checked for these weights
-  Json provenance = Json::object();              ///< free-form: data, samples seen, seed, command, results
+  /// What geometry::for_patterns() makes the weights of other patterns of, by the names of weights; empty for networks
+  /// that work for `codes` alone.
+  std::map<std::string, SharedWeights> any_patterns = {};
+  PrecisionLoss precision_loss = {};  ///< precisions that were checked for these weights
+  Json provenance = Json::object();   ///< free-form: data, samples seen, seed, command, results
 
   /// Returns the kind of measurement that the input needs. The model must be valid.
   [[nodiscard]] capture::MeasurementKind measurement() const { return measurement_of(input).value(); }
@@ -89,12 +99,18 @@ struct Model {
 /// Returns true if the network is conditioned on the sensor profile and the number of cycles.
 [[nodiscard]] bool is_conditioned_on_camera(const Model& model);
 
+/// Returns true if geometry::for_patterns() can adapt the network to other patterns.
+[[nodiscard]] inline bool is_for_any_patterns(const Model& model) {
+  return !model.any_patterns.empty();
+}
+
 /// Checks that all fields are consistent: channels, codes and weights (all present, of the right size, and finite).
 /// `location` names the file in errors.
 [[nodiscard]] Result<void> validate(const Model& model, const std::string& location);
 
 /// Reads a model file (format version 1), a .safetensors file with weights in float32 or bfloat16, `aperture.codes` [N,
-/// view_y, view_x] if the model has codes, and JSON under `e2lf` in its metadata. Fails on an unknown version, network
+/// view_y, view_x] if the model has codes, weights "any.<name>" of a network for any patterns, and JSON under `e2lf` in
+/// its metadata. Fails on an unknown version, network
 /// type or key, a wrong shape, truncation, and as validate() does. The message names file and field.
 [[nodiscard]] Result<Model> read_model(const std::filesystem::path& path);
 

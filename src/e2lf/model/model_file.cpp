@@ -14,6 +14,7 @@ namespace e2lf::model {
 namespace {
 
 constexpr const char* kCodesTensor = "aperture.codes";
+constexpr std::string_view kAnyPatterns = "any.";
 
 /// Returns the values of a tensor, which must have this shape and, unless `any_type` is set, a type of float. `remedy`
 /// says what to do if it has another shape.
@@ -128,12 +129,28 @@ Result<Weights> weights_from_tensors(const Network& network, const Safetensors& 
                           values_of(tensors, wanted.name, wanted.shape, file, "store the weights of this network"));
   }
   for (const auto& entry : tensors.tensors) {
-    if (entry.first == kCodesTensor || weights.contains(entry.first)) continue;
+    if (entry.first == kCodesTensor || entry.first.starts_with(kAnyPatterns) || weights.contains(entry.first)) continue;
     return fail(ErrorCode::kFormat, cat(file, ": ", entry.first),
                 "the tensor belongs to no layer of the network; remove it or describe its layer");
   }
   return weights;
 }
+
+namespace {
+
+Result<std::map<std::string, SharedWeights>> any_patterns_from_tensors(const Safetensors& tensors,
+                                                                       const std::string& file) {
+  std::map<std::string, SharedWeights> weights;
+  for (const auto& [name, tensor] : tensors.tensors) {
+    if (!name.starts_with(kAnyPatterns)) continue;
+    SharedWeights& shared = weights[name.substr(kAnyPatterns.size())];
+    shared.shape = tensor.shape;
+    E2LF_ASSIGN_OR_RETURN(shared.values, values_of(tensors, name, tensor.shape, file, ""));
+  }
+  return weights;
+}
+
+}  // namespace
 
 Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& file) {
   E2LF_ASSIGN_OR_RETURN(Safetensors tensors, decode_safetensors(bytes, file));
@@ -141,6 +158,7 @@ Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& fi
   E2LF_ASSIGN_OR_RETURN(Model model, header_from_json(json, cat(file, ": ", kMetadataKey, ": $")));
   E2LF_RETURN_IF_ERROR(add_shared_weights(tensors, json.value(kSharedWeights, Json()), file));
   E2LF_ASSIGN_OR_RETURN(model.weights, weights_from_tensors(model.network, tensors, file));
+  E2LF_ASSIGN_OR_RETURN(model.any_patterns, any_patterns_from_tensors(tensors, file));
   if (tensors.tensors.contains(kCodesTensor)) {
     const std::vector<size_t> shape = {model.num_patterns, model.views_y, model.views_x};
     E2LF_ASSIGN_OR_RETURN(auto values,
@@ -166,12 +184,13 @@ Result<bool> is_video_model(const std::filesystem::path& path) {
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {
   E2LF_RETURN_IF_ERROR(validate(model, path.string()));
   Safetensors tensors;
+  const auto store = [&](const std::string& name, const std::vector<size_t>& shape, const std::vector<float>& values) {
+    tensors.tensors[name] =
+        storage == WeightStorage::kBfloat16 ? make_bfloat16_tensor(shape, values) : make_npy<float>(shape, values);
+  };
   const std::vector<WeightShape> shapes = weight_shapes(model.network);
-  for (const WeightShape& tensor : shapes) {
-    const std::vector<float>& values = model.weights.at(tensor.name);
-    tensors.tensors[tensor.name] = storage == WeightStorage::kBfloat16 ? make_bfloat16_tensor(tensor.shape, values)
-                                                                       : make_npy<float>(tensor.shape, values);
-  }
+  for (const WeightShape& tensor : shapes) store(tensor.name, tensor.shape, model.weights.at(tensor.name));
+  for (const auto& [name, weights] : model.any_patterns) store(cat(kAnyPatterns, name), weights.shape, weights.values);
   Json header = header_to_json(model);
   if (Json shared = take_shared_weights(tensors, shapes); !shared.empty()) header[kSharedWeights] = std::move(shared);
   tensors.metadata[kMetadataKey] = json_line(header);
@@ -322,6 +341,7 @@ Json summary_json(const Model& model) {
   json["measurement"] = capture::measurement_name(model.measurement());
   json["network"] = network_summary(model.network);
   json["codes"] = model.codes ? codes_summary(*model.codes) : Json();
+  json["any_patterns"] = is_for_any_patterns(model);
   // The provenance comes last.
   json.erase("provenance");
   json["provenance"] = model.provenance;

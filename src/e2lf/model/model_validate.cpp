@@ -2,6 +2,8 @@
 // Validates models; declared in model.h.
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "e2lf/base/text.h"
 #include "e2lf/model/model.h"
@@ -118,6 +120,16 @@ Result<void> check_codes(const Model& model, const std::string& location) {
   return {};
 }
 
+Result<void> check_any_patterns(const Model& model, const std::string& location) {
+  for (const auto& [name, weights] : model.any_patterns) {
+    const size_t size = std::accumulate(weights.shape.begin(), weights.shape.end(), size_t{1}, std::multiplies());
+    const bool is_finite = std::ranges::all_of(weights.values, [](float value) { return std::isfinite(value); });
+    if (size == weights.values.size() && is_finite) continue;
+    return refuse(location, cat("any.", name), "the weights are not finite or have another size; store them again");
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> validate_weights(const Network& network, const Weights& weights, const std::string& location) {
@@ -156,6 +168,7 @@ Result<void> validate(const Model& model, const std::string& location) {
     E2LF_RETURN_IF_ERROR(check(model, location));
   }
   E2LF_RETURN_IF_ERROR(validate_weights(model.network, model.weights, location));
+  E2LF_RETURN_IF_ERROR(check_any_patterns(model, location));
   if (model.provenance.is_object()) return {};
   return refuse(location, "provenance", "the provenance is not a JSON object; enclose it in { }");
 }

@@ -8,6 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/geometry/any_patterns.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/inversion.h"
 
@@ -82,6 +83,15 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   return {};
 }
 
+/// Adapts a network for any patterns to those of the events, if they are known and others than its own.
+Result<void> adapt_to_patterns(const MethodChoice& choice, model::Model& model) {
+  if (!model::is_for_any_patterns(model)) return {};
+  const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
+  if (!known || known->codes == model.codes) return {};
+  E2LF_ASSIGN_OR_RETURN(model, geometry::for_patterns(model, known->codes));
+  return {};
+}
+
 /// Opens the bundled network of the lit transitions, if the network takes those of the whole cycle and there is one.
 Result<void> open_lit(const engine::EngineOptions& options, OpenedMethod& opened) {
   const auto& codes = opened.network->model().codes;
@@ -123,6 +133,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(choose_network(choice, opened, opened.bundled));
   model::Model& model = *choice.model;
   E2LF_RETURN_IF_ERROR(check_output(choice.algorithm, model));
+  E2LF_RETURN_IF_ERROR(adapt_to_patterns(choice, model));
   E2LF_RETURN_IF_ERROR(check_transitions(choice.transitions, model));
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
   const bool is_conditioned = model::is_conditioned_on_camera(model);

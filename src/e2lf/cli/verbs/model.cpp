@@ -8,10 +8,12 @@
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
+#include "e2lf/geometry/any_patterns.h"
 #include "e2lf/info/describe.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/model/onnx/onnx_export.h"
+#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/option_values.h"
@@ -131,16 +133,22 @@ int run_model_store(const std::vector<std::string>& arguments) {
   Verb verb(
       "model store",
       "Store a model with weights of 16 bits, which halves its size with relative errors of 2^-8 at most; and with "
-      "another default camera, or with what it loses in faster arithmetic.",
+      "another default camera, for other patterns, or with what it loses in faster arithmetic.",
       "e2lf model store MODEL.safetensors -o SMALL.safetensors");
   RewriteArguments rewriting;
+  fs::path codes;
   std::vector<fs::path> scenes;
   add_rewrite_options(verb, rewriting, "model file to write", "the camera to use if `reconstruct` names none");
+  verb.app().add_option("--codes", codes, "patterns to which a network for any patterns is adapted")->type_name("FILE");
   verb.app().add_option("--check", scenes,
                         "light fields on which to measure what bfloat16 and int16 lose, so that --precision auto may "
                         "use them");
   return verb.run(arguments, [&]() -> Result<void> {
     const auto write = [&](const fs::path& path, model::Model model) -> Result<void> {
+      if (!codes.empty()) {
+        E2LF_ASSIGN_OR_RETURN(const capture::Codes patterns, pipeline::read_patterns(codes));
+        E2LF_ASSIGN_OR_RETURN(model, geometry::for_patterns(model, patterns));
+      }
       if (!scenes.empty()) {
         E2LF_ASSIGN_OR_RETURN(model.precision_loss, check_precision(model, scenes));
       }
