@@ -78,6 +78,9 @@ py -c 'import numpy as np; a, b = np.load("from_events/disparity.npy"), np.load(
 py -c 'import numpy as np; e = np.load("events.npz"); np.savez("two.npz", events=np.stack([e["events"].reshape(3, 48, 64)] * 2))'
 "$E2LF" depth two.npz -m depth.safetensors -o two --quiet
 cmp two/cycle_00001/disparity.npy from_events/disparity.npy
+# The view of the turned map is that of the upright light field.
+"$E2LF" depth events.npz -m depth.safetensors -o turned --turn-views --quiet
+[ "$(json turned/run.json "j['notes']['maps'][0]['view']")" = "[3, 3]" ] || fail "the view of turned views"
 fails 1 'flipped' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --flip-x
 fails 1 'no disparities' "$E2LF" depth events.npz -m layers.safetensors -o x.npy
 fails 1 'disparities' "$E2LF" reconstruct events.npz -m depth.safetensors -o x

@@ -53,9 +53,9 @@ PY
 other_codes other.npy
 "$E2LF" simulate demo/scene --codes other.npy -o other.npz --quiet
 "$E2LF" reconstruct other.npz -m "$bundled" -o warned 2>warning.txt >log.txt
-grep -q "other patterns than e2lf-n4" warning.txt || fail "no warning: $(cat warning.txt)"
+grep -q "patterns-foreign" warning.txt || fail "no warning: $(cat warning.txt)"
 "$E2LF" reconstruct demo/events.npz -m "$bundled" -o right 2>silence.txt >log.txt
-if grep -q "other patterns" silence.txt; then fail "a warning about the model's own patterns"; fi
+if grep -q "patterns-" silence.txt; then fail "a warning about the model's own patterns"; fi
 "$E2LF" reconstruct other.npz -m "$bundled" --method inversion -o with_model --format npy --quiet
 "$E2LF" reconstruct other.npz --method inversion -o alone --format npy --quiet
 cmp with_model/lightfield.npy alone/lightfield.npy
@@ -109,6 +109,10 @@ told=$TESTSUITE/../models/e2lf-n4-capture.safetensors own=$TESTSUITE/../models/e
 "$E2LF" reconstruct five.npz -m "$told" --cycles-per-field 2 -o pairs --format npy --gain 1 --quiet 2>warnings.txt
 exists pairs/cycle_00000/lightfield.npy pairs/cycle_00001/lightfield.npy
 absent pairs/cycle_00002
+[ "$(json pairs/run.json '[(l["reason"], l["count"]) for l in j["notes"]["left_out"]]')" = "[('left_over_cycles', 1)]" ] || fail "the fifth cycle"
+"$E2LF" reconstruct five.npz -m "$told" --cycles-per-field 3 -o three --json 2>warnings.txt >three.json
+[ "$(json three.json '[(l["reason"], l["count"]) for l in j["left_out"]]')" = "[('left_over_cycles', 2)]" ] || fail "two cycles"
+grep -q "left out 2 of the complete cycles" warnings.txt || fail "$(cat warnings.txt)"
 "$E2LF" reconstruct five.npz -m "$told" --cycles-per-field 5 -o all --format npy --gain 1 --quiet 2>warnings.txt
 exists all/lightfield.npy
 

@@ -34,7 +34,7 @@ Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions
                 options.cycles_per_field,
                 " from which one light field is reconstructed; reduce the number of cycles per light field");
   }
-  if (options.invert_polarity && !capture::has_events(measured)) {
+  if (options.cycles.invert_polarity && !capture::has_events(measured)) {
     return useless("this measurement has no events", "invert_polarity");
   }
   return {};
@@ -57,26 +57,29 @@ double behind_s(const cycles::Cycle& cycle) {
   return static_cast<double>(std::max<int64_t>(0, cycle.known_us - cycle.slices.back().end_us)) * 1e-6;
 }
 
-Result<CycleInput> CycleInput::create(capture::MeasurementFile file, CycleInputOptions options) {
+Result<CycleInput> CycleInput::open(EventSource source, CycleInputOptions options) {
   E2LF_RETURN_IF_ERROR(check(options));
-  E2LF_RETURN_IF_ERROR(check(file, options));
   CycleInput input(std::move(options));
-  input.has_one_field_ = file.cycles.size() / input.options_.cycles_per_field == 1;
-  if (input.options_.max_cycles != 0 && input.options_.max_cycles < file.cycles.size()) {
-    file.cycles.resize(input.options_.max_cycles);
+  if (auto* file = std::get_if<capture::MeasurementFile>(&source)) {
+    E2LF_RETURN_IF_ERROR(input.take(std::move(*file)));
+    return input;
   }
-  if (input.options_.invert_polarity) {
-    for (capture::Measurement& cycle : file.cycles) invert(cycle.events);
-  }
-  input.file_ = std::move(file);
+  CycleInputOptions observed = input.options_;
+  observed.cycles.on_batch = [rig = input.rig_](const recordings::EventBatch& batch) { rig->add(batch); };
+  auto& recording = std::get<std::unique_ptr<recordings::RecordingReader>>(source);
+  E2LF_ASSIGN_OR_RETURN(input.reader_, open_cycles(std::move(recording), observed));
   return input;
 }
 
-Result<CycleInput> CycleInput::create(cycles::CycleReader reader, CycleInputOptions options) {
-  E2LF_RETURN_IF_ERROR(check(options));
-  CycleInput input(std::move(options));
-  input.reader_ = std::move(reader);
-  return input;
+Result<void> CycleInput::take(capture::MeasurementFile file) {
+  E2LF_RETURN_IF_ERROR(check(file, options_));
+  has_one_field_ = file.cycles.size() / options_.cycles_per_field == 1;
+  if (options_.max_cycles != 0 && options_.max_cycles < file.cycles.size()) file.cycles.resize(options_.max_cycles);
+  if (options_.cycles.invert_polarity) {
+    for (capture::Measurement& cycle : file.cycles) invert(cycle.events);
+  }
+  file_ = std::move(file);
+  return {};
 }
 
 Result<std::optional<CycleImages>> CycleInput::next_cycle() {
@@ -91,7 +94,7 @@ Result<std::optional<CycleImages>> CycleInput::next_cycle() {
   if (!next.cycle) return std::optional<CycleImages>();
   ++taken_;
   next.source = reader_->source();
-  if (options_.on_cycle) options_.on_cycle(*next.cycle, reader_->options());
+  next.cycle->confidence = rig_->add(*next.cycle, reader_->options());
   next.ready = next.cycle->arrival.value_or(CycleClock::now());
   next.behind_s = behind_s(*next.cycle);
   next.images = std::move(next.cycle->images);
@@ -182,6 +185,14 @@ Result<void> choose_source(cycles::CycleOptions& options, const std::optional<in
   }
   options.origin_us = origin_us.value_or(0);
   return {};
+}
+
+Result<cycles::CycleReader> open_cycles(std::unique_ptr<recordings::RecordingReader> recording,
+                                        const CycleInputOptions& options) {
+  cycles::CycleOptions cycles = options.cycles;
+  E2LF_ASSIGN_OR_RETURN(cycles.schedule, choose_schedule(options.schedule, options.input, recording->info()));
+  E2LF_RETURN_IF_ERROR(choose_source(cycles, options.origin_us));
+  return cycles::CycleReader::open(std::move(recording), cycles);
 }
 
 }  // namespace e2lf::pipeline

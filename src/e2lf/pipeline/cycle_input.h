@@ -3,12 +3,14 @@
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
+#include <memory>
 #include <optional>
+#include <variant>
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/diagnose/rig.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recon/fusion.h"
 
@@ -26,24 +28,38 @@ struct CycleImages {
   [[nodiscard]] bool is_live() const { return cycle && cycle->arrival; }
 };
 
+/// What determines the schedule of a recording.
+struct ScheduleChoice {
+  std::optional<cycles::Schedule> schedule = {};  ///< that of the caller; empty = the paper's
+  std::optional<size_t> num_patterns = {};        ///< of the paper's schedule; empty = as the recording states
+  size_t usual_patterns = 4;                      ///< of the paper's schedule if nothing else states it
+  /// "lit", "all", or "auto": all transitions if the network or the patterns of the recording require it.
+  std::string transitions = "auto";
+  std::optional<size_t> num_wanted = {};  ///< number of patterns of the network
+};
+
+/// Events that were opened: the content of a file of measurements, or a recording.
+using EventSource = std::variant<capture::MeasurementFile, std::unique_ptr<recordings::RecordingReader>>;
+
+/// How events are divided into cycles and summed.
 struct CycleInputOptions {
+  std::filesystem::path input = {};  ///< the name under which the events were opened
   size_t cycles_per_field = 1;
-  uint64_t max_cycles = 0;       ///< 0 = all
-  bool is_strict = false;        ///< whether sums that exceed 16 bits are an error
-  bool invert_polarity = false;  ///< only for files of event images; CycleReader has its own option
-  /// Called for each cycle of a recording, whose confidence it may correct.
-  std::function<void(cycles::Cycle& cycle, const cycles::CycleOptions& options)> on_cycle = {};
+  uint64_t max_cycles = 0;                ///< 0 = all
+  bool is_strict = false;                 ///< whether sums that exceed 16 bits are an error
+  cycles::CycleOptions cycles = {};       ///< of a recording, without the schedule; its polarity also applies to files
+  ScheduleChoice schedule = {};           ///< of a recording
+  std::optional<int64_t> origin_us = {};  ///< see choose_source()
 };
 
 /// Provides the measurements for a sequence of light fields, from a file of measurements or from a recording that is
 /// divided into cycles while it is read.
 class CycleInput {
  public:
-  /// Creates the input. Fails with kInvalidValue if max_cycles is less than cycles_per_field (location "max_cycles"),
-  /// if a file contains fewer cycles than one light field takes, or if an option does not apply to the kind of
-  /// measurement.
-  [[nodiscard]] static Result<CycleInput> create(capture::MeasurementFile file, CycleInputOptions options);
-  [[nodiscard]] static Result<CycleInput> create(cycles::CycleReader reader, CycleInputOptions options);
+  /// Opens the input. Fails with kInvalidValue if max_cycles is less than cycles_per_field (location "max_cycles"), if
+  /// a file contains fewer cycles than one light field takes, or if an option does not apply to the kind of
+  /// measurement; and as open_cycles() does.
+  [[nodiscard]] static Result<CycleInput> open(EventSource source, CycleInputOptions options);
 
   /// Returns the sums over the next cycles_per_field cycles, or nothing if fewer are left; these are counted in
   /// summary(). Sums saturate at 16 bits, and the events lost in this way are counted there, too.
@@ -67,24 +83,26 @@ class CycleInput {
   [[nodiscard]] size_t transitions() const {
     return reader_ ? reader_->schedule().num_images() : file_.cycles.front().events.count;
   }
-  /// Returns the setup with which the events were recorded; `input` is the name under which they were opened. Fails as
-  /// recorded_setup() does.
-  [[nodiscard]] Result<capture::RecordedSetup> setup(const std::filesystem::path& input) const {
+  /// Returns the setup with which the events were recorded. Fails as recorded_setup() does.
+  [[nodiscard]] Result<capture::RecordedSetup> setup() const {
     if (!reader_) return file_.setup;
-    return setup_of_cycles(input, *reader_);
+    return setup_of_cycles(options_.input, *reader_);
   }
-  /// Returns the reader of the recording. Must not be called for files.
+  /// Returns the reader of the recording, and what its cycles told of the rig. The former must not be called for files.
   [[nodiscard]] const cycles::CycleReader& reader() const { return reader_.value(); }
+  [[nodiscard]] const diagnose::RigCheck& rig() const { return *rig_; }
   /// Returns a summary of the data that was left out of the recording and of sums.
   [[nodiscard]] recordings::DecodeSummary summary() const;
 
  private:
   explicit CycleInput(CycleInputOptions options) : options_(std::move(options)) {}
+  [[nodiscard]] Result<void> take(capture::MeasurementFile file);
   [[nodiscard]] Result<std::optional<CycleImages>> next_cycle();
 
   CycleInputOptions options_;
   capture::MeasurementFile file_;
   std::optional<cycles::CycleReader> reader_;
+  std::shared_ptr<diagnose::RigCheck> rig_ = std::make_shared<diagnose::RigCheck>();
   std::optional<recon::CycleFusion> fusion_;
   bool has_one_field_ = false;
   size_t taken_ = 0;
@@ -100,16 +118,6 @@ uint64_t add_counts(const capture::EventImages& more, capture::EventImages& sum)
 /// input is not live.
 [[nodiscard]] double behind_s(const cycles::Cycle& cycle);
 
-/// What determines the schedule of a recording.
-struct ScheduleChoice {
-  std::optional<cycles::Schedule> schedule = {};  ///< that of the caller; empty = the paper's
-  std::optional<size_t> num_patterns = {};        ///< of the paper's schedule; empty = as the recording states
-  size_t usual_patterns = 4;                      ///< of the paper's schedule if nothing else states it
-  /// "lit", "all", or "auto": all transitions if the network or the patterns of the recording require it.
-  std::string transitions = "auto";
-  std::optional<size_t> num_wanted = {};  ///< number of patterns of the network
-};
-
 /// Returns the schedule of a recording. Fails as recorded_setup() does.
 [[nodiscard]] Result<cycles::Schedule> choose_schedule(const ScheduleChoice& choice,
                                                        const std::filesystem::path& recording,
@@ -119,5 +127,10 @@ struct ScheduleChoice {
 /// if their channel or kind is given, and the schedule if `origin_us`, the time at which the first pattern of any cycle
 /// began, is given. Fails with kInvalidValue if the schedule is the source and this time is missing.
 [[nodiscard]] Result<void> choose_source(cycles::CycleOptions& options, const std::optional<int64_t>& origin_us);
+
+/// Opens the cycles of a recording with the schedule and the source of times that follow from the options and the
+/// recording. Fails as choose_schedule(), choose_source() and CycleReader::open() do.
+[[nodiscard]] Result<cycles::CycleReader> open_cycles(std::unique_ptr<recordings::RecordingReader> recording,
+                                                      const CycleInputOptions& options);
 
 }  // namespace e2lf::pipeline

@@ -24,7 +24,7 @@ capture::MeasurementFile file_of(const std::vector<int16_t>& counts) {
 }
 
 TEST(CycleInput, SumsTheCyclesOfALightFieldAndLeavesFewerOut) {
-  CycleInput input = CycleInput::create(file_of({1, 2, 3, 4, 5}), {.cycles_per_field = 2}).value();
+  CycleInput input = CycleInput::open(file_of({1, 2, 3, 4, 5}), {.cycles_per_field = 2}).value();
   EXPECT_FALSE(input.has_one_field());
   EXPECT_EQ(input.next().value()->images.events.values[0], 3);
   EXPECT_EQ(input.next().value()->images.events.values[0], 7);
@@ -32,32 +32,33 @@ TEST(CycleInput, SumsTheCyclesOfALightFieldAndLeavesFewerOut) {
   EXPECT_FALSE(input.next().value());
   EXPECT_EQ(input.summary().left_over_cycles, 1U);
   EXPECT_EQ(recordings::losses(input.summary()).at(0).reason, "left_over_cycles");
-  EXPECT_TRUE(CycleInput::create(file_of({1, 2, 3}), {.cycles_per_field = 2})->has_one_field());
+  EXPECT_TRUE(CycleInput::open(file_of({1, 2, 3}), {.cycles_per_field = 2})->has_one_field());
 }
 
 TEST(CycleInput, CountsWhatSumsHaveNoRoomFor) {
-  CycleInput input = CycleInput::create(file_of({INT16_MAX, 2}), {.cycles_per_field = 2}).value();
+  CycleInput input = CycleInput::open(file_of({INT16_MAX, 2}), {.cycles_per_field = 2}).value();
   EXPECT_EQ(input.next().value()->images.events.values[0], INT16_MAX);
   EXPECT_EQ(input.summary().saturated, 2U);
-  EXPECT_FALSE(CycleInput::create(file_of({INT16_MAX, 2}), {.cycles_per_field = 2, .is_strict = true})->next());
+  EXPECT_FALSE(CycleInput::open(file_of({INT16_MAX, 2}), {.cycles_per_field = 2, .is_strict = true})->next());
 }
 
 TEST(CycleInput, InvertsAndEndsAfterAsManyCyclesAsAskedFor) {
-  CycleInput input = CycleInput::create(file_of({INT16_MIN, 5}), {.max_cycles = 1, .invert_polarity = true}).value();
+  CycleInput input =
+      CycleInput::open(file_of({INT16_MIN, 5}), {.max_cycles = 1, .cycles = {.invert_polarity = true}}).value();
   EXPECT_EQ(input.next().value()->images.events.values[0], INT16_MAX);
   EXPECT_FALSE(input.next().value());
 }
 
 TEST(CycleInput, ErrorsNameTheOption) {
   const auto location = [](capture::MeasurementFile file, const CycleInputOptions& options) {
-    return CycleInput::create(std::move(file), options).error().location;
+    return CycleInput::open(std::move(file), options).error().location;
   };
   EXPECT_EQ(location(file_of({1, 2, 3}), {.cycles_per_field = 3, .max_cycles = 2}), "max_cycles");
   EXPECT_EQ(location(file_of({1}), {.cycles_per_field = 2}), "");
   capture::MeasurementFile images = file_of({1, 1});
   for (auto& cycle : images.cycles) cycle.kind = capture::MeasurementKind::kCodedImages;
   EXPECT_EQ(location(images, {.cycles_per_field = 2}), "cycles");
-  EXPECT_EQ(location(images, {.invert_polarity = true}), "invert_polarity");
+  EXPECT_EQ(location(images, {.cycles = {.invert_polarity = true}}), "invert_polarity");
 }
 
 TEST(RecordedSetup, IsThatOfTheRecordingThatIsReplayed) {

@@ -221,12 +221,14 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
                 " supports a single pass; omit the number of passes");
   }
   if ((use.cycles > 1 || use.fused_cycles > 1) && !takes_sums()) {
-    return fail(ErrorCode::kInvalidValue, use.cycles > 1 ? "cycles" : "fuse",
-                network ? cat(network->model().name,
-                              " reconstructs each light field from one cycle; omit the number of cycles, or use a ",
-                              "model that is conditioned on the sensor profile, such as e2lf-n4-camera")
-                        : cat("the method ", algorithm,
-                              " reconstructs each light field from one cycle; omit the number of cycles"));
+    return fail(
+        ErrorCode::kInvalidValue, use.cycles > 1 ? "cycles" : "fuse",
+        network
+            ? cat(network->model().name, gives_disparities() ? " estimates each map" : " reconstructs each light field",
+                  " from one cycle; omit the number of cycles, or use a model that is conditioned on the sensor ",
+                  "profile, such as e2lf-n4-camera")
+            : cat("the method ", algorithm,
+                  " reconstructs each light field from one cycle; omit the number of cycles"));
   }
   if (network) return method_of(network, use);
   return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {

@@ -53,6 +53,8 @@ struct OpenedMethod {
   [[nodiscard]] capture::SensorProfile sensor() const;
   /// Returns true if the method accepts sums over several cycles, and fused ones.
   [[nodiscard]] bool takes_sums() const { return network && model::is_conditioned_on_camera(network->model()); }
+  /// Returns true if the results are disparity maps, and light fields otherwise.
+  [[nodiscard]] bool gives_disparities() const { return network && model::is_depth_network(network->model()); }
   /// Returns true if the network was trained for the patterns of the events, as far as these are known.
   [[nodiscard]] bool are_patterns_the_models() const;
 

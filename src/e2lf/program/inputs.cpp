@@ -86,22 +86,17 @@ Result<std::optional<model::Model>> read_named_model(const CodesSource& source, 
   return std::optional(std::move(model));
 }
 
-void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
-                      const std::optional<capture::Codes>& of_events, RunRecord& record) {
-  if (!codes) return;
-  record.add_input(source.codes);
-  if (!of_events || *codes == *of_events) return;
-  log_warning(cat("the patterns of ", source.codes.string(), " differ from those in the file of the events; ",
-                  "using those of --codes"));
-}
-
 Result<std::optional<KnownCodes>> find_codes(const CodesSource& source, const std::optional<model::Model>& model,
                                              const std::optional<capture::Codes>& of_events, RunRecord& record) {
   std::optional<capture::Codes> named;
   if (!source.codes.empty()) {
     E2LF_ASSIGN_OR_RETURN(named, pipeline::read_patterns(source.codes));
   }
-  note_named_codes(source, named, of_events, record);
+  if (named) record.add_input(source.codes);
+  if (named && of_events && *named != *of_events) {
+    log_warning(cat("the patterns of ", source.codes.string(), " differ from those in the file of the events; ",
+                    "using those of --codes"));
+  }
   return pipeline::known_codes(named, of_events, model ? &*model : nullptr);
 }
 

@@ -51,10 +51,6 @@ void add_codes_options(CLI::App& app, CodesSource& source);
 /// Reads the model if one was given, and adds its content to the record. Fails as read_model() does.
 [[nodiscard]] Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record);
 
-/// Adds the file of these patterns to the record, and warns if they differ from those in the file of the events.
-void note_named_codes(const CodesSource& source, const std::optional<capture::Codes>& codes,
-                      const std::optional<capture::Codes>& of_events, RunRecord& record);
-
 /// Returns the patterns of --codes, or else `of_events` (those in the file of the events), or else those of `model`, or
 /// nothing if none of them exist. Warns if --codes and the file of the events differ.
 [[nodiscard]] Result<std::optional<pipeline::KnownCodes>> find_codes(const CodesSource& source,

@@ -2,7 +2,6 @@
 #include "e2lf/cli/flags/cycle_options.h"
 
 #include "e2lf/base/text.h"
-#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/recordings/open/registry.h"
 
@@ -134,19 +133,35 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   add_recording_options(app, flags.recording, group);
 }
 
-Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags) {
-  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags.recording));
+namespace {
+
+Result<std::unique_ptr<recordings::RecordingReader>> open_recording(const fs::path& input,
+                                                                    const RecordingFlags& flags) {
+  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags));
   E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(input.string(), open));
   say_assumptions(*reader);
-  pipeline::ScheduleChoice choice = flags.choice;
+  return reader;
+}
+
+}  // namespace
+
+Result<pipeline::CycleInputOptions> cycle_input_options(const fs::path& input, const CycleFlags& flags) {
+  pipeline::CycleInputOptions options{.input = input,
+                                      .max_cycles = flags.max_cycles,
+                                      .is_strict = flags.recording.is_strict,
+                                      .cycles = flags.options,
+                                      .schedule = flags.choice,
+                                      .origin_us = flags.origin_us};
   if (!flags.schedule.empty()) {
-    E2LF_ASSIGN_OR_RETURN(choice.schedule, cycles::read_schedule(flags.schedule));
+    E2LF_ASSIGN_OR_RETURN(options.schedule.schedule, cycles::read_schedule(flags.schedule));
   }
-  cycles::CycleOptions options = flags.options;
-  E2LF_ASSIGN_OR_RETURN(options.schedule, pipeline::choose_schedule(choice, input, reader->info()));
-  if (const auto chosen = pipeline::choose_source(options, flags.origin_us); !chosen)
-    return by_flag(chosen.error(), {});
-  return cycles::CycleReader::open(std::move(reader), options);
+  return options;
+}
+
+Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags) {
+  E2LF_ASSIGN_OR_RETURN(auto recording, open_recording(input, flags.recording));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::CycleInputOptions options, cycle_input_options(input, flags));
+  return by_flag(pipeline::open_cycles(std::move(recording), options), {});
 }
 
 void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result) {
@@ -161,6 +176,7 @@ Error by_flag(Error error, const fs::path& input) {
                                                             {"cycles", "--cycles-per-field"},
                                                             {"fuse", "--fuse"},
                                                             {"invert_polarity", "--invert-polarity"},
+                                                            {"lit", "--transitions lit"},
                                                             {"max_cycles", "--max-cycles"},
                                                             {"origin_us", "--origin-us"},
                                                             {"passes", "--passes"},
@@ -172,41 +188,18 @@ Error by_flag(Error error, const fs::path& input) {
   return error;
 }
 
-Result<pipeline::CycleInput> open_cycle_input(const fs::path& input, const CycleFlags& flags, size_t cycles_per_field,
-                                              const Verb& verb, diagnose::RigCheck& rig) {
-  pipeline::CycleInputOptions options{.cycles_per_field = cycles_per_field,
-                                      .max_cycles = flags.max_cycles,
-                                      .is_strict = flags.recording.is_strict,
-                                      .invert_polarity = flags.options.invert_polarity};
-  options.on_cycle = [&rig](cycles::Cycle& cycle, const cycles::CycleOptions& used) {
-    cycle.confidence = rig.add(cycle, used);
-  };
+Result<pipeline::EventSource> open_events(const fs::path& input, const CycleFlags& flags, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(input));
   if (kind == FileKind::kRecording) {
-    CycleFlags observed = flags;
-    observed.options.on_batch = [&rig](const recordings::EventBatch& batch) { rig.add(batch); };
-    E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(input, observed));
-    return by_flag(pipeline::CycleInput::create(std::move(reader), std::move(options)), input);
+    E2LF_ASSIGN_OR_RETURN(auto recording, open_recording(input, flags.recording));
+    return pipeline::EventSource(std::move(recording));
   }
   if (kind != FileKind::kEventImages && kind != FileKind::kImages) {
     return other_kind_error(input, kind, "a recording or event images");
   }
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kCycleOptions, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(capture::MeasurementFile file, capture::read_measurements(input));
-  return by_flag(pipeline::CycleInput::create(std::move(file), std::move(options)), input);
-}
-
-CycleFlags wanted_cycles(CycleFlags flags, const pipeline::MethodChoice& choice) {
-  if (choice.model) {
-    flags.choice.num_wanted = choice.model->num_patterns;
-  } else if (choice.codes) {
-    flags.choice.num_wanted = choice.codes->num_patterns;
-  }
-  const auto codes = choice.codes || !choice.model ? choice.codes : choice.model->codes;
-  if (codes && codes->num_patterns >= 2) {
-    flags.choice.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
-  }
-  return flags;
+  return pipeline::EventSource(std::move(file));
 }
 
 }  // namespace e2lf::cli

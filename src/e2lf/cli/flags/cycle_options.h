@@ -10,10 +10,8 @@
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/cycle_reader.h"
-#include "e2lf/diagnose/rig.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/cycle_input.h"
-#include "e2lf/pipeline/method.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
@@ -62,19 +60,20 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 /// Declares --fuse, the largest number of cycles in a mean; `result` is what the verb makes of each cycle.
 void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result);
 
+/// Returns the options of the pipeline for these flags, and reads the schedule that they name. Fails as
+/// cycles::read_schedule() does.
+[[nodiscard]] Result<pipeline::CycleInputOptions> cycle_input_options(const std::filesystem::path& input,
+                                                                      const CycleFlags& flags);
+
 /// Opens a recording (a path, "-" for standard input, or the name of a camera) and divides it into cycles. The source
 /// "auto" selects triggers if the recording begins with some, and bursts otherwise. Fails with kInvalidValue if the
 /// schedule is the only source of times and --origin-us is missing.
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags);
 
-/// Opens event images, another measurement, or a recording, which is passed to `rig`. Fails as
-/// CycleInput::create() does, and with kInvalidValue if flags for recordings are given for a measurement.
-[[nodiscard]] Result<pipeline::CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
-                                                            size_t cycles_per_field, const Verb& verb,
-                                                            diagnose::RigCheck& rig);
-
-/// Sets the number of patterns that the cycles of a recording must have for the model or patterns of the caller.
-[[nodiscard]] CycleFlags wanted_cycles(CycleFlags flags, const pipeline::MethodChoice& choice);
+/// Opens event images, another measurement, or a recording, and logs what was assumed about the latter. Fails with
+/// kInvalidValue if flags for recordings are given for a measurement.
+[[nodiscard]] Result<pipeline::EventSource> open_events(const std::filesystem::path& input, const CycleFlags& flags,
+                                                        const Verb& verb);
 
 /// Converts an error of the pipeline for the user: replaces the option in its location by the flag, or an empty
 /// location by the input.

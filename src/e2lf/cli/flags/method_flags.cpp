@@ -55,18 +55,12 @@ Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord&
   E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(flags.codes, record));
   if (!flags.codes.codes.empty()) {
     E2LF_ASSIGN_OR_RETURN(choice.codes, pipeline::read_patterns(flags.codes.codes));
+    record.add_input(flags.codes.codes);
   }
-  return choice;
-}
-
-Result<void> complete_choice(const MethodFlags& flags, capture::RecordedSetup events, RunRecord& record,
-                             pipeline::MethodChoice& choice) {
-  choice.events = std::move(events);
   if (!flags.camera.empty()) {
     E2LF_ASSIGN_OR_RETURN(choice.camera, load_camera(flags.camera, record));
   }
-  note_named_codes(flags.codes, choice.codes, choice.events.codes, record);
-  return {};
+  return choice;
 }
 
 Result<pipeline::Tone> tone_of(const MethodFlags& flags) {
@@ -96,67 +90,20 @@ void say_taken(const std::string& name, bool is_for_pixels) {
                is_for_pixels ? "physical pixels" : "the paper's event model"));
 }
 
-/// The recording of a camera does not state its patterns. The check against the events finds out if they are others.
-void note_assumed_patterns(const fs::path& events, const std::string& whose) {
-  log_info(cat(events.string(), " does not state which patterns the camera showed; those of ", whose, " are assumed"));
-}
-
-/// Records the source of the patterns, and warns unless the network was trained for them.
-void note_patterns(const OpenedMethod& method, const fs::path& events, RunRecord& record) {
-  const model::Model& model = method.network->model();
+void record_network(const OpenedMethod& method, size_t passes, RunRecord& record) {
   const bool is_stated = pipeline::are_patterns_stated(method.codes);
   const StatedBy stated_by = is_stated ? method.codes->stated_by : StatedBy::kNone;
   record.note("patterns", {{"stated_by", stated_by_name(stated_by, "--codes")},
                            {"are_the_models", method.are_patterns_the_models()}});
-  if (method.are_patterns_the_models()) return;
-  if (!is_stated) return note_assumed_patterns(events, model.name);
-  log_warning(model.codes
-                  ? cat("the events were made with other patterns than ", model.name,
-                        " was trained for, so that the light field will be wrong; use a model for these patterns, or ",
-                        "--method inversion")
-                  : cat(model.name, " does not state which patterns it was trained for, so that it may not match ",
-                        "those of the events"));
-}
-
-void note_network(const OpenedMethod& method, const fs::path& events, size_t passes, RunRecord& record) {
-  const recon::Reconstructor& network = *method.network;
-  const bool is_pixel = method.camera && method.camera->is_pixel();
-  if (method.bundled) say_taken(network.model().name, is_pixel && method.camera_stated_by != StatedBy::kModel);
-  note_patterns(method, events, record);
-  if (!method.takes_sums() && is_pixel) {
-    log_warning(cat("the events are those of physical pixels (", method.camera->name, "), which ", network.model().name,
-                    " was not trained for: the light field will be wrong; use a network conditioned on the sensor "
-                    "profile, such as ",
-                    "e2lf-n4-camera"));
-  }
-  const size_t made = network.num_passes(passes);
-  if (made < passes) {
-    log_warning(cat("--passes ", passes, ": the network distinguishes ", made, " position", made == 1 ? "" : "s",
-                    " on its pixel grid; the number of passes is reduced to this"));
-  }
-  const char* precision = word_of(network.engine().precision(), engine::kPrecisions);
+  const char* precision = word_of(method.network->engine().precision(), engine::kPrecisions);
   record.resolve("precision", precision);
   record.note("precision", precision);
-  record.note("passes", made);
-}
-
-void say_classical(const OpenedMethod& method, const fs::path& events, const fs::path& model) {
-  if (method.bundled) log_info(cat("no patterns were given; using those of ", method.bundled->stem().string()));
-  if (method.codes->stated_by == StatedBy::kNone) {
-    log_warning("the camera may have shown other patterns; give those of the camera with --codes");
-  } else if (!pipeline::are_patterns_stated(method.codes)) {
-    note_assumed_patterns(events, model.string());
-  }
-  if (method.camera && method.camera->is_pixel()) {
-    log_warning(cat("the events are those of physical pixels (", method.camera->name, "); the method ",
-                    method.algorithm, " only supports the paper's event model"));
-  }
+  record.note("passes", method.network->num_passes(passes));
 }
 
 }  // namespace
 
-void note_method(const OpenedMethod& method, const fs::path& events, const fs::path& model, size_t passes,
-                 RunRecord& record) {
+void record_method(const OpenedMethod& method, size_t passes, RunRecord& record) {
   if (method.camera && method.camera_stated_by != StatedBy::kNone) {
     record.note("camera", capture::to_json(*method.camera));
     record.note("camera_stated_by", stated_by_name(method.camera_stated_by, "--camera"));
@@ -166,9 +113,10 @@ void note_method(const OpenedMethod& method, const fs::path& events, const fs::p
     record.resolve(method.network ? "model" : "codes", method.bundled->stem().string());
   }
   if (method.network) {
-    note_network(method, events, passes, record);
-  } else {
-    say_classical(method, events, model);
+    const bool is_for_pixels =
+        method.camera && method.camera->is_pixel() && method.camera_stated_by != StatedBy::kModel;
+    if (method.bundled) say_taken(method.network->model().name, is_for_pixels);
+    record_network(method, passes, record);
   }
   if (!method.codes) return;
   const capture::SensorConstants& constants = method.codes->constants;

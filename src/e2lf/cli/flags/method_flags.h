@@ -28,23 +28,17 @@ void add_device_option(CLI::App& app, std::string& device);
 /// Declares --gain and --black, for verbs whose output is a light field.
 void add_tone_options(CLI::App& app, MethodFlags& flags);
 
-/// Reads the model and the patterns that the flags name, and takes over the precision and the device. Fails as reading
-/// them does.
+/// Reads the model, the patterns and the camera that the flags name, adds them to the record, and takes over the
+/// precision and the device. Fails as reading them does.
 [[nodiscard]] Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record);
-
-/// Adds the setup of the events and the camera that the flags name. Warns if --codes and the events differ. Fails as
-/// load_camera() does.
-[[nodiscard]] Result<void> complete_choice(const MethodFlags& flags, capture::RecordedSetup events, RunRecord& record,
-                                           pipeline::MethodChoice& choice);
 
 /// Parses --gain (a positive number) and --black (a number of at least 0); "auto" leaves them to the method. Fails with
 /// kInvalidValue.
 [[nodiscard]] Result<pipeline::Tone> tone_of(const MethodFlags& flags);
 
-/// Logs and records the decisions behind a method for `events`: the network or patterns that were chosen by default,
-/// the sources of the patterns and the sensor profile, and any mismatch between these and the method. `model` is the
-/// file that the user gave, and `passes` the requested number of passes.
-void note_method(const pipeline::OpenedMethod& method, const std::filesystem::path& events,
-                 const std::filesystem::path& model, size_t passes, RunRecord& record);
+/// Logs which network was chosen by default, and records the decisions behind a method: the network or patterns that
+/// were chosen by default, and the sources of the patterns and the sensor profile. `passes` is the requested number of
+/// passes.
+void record_method(const pipeline::OpenedMethod& method, size_t passes, RunRecord& record);
 
 }  // namespace e2lf::cli

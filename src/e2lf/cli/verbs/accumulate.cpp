@@ -12,7 +12,7 @@
 #include "e2lf/info/file_kind.h"
 #include "e2lf/info/page_parts.h"
 #include "e2lf/info/recording_report.h"
-#include "e2lf/pipeline/cycle_input.h"
+#include "e2lf/pipeline/event_run.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/report_output.h"
@@ -157,7 +157,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     E2LF_ASSIGN_OR_RETURN(codes, pipeline::read_patterns(arguments.codes));
     record.add_input(arguments.codes);
   }
-  CycleFlags flags = wanted_cycles(arguments.cycles, {.codes = codes});
+  CycleFlags flags = arguments.cycles;
+  flags.choice = pipeline::wanted_schedule(flags.choice, {.codes = codes});
   observe(flags.options, bar, rig, reports.is_wanted() ? &plot : nullptr);
   E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(arguments.input, flags));
   E2LF_ASSIGN_OR_RETURN(const auto writer, capture::EventImageWriter::create(output.path()));

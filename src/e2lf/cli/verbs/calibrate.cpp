@@ -36,13 +36,15 @@ struct CalibrateArguments {
 /// input before has stated.
 Result<calibrate::StillScene> read_scene(const fs::path& path, const CycleFlags& flags, const Verb& verb,
                                          RunRecord& record, std::optional<capture::Codes>& codes) {
-  diagnose::RigCheck rig;
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, flags, 1, verb, rig));
+  E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(path, flags, verb));
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInputOptions options, cycle_input_options(path, flags));
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input,
+                        by_flag(pipeline::CycleInput::open(std::move(events), std::move(options)), path));
   if (input.measurement() != capture::MeasurementKind::kEventImages) {
     return fail(ErrorCode::kInvalidValue, path, "a calibration requires event images, but this is the measurement ",
                 capture::measurement_name(input.measurement()), "; give a recording or event images");
   }
-  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup());
   diagnose::log_findings(path.string(), diagnose::findings_from_text(setup.findings));
   if (codes && setup.codes && *codes != *setup.codes) {
     return fail(ErrorCode::kInvalidValue, path,
@@ -55,8 +57,8 @@ Result<calibrate::StillScene> read_scene(const fs::path& path, const CycleFlags&
     if (!cycle) break;
     scene.cycles.push_back(std::move(cycle->images.events));
   }
-  if (input.is_recording() && scene.cycles.empty()) return no_cycle_error(path, rig, input.reader());
-  if (input.is_recording()) diagnose::log_findings(path.string(), rig.findings(input.reader()));
+  if (input.is_recording() && scene.cycles.empty()) return no_cycle_error(path, input.rig(), input.reader());
+  if (input.is_recording()) diagnose::log_findings(path.string(), input.rig().findings(input.reader()));
   record.add_input(path);
   return scene;
 }

@@ -13,7 +13,8 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/method_flags.h"
-#include "e2lf/cli/output/light_field_writer.h"
+#include "e2lf/cli/output/event_run_log.h"
+#include "e2lf/cli/output/result_parts.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"
@@ -26,7 +27,6 @@
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/pipeline/event_depth.h"
 #include "e2lf/program/light_fields.h"
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/run_record.h"
@@ -121,9 +121,10 @@ Json json_of(const DisparityResult& result, const Shared& shared) {
   return json;
 }
 
-void print_maps(const DisparityOutput& output, const CommonOptions& common, const Json& maps) {
+void print_maps(const DisparityOutput& output, const CommonOptions& common, const Json& maps, Json printed) {
   const Json& first = maps.front();
-  print_result(common, {{"output", output.output.string()}, {"maps", maps}},
+  printed.update({{"output", output.output.string()}, {"maps", maps}});
+  print_result(common, printed,
                cat(counted(maps.size(), "disparity map"), " in ", output.output.string(),
                    formatted(": view (%d, %d), most of it from %.2f to %.2f px per view step\n",
                              first["view"][0].get<int>(), first["view"][1].get<int>(),
@@ -135,18 +136,24 @@ bool is_disparity_file(const fs::path& output) {
   return extension == ".npy" || extension == ".pfm" || extension == ".png" || extension == ".ply";
 }
 
-/// Writes the first map to a file, or the folder of one map, or one folder for each of them, which appears complete
-/// when it is done.
+/// Returns an error in which the options of sums have the names that they have here.
+Error of_maps(Error error) {
+  if (error.location == "--cycles-per-field") error.location = "--cycles-per-map";
+  return error;
+}
+
+/// Writes the maps of `source`: the first one to a file, or one to the folder itself, or one folder for each of them.
+/// `finish` is called when there are no more, and returns what is printed with --json beside the maps.
 Result<void> write_disparities(const DisparityOutput& output, const DisparitySource& source, RunRecord& record,
-                               const Verb& verb) {
+                               const Verb& verb, const std::function<Result<Json>()>& finish = {}) {
   std::optional<OutputFile> file;
-  std::optional<ResultFolder> folder;
+  std::optional<ResultParts> parts;
   if (is_disparity_file(output.output)) {
     E2LF_ASSIGN_OR_RETURN(file, open_output(output.output, verb, {output.input}));
   } else {
-    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(output.output, verb, {output.input}));
+    E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(output.output, verb, {output.input}));
+    parts.emplace(std::move(folder), output.is_one, output.is_strict);
   }
-  const bool is_one = file || output.is_one;
   Shared shared;
   Json maps = Json::array();
   while (maps.empty() || !stop_requested()) {
@@ -156,28 +163,23 @@ Result<void> write_disparities(const DisparityOutput& output, const DisparitySou
     if (!*result) break;
     share(output, (*result)->map, shared);
     maps.push_back(json_of(**result, shared));
-    fs::path place = file ? file->path() : folder->path();
-    if (!is_one) {
-      E2LF_ASSIGN_OR_RETURN(place, folder->begin_part((*result)->name));
+    if (file) {
+      E2LF_RETURN_IF_ERROR(write_one(file->path(), output.output.extension().string(), output, **result, shared));
+      if (output.is_one) continue;
+      break;
     }
-    E2LF_RETURN_IF_ERROR(file ? write_one(place, output.output.extension().string(), output, **result, shared)
-                              : write_all(place, output, **result, shared));
-    if (is_one) break;
-    E2LF_RETURN_IF_ERROR(folder->commit_part((*result)->name, {{"map", maps.back()}}));
-    if (maps.size() == 1 && !output.is_strict) E2LF_RETURN_IF_ERROR(folder->commit(record.json_so_far()));
+    E2LF_ASSIGN_OR_RETURN(const fs::path place, parts->begin((*result)->name));
+    E2LF_RETURN_IF_ERROR(write_all(place, output, **result, shared));
+    E2LF_RETURN_IF_ERROR(parts->commit((*result)->name, {{"map", maps.back()}}, record));
   }
-  if (maps.empty()) {
-    return fail(ErrorCode::kNotFound, output.input, "the recording contains no complete cycle; use a longer recording");
+  Json printed = Json::object();
+  if (finish) {
+    E2LF_ASSIGN_OR_RETURN(printed, finish());
   }
   record.end_step("estimate");
   record.note("maps", maps);
-  if (is_one || output.is_strict) {
-    E2LF_RETURN_IF_ERROR(file ? commit(*file, record) : commit(*folder, record));
-  } else {
-    E2LF_ASSIGN_OR_RETURN(Json about, record.json());
-    E2LF_RETURN_IF_ERROR(folder->update_record(std::move(about)));
-  }
-  print_maps(output, verb.common(), maps);
+  E2LF_RETURN_IF_ERROR(file ? commit(*file, record) : parts->finish(record));
+  print_maps(output, verb.common(), maps, std::move(printed));
   return {};
 }
 
@@ -188,7 +190,7 @@ struct DepthArguments {
   std::optional<size_t> view_row, view_column;
   LightFieldFlags light_field;
   MethodFlags method;
-  size_t cycles_per_map = 1, fuse = 1;
+  pipeline::MethodUse use;
   CycleFlags cycles;
 };
 
@@ -256,48 +258,27 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(find_device(arguments.method.device));
   const fs::path& path = arguments.output.input;
   RunRecord record(verb);
-  E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
-  choice.algorithm = "depth";
-  diagnose::RigCheck rig;
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, wanted_cycles(arguments.cycles, choice),
-                                                                     arguments.cycles_per_map, verb, rig));
-  choice.measurement = input.measurement();
-  choice.transitions = input.transitions();
-  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, input.setup(path));
-  E2LF_RETURN_IF_ERROR(complete_choice(arguments.method, std::move(setup), record, choice));
-  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, by_flag(pipeline::open_method(std::move(choice)), path));
-  if ((arguments.cycles_per_map > 1 || arguments.fuse > 1) && !method.takes_sums()) {
-    return fail(ErrorCode::kInvalidValue, arguments.fuse > 1 ? "--fuse" : "--cycles-per-map",
-                method.network->model().name, " takes one cycle for each map");
-  }
-  if (arguments.fuse > 1) E2LF_RETURN_IF_ERROR(by_flag(input.fuse(method.sensor(), arguments.fuse), path));
-  note_method(method, path, arguments.method.codes.model, 1, record);
-  record.end_step("open");
-  const capture::Orientation views =
-      arguments.light_field.orientation.after(method.views).value_or(capture::Orientation{});
-  const model::Model& model = method.network->model();
-  arguments.output.is_one = input.has_one_field();
+  auto opened = open_event_run(
+      path, arguments.cycles, arguments.method,
+      {.method = {.algorithm = "depth"}, .use = arguments.use, .turned = arguments.light_field.orientation.value()},
+      verb, record);
+  if (!opened) return of_maps(opened.error());
+  pipeline::EventRun run = *std::move(opened);
+  EventRunLog log(run, path, record);
+  arguments.output.is_one = run.has_one_result();
   arguments.output.is_strict = arguments.cycles.recording.is_strict;
   const auto source = [&, number = size_t{0}]() mutable -> Result<std::optional<DisparityResult>> {
-    E2LF_ASSIGN_OR_RETURN(const std::optional<pipeline::CycleImages> cycle, input.next());
-    if (!cycle) return std::optional<DisparityResult>();
     const std::string name = cycle_name(number++);
-    ProgressBar bar("depth of " + name, verb.common().quiet || cycle->is_live());
-    E2LF_ASSIGN_OR_RETURN(
-        pipeline::EventDepth found,
-        located(pipeline::depth_of_events(method, cycle->images, arguments.cycles_per_map, views, bar.callback()),
-                path));
-    const lightfield::Shape shape{model.views_y, model.views_x, found.picture.height, found.picture.width};
-    return std::optional(
-        DisparityResult{std::move(found.map), std::move(found.picture), shape, name, {{"cycle", number - 1}}});
+    ProgressBar bar("depth of " + name, verb.common().quiet || is_live(path));
+    E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::EventResult> result, by_flag(run.next(bar.callback()), path));
+    if (!result) return std::optional<DisparityResult>();
+    Json about = log.add(*result);
+    auto& made = std::get<pipeline::EventDepth>(result->made);
+    const model::Model& model = run.method().network->model();
+    const lightfield::Shape shape{model.views_y, model.views_x, made.picture.height, made.picture.width};
+    return std::optional(DisparityResult{std::move(made.map), std::move(made.picture), shape, name, std::move(about)});
   };
-  const Result<void> written = write_disparities(arguments.output, source, record, verb);
-  warn_of_losses(path, input.summary());
-  verb.note_failed_input(input.summary().live.failure);
-  if (!written && written.error().code == ErrorCode::kNotFound && input.is_recording()) {
-    return no_cycle_error(path, rig, input.reader());
-  }
-  return written;
+  return write_disparities(arguments.output, source, record, verb, [&] { return log.finish(verb, record); });
 }
 
 Result<void> run(DepthArguments& arguments, const Verb& verb) {
@@ -350,9 +331,9 @@ int run_depth(const std::vector<std::string>& arguments) {
   add_light_field_options(app, depth_arguments.light_field, /*has_views=*/true);
   add_orientation_options(app, depth_arguments.light_field.orientation);
   add_method_options(app, depth_arguments.method, "the file of the events");
-  add_count(app, "--cycles-per-map", depth_arguments.cycles_per_map, 1, 64,
+  add_count(app, "--cycles-per-map", depth_arguments.use.cycles, 1, 64,
             "events: number of cycles of a static scene from which each map is estimated");
-  add_fuse_option(app, depth_arguments.fuse, "map");
+  add_fuse_option(app, depth_arguments.use.fused_cycles, "map");
   add_cycle_options(app, depth_arguments.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] { return run(depth_arguments, verb); });

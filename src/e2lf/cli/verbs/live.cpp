@@ -14,11 +14,12 @@
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/diagnose/field_check.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/live/session.h"
+#include "e2lf/pipeline/event_run.h"
+#include "e2lf/pipeline/method_findings.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/sibling_program.h"
@@ -123,7 +124,8 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   Instrument instrument;
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
   choice.prefers_fast = true;
-  CycleFlags flags = wanted_cycles(arguments.cycles, choice);
+  CycleFlags flags = arguments.cycles;
+  flags.choice = pipeline::wanted_schedule(flags.choice, choice);
   const live::OpenCycles open = [&](const auto& on_batch) {
     flags.options.on_batch = on_batch;
     return open_cycles(arguments.source, flags);
@@ -138,10 +140,10 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
                                       diagnose::log_findings(source, {finding});
                                     }}));
   const cycles::CycleReader& cycles = instrument.reader->cycles();
-  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.source, cycles));
-  E2LF_RETURN_IF_ERROR(complete_choice(arguments.method, std::move(setup), record, choice));
+  E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
   E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_network(arguments, cycles, choice));
-  note_method(method, arguments.source, arguments.method.codes.model, 1, record);
+  record_method(method, 1, record);
+  instrument.reader->add_findings(pipeline::method_findings(method, {}));
   E2LF_ASSIGN_OR_RETURN(instrument.options.depth, open_depth(arguments, cycles, choice, method.codes, record));
   pipeline::OpenedMethod best = method;
   choice.prefers_fast = false;
@@ -162,7 +164,7 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   }
   instrument.makers.emplace_back(*method.network);
   instrument.options.check = [method](const capture::EventImages& events, size_t summed) {
-    const auto check = diagnose::FieldCheck::create(method, {.cycles = summed});
+    const auto check = pipeline::FieldCheck::create(method, {.cycles = summed});
     if (!check || !*check) return diagnose::Findings();  // for example, a network that takes no sums
     const auto explained = (*check)->judge_events(events);
     return explained && *explained ? (*explained)->findings : diagnose::Findings();

@@ -45,7 +45,7 @@ constexpr OtherLoss kOtherLosses[] = {
     {&DecodeSummary::other_streams, "other_stream", "packets of other event streams"},
     {&DecodeSummary::events_unplaced, "unplaced", "events whose time or row was lost with a damaged word"},
     {&DecodeSummary::saturated, "saturated", "events of pixels with more than 32,767 in an event image"},
-    {&DecodeSummary::left_over_cycles, "left_over_cycles", "complete cycles at the end, too few for another sum"},
+    {&DecodeSummary::left_over_cycles, "left_over_cycles", "of the complete cycles, too few for another sum"},
 };
 
 }  // namespace

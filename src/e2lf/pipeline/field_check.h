@@ -8,7 +8,7 @@
 #include "e2lf/pipeline/method.h"
 #include "e2lf/recon/event_check.h"
 
-namespace e2lf::diagnose {
+namespace e2lf::pipeline {
 
 /// How well a light field explains its events.
 struct Explanation {
@@ -17,7 +17,7 @@ struct Explanation {
   double ratio = 0;             ///< error / noise_error: the same scale for dark and bright scenes and for all cameras
   double contrast = 0;          ///< of the middle view without its noise: (bright - dark) / (bright + dark), 0 to 1
   Json tried = Json::object();  ///< the error of the light field of changed events, relative to that of the given ones
-  Findings findings = {};
+  diagnose::Findings findings = {};
 
   /// Returns "good", "usual", "unconfirmed" or, if there is a finding of a warning or an error, "doubtful".
   [[nodiscard]] std::string verdict(bool is_confirmed) const;
@@ -28,10 +28,9 @@ struct Explanation {
 class FieldCheck {
  public:
   /// Returns nothing if the patterns are unknown or if colours are reconstructed separately.
-  [[nodiscard]] static Result<std::optional<FieldCheck>> create(const pipeline::OpenedMethod& method,
-                                                                const pipeline::MethodUse& use);
+  [[nodiscard]] static Result<std::optional<FieldCheck>> create(const OpenedMethod& method, const MethodUse& use);
 
-  /// Computes recon::event_error() of an unprocessed light field. `is_of_lit` is that of pipeline::Field.
+  /// Computes recon::event_error() of an unprocessed light field. `is_of_lit` is that of Field.
   [[nodiscard]] Result<recon::EventError> compare(const lightfield::LightField& light_field,
                                                   const capture::EventImages& events, bool is_of_lit) const;
 
@@ -62,4 +61,4 @@ class FieldCheck {
   bool is_judged_ = false;
 };
 
-}  // namespace e2lf::diagnose
+}  // namespace e2lf::pipeline

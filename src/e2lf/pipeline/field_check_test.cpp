@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/diagnose/field_check.h"
+#include "e2lf/pipeline/field_check.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/sensor/pixel_model.h"
 
-namespace e2lf::diagnose {
+namespace e2lf::pipeline {
 namespace {
 
 /// Light fields of the demo scene and their events with physical pixels.
@@ -20,7 +20,7 @@ class FieldChecks : public testing::Test {
   }
 
   [[nodiscard]] FieldCheck check(size_t cycles = 1) const {
-    const auto method = pipeline::open_method({.model = network_}).value();
+    const auto method = open_method({.model = network_}).value();
     return FieldCheck::create(method, {.cycles = cycles}).value().value();
   }
 
@@ -28,7 +28,7 @@ class FieldChecks : public testing::Test {
     return check().judge(field, capture::Measurement(events), false).value().value();
   }
 
-  model::Model network_ = pipeline::read_network(bundled_file_named(kBundledModels, "e2lf-n4-camera").value()).value();
+  model::Model network_ = read_network(bundled_file_named(kBundledModels, "e2lf-n4-camera").value()).value();
   lightfield::LightField truth_ = lightfield::render_light_field(lightfield::demo_scene(), {8, 8, 160, 200});
 };
 
@@ -65,7 +65,7 @@ TEST_F(FieldChecks, SumsOfCyclesAreComparedPerCycle) {
 }
 
 TEST_F(FieldChecks, JudgeOnlyMethodsThatUseTheCamera) {
-  const auto opened = [&](pipeline::MethodChoice choice) { return pipeline::open_method(std::move(choice)).value(); };
+  const auto opened = [&](pipeline::MethodChoice choice) { return open_method(std::move(choice)).value(); };
   const auto is_judged = [&](const pipeline::OpenedMethod& method) {
     const auto made = FieldCheck::create(method, {}).value();
     return made && made->judge(truth_, capture::Measurement(simulate(truth_)), false).value().has_value();
@@ -76,4 +76,4 @@ TEST_F(FieldChecks, JudgeOnlyMethodsThatUseTheCamera) {
 }
 
 }  // namespace
-}  // namespace e2lf::diagnose
+}  // namespace e2lf::pipeline

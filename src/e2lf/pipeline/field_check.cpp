@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/diagnose/field_check.h"
+#include "e2lf/pipeline/field_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,11 @@
 #include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/sensor/pixel_model.h"
 
-namespace e2lf::diagnose {
+namespace e2lf::pipeline {
+using diagnose::Finding;
+using diagnose::middle_of;
+using diagnose::OtherOrientation;
+using diagnose::Severity;
 namespace {
 
 // docs/experiments/findings.md states how often these thresholds are wrong.
@@ -52,7 +56,7 @@ Result<double> noise_error(const recon::EventCheck& check, const lightfield::Lig
     if (cycle == 0) {
       sum = *events;
     } else {
-      pipeline::add_counts(*events, sum);
+      add_counts(*events, sum);
     }
   }
   E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, sum));
@@ -162,7 +166,7 @@ Result<std::optional<Finding>> better_change(const recon::Method& method, const 
   E2LF_ASSIGN_OR_RETURN(const double unchanged, error_of(method, own, given));
   std::vector<Change> changes = other_orders(events.count);
   changes.push_back(inversion());
-  for (const OtherOrientation& other : kOtherOrientations) {
+  for (const OtherOrientation& other : diagnose::kOtherOrientations) {
     changes.push_back({"orientation-better-changed", other.name, other.remedy,
                        [&other](const capture::EventImages& images) { return oriented(images, other); }});
   }
@@ -216,7 +220,7 @@ void add_ratio(Explanation& explained) {
 }  // namespace
 
 std::string Explanation::verdict(bool is_confirmed) const {
-  if (has_doubt(findings)) return "doubtful";
+  if (diagnose::has_doubt(findings)) return "doubtful";
   if (!is_confirmed) return "unconfirmed";
   return ratio > kGoodRatio ? "usual" : "good";
 }
@@ -228,14 +232,13 @@ Json Explanation::json(bool is_confirmed) const {
           {"ratio", ratio},
           {"contrast", contrast},
           {"changes", tried},
-          {"findings", to_json(findings)}};
+          {"findings", diagnose::to_json(findings)}};
 }
 
-Result<std::optional<FieldCheck>> FieldCheck::create(const pipeline::OpenedMethod& method,
-                                                     const pipeline::MethodUse& use) {
+Result<std::optional<FieldCheck>> FieldCheck::create(const OpenedMethod& method, const MethodUse& use) {
   if (!method.codes) return std::optional<FieldCheck>();
   FieldCheck check;
-  pipeline::MethodUse once = use;
+  MethodUse once = use;
   once.passes = 1;
   E2LF_ASSIGN_OR_RETURN(check.own_.method, method.ready(once));
   E2LF_ASSIGN_OR_RETURN(check.own_.check.model, sensor::event_model_from_name(method.codes->event_model));
@@ -245,13 +248,13 @@ Result<std::optional<FieldCheck>> FieldCheck::create(const pipeline::OpenedMetho
   const bool is_pixel = method.camera && method.camera->is_pixel();
   if (is_pixel) check.own_.check.pixels = method.camera;
   if (method.lit) {
-    check.lit_ = {pipeline::method_of(method.lit, once), check.own_.check};
+    check.lit_ = {method_of(method.lit, once), check.own_.check};
     check.lit_->check.codes = *method.lit->model().codes;
   }
   if (method.models_camera) {
     const auto network =
         std::make_shared<const recon::Reconstructor>(method.network->with_camera(*method.models_camera));
-    check.of_models_camera_ = {pipeline::method_of(network, once), check.own_.check};
+    check.of_models_camera_ = {method_of(network, once), check.own_.check};
     check.of_models_camera_->check.pixels = method.models_camera;
   }
   // The error of a method that does not use the sensor profile does not depend on the polarity or the order of the
@@ -301,7 +304,7 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
   // Intensity images have no signs.
   if (is_confirmed && measurement.kind == capture::MeasurementKind::kEventImages) {
     E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio, explained.tried));
-    auto places = check_places(given, check.codes, check.pixels);
+    auto places = diagnose::check_places(given, check.codes, check.pixels);
     // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.
     const bool is_clear =
         change && (change->code == "polarity-better-inverted" ||
@@ -310,7 +313,7 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
     if (is_of_places) explained.findings.push_back(std::move(*places));
     if (change && !is_of_places) explained.findings.push_back(std::move(*change));
   }
-  if (!has_doubt(explained.findings)) add_ratio(explained);
+  if (!diagnose::has_doubt(explained.findings)) add_ratio(explained);
   return std::optional(std::move(explained));
 }
 
@@ -323,4 +326,4 @@ Result<std::optional<Explanation>> FieldCheck::judge_events(const capture::Event
   return middle.judge(light_field, given, false, true);
 }
 
-}  // namespace e2lf::diagnose
+}  // namespace e2lf::pipeline

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/event_run.h"
+
+#include <numeric>
+
+#include "e2lf/diagnose/event_images.h"
+#include "e2lf/pipeline/method_findings.h"
+
+namespace e2lf::pipeline {
+namespace {
+
+Result<void> check_input(const CycleInput& input, const ScheduleChoice& schedule) {
+  if (input.is_without_events()) {
+    return fail(ErrorCode::kInvalidValue, "",
+                "there are no events to reconstruct from: all counts are 0; check how they were accumulated");
+  }
+  if (!input.is_recording() && schedule.transitions == "lit") {
+    return fail(ErrorCode::kInvalidValue, "lit", "only applies to recordings, not to event images; leave it out");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<double> EventResult::fused_cycles() const {
+  const auto& cycles = cycle.images.fused.cycles.values;
+  if (cycles.empty()) return std::nullopt;
+  return std::reduce(cycles.begin(), cycles.end(), 0.0) / static_cast<double>(cycles.size());
+}
+
+ScheduleChoice wanted_schedule(ScheduleChoice schedule, const MethodChoice& method) {
+  if (method.model) {
+    schedule.num_wanted = method.model->num_patterns;
+  } else if (method.codes) {
+    schedule.num_wanted = method.codes->num_patterns;
+  }
+  const auto& codes = method.codes || !method.model ? method.codes : method.model->codes;
+  if (codes && codes->num_patterns >= 2) {
+    schedule.usual_patterns = capture::codes_of_whole_cycle(*codes).value_or(*codes).num_patterns;
+  }
+  return schedule;
+}
+
+Result<EventRun> EventRun::open(EventSource source, EventRunOptions options) {
+  options.events.cycles_per_field = options.use.cycles;
+  options.events.schedule = wanted_schedule(std::move(options.events.schedule), options.method);
+  E2LF_ASSIGN_OR_RETURN(CycleInput input, CycleInput::open(std::move(source), options.events));
+  E2LF_RETURN_IF_ERROR(check_input(input, options.events.schedule));
+  EventRun run(std::move(options), std::move(input));
+  E2LF_RETURN_IF_ERROR(run.choose_method());
+  if (!run.method_.gives_disparities()) E2LF_RETURN_IF_ERROR(run.prepare_light_fields());
+  return run;
+}
+
+Result<void> EventRun::choose_method() {
+  MethodChoice choice = options_.method;
+  choice.measurement = input_.measurement();
+  choice.transitions = input_.transitions();
+  choice.lit_where_moving = choice.algorithm != "depth" && options_.events.schedule.transitions == "auto";
+  E2LF_ASSIGN_OR_RETURN(choice.events, input_.setup());
+  if (choice.codes && is_recording()) {
+    choice.codes = cycles::codes_of_images(*choice.codes, reader().schedule()).value_or(*choice.codes);
+  }
+  of_input_ = diagnose::findings_from_text(choice.events.findings);
+  is_input_confirmed_ = !diagnose::has_doubt(of_input_);
+  if (auto contradicted = contradicted_codes(choice.codes, choice.events.codes)) {
+    of_input_.push_back(std::move(*contradicted));
+  }
+  E2LF_ASSIGN_OR_RETURN(method_, open_method(std::move(choice)));
+  E2LF_RETURN_IF_ERROR(method_.ready(options_.use));
+  if (options_.use.fused_cycles > 1) {
+    E2LF_RETURN_IF_ERROR(input_.fuse(method_.sensor(), options_.use.fused_cycles));
+  }
+  for (auto& finding : method_findings(method_, options_.use)) of_input_.push_back(std::move(finding));
+  views_ = method_.views;
+  if (!options_.turned.is_upright()) views_ = views_.value_or(capture::Orientation{}) + options_.turned;
+  return {};
+}
+
+Result<void> EventRun::prepare_light_fields() {
+  E2LF_ASSIGN_OR_RETURN(sequence_, open_sequence(method_, options_.use, options_.tone));
+  E2LF_ASSIGN_OR_RETURN(check_, FieldCheck::create(method_, options_.use));
+  return {};
+}
+
+Result<std::optional<EventResult>> EventRun::next(const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> cycle, input_.next());
+  if (!cycle) return std::optional<EventResult>();
+  if (progress) progress(0, 1);
+  EventResult result{.number = made_, .cycle = std::move(*cycle)};
+  const auto& of_recording = result.cycle.cycle;
+  result.is_confirmed =
+      is_input_confirmed_ && !(of_recording && diagnose::is_doubtful(of_recording->confidence, result.cycle.source));
+  if (capture::has_events(result.cycle.images.kind)) {
+    const auto codes = method_.codes_of_signs();
+    result.findings =
+        diagnose::check_event_images(result.cycle.images.events, codes ? &*codes : nullptr, options_.use.cycles);
+  }
+  E2LF_RETURN_IF_ERROR(sequence_ ? make_light_field(result, progress) : make_map(result, progress));
+  keep(result);
+  return std::optional(std::move(result));
+}
+
+Result<void> EventRun::make_light_field(EventResult& result, const ProgressFn& progress) {
+  const auto compare = [&](const lightfield::LightField& unprocessed, const capture::Measurement& used,
+                           bool is_of_lit) -> Result<void> {
+    if (!check_ || !capture::has_events(used.kind)) return {};
+    E2LF_ASSIGN_OR_RETURN(result.error, check_->compare(unprocessed, used.events, is_of_lit));
+    if (made_ > 0) return {};
+    E2LF_ASSIGN_OR_RETURN(result.check, check_->judge(unprocessed, used, is_of_lit, result.is_confirmed));
+    return {};
+  };
+  E2LF_ASSIGN_OR_RETURN(result.made, sequence_->next(result.cycle.images, progress, compare));
+  return {};
+}
+
+Result<void> EventRun::make_map(EventResult& result, const ProgressFn& progress) {
+  E2LF_ASSIGN_OR_RETURN(result.made, depth_of_events(method_, result.cycle.images, options_.use.cycles,
+                                                     views_.value_or(capture::Orientation{}), progress));
+  return {};
+}
+
+void EventRun::keep(const EventResult& result) {
+  ++made_;
+  if (const auto* field = std::get_if<Field>(&result.made)) of_lit_ += field->is_of_lit ? 1 : 0;
+  const auto add = [this](const diagnose::Findings& findings) {
+    for (const diagnose::Finding& finding : findings) {
+      if (!diagnose::contains(of_results_, finding.code)) of_results_.push_back(finding);
+    }
+  };
+  add(result.findings);
+  if (result.check) add(result.check->findings);
+}
+
+EventRunReport EventRun::report() const {
+  EventRunReport report{.results = made_, .of_lit = of_lit_, .left_out = input_.summary(), .findings = of_input_};
+  if (sequence_) report.tone = sequence_->tone();
+  const auto add = [&](const diagnose::Findings& findings) {
+    report.findings.insert(report.findings.end(), findings.begin(), findings.end());
+  };
+  if (is_recording()) add(rig().findings(reader()));
+  add(of_results_);
+  return report;
+}
+
+}  // namespace e2lf::pipeline

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/method_findings.h"
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::pipeline {
+using diagnose::Finding;
+using diagnose::Findings;
+using diagnose::Severity;
+namespace {
+
+/// The check against the events finds out if they are others.
+Finding patterns_assumed(const std::string& whose) {
+  return {"patterns-assumed", Severity::kNote,
+          cat("the input does not state which patterns the camera showed; those of ", whose, " are assumed"),
+          "state them with `codes` or `schedule`"};
+}
+
+std::optional<Finding> patterns_finding(const OpenedMethod& method) {
+  if (method.are_patterns_the_models()) return std::nullopt;
+  const model::Model& model = method.network->model();
+  if (!are_patterns_stated(method.codes)) return patterns_assumed(model.name);
+  if (model.codes) {
+    return Finding{"patterns-foreign", Severity::kWarning,
+                   cat("the events were made with other patterns than ", model.name,
+                       " was trained for, so that the result will be wrong"),
+                   "use a model for these patterns, or the inversion"};
+  }
+  return Finding{
+      "patterns-unstated", Severity::kWarning,
+      cat(model.name, " does not state which patterns it was trained for, so that it may not match those of ",
+          "the events"),
+      "use a model that states its patterns"};
+}
+
+Findings network_findings(const OpenedMethod& method, const MethodUse& use) {
+  Findings findings;
+  const recon::Reconstructor& network = *method.network;
+  if (auto patterns = patterns_finding(method)) findings.push_back(std::move(*patterns));
+  if (!method.takes_sums() && method.camera && method.camera->is_pixel()) {
+    findings.push_back({"pixels-foreign", Severity::kWarning,
+                        cat("the events are those of physical pixels (", method.camera->name, "), which ",
+                            network.model().name, " was not trained for: the result will be wrong"),
+                        "use a network conditioned on the sensor profile, such as e2lf-n4-camera"});
+  }
+  if (const size_t made = network.num_passes(use.passes); made < use.passes) {
+    findings.push_back({"passes-reduced",
+                        Severity::kWarning,
+                        cat("the network distinguishes ", made, " position", made == 1 ? "" : "s",
+                            " on its pixel grid, so that ", use.passes, " passes are reduced to this number"),
+                        "give fewer `passes`",
+                        {{"passes", made}}});
+  }
+  return findings;
+}
+
+Findings classical_findings(const OpenedMethod& method) {
+  Findings findings;
+  if (method.codes->stated_by == StatedBy::kNone) {
+    findings.push_back(
+        {"patterns-unknown", Severity::kWarning,
+         cat("no patterns were given; those of ", method.bundled ? method.bundled->stem().string() : "the paper",
+             " are used, and the camera may have shown others"),
+         "state those of the camera with `codes`"});
+  } else if (!are_patterns_stated(method.codes)) {
+    findings.push_back(patterns_assumed("the model"));
+  }
+  if (method.camera && method.camera->is_pixel()) {
+    findings.push_back({"pixels-foreign", Severity::kWarning,
+                        cat("the events are those of physical pixels (", method.camera->name, "); the method ",
+                            method.algorithm, " only supports the paper's event model"),
+                        "use a network conditioned on the sensor profile, such as e2lf-n4-camera"});
+  }
+  return findings;
+}
+
+}  // namespace
+
+Findings method_findings(const OpenedMethod& method, const MethodUse& use) {
+  return method.network ? network_findings(method, use) : classical_findings(method);
+}
+
+std::optional<Finding> contradicted_codes(const std::optional<capture::Codes>& of_caller,
+                                          const std::optional<capture::Codes>& of_events) {
+  if (!of_caller || !of_events || *of_caller == *of_events) return std::nullopt;
+  if (capture::whole_cycle(*of_caller) == *of_events || *of_caller == capture::whole_cycle(*of_events)) {
+    return std::nullopt;
+  }
+  return Finding{"patterns-contradicted", Severity::kWarning,
+                 "the patterns that were given differ from those in the file of the events; those that were given are "
+                 "used",
+                 "omit `codes`, or check which patterns the camera showed"};
+}
+
+}  // namespace e2lf::pipeline
