@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "e2lf/capture/patterns/codes.h"
+#include "e2lf/geometry/operations.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recon/inversion.h"
@@ -75,6 +76,19 @@ Result<EventDepth> depth_of_events(const OpenedMethod& method, const capture::Me
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField outputs,
                         method.network->reconstruct(measurement, progress, 1, cycles));
   return depth_of_outputs(method.network->model(), outputs, measurement.events, cycles, views);
+}
+
+double share_at_end_of_range(const model::Model& model, const depth::DisparityMap& map) {
+  const auto sweep = std::ranges::find(model.network.layers, geometry::Op::kPlaneSweep, &model::Layer::op);
+  if (sweep == model.network.layers.end()) return 0;
+  const std::vector<double>& compared = sweep->attributes.at("disparities");
+  if (compared.size() < 2) return 0;
+  const auto [least, most] = std::ranges::minmax(compared);
+  const double step = (most - least) / static_cast<double>(compared.size() - 1);
+  // Views that are turned by 180 degrees change the sign of the disparities.
+  const double limit = std::min(most, -least) - step;
+  const auto at_end = std::ranges::count_if(map.disparity.pixels, [&](float d) { return std::abs(d) > limit; });
+  return static_cast<double>(at_end) / static_cast<double>(map.disparity.pixels.size());
 }
 
 }  // namespace e2lf::pipeline

@@ -30,4 +30,12 @@ struct EventDepth {
                                                  size_t cycles = 1, const capture::Orientation& views = {},
                                                  const ProgressFn& progress = {});
 
+/// Returns the share of the pixels whose disparities lie within one step of the first or the last one that the network
+/// compares (plane-sweep), or beyond: the true ones may be larger, and 3.7 px is found where 4 px are true if the last
+/// one is 3.4 px. Returns 0 for networks without this operation.
+[[nodiscard]] double share_at_end_of_range(const model::Model& model, const depth::DisparityMap& map);
+
+/// From this share on, users should know.
+inline constexpr double kMuchAtEndOfRange = 0.02;
+
 }  // namespace e2lf::pipeline
