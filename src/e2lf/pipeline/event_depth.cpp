@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/lightfield/views.h"
@@ -78,17 +79,26 @@ Result<EventDepth> depth_of_events(const OpenedMethod& method, const capture::Me
   return depth_of_outputs(method.network->model(), outputs, measurement.events, cycles, views);
 }
 
-double share_at_end_of_range(const model::Model& model, const depth::DisparityMap& map) {
+std::optional<diagnose::Finding> range_finding(const model::Model& model, const depth::DisparityMap& map) {
+  constexpr double kMuch = 0.02;
   const auto sweep = std::ranges::find(model.network.layers, geometry::Op::kPlaneSweep, &model::Layer::op);
-  if (sweep == model.network.layers.end()) return 0;
+  if (sweep == model.network.layers.end()) return std::nullopt;
   const std::vector<double>& compared = sweep->attributes.at("disparities");
-  if (compared.size() < 2) return 0;
+  if (compared.size() < 2) return std::nullopt;
   const auto [least, most] = std::ranges::minmax(compared);
   const double step = (most - least) / static_cast<double>(compared.size() - 1);
   // Views that are turned by 180 degrees change the sign of the disparities.
   const double limit = std::min(most, -least) - step;
   const auto at_end = std::ranges::count_if(map.disparity.pixels, [&](float d) { return std::abs(d) > limit; });
-  return static_cast<double>(at_end) / static_cast<double>(map.disparity.pixels.size());
+  const double share = static_cast<double>(at_end) / static_cast<double>(map.disparity.pixels.size());
+  if (share < kMuch) return std::nullopt;
+  return diagnose::Finding{
+      "disparity-range",
+      diagnose::Severity::kWarning,
+      cat("the disparities of ", formatted("%.0f %%", 100 * share), " of the pixels are at the end of the range of ",
+          model.name, formatted(" (%.1f to %.1f px)", least, most), ", where the true ones may be larger"),
+      "focus the lens nearer to these parts, or use smaller distances between the patterns",
+      {{"share", share}}};
 }
 
 }  // namespace e2lf::pipeline

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+
 #include "e2lf/base/progress.h"
 #include "e2lf/base/result.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/depth/disparity.h"
+#include "e2lf/diagnose/finding.h"
 #include "e2lf/pipeline/method.h"
 
 namespace e2lf::pipeline {
@@ -30,12 +33,9 @@ struct EventDepth {
                                                  size_t cycles = 1, const capture::Orientation& views = {},
                                                  const ProgressFn& progress = {});
 
-/// Returns the share of the pixels whose disparities lie within one step of the first or the last one that the network
-/// compares (plane-sweep), or beyond: the true ones may be larger, and 3.7 px is found where 4 px are true if the last
-/// one is 3.4 px. Returns 0 for networks without this operation.
-[[nodiscard]] double share_at_end_of_range(const model::Model& model, const depth::DisparityMap& map);
-
-/// From this share on, users should know.
-inline constexpr double kMuchAtEndOfRange = 0.02;
+/// Returns the finding that true disparities may be larger than those of a map, if 2 % of them or more lie within one
+/// step of the first or the last one that the network compares (plane-sweep), or beyond: where the last one is 3.4 px,
+/// 3.7 px is found for 4 px. Returns nothing for networks without this operation.
+[[nodiscard]] std::optional<diagnose::Finding> range_finding(const model::Model& model, const depth::DisparityMap& map);
 
 }  // namespace e2lf::pipeline

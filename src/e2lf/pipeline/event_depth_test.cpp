@@ -55,15 +55,20 @@ TEST(DepthOfEvents, ChangesItsSignWithTurnedViews) {
   EXPECT_EQ(depth_of_events(method, counts(), 1, {.flip_x = true}).error().code, ErrorCode::kUnsupported);
 }
 
-TEST(DepthOfEvents, DisparitiesAtTheEndOfTheRangeAreCounted) {
+TEST(DepthOfEvents, DisparitiesAtTheEndOfTheRangeAreFound) {
   model::Model model = known_network();
   depth::DisparityMap map;
   map.disparity = lightfield::Image(4, 1, 1);
   map.disparity.pixels = {-3.3F, 0, 3.1F, 4};
-  EXPECT_EQ(share_at_end_of_range(model, map), 0);
+  EXPECT_FALSE(range_finding(model, map));
   model.network.layers.push_back({.name = "sweep", .op = geometry::Op::kPlaneSweep, .inputs = {}});
   for (int i = -17; i <= 17; ++i) model.network.layers.back().attributes["disparities"].push_back(0.2 * i);
-  EXPECT_EQ(share_at_end_of_range(model, map), 0.5);  // -3.3 and 4, as 3.4 - 0.2 is the limit
+  const auto finding = range_finding(model, map);
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->code, "disparity-range");
+  EXPECT_EQ(finding->figures["share"], 0.5);  // -3.3 and 4, as 3.4 - 0.2 is the limit
+  map.disparity.pixels = {-3.1F, 0, 3.1F, 2};
+  EXPECT_FALSE(range_finding(model, map));
 }
 
 TEST(DepthOfEvents, NetworksForTheOtherOutputAreRefused) {
