@@ -157,7 +157,7 @@ void Session::reconstruct(LiveField field) {
     field_changed_.notify_one();
   }
   const std::lock_guard lock(field_mutex_);
-  if (shown_.serial > 0) begin_check(shown_.cycle);
+  if (shown_.serial > 0) begin_check(shown_.cycle, true);
 }
 
 /// Lets the display end, however the reconstruction ended.
@@ -250,7 +250,7 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const bool has_events = !capture::is_without_events(cycle.images);
   bool finds_tone = false;
   // The check would take the processors from the first cycles, whose pace determines the size.
-  if (made_ >= kFirstCycles) begin_check(cycle);
+  if (made_ >= kFirstCycles) begin_check(cycle, false);
   {
     const std::lock_guard lock(settings_mutex_);
     field.level = pace_.level();
@@ -278,16 +278,16 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   return {};
 }
 
-void Session::begin_check(const LiveCycle& cycle) {
-  // Wrong times explain whatever the check would find.
+void Session::begin_check(const LiveCycle& cycle, bool is_last) {
+  if (!options_.check || checking_.joinable()) return;
   const auto source = reader_->cycles().options().source;
-  if (!options_.check || checking_.joinable() || diagnose::is_doubtful(cycle.confidence, source) ||
-      capture::is_without_events(cycle.images)) {
-    return;
-  }
+  const bool is_confirmed = !diagnose::is_doubtful(cycle.confidence, source);
+  if (!is_last && (!is_confirmed || capture::is_without_events(cycle.images))) return;
   checking_ = start_step(
       "check",
-      [this, events = cycle.images, cycles = cycle.cycles] { reader_->add_findings(options_.check(events, cycles)); },
+      [this, events = cycle.images, cycles = cycle.cycles, is_confirmed] {
+        reader_->add_findings(options_.check(events, cycles, is_confirmed));
+      },
       [] {});
 }
 

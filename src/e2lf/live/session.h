@@ -121,8 +121,9 @@ struct SessionOptions {
   capture::Orientation views = {};                  ///< orientation in which the views are reconstructed
   std::optional<recon::Reconstructor> depth = {};   ///< network of disparities, for the same event images
   /// Judges the events of the twenty-first cycle, or of the last one of a shorter source, summed over the cycles before
-  /// it if there are several, in a thread of its own; empty = not at all.
-  std::function<diagnose::Findings(const capture::EventImages& events, size_t cycles)> check = {};
+  /// it if there are several, in a thread of its own; empty = not at all. A cycle whose times are not confirmed, which
+  /// would explain whatever is found, or that has no events is only judged if it is the last one.
+  std::function<diagnose::Findings(const capture::EventImages& events, size_t cycles, bool is_confirmed)> check = {};
   std::function<void(const FieldReport&)> on_field = {};
   std::function<void(const QualityLevel&)> on_level =
       {};  ///< called after the size or the network was changed automatically
@@ -212,7 +213,7 @@ class Session {
   [[nodiscard]] Pace pace_of(std::optional<PictureSize> size) const;
   void choose_views(LiveField& field);
   [[nodiscard]] bool complete();
-  void begin_check(const LiveCycle& cycle);
+  void begin_check(const LiveCycle& cycle, bool is_last);
   void join();
   void fail(const Error& error);
 

@@ -149,7 +149,7 @@ TEST(Session, AnExceptionOfACheckIsAFindingAndEachCycleIsStillCounted) {
   write_recording(folder / "a.raw", kCycles);
   SessionOptions options;
   options.size = PictureSize::kFull;
-  options.check = [](const capture::EventImages&, size_t) -> diagnose::Findings { throw std::bad_alloc(); };
+  options.check = [](const capture::EventImages&, size_t, bool) -> diagnose::Findings { throw std::bad_alloc(); };
   Session session(open_replay(folder / "a.raw"), one_maker(), options);
   session.start();
   const Result<void> ended = session.wait();

@@ -47,39 +47,46 @@ Result<EventRun> EventRun::open(EventSource source, EventRunOptions options) {
   E2LF_ASSIGN_OR_RETURN(CycleInput input, CycleInput::open(std::move(source), options.events));
   E2LF_RETURN_IF_ERROR(check_input(input, options.events.schedule));
   EventRun run(std::move(options), std::move(input));
-  E2LF_RETURN_IF_ERROR(run.choose_method());
-  if (!run.method_.gives_disparities()) E2LF_RETURN_IF_ERROR(run.prepare_light_fields());
+  E2LF_RETURN_IF_ERROR(run.open_method_of_input());
+  if (!run.method().gives_disparities()) E2LF_RETURN_IF_ERROR(run.prepare_light_fields());
   return run;
 }
 
-Result<void> EventRun::choose_method() {
+Result<ChosenMethod> choose_method(MethodChoice choice, const MethodUse& use, const cycles::Schedule* schedule) {
+  if (choice.codes && schedule != nullptr) {
+    choice.codes = cycles::codes_of_images(*choice.codes, *schedule).value_or(*choice.codes);
+  }
+  ChosenMethod chosen;
+  chosen.findings = diagnose::findings_from_text(choice.events.findings);
+  chosen.is_confirmed = !diagnose::has_doubt(chosen.findings);
+  if (auto contradicted = contradicted_codes(choice.codes, choice.events.codes)) {
+    chosen.findings.push_back(std::move(*contradicted));
+  }
+  E2LF_ASSIGN_OR_RETURN(chosen.method, open_method(std::move(choice)));
+  E2LF_RETURN_IF_ERROR(chosen.method.ready(use));
+  for (auto& finding : method_findings(chosen.method, use)) chosen.findings.push_back(std::move(finding));
+  return chosen;
+}
+
+Result<void> EventRun::open_method_of_input() {
   MethodChoice choice = options_.method;
   choice.measurement = input_.measurement();
   choice.transitions = input_.transitions();
   choice.lit_where_moving = choice.algorithm != "depth" && options_.events.schedule.transitions == "auto";
   E2LF_ASSIGN_OR_RETURN(choice.events, input_.setup());
-  if (choice.codes && is_recording()) {
-    choice.codes = cycles::codes_of_images(*choice.codes, reader().schedule()).value_or(*choice.codes);
-  }
-  of_input_ = diagnose::findings_from_text(choice.events.findings);
-  is_input_confirmed_ = !diagnose::has_doubt(of_input_);
-  if (auto contradicted = contradicted_codes(choice.codes, choice.events.codes)) {
-    of_input_.push_back(std::move(*contradicted));
-  }
-  E2LF_ASSIGN_OR_RETURN(method_, open_method(std::move(choice)));
-  E2LF_RETURN_IF_ERROR(method_.ready(options_.use));
+  E2LF_ASSIGN_OR_RETURN(
+      chosen_, choose_method(std::move(choice), options_.use, is_recording() ? &reader().schedule() : nullptr));
   if (options_.use.fused_cycles > 1) {
-    E2LF_RETURN_IF_ERROR(input_.fuse(method_.sensor(), options_.use.fused_cycles));
+    E2LF_RETURN_IF_ERROR(input_.fuse(method().sensor(), options_.use.fused_cycles));
   }
-  for (auto& finding : method_findings(method_, options_.use)) of_input_.push_back(std::move(finding));
-  views_ = method_.views;
+  views_ = method().views;
   if (!options_.turned.is_upright()) views_ = views_.value_or(capture::Orientation{}) + options_.turned;
   return {};
 }
 
 Result<void> EventRun::prepare_light_fields() {
-  E2LF_ASSIGN_OR_RETURN(sequence_, open_sequence(method_, options_.use, options_.tone));
-  E2LF_ASSIGN_OR_RETURN(check_, FieldCheck::create(method_, options_.use));
+  E2LF_ASSIGN_OR_RETURN(sequence_, open_sequence(method(), options_.use, options_.tone));
+  E2LF_ASSIGN_OR_RETURN(check_, FieldCheck::create(method(), options_.use));
   return {};
 }
 
@@ -90,9 +97,9 @@ Result<std::optional<EventResult>> EventRun::next(const ProgressFn& progress) {
   EventResult result{.number = made_, .cycle = std::move(*cycle)};
   const auto& of_recording = result.cycle.cycle;
   result.is_confirmed =
-      is_input_confirmed_ && !(of_recording && diagnose::is_doubtful(of_recording->confidence, result.cycle.source));
+      chosen_.is_confirmed && !(of_recording && diagnose::is_doubtful(of_recording->confidence, result.cycle.source));
   if (capture::has_events(result.cycle.images.kind)) {
-    const auto codes = method_.codes_of_signs();
+    const auto codes = method().codes_of_signs();
     result.findings =
         diagnose::check_event_images(result.cycle.images.events, codes ? &*codes : nullptr, options_.use.cycles);
   }
@@ -115,9 +122,9 @@ Result<void> EventRun::make_light_field(EventResult& result, const ProgressFn& p
 }
 
 Result<void> EventRun::make_map(EventResult& result, const ProgressFn& progress) {
-  E2LF_ASSIGN_OR_RETURN(result.made, depth_of_events(method_, result.cycle.images, options_.use.cycles,
+  E2LF_ASSIGN_OR_RETURN(result.made, depth_of_events(method(), result.cycle.images, options_.use.cycles,
                                                      views_.value_or(capture::Orientation{}), progress));
-  if (auto range = range_finding(method_.network->model(), std::get<EventDepth>(result.made).map)) {
+  if (auto range = range_finding(method().network->model(), std::get<EventDepth>(result.made).map)) {
     result.findings.push_back(std::move(*range));
   }
   return {};
@@ -136,7 +143,8 @@ void EventRun::keep(const EventResult& result) {
 }
 
 EventRunReport EventRun::report() const {
-  EventRunReport report{.results = made_, .of_lit = of_lit_, .left_out = input_.summary(), .findings = of_input_};
+  EventRunReport report{
+      .results = made_, .of_lit = of_lit_, .left_out = input_.summary(), .findings = chosen_.findings};
   if (sequence_) report.tone = sequence_->tone();
   const auto add = [&](const diagnose::Findings& findings) {
     report.findings.insert(report.findings.end(), findings.begin(), findings.end());

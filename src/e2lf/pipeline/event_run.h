@@ -49,6 +49,19 @@ struct EventRunReport {
   diagnose::Findings findings = {};
 };
 
+/// A method that was chosen for some events.
+struct ChosenMethod {
+  OpenedMethod method;
+  diagnose::Findings findings = {};  ///< of the file of the events, and of the method
+  bool is_confirmed = true;          ///< whether the file states no doubt about its cycles
+};
+
+/// Opens the method for the events that `choice` describes with its setup, and judges how it matches them. The patterns
+/// of the caller are reduced to those between which a reader with this schedule forms event images; null for files.
+/// Fails as open_method() and OpenedMethod::ready() do.
+[[nodiscard]] Result<ChosenMethod> choose_method(MethodChoice choice, const MethodUse& use,
+                                                 const cycles::Schedule* schedule);
+
 /// One run from events to light fields or disparity maps: it divides a recording into cycles, chooses the method, sums
 /// and fuses cycles, uses the lit transitions where the scene moves, and judges the input and the results.
 class EventRun {
@@ -64,9 +77,9 @@ class EventRun {
 
   [[nodiscard]] EventRunReport report() const;
   /// Returns what may be wrong with the input and the method, as is known before the first result.
-  [[nodiscard]] const diagnose::Findings& findings_of_input() const { return of_input_; }
+  [[nodiscard]] const diagnose::Findings& findings_of_input() const { return chosen_.findings; }
 
-  [[nodiscard]] const OpenedMethod& method() const { return method_; }
+  [[nodiscard]] const OpenedMethod& method() const { return chosen_.method; }
   [[nodiscard]] const MethodUse& use() const { return options_.use; }
   /// Returns the orientation in which the views are made, or nothing if neither the caller nor the events state one.
   [[nodiscard]] const std::optional<capture::Orientation>& views() const { return views_; }
@@ -79,7 +92,7 @@ class EventRun {
 
  private:
   EventRun(EventRunOptions options, CycleInput input) : options_(std::move(options)), input_(std::move(input)) {}
-  [[nodiscard]] Result<void> choose_method();
+  [[nodiscard]] Result<void> open_method_of_input();
   [[nodiscard]] Result<void> prepare_light_fields();
   [[nodiscard]] Result<void> make_light_field(EventResult& result, const ProgressFn& progress);
   [[nodiscard]] Result<void> make_map(EventResult& result, const ProgressFn& progress);
@@ -87,12 +100,11 @@ class EventRun {
 
   EventRunOptions options_;
   CycleInput input_;
-  OpenedMethod method_;
+  ChosenMethod chosen_;
   std::optional<capture::Orientation> views_;
   std::optional<FieldSequence> sequence_;  ///< of light fields
   std::optional<FieldCheck> check_;
-  bool is_input_confirmed_ = true;  ///< whether a file of event images states no doubt about its cycles
-  diagnose::Findings of_input_, of_results_;
+  diagnose::Findings of_results_;
   size_t made_ = 0, of_lit_ = 0;
 };
 

@@ -14,12 +14,12 @@
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
+#include "e2lf/diagnose/event_images.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/live/session.h"
 #include "e2lf/pipeline/event_run.h"
-#include "e2lf/pipeline/method_findings.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/sibling_program.h"
@@ -89,16 +89,22 @@ FineMethod fine_method(recon::Reconstructor network, const capture::Orientation&
   };
 }
 
-/// Opens a network, and checks that it takes the event images of the cycles; otherwise, each cycle would fail.
+/// Fails if the network takes another measurement than event images; otherwise, each cycle would fail.
+Result<void> check_takes_events(const pipeline::OpenedMethod& method, const fs::path& source) {
+  const model::Model& model = method.network->model();
+  if (model.measurement() == capture::MeasurementKind::kEventImages) return {};
+  return fail(ErrorCode::kShape, source, model.name, " takes the measurement ",
+              capture::measurement_name(model.measurement()), "; use a model that takes event images");
+}
+
+/// Opens a network, and checks that it takes the event images of the cycles.
 Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, const cycles::CycleReader& cycles,
                                             pipeline::MethodChoice choice) {
   choice.transitions = cycles.schedule().num_images();
   E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod method,
                         by_flag(pipeline::open_method(std::move(choice)), arguments.source));
-  const model::Model& model = method.network->model();
-  if (model.measurement() == capture::MeasurementKind::kEventImages) return method;
-  return fail(ErrorCode::kShape, arguments.source, model.name, " takes the measurement ",
-              capture::measurement_name(model.measurement()), "; use a model that takes event images");
+  E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
+  return method;
 }
 
 /// Opens the network of disparities: the one that is named, or else the bundled one for the patterns, if there is one.
@@ -141,9 +147,13 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
                                     }}));
   const cycles::CycleReader& cycles = instrument.reader->cycles();
   E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
-  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_network(arguments, cycles, choice));
+  choice.transitions = cycles.schedule().num_images();
+  E2LF_ASSIGN_OR_RETURN(const pipeline::ChosenMethod chosen,
+                        by_flag(pipeline::choose_method(choice, {}, &cycles.schedule()), arguments.source));
+  const pipeline::OpenedMethod& method = chosen.method;
+  E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
   record_method(method, 1, record);
-  instrument.reader->add_findings(pipeline::method_findings(method, {}));
+  instrument.reader->add_findings(chosen.findings);
   E2LF_ASSIGN_OR_RETURN(instrument.options.depth, open_depth(arguments, cycles, choice, method.codes, record));
   pipeline::OpenedMethod best = method;
   choice.prefers_fast = false;
@@ -163,11 +173,14 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
     instrument.makers.emplace_back(*best.network);
   }
   instrument.makers.emplace_back(*method.network);
-  instrument.options.check = [method](const capture::EventImages& events, size_t summed) {
+  instrument.options.check = [method](const capture::EventImages& events, size_t summed, bool is_confirmed) {
+    const auto codes = method.codes_of_signs();
+    diagnose::Findings findings = diagnose::check_event_images(events, codes ? &*codes : nullptr, summed);
+    if (!findings.empty() || !is_confirmed) return findings;
     const auto check = pipeline::FieldCheck::create(method, {.cycles = summed});
-    if (!check || !*check) return diagnose::Findings();  // for example, a network that takes no sums
+    if (!check || !*check) return findings;  // for example, a network that takes no sums
     const auto explained = (*check)->judge_events(events);
-    return explained && *explained ? (*explained)->findings : diagnose::Findings();
+    return explained && *explained ? (*explained)->findings : findings;
   };
   instrument.fine = fine_method(*best.network, instrument.options.views);
   return instrument;
