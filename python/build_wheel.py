@@ -1,4 +1,4 @@
-"""What `pip install .` runs (PEP 517): CMake builds the module, and this packs it as a wheel with three models and the cameras.
+"""What `pip install .` runs (PEP 517): CMake builds the module, and this packs it as a wheel with four models and the cameras.
 
 Nothing but Python's own library is needed, so pip downloads nothing. A build tree of this checkout that was configured for
 the same Python is built further; without one build/wheel is made. --config-settings build-dir=FOLDER takes the module that a
@@ -19,10 +19,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 # Folders beside share/e2lf in an environment of Python: e2lf.data_file() looks there.
-DATA = {"models": ["e2lf-n4.safetensors", "e2lf-n4-geometry.safetensors", "e2lf-n8.safetensors"], "cameras": ["*.json"]}
+MODELS = ["e2lf-n4", "e2lf-n4-depth", "e2lf-n4-geometry", "e2lf-n8"]  # with the parts of the composed one
+DATA = {"models": [f"{name}.safetensors" for name in MODELS], "cameras": ["*.json"]}
 DESCRIPTION = """Light fields from the events of a camera behind a coded aperture.
 
-The wheel contains the models e2lf-n4, e2lf-n4-geometry and e2lf-n8, so that it stays small. The others are in the folder models
+The wheel contains the models e2lf-n4, e2lf-n4-depth, e2lf-n4-geometry and e2lf-n8, so that it stays small. The others are in the folder models
 of the sources of e2lf: set E2LF_MODELS to this folder, or give their paths.
 """
 # Build trees that may hold the module already, the optimised ones first.

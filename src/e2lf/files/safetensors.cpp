@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <set>
 
 #include "e2lf/base/choice.h"
@@ -65,9 +66,8 @@ struct Range {
   std::string location;
 };
 
-/// Reads the entry of one tensor and copies its bytes.
-Result<Range> read_tensor(const Json& json, std::span<const uint8_t> data, const std::string& location,
-                          Tensor& tensor) {
+/// Reads the entry of one tensor, without its bytes, from a file with `data_size` bytes of data.
+Result<Range> read_entry(const Json& json, uint64_t data_size, const std::string& location, Tensor& tensor) {
   if (!json.is_object() || json.size() != 3 || !json.contains("dtype") || !json.contains("shape") ||
       !json.contains("data_offsets")) {
     return malformed(location, "expected just dtype, shape and data_offsets");
@@ -89,12 +89,10 @@ Result<Range> read_tensor(const Json& json, std::span<const uint8_t> data, const
     return malformed(location, cat("data_offsets [", range.begin, ", ", range.end, ") do not hold the ", size,
                                    " bytes of shape ", shape_text(tensor.shape)));
   }
-  if (range.end > data.size()) {
-    return fail(ErrorCode::kTruncated, location, "its data end at byte ", range.end, " of ", data.size(),
+  if (range.end > data_size) {
+    return fail(ErrorCode::kTruncated, location, "its data end at byte ", range.end, " of ", data_size,
                 " there are; copy the file again");
   }
-  const auto bytes = data.subspan(range.begin, size);
-  tensor.bytes.assign(bytes.begin(), bytes.end());
   return range;
 }
 
@@ -114,6 +112,21 @@ Result<void> check_cover(std::vector<Range> ranges, size_t data_size, const std:
     return malformed(name, cat("the last ", data_size - position, " bytes belong to no tensor"));
   }
   return {};
+}
+
+/// Returns the length of the header of a file of `size` bytes that begins with `bytes`.
+Result<uint64_t> header_length(std::span<const uint8_t> bytes, uint64_t size, const std::string& name) {
+  if (bytes.size() < kLengthSize) {
+    return fail(ErrorCode::kTruncated, name, "the file ends within its first 8 bytes; copy it again");
+  }
+  uint64_t length = 0;
+  std::memcpy(&length, bytes.data(), kLengthSize);
+  if (length <= size - kLengthSize) return length;
+  if (bytes.front() == '{' || bytes.front() == '[') {
+    return fail(ErrorCode::kFormat, name, "this is a JSON file, not a model; give a .safetensors file");
+  }
+  return fail(ErrorCode::kTruncated, name, "a header of ", length, " bytes is larger than the file (", size,
+              " bytes); copy it again, or give a .safetensors file");
 }
 
 }  // namespace
@@ -145,18 +158,7 @@ Result<const Tensor*> Safetensors::find(const std::string& name, const std::stri
 }
 
 Result<Safetensors> decode_safetensors(std::span<const uint8_t> bytes, const std::string& name) {
-  if (bytes.size() < kLengthSize) {
-    return fail(ErrorCode::kTruncated, name, "the file ends within its first 8 bytes; copy it again");
-  }
-  uint64_t length = 0;
-  std::memcpy(&length, bytes.data(), kLengthSize);
-  if (length > bytes.size() - kLengthSize && (bytes.front() == '{' || bytes.front() == '[')) {
-    return fail(ErrorCode::kFormat, name, "this is a JSON file, not a model; give a .safetensors file");
-  }
-  if (length > bytes.size() - kLengthSize) {
-    return fail(ErrorCode::kTruncated, name, "a header of ", length, " bytes is larger than the file (", bytes.size(),
-                " bytes); copy it again, or give a .safetensors file");
-  }
+  E2LF_ASSIGN_OR_RETURN(const uint64_t length, header_length(bytes, bytes.size(), name));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()) + kLengthSize, length);
   E2LF_ASSIGN_OR_RETURN(const Json header, parse_header(text, name));
   const auto data = bytes.subspan(kLengthSize + length);
@@ -167,7 +169,10 @@ Result<Safetensors> decode_safetensors(std::span<const uint8_t> bytes, const std
     if (key == kMetadata) {
       E2LF_RETURN_IF_ERROR(read_metadata(value, name, file));
     } else {
-      E2LF_ASSIGN_OR_RETURN(Range range, read_tensor(value, data, cat(name, ": ", key), file.tensors[key]));
+      Tensor& tensor = file.tensors[key];
+      E2LF_ASSIGN_OR_RETURN(Range range, read_entry(value, data.size(), cat(name, ": ", key), tensor));
+      const auto content = data.subspan(range.begin, range.end - range.begin);
+      tensor.bytes.assign(content.begin(), content.end());
       ranges.push_back(std::move(range));
     }
   }
@@ -206,6 +211,30 @@ std::vector<uint8_t> encode_safetensors(const Safetensors& file) {
 Result<Safetensors> read_safetensors(const std::filesystem::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
   return decode_safetensors(bytes, path.string());
+}
+
+Result<Safetensors> read_safetensors_header(const std::filesystem::path& path, const std::string& tensor_name) {
+  const std::string name = path.string();
+  E2LF_ASSIGN_OR_RETURN(const auto start, read_head(path, kLengthSize));
+  std::error_code error;
+  const uint64_t size = std::max<uint64_t>(start.size(), std::filesystem::file_size(path, error));
+  if (error) return fail(ErrorCode::kIo, path, "its size is unknown (", error.message(), "); give a regular file");
+  E2LF_ASSIGN_OR_RETURN(const uint64_t length, header_length(start, size, name));
+  E2LF_ASSIGN_OR_RETURN(const auto head, read_head(path, kLengthSize + length));
+  const std::string_view text(reinterpret_cast<const char*>(head.data()) + kLengthSize, head.size() - kLengthSize);
+  E2LF_ASSIGN_OR_RETURN(const Json header, parse_header(text, name));
+  Safetensors file;
+  if (header.contains(kMetadata)) E2LF_RETURN_IF_ERROR(read_metadata(header[kMetadata], name, file));
+  if (!header.contains(tensor_name)) return file;
+  Tensor& tensor = file.tensors[tensor_name];
+  E2LF_ASSIGN_OR_RETURN(const Range range, read_entry(header[tensor_name], size - kLengthSize - length,
+                                                      cat(name, ": ", tensor_name), tensor));
+  tensor.bytes.resize(range.end - range.begin);
+  std::ifstream in(path, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(kLengthSize + length + range.begin));
+  in.read(reinterpret_cast<char*>(tensor.bytes.data()), static_cast<std::streamsize>(tensor.bytes.size()));
+  if (in) return file;
+  return fail(ErrorCode::kIo, path, "cannot be read; check its permissions");
 }
 
 Result<void> write_safetensors(const std::filesystem::path& path, const Safetensors& file) {

@@ -39,6 +39,9 @@ struct Safetensors {
 [[nodiscard]] std::vector<uint8_t> encode_safetensors(const Safetensors& file);
 
 [[nodiscard]] Result<Safetensors> read_safetensors(const std::filesystem::path& path);
+/// Reads the metadata of a file, and of the tensors the one of this name, if it is there. The others are not read.
+[[nodiscard]] Result<Safetensors> read_safetensors_header(const std::filesystem::path& path,
+                                                          const std::string& tensor_name);
 [[nodiscard]] Result<void> write_safetensors(const std::filesystem::path& path, const Safetensors& file);
 
 }  // namespace e2lf

@@ -91,6 +91,7 @@ struct Model {
   std::map<std::string, SharedWeights> any_patterns = {};
   PrecisionLoss precision_loss = {};  ///< precisions that were checked for these weights
   Json provenance = Json::object();   ///< free-form: data, samples seen, seed, command, results
+  std::vector<std::filesystem::path> parts = {};  ///< files of the models that it was composed of; see composition.h
 
   /// Returns the kind of measurement that the input needs. The model must be valid.
   [[nodiscard]] capture::MeasurementKind measurement() const { return measurement_of(input).value(); }
@@ -110,12 +111,15 @@ struct Model {
 
 /// Reads a model file (format version 1), a .safetensors file with weights in float32 or bfloat16, `aperture.codes` [N,
 /// view_y, view_x] if the model has codes, weights "any.<name>" of a network for any patterns, and JSON under `e2lf` in
-/// its metadata. Fails on an unknown version, network
-/// type or key, a wrong shape, truncation, and as validate() does. The message names file and field.
+/// its metadata; or a small file that states of which two models it is composed (composition.h), which are beside it or
+/// bundled. Fails on an unknown version, network type or key, a wrong shape, a missing part, truncation, and as
+/// validate() does. The message names file and field.
 [[nodiscard]] Result<Model> read_model(const std::filesystem::path& path);
 
-/// Reads a model file in memory in the same way. `name` is the location in errors.
-[[nodiscard]] Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& name);
+/// Reads a model file in memory in the same way. `name` is the location in errors, and `folder` contains the parts of a
+/// composed model; empty = they are bundled ones.
+[[nodiscard]] Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& name,
+                                         const std::filesystem::path& folder = {});
 
 /// The storage of weights in a model file: exact, or in half the space with relative errors of at most 2^-8.
 enum class WeightStorage { kFloat32, kBfloat16 };

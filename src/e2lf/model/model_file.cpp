@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
+#include "e2lf/model/composition.h"
 #include "e2lf/model/model_parts.h"
 
 namespace e2lf::model {
@@ -150,29 +152,142 @@ Result<std::map<std::string, SharedWeights>> any_patterns_from_tensors(const Saf
   return weights;
 }
 
-}  // namespace
+namespace fs = std::filesystem;
 
-Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& file) {
-  E2LF_ASSIGN_OR_RETURN(Safetensors tensors, decode_safetensors(bytes, file));
-  E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, file));
-  E2LF_ASSIGN_OR_RETURN(Model model, header_from_json(json, cat(file, ": ", kMetadataKey, ": $")));
+constexpr const char *kComposedOf = "composed_of", *kShareOfFullScale = "share_of_full_scale";
+
+Result<void> take_codes(const Safetensors& tensors, const std::string& file, Model& model) {
+  if (!tensors.tensors.contains(kCodesTensor)) return {};
+  const std::vector<size_t> shape = {model.num_patterns, model.views_y, model.views_x};
+  E2LF_ASSIGN_OR_RETURN(auto values, values_of(tensors, kCodesTensor, shape, file, "store the patterns of this model"));
+  model.codes.emplace(model.num_patterns, model.views_y, model.views_x);
+  model.codes->values = std::move(values);
+  return {};
+}
+
+/// Decodes a model that holds its own weights. Its disparity works at two scales if the header states the share of the
+/// full one, or with `share` instead.
+Result<Model> decode_own_weights(Safetensors tensors, const Json& json, const std::string& file,
+                                 const std::optional<float>& share) {
+  const std::string location = cat(file, ": ", kMetadataKey, ": $");
+  E2LF_ASSIGN_OR_RETURN(Model model, header_from_json(json, location));
   E2LF_RETURN_IF_ERROR(add_shared_weights(tensors, json.value(kSharedWeights, Json()), file));
   E2LF_ASSIGN_OR_RETURN(model.weights, weights_from_tensors(model.network, tensors, file));
   E2LF_ASSIGN_OR_RETURN(model.any_patterns, any_patterns_from_tensors(tensors, file));
-  if (tensors.tensors.contains(kCodesTensor)) {
-    const std::vector<size_t> shape = {model.num_patterns, model.views_y, model.views_x};
-    E2LF_ASSIGN_OR_RETURN(auto values,
-                          values_of(tensors, kCodesTensor, shape, file, "store the patterns of this model"));
-    model.codes.emplace(model.num_patterns, model.views_y, model.views_x);
-    model.codes->values = std::move(values);
-  }
+  E2LF_RETURN_IF_ERROR(take_codes(tensors, file, model));
   E2LF_RETURN_IF_ERROR(validate(model, file));
+  const Json stated = json.value(kShareOfFullScale, Json());
+  if (stated.is_null() && !share) return model;
+  if (!stated.is_number()) {
+    return fail(ErrorCode::kFormat, cat(location, ".", kShareOfFullScale),
+                "expected a number; state one if the network works at two scales, and none in a guide otherwise");
+  }
+  return at_two_scales(std::move(model), share.value_or(stated.get<float>()));
+}
+
+/// Returns the file of a part of a composed model: the one of this name beside it, or else the bundled one.
+Result<fs::path> find_part(const std::string& name, const fs::path& folder, const std::string& location) {
+  std::error_code error;
+  const fs::path beside = folder / cat(name, kBundledModels.extension);
+  const bool is_name = !name.empty() && name.find('/') == std::string::npos;
+  if (is_name && !folder.empty() && fs::is_regular_file(beside, error)) return beside;
+  if (auto bundled = bundled_file_named(kBundledModels, name)) return std::move(*bundled);
+  return fail(ErrorCode::kNotFound, location, "the model ", name,
+              ", of which this one is composed, is neither beside it nor among the bundled models; put it beside it");
+}
+
+/// Returns the header of a part, which must not be composed itself.
+Result<Json> header_of_part(const Safetensors& tensors, const fs::path& part, const std::string& location) {
+  E2LF_ASSIGN_OR_RETURN(Json json, header_of(tensors, part.string()));
+  if (!json.is_object() || !json.contains(kComposedOf)) return json;
+  return fail(ErrorCode::kUnsupported, location, "the model ", part.stem().string(),
+              " is composed itself; name one that is not");
+}
+
+Result<Model> read_part(const fs::path& part, const std::string& location, const std::optional<float>& share) {
+  E2LF_ASSIGN_OR_RETURN(Safetensors tensors, read_safetensors(part));
+  E2LF_ASSIGN_OR_RETURN(const Json json, header_of_part(tensors, part, location));
+  return decode_own_weights(std::move(tensors), json, part.string(), share);
+}
+
+/// The content of a file that states of which models it is composed.
+struct Composition {
+  std::string name;
+  Guide guide;
+  PrecisionLoss loss;
+  fs::path views, disparity;  ///< the files of the parts
+  std::string location;       ///< of the parts, in errors
+};
+
+Result<Composition> read_composition(const Json& json, const std::string& file, const fs::path& folder) {
+  const std::string location = cat(file, ": ", kMetadataKey, ": $");
+  E2LF_RETURN_IF_ERROR(check_kind(json, /*is_video=*/false, location));
+  OptionReader reader(json, location);
+  Composition found;
+  reader.read("name", found.name);
+  (void)reader.child("format_version");
+  reader.section(kComposedOf, [&](OptionReader& inner) {
+    E2LF_VISIT(found.guide, inner, views, disparity, weak_texture, share_of_full_scale);
+  });
+  reader.section("precision_loss", [&](OptionReader& losses) { E2LF_VISIT(found.loss, losses, bfloat16_db, int16_db); });
+  E2LF_RETURN_IF_ERROR(reader.finish());
+  found.location = cat(location, ".", kComposedOf);
+  E2LF_ASSIGN_OR_RETURN(found.views, find_part(found.guide.views, folder, found.location + ".views"));
+  E2LF_ASSIGN_OR_RETURN(found.disparity, find_part(found.guide.disparity, folder, found.location + ".disparity"));
+  return found;
+}
+
+Result<Model> compose(const Composition& of, const std::string& file) {
+  E2LF_ASSIGN_OR_RETURN(Model views, read_part(of.views, of.location + ".views", std::nullopt));
+  E2LF_ASSIGN_OR_RETURN(Model disparity,
+                        read_part(of.disparity, of.location + ".disparity", of.guide.share_of_full_scale));
+  auto model = guided(std::move(views), std::move(disparity), of.guide);
+  if (!model) return Error{model.error().code, cat(model.error().location, ": ", model.error().message), of.location};
+  model->name = of.name;
+  model->precision_loss = of.loss;
+  model->parts = {of.views, of.disparity};
+  E2LF_RETURN_IF_ERROR(validate(*model, file));
   return model;
 }
 
-Result<Model> read_model(const std::filesystem::path& path) {
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+}  // namespace
+
+Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& file, const fs::path& folder) {
+  E2LF_ASSIGN_OR_RETURN(Safetensors tensors, decode_safetensors(bytes, file));
+  E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, file));
+  if (json.is_object() && json.contains(kComposedOf)) {
+    E2LF_ASSIGN_OR_RETURN(const Composition composition, read_composition(json, file, folder));
+    if (tensors.tensors.empty()) return compose(composition, file);
+    return fail(ErrorCode::kFormat, cat(file, ": ", tensors.tensors.begin()->first),
+                "a composed model holds no tensors of its own; remove it");
+  }
+  return decode_own_weights(std::move(tensors), json, file, std::nullopt);
+}
+
+Result<Model> read_model(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(path));
-  return decode_model(bytes, path.string());
+  return decode_model(bytes, path.string(), folder_of(path));
+}
+
+Result<StatedModel> read_stated_model(const fs::path& path) {
+  const std::string file = path.string();
+  E2LF_ASSIGN_OR_RETURN(Safetensors tensors, read_safetensors_header(path, kCodesTensor));
+  E2LF_ASSIGN_OR_RETURN(Json json, header_of(tensors, file));
+  StatedModel stated;
+  if (json.is_object() && json.contains(kComposedOf)) {
+    E2LF_ASSIGN_OR_RETURN(const Composition composition, read_composition(json, file, folder_of(path)));
+    stated.guide = composition.guide;
+    E2LF_ASSIGN_OR_RETURN(tensors, read_safetensors_header(composition.views, kCodesTensor));
+    E2LF_ASSIGN_OR_RETURN(json, header_of_part(tensors, composition.views, composition.location));
+    json["name"] = composition.name;
+  }
+  E2LF_ASSIGN_OR_RETURN(stated.model, header_from_json(json, cat(file, ": ", kMetadataKey, ": $")));
+  E2LF_RETURN_IF_ERROR(take_codes(tensors, file, stated.model));
+  return stated;
 }
 
 Result<bool> is_video_model(const std::filesystem::path& path) {
@@ -321,6 +436,7 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   reader.read(kMeasurement, measurement);
   (void)reader.child("format_version");
   (void)reader.child(kSharedWeights);
+  (void)reader.child(kShareOfFullScale);
   const Json& network = reader.child("network");
   const Json& provenance = reader.child("provenance");
   const Json& camera = reader.child("camera");

@@ -114,29 +114,6 @@ Layer conv(const std::string& name, const std::string& input, size_t out_channel
   return {.name = name, .inputs = {input}, .out_channels = out_channels, .kernel = kernel};
 }
 
-/// The weights [out, in, taps] of a convolution whose input channel c consists of channels [c * phases, (c + 1) *
-/// phases).
-std::vector<float> combine(const std::vector<float>& weight, size_t in, size_t taps, size_t phases, size_t first,
-                           std::span<const float> values) {
-  const size_t length = in * taps, channel = phases * taps;
-  std::vector<float> result;
-  for (size_t out = 0; out < weight.size() / length; ++out) {
-    const auto from = weight.begin() + static_cast<ptrdiff_t>(out * length);
-    const auto constant = from + static_cast<ptrdiff_t>(first * channel);
-    result.insert(result.end(), from, constant);
-    for (size_t i = 0; i < channel; ++i) {
-      double sum = 0;
-      for (size_t c = 0; c < values.size(); ++c) {
-        sum += double{values[c]} * constant[static_cast<ptrdiff_t>(c * channel + i)];
-      }
-      result.push_back(static_cast<float>(sum));
-    }
-    result.insert(result.end(), constant + static_cast<ptrdiff_t>(values.size() * channel),
-                  from + static_cast<ptrdiff_t>(length));
-  }
-  return result;
-}
-
 }  // namespace
 
 size_t Layer::integer(const std::string& attribute, size_t otherwise) const {
@@ -253,29 +230,6 @@ Network recnet(size_t input_channels, size_t output_channels, size_t width) {
     network.layers.push_back(std::move(layer));
   }
   return network;
-}
-
-std::optional<WeightedNetwork> with_constant_inputs(const Network& network, const Weights& weights, size_t first,
-                                                    std::span<const float> values) {
-  E2LF_REQUIRE(!values.empty() && first + values.size() <= network.input_channels, "the network has no such inputs");
-  WeightedNetwork result{network, weights};
-  result.network.input_channels -= values.size() - 1;
-  std::map<std::string, size_t> phases = {{"input", 1}};  // of the input and of what is unshuffled from it
-  for (const Layer& layer : network.layers) {
-    const auto is_input = [&](const std::string& name) { return phases.contains(name); };
-    if (is_input(layer.residual)) return std::nullopt;
-    if (std::none_of(layer.inputs.begin(), layer.inputs.end(), is_input)) continue;
-    const size_t read = phases[layer.inputs.front()];
-    if (layer.op == Op::kPixelUnshuffle && !layer.relu) {
-      phases[layer.name] = read * layer.stride * layer.stride;
-    } else if (layer.op == Op::kConv) {
-      std::vector<float>& weight = result.weights.at(layer.name + ".weight");
-      weight = combine(weight, network.input_channels * read, layer.kernel * layer.kernel, read, first, values);
-    } else {
-      return std::nullopt;
-    }
-  }
-  return result;
 }
 
 }  // namespace e2lf::model

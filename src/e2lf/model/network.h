@@ -157,4 +157,9 @@ struct WeightedNetwork {
 [[nodiscard]] std::optional<WeightedNetwork> with_constant_inputs(const Network& network, const Weights& weights,
                                                                   size_t first, std::span<const float> values);
 
+/// Inserts `count` input channels that the network does not use before channel `first`. Nothing if layers other than
+/// convolutions and pixel unshuffles read the input.
+[[nodiscard]] std::optional<WeightedNetwork> with_unused_inputs(const Network& network, const Weights& weights,
+                                                                size_t first, size_t count);
+
 }  // namespace e2lf::model

@@ -82,7 +82,9 @@ Result<std::optional<model::Model>> read_named_model(const CodesSource& source, 
   if (source.model.empty()) return std::optional<model::Model>();
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(source.model));
   record.add_input(source.model, bytes);
-  E2LF_ASSIGN_OR_RETURN(model::Model model, model::decode_model(bytes, source.model.string()));
+  const fs::path folder = source.model.has_parent_path() ? source.model.parent_path() : ".";
+  E2LF_ASSIGN_OR_RETURN(model::Model model, model::decode_model(bytes, source.model.string(), folder));
+  for (const fs::path& part : model.parts) record.add_input(part);
   return std::optional(std::move(model));
 }
 

@@ -27,5 +27,21 @@ TEST(ConstantInputs, AreSummedIntoTheWeightsOfOneChannelOfOnes) {
   EXPECT_FALSE(with_constant_inputs(network, weights, 1, values).has_value());
 }
 
+TEST(UnusedInputs, GetWeightsOfZeroWhereTheyAreInserted) {
+  Network network;
+  network.input_channels = 2;
+  network.layers = {
+      {.name = "down", .op = Op::kPixelUnshuffle, .inputs = {"input"}, .stride = 2, .residual = ""},
+      {.name = "a", .op = Op::kConv, .inputs = {"down"}, .out_channels = 1, .residual = ""},
+      {.name = "b", .op = Op::kConv, .inputs = {"input"}, .out_channels = 2, .residual = ""},
+  };
+  const Weights weights = {{"a.weight", {1, 2, 3, 4, 5, 6, 7, 8}}, {"b.weight", {1, 2, 3, 4}}};
+  const auto with_more = with_unused_inputs(network, weights, 1, 1);
+  ASSERT_TRUE(with_more.has_value());
+  EXPECT_EQ(with_more->network.input_channels, 3U);
+  EXPECT_EQ(with_more->weights.at("a.weight"), (std::vector<float>{1, 2, 3, 4, 0, 0, 0, 0, 5, 6, 7, 8}));
+  EXPECT_EQ(with_more->weights.at("b.weight"), (std::vector<float>{1, 0, 2, 3, 0, 4}));
+}
+
 }  // namespace
 }  // namespace e2lf::model

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/model/composition.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "e2lf/base/text.h"
+
+namespace e2lf::model {
+namespace {
+
+Error misfit(const std::string& location, const std::string& message) {
+  return fail(ErrorCode::kInvalidValue, location, message);
+}
+
+/// A matrix [rows, columns] of zeros, whose elements are then set.
+struct Matrix {
+  Matrix(size_t num_rows, size_t num_columns) : rows(num_rows), columns(num_columns), values(rows * columns) {}
+  [[nodiscard]] float& operator()(size_t row, size_t column) { return values[row * columns + column]; }
+  size_t rows, columns;
+  std::vector<float> values;
+};
+
+/// Layers that are appended to a network. They are named, because later ones read them.
+class Graph {
+ public:
+  explicit Graph(WeightedNetwork& to) : network_(&to.network), weights_(&to.weights) {}
+
+  void add(Layer layer) { network_->layers.push_back(std::move(layer)); }
+
+  void concat(const std::string& name, std::vector<std::string> inputs) {
+    add({.name = name, .op = Op::kConcat, .inputs = std::move(inputs)});
+  }
+
+  /// Adds a convolution with a weight [out, in] for one pixel, or of the mean over `window` x `window` px. An empty bias
+  /// is 0.
+  Layer& conv(const std::string& name, const std::string& input, const Matrix& weight, std::vector<float> bias = {},
+              size_t window = 1) {
+    const size_t area = window * window;
+    std::vector<float>& values = (*weights_)[name + ".weight"];
+    for (const float value : weight.values) values.insert(values.end(), area, value / static_cast<float>(area));
+    bias.resize(weight.rows);
+    (*weights_)[name + ".bias"] = std::move(bias);
+    add({.name = name, .inputs = {input}, .out_channels = weight.rows, .kernel = window});
+    return network_->layers.back();
+  }
+
+  void relu(const std::string& name, const std::string& input, const Matrix& weight, std::vector<float> bias = {},
+            size_t window = 1) {
+    conv(name, input, weight, std::move(bias), window).relu = true;
+  }
+
+ private:
+  Network* network_;
+  Weights* weights_;
+};
+
+/// Appends a network whose names get a prefix, and which reads `input` instead of the input.
+void append(WeightedNetwork part, const std::string& prefix, const std::string& input, WeightedNetwork& to) {
+  const auto renamed = [&](const std::string& name) { return name == "input" ? input : prefix + name; };
+  for (Layer& layer : part.network.layers) {
+    layer.name = prefix + layer.name;
+    for (std::string& name : layer.inputs) name = renamed(name);
+    if (!layer.residual.empty()) layer.residual = renamed(layer.residual);
+    to.network.layers.push_back(std::move(layer));
+  }
+  for (auto& [name, values] : part.weights) to.weights[prefix + name] = std::move(values);
+}
+
+/// Returns the number of the first channel of the camera, or that of all channels if the network is not conditioned.
+size_t first_of_camera(const Model& model) {
+  size_t first = 0;
+  for (const InputGroup& group : model.input) {
+    if (group.kind == InputKind::kCamera) break;
+    first += num_input_channels(group.kind, model.num_patterns);
+  }
+  return first;
+}
+
+// Two scales.
+
+constexpr const char* kHalf = "half_";
+
+/// Adds the input of the half scale: means over 2x2 pixels, which are as free of noise as those over four cycles.
+void add_half_input(const Model& model, WeightedNetwork& to) {
+  constexpr size_t kSide = 2, kCycles = 4;
+  const size_t channels = model.network.input_channels;
+  std::vector<float> weight(channels * channels * kSide * kSide), bias(channels);
+  for (size_t c = 0; c < channels; ++c) {
+    std::fill_n(weight.begin() + static_cast<ptrdiff_t>((c * channels + c) * kSide * kSide), kSide * kSide, 0.25F);
+  }
+  const auto camera = std::ranges::find(model.input, InputKind::kCamera, &InputGroup::kind);
+  if (camera != model.input.end()) {
+    bias[first_of_camera(model) + capture::kCyclesCondition] = camera->scale * capture::cycles_condition(kCycles);
+  }
+  to.weights["half_input.weight"] = std::move(weight);
+  to.weights["half_input.bias"] = std::move(bias);
+  to.network.layers.push_back(
+      {.name = "half_input", .inputs = {"input"}, .out_channels = channels, .kernel = kSide, .stride = kSide});
+}
+
+/// Adds the mean of the disparity and of the logarithm of its scale, which the full scale gives for the four pixels
+/// behind a pixel of the half scale.
+void add_mean(WeightedNetwork& to, const std::string& full, const std::string& half, float share) {
+  constexpr size_t kPixels = 4;
+  Graph graph(to);
+  graph.concat("both_scales", {full, half});
+  Matrix weight(kDepthOutputs * kPixels, kDepthOutputs * kPixels + kDepthOutputs);
+  std::vector<float> bias(weight.rows);
+  for (size_t row = 0; row < weight.rows; ++row) {
+    const bool is_disparity = row < kPixels;
+    weight(row, row) = share;
+    weight(row, weight.rows + (is_disparity ? 0 : 1)) = (1 - share) * (is_disparity ? 2.0F : 1.0F);
+    if (!is_disparity) bias[row] = (1 - share) * std::numbers::ln2_v<float>;
+  }
+  graph.conv("mean", "both_scales", weight, std::move(bias));
+}
+
+// The guide.
+
+constexpr const char* kGuide = "guide_";
+constexpr size_t kPlanes = 24;
+constexpr double kNearest = -3.45, kPlaneStep = 0.3;  ///< disparities of the planes, near to far, px per view step
+constexpr size_t kWindow = 9;                         ///< of the local mean of the picture and of its detail, px
+/// Logit of the opacity, per plane in front of the surface. The plane before it covers the share that its distance
+/// leaves.
+constexpr float kSteepness = 5.0F;
+constexpr float kLargestLogit = 6.0F;
+constexpr float kMuted = 0.5F;  ///< by how much a difference moves towards zero where the surface has no say
+
+/// Returns the positions of views along an axis, from the central one.
+std::vector<double> viewpoints(size_t views) {
+  std::vector<double> result;
+  for (size_t view = 0; view < views; ++view) {
+    result.push_back(static_cast<double>(view) - 0.5 * static_cast<double>(views - 1));
+  }
+  return result;
+}
+
+/// Returns the weight of the central picture, the mean of the one, two or four views in the middle.
+Matrix central_picture(size_t views_y, size_t views_x) {
+  Matrix weight(1, views_y * views_x);
+  const size_t top = (views_y - 1) / 2, bottom = views_y / 2, left = (views_x - 1) / 2, right = views_x / 2;
+  const auto count = static_cast<float>((bottom - top + 1) * (right - left + 1));
+  for (size_t y = top; y <= bottom; ++y) {
+    for (size_t x = left; x <= right; ++x) weight(0, y * views_x + x) = 1 / count;
+  }
+  return weight;
+}
+
+/// Adds `muted`, which is 0 where the picture has weak detail, and kMuted where it has at least twice as much.
+void add_muting(Graph& graph, float weak_texture) {
+  const float slope = kMuted / weak_texture;
+  Matrix one(1, 1), difference(2, 2), detail(1, 2), minus(1, 1);
+  one(0, 0) = 1;
+  difference(0, 0) = difference(1, 1) = 1;
+  difference(0, 1) = difference(1, 0) = -1;
+  detail(0, 0) = detail(0, 1) = -slope;
+  minus(0, 0) = -1;
+  graph.conv("local_mean", "picture", one, {}, kWindow);
+  graph.concat("picture_and_mean", {"picture", "local_mean"});
+  graph.relu("picture_detail", "picture_and_mean", difference);
+  graph.relu("unmuted", "picture_detail", detail, {2 * kMuted}, kWindow);
+  graph.relu("muted", "unmuted", minus, {kMuted});
+}
+
+/// Adds `surface`, the views of the picture on a surface at the disparity of a layer. Planes behind the surface are
+/// opaque, too, and not seen.
+void add_surface(Graph& graph, const std::string& disparity, size_t views_y, size_t views_x) {
+  std::vector<double> planes;
+  for (size_t plane = 0; plane < kPlanes; ++plane) {
+    planes.push_back(std::round(100 * (kNearest + kPlaneStep * static_cast<double>(plane))) / 100);
+  }
+  const double per_px = kSteepness / kPlaneStep;
+  Matrix below(kPlanes, kDepthOutputs), opacities(kPlanes, kPlanes), layers(2 * kPlanes, kPlanes + 1);
+  std::vector<float> of_below(kPlanes), of_layers(2 * kPlanes);
+  for (size_t plane = 0; plane < kPlanes; ++plane) {
+    below(plane, 0) = static_cast<float>(per_px);
+    of_below[plane] = static_cast<float>(double{kLargestLogit - kSteepness / 2} - per_px * planes[plane]);
+    opacities(plane, plane) = -1;
+    layers(plane, plane) = layers(kPlanes + plane, kPlanes) = 1;
+    of_layers[plane] = -kLargestLogit;
+  }
+  graph.relu("below", disparity, below, std::move(of_below));
+  graph.relu("opacities", "below", opacities, std::vector<float>(kPlanes, 2 * kLargestLogit));
+  graph.concat("opacities_and_picture", {"opacities", "picture"});
+  graph.conv("surface_layers", "opacities_and_picture", layers, std::move(of_layers));
+  graph.add({.name = "surface",
+             .op = "render-layers",
+             .inputs = {"surface_layers"},
+             .attributes = {
+                 {"disparities", planes}, {"rows", viewpoints(views_y)}, {"columns", viewpoints(views_x)}}});
+}
+
+/// Adds the result: views that become those of the surface where nothing is muted.
+void add_guided(Graph& graph, const std::string& views, size_t number) {
+  graph.concat("views_and_surface", {views, "surface", "muted"});
+  Matrix differences(2 * number, 2 * number + 1), guided(number, 2 * number);
+  for (size_t view = 0; view < number; ++view) {
+    differences(view, view) = differences(number + view, number + view) = -1;
+    differences(view, number + view) = differences(number + view, view) = 1;
+    differences(view, 2 * number) = differences(number + view, 2 * number) = -1;
+    guided(view, view) = 1;
+    guided(view, number + view) = -1;
+  }
+  graph.relu("differences", "views_and_surface", differences);
+  graph.conv("guided", "differences", guided).residual = views;
+}
+
+/// Builds the paper's sensor into the weights of a network that is conditioned on the camera. Its layers then read
+/// `known`, the other inputs and a channel of ones, which is made by the network itself: zeros beside the image stay
+/// zeros.
+Result<void> build_in_paper(Model& disparity, WeightedNetwork& to, std::string& input) {
+  const size_t first = first_of_camera(disparity);
+  if (disparity.input.back().kind != InputKind::kCamera) {
+    return misfit(disparity.name, "the camera is not the last of its inputs; make it the last");
+  }
+  std::vector<float> conditioning =
+      capture::conditioning_vector(capture::SensorProfile(), disparity.num_patterns, /*cycles=*/1);
+  for (float& value : conditioning) value *= disparity.input.back().scale;
+  auto built = with_constant_inputs(disparity.network, disparity.weights, first, conditioning);
+  if (!built) return misfit(disparity.name, "other layers than convolutions read the camera; use another network");
+  disparity.network = std::move(built->network);
+  disparity.weights = std::move(built->weights);
+  disparity.input.pop_back();
+  input = cat(kGuide, "known");
+  const std::string one = cat(kGuide, "one");
+  Graph graph(to);
+  graph.conv(one, "input", Matrix(1, first), {1});
+  graph.concat(input, {"input", one});
+  return {};
+}
+
+/// Gives the network of views the inputs of the network of disparity that it does not use.
+Result<void> add_inputs_of(const Model& disparity, Model& views) {
+  size_t place = 0, channel = 0;
+  for (const InputGroup& group : disparity.input) {
+    const size_t count = num_input_channels(group.kind, views.num_patterns);
+    if (place < views.input.size() && views.input[place] == group) {
+      ++place;
+    } else {
+      auto with_more = with_unused_inputs(views.network, views.weights, channel, count);
+      if (!with_more) return misfit(views.name, "other layers than convolutions read the input; use another network");
+      views.network = std::move(with_more->network);
+      views.weights = std::move(with_more->weights);
+    }
+    channel += count;
+  }
+  if (place == views.input.size()) {
+    views.input = disparity.input;
+    return {};
+  }
+  return misfit(views.name, cat("it has inputs that ", disparity.name,
+                                " has not, or in another order or scale; use networks with the same inputs"));
+}
+
+Result<void> check_that_both_fit(const Model& views, const Model& disparity) {
+  if (is_depth_network(views)) return misfit(views.name, "it gives disparities; name a network of views");
+  if (!is_depth_network(disparity)) return misfit(disparity.name, "it gives views; name a network of disparity");
+  if (views.codes == disparity.codes && views.num_patterns == disparity.num_patterns) return {};
+  return misfit(disparity.name, cat("it was trained for other patterns than ", views.name,
+                                    "; use networks for the same patterns"));
+}
+
+}  // namespace
+
+Result<Model> at_two_scales(Model network, float share) {
+  if (!(share >= 0.0F && share <= 1.0F)) {
+    return misfit(network.name, cat("the share of the full scale is ", share, "; use 0 to 1"));
+  }
+  const Layer last = network.network.layers.back();
+  if (!is_depth_network(network) || last.op != Op::kPixelShuffle || last.stride != 2) {
+    return misfit(network.name,
+                  "only a network of disparity whose last layer is a pixel shuffle by 2 works at two scales; state no "
+                  "share of the full scale");
+  }
+  WeightedNetwork both{network.network, network.weights};
+  both.network.layers.pop_back();
+  add_half_input(network, both);
+  append({std::move(network.network), std::move(network.weights)}, kHalf, "half_input", both);
+  add_mean(both, last.inputs.front(), kHalf + last.name, share);
+  both.network.layers.push_back(last);
+  both.network.layers.back().inputs = {"mean"};
+  network.network = std::move(both.network);
+  network.weights = std::move(both.weights);
+  return network;
+}
+
+Result<Model> guided(Model views, Model disparity, const Guide& guide) {
+  E2LF_RETURN_IF_ERROR(check_that_both_fit(views, disparity));
+  if (!(guide.weak_texture > 0.0F && guide.weak_texture <= 1.0F)) {
+    return misfit(views.name,
+                  cat("the limit of weak texture is ", guide.weak_texture, "; use more than 0, and at most 1"));
+  }
+  WeightedNetwork both;
+  std::string input = "input";
+  if (is_conditioned_on_camera(disparity) && !is_conditioned_on_camera(views)) {
+    E2LF_RETURN_IF_ERROR(build_in_paper(disparity, both, input));
+  }
+  E2LF_RETURN_IF_ERROR(add_inputs_of(disparity, views));
+  both.network.input_channels = views.network.input_channels;
+  const std::string of_views = views.network.layers.back().name;
+  const std::string of_disparity = kGuide + disparity.network.layers.back().name;
+  append({std::move(disparity.network), std::move(disparity.weights)}, kGuide, input, both);
+  append({std::move(views.network), std::move(views.weights)}, "", "input", both);
+  Graph graph(both);
+  graph.conv("picture", of_views, central_picture(views.views_y, views.views_x));
+  add_muting(graph, guide.weak_texture);
+  add_surface(graph, of_disparity, views.views_y, views.views_x);
+  add_guided(graph, of_views, views.views_y * views.views_x);
+  views.network = std::move(both.network);
+  views.weights = std::move(both.weights);
+  views.precision_loss = {};
+  views.provenance["guided_by"] = disparity.name;
+  return views;
+}
+
+}  // namespace e2lf::model

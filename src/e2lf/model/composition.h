@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "e2lf/model/model.h"
+
+/// Networks that are composed of others when a model file is opened, so that no file holds copies of weights.
+namespace e2lf::model {
+
+/// How the views of one network follow the disparity of another where the picture has no more than weak texture, as
+/// model files state it under `composed_of`. There, the parallax of a network of views collapses towards zero.
+struct Guide {
+  std::string views = {}, disparity = {};  ///< names of the two model files, without extension
+  /// Where the mean absolute detail of the central picture is below this share of white, the views become those of
+  /// this picture on a surface at the disparity. Where it is above twice as much, they are not changed.
+  float weak_texture = 0.01F;
+  std::optional<float> share_of_full_scale = {};  ///< of the disparity; empty = that which its own file states
+};
+
+/// Returns a network of disparity that works at two scales: its disparities are `share` times those of `network` plus
+/// (1 - share) times those for the means of the events over 2x2 pixels, which have half of the noise and of the
+/// disparity. Fails with kInvalidValue unless share is in [0, 1] and the network ends in a pixel shuffle by 2.
+[[nodiscard]] Result<Model> at_two_scales(Model network, float share);
+
+/// Composes a network of views that follows a network of disparity for the same patterns, whose inputs include those of
+/// `views`. If only the network of disparity is conditioned on the camera, the paper's sensor is built into its
+/// weights. The result has the name and the properties of `views`, except for precision_loss. Fails with kInvalidValue
+/// if the two do not fit together.
+[[nodiscard]] Result<Model> guided(Model views, Model disparity, const Guide& guide);
+
+/// What a model file states, without its weights; of a composed model, what its views state, and the guide.
+struct StatedModel {
+  Model model;
+  std::optional<Guide> guide = {};
+};
+
+/// Reads the header of a model file and its patterns. Fails as read_model() does, but does not check the weights.
+[[nodiscard]] Result<StatedModel> read_stated_model(const std::filesystem::path& path);
+
+}  // namespace e2lf::model
