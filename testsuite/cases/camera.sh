@@ -67,6 +67,13 @@ for camera in paper evk4-lcos; do
 done
 [ "$(json chosen-paper/run.json 'j["inputs"][-1]["path"].split("/")[-1], j["inputs"][0]["path"].split("/")[-1]')" = "('own-paper.npz', 'e2lf-n4-geometry.safetensors')" ] || fail "a network for the paper's pixels"
 [ "$(json chosen-evk4-lcos/run.json 'j["inputs"][0]["path"].split("/")[-1]')" = e2lf-n4-geometry-camera.safetensors ] || fail "a network for physical pixels"
+[ "$(json chosen-paper/run.json '[i["path"].split("/")[-1] for i in j["inputs"]].count("e2lf-n4-depth.safetensors")')" = 1 ] || fail "the record names the parts"
+# Events of a camera that nothing states are those of physical pixels with the default profile.
+py -c 'import numpy as np; e = np.load("own-evk4-lcos.npz"); np.savez("unstated.npz", **{k: e[k] for k in e if k != "camera"})'
+"$E2LF" reconstruct unstated.npz -o unstated 2>unstated.txt
+[ "$(json unstated/run.json 'j["options"]["model"], j["notes"]["camera_stated_by"], j["notes"]["camera"]["name"]')" = "('e2lf-n4-geometry-camera', 'the model', 'evk4-lcos')" ] || fail "a network for an unknown sensor: $(json unstated/run.json 'j["options"], j["notes"]["camera_stated_by"]')"
+grep -q "no sensor is stated" unstated.txt || fail "it is not said: $(cat unstated.txt)"
+cmp unstated/cycle_00000/00_00.png chosen-evk4-lcos/cycle_00000/00_00.png 2>/dev/null || cmp unstated/00_00.png chosen-evk4-lcos/00_00.png || fail "another light field"
 "$E2LF" simulate scene -m "$models/e2lf-n8.safetensors" -o eight.npz --quiet
 "$E2LF" reconstruct eight.npz -o eight --quiet
 [ "$(json eight/run.json 'j["inputs"][0]["path"].split("/")[-1]')" = e2lf-n8.safetensors ] || fail "a network for eight patterns"

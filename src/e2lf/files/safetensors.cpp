@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <set>
 
 #include "e2lf/base/choice.h"
@@ -225,13 +226,18 @@ Result<Safetensors> read_safetensors_header(const std::filesystem::path& path, c
   E2LF_ASSIGN_OR_RETURN(const Json header, parse_header(text, name));
   Safetensors file;
   if (header.contains(kMetadata)) E2LF_RETURN_IF_ERROR(read_metadata(header[kMetadata], name, file));
-  if (!header.contains(tensor_name)) return file;
+  std::optional<Range> wanted;
+  for (const auto& [key, value] : header.items()) {
+    if (key == kMetadata) continue;
+    E2LF_ASSIGN_OR_RETURN(Range range,
+                          read_entry(value, size - kLengthSize - length, cat(name, ": ", key), file.tensors[key]));
+    if (key == tensor_name) wanted = std::move(range);
+  }
+  if (!wanted) return file;
   Tensor& tensor = file.tensors[tensor_name];
-  E2LF_ASSIGN_OR_RETURN(const Range range, read_entry(header[tensor_name], size - kLengthSize - length,
-                                                      cat(name, ": ", tensor_name), tensor));
-  tensor.bytes.resize(range.end - range.begin);
+  tensor.bytes.resize(wanted->end - wanted->begin);
   std::ifstream in(path, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(kLengthSize + length + range.begin));
+  in.seekg(static_cast<std::streamoff>(kLengthSize + length + wanted->begin));
   in.read(reinterpret_cast<char*>(tensor.bytes.data()), static_cast<std::streamsize>(tensor.bytes.size()));
   if (in) return file;
   return fail(ErrorCode::kIo, path, "cannot be read; check its permissions");

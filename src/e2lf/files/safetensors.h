@@ -39,7 +39,8 @@ struct Safetensors {
 [[nodiscard]] std::vector<uint8_t> encode_safetensors(const Safetensors& file);
 
 [[nodiscard]] Result<Safetensors> read_safetensors(const std::filesystem::path& path);
-/// Reads the metadata of a file, and of the tensors the one of this name, if it is there. The others are not read.
+/// Reads the metadata, the types and shapes of the tensors, and the values of the tensor with this name, if it is
+/// there. The others have no bytes.
 [[nodiscard]] Result<Safetensors> read_safetensors_header(const std::filesystem::path& path,
                                                           const std::string& tensor_name);
 [[nodiscard]] Result<void> write_safetensors(const std::filesystem::path& path, const Safetensors& file);

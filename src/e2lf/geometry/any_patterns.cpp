@@ -8,6 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/geometry/aperture.h"
 #include "e2lf/geometry/operations.h"
+#include "e2lf/model/composition.h"
 
 namespace e2lf::geometry {
 namespace {
@@ -289,9 +290,26 @@ bool has_inputs_of_any_patterns(const model::Model& model) {
   return std::ranges::equal(model.input, kKinds, {}, &model::InputGroup::kind);
 }
 
+/// Adapts the network of disparity that views follow.
+Result<model::Model> guided_for_patterns(const model::Model& views, const capture::Codes& codes) {
+  if (views.codes.value_or(codes) != codes || views.num_patterns != codes.num_patterns) {
+    return fail(ErrorCode::kInvalidValue, views.name, "its views were trained for other patterns; use another model");
+  }
+  E2LF_ASSIGN_OR_RETURN(model::Model disparity, for_patterns(views.open_guide->disparity, codes));
+  model::Model followers = views;
+  followers.open_guide = nullptr;
+  followers.codes = codes;
+  followers.black_first = capture::is_black_first(codes);
+  E2LF_ASSIGN_OR_RETURN(model::Model result,
+                        guided(std::move(followers), std::move(disparity), views.open_guide->guide));
+  result.precision_loss = views.precision_loss;
+  return result;
+}
+
 }  // namespace
 
 Result<model::Model> for_patterns(const model::Model& model, const capture::Codes& codes) {
+  if (model.open_guide) return guided_for_patterns(model, codes);
   if (!model::is_for_any_patterns(model)) {
     return fail(ErrorCode::kUnsupported, "", model.name,
                 " was trained for its own patterns; give one for any patterns");

@@ -2,12 +2,15 @@
 // Networks that are adapted to patterns, against values that bench/geometry/networks.py computed for the same weights.
 #include "e2lf/geometry/any_patterns.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <memory>
 #include <string>
 
 #include "e2lf/geometry/aperture.h"
 #include "e2lf/geometry/operations.h"
+#include "e2lf/model/composition.h"
 #include "testing/engine_runs.h"
 #include "testing/test_networks.h"
 
@@ -167,6 +170,35 @@ TEST(AnyPatterns, WholeCyclesTakeTransmissionsOfTheirLitPatternsOnly) {
                   {1, 20, 3, 0.127235},
                   {1, 9, 18, 0.246273}},
                  542.907471);
+}
+
+TEST(AnyPatterns, GuideViewsAsSoonAsThePatternsAreKnown) {
+  model::Model views;
+  views.name = "views";
+  views.num_patterns = 4;
+  views.input = {{model::InputKind::kCounts, 0.125F}};
+  views.network = {3, {conv("views", "input", 64, 1, false)}};
+  for (const auto& weights : model::weight_shapes(views.network)) {
+    views.weights[weights.name] = numbered(weights.name, weights.shape);
+  }
+  views.open_guide = std::make_shared<const model::OpenGuide>(model::OpenGuide{{}, small_model()});
+  EXPECT_EQ(model::validate(views, "views").error().code, ErrorCode::kUnsupported);
+  Codes others = three_boxes();
+  std::swap_ranges(others.pattern(1).begin(), others.pattern(1).end(), others.pattern(2).begin());
+  const auto adapted = for_patterns(views, others);
+  ASSERT_TRUE(adapted) << adapted.error().text();
+  model::Model alone = views;
+  alone.open_guide = nullptr;
+  alone.codes = others;
+  const auto expected = guided(alone, for_patterns(small_model(), others).value(), {});
+  ASSERT_TRUE(expected) << expected.error().text();
+  EXPECT_EQ(adapted->network, expected->network);
+  EXPECT_EQ(adapted->weights, expected->weights);
+  EXPECT_EQ(adapted->codes, others);
+  // Counts, which the network of disparity does not read, come first.
+  EXPECT_EQ(adapted->input.front().kind, model::InputKind::kCounts);
+  views.codes = three_boxes();
+  EXPECT_EQ(for_patterns(views, others).error().code, ErrorCode::kInvalidValue);
 }
 
 TEST(AnyPatterns, AreRefusedByNetworksForTheirOwnPatterns) {

@@ -128,9 +128,10 @@ TEST(Guided, BuildsThePapersSensorIntoADisparityThatIsConditionedOnTheCamera) {
 TEST(Guided, RefusesNetworksThatDoNotFitTogether) {
   Model of_others = known_disparity(0);
   of_others.codes->values = {0, 0, 0, 1, 1, 0};
-  Model without_counts = known_disparity(0);
-  without_counts.input.front().scale = 2.0F;
-  for (const Model& disparity : {of_others, without_counts, equal_views()}) {
+  Model of_other_scale = known_disparity(0), in_other_order = known_disparity(0);
+  of_other_scale.input.front().scale = 2.0F;
+  std::swap(in_other_order.input[0], in_other_order.input[1]);
+  for (const Model& disparity : {of_others, of_other_scale, in_other_order, equal_views()}) {
     EXPECT_EQ(guided(equal_views(), disparity, {}).error().code, ErrorCode::kInvalidValue);
   }
   EXPECT_EQ(guided(known_disparity(0), known_disparity(0), {}).error().code, ErrorCode::kInvalidValue);
@@ -173,6 +174,29 @@ TEST(ComposedFile, IsComposedOfThePartsBesideIt) {
   const auto alone = model::read_model(folder / "alone.safetensors");
   EXPECT_EQ(alone->network, read->network);
   EXPECT_TRUE(alone->parts.empty());
+}
+
+TEST(ComposedFile, WaitsForPatternsIfTheNetworkOfDisparityIsForAny) {
+  const TestFolder folder;
+  Model views = equal_views(), disparity = known_disparity(0.5F);
+  views.codes.reset();
+  disparity.any_patterns["stem.bias"] = {{1}, {0.0F}};
+  ASSERT_TRUE(write_model(folder / "views.safetensors", views));
+  ASSERT_TRUE(write_model(folder / "disparity.safetensors", disparity));
+  write_composed(folder, "both", {{"views", "views"}, {"disparity", "disparity"}, {"weak_texture", 0.02}});
+  const auto read = model::read_model(folder / "both.safetensors");
+  ASSERT_TRUE(read) << read.error().text();
+  ASSERT_TRUE(read->open_guide);
+  EXPECT_EQ(read->open_guide->guide.weak_texture, 0.02F);
+  EXPECT_EQ(read->open_guide->disparity.name, "disparity");
+  EXPECT_FALSE(read->codes);
+  EXPECT_FALSE(write_model(folder / "alone.safetensors", *read));
+  const auto stated = model::read_stated_model(folder / "disparity.safetensors");
+  ASSERT_TRUE(stated) << stated.error().text();
+  EXPECT_TRUE(stated->is_for_any_patterns);
+  EXPECT_EQ(stated->model.codes, disparity.codes);
+  EXPECT_EQ(stated->model.network, disparity.network);
+  EXPECT_TRUE(model::read_stated_model(folder / "both.safetensors")->guide);
 }
 
 TEST(ComposedFile, NamesWhatIsMissingOrDoesNotFit) {

@@ -35,8 +35,8 @@ class Graph {
     add({.name = name, .op = Op::kConcat, .inputs = std::move(inputs)});
   }
 
-  /// Adds a convolution with a weight [out, in] for one pixel, or of the mean over `window` x `window` px. An empty bias
-  /// is 0.
+  /// Adds a convolution with a weight [out, in] for one pixel, or of the mean over `window` x `window` px. An empty
+  /// bias is 0.
   Layer& conv(const std::string& name, const std::string& input, const Matrix& weight, std::vector<float> bias = {},
               size_t window = 1) {
     const size_t area = window * window;
@@ -191,8 +191,7 @@ void add_surface(Graph& graph, const std::string& disparity, size_t views_y, siz
   graph.add({.name = "surface",
              .op = "render-layers",
              .inputs = {"surface_layers"},
-             .attributes = {
-                 {"disparities", planes}, {"rows", viewpoints(views_y)}, {"columns", viewpoints(views_x)}}});
+             .attributes = {{"disparities", planes}, {"rows", viewpoints(views_y)}, {"columns", viewpoints(views_x)}}});
 }
 
 /// Adds the result: views that become those of the surface where nothing is muted.
@@ -234,35 +233,46 @@ Result<void> build_in_paper(Model& disparity, WeightedNetwork& to, std::string& 
   return {};
 }
 
-/// Gives the network of views the inputs of the network of disparity that it does not use.
-Result<void> add_inputs_of(const Model& disparity, Model& views) {
+/// Returns the inputs of two networks in the order of their kinds.
+std::vector<InputGroup> inputs_of_both(const Model& a, const Model& b) {
+  std::vector<InputGroup> both = a.input;
+  for (const InputGroup& group : b.input) {
+    if (std::ranges::find(both, group) == both.end()) both.push_back(group);
+  }
+  std::ranges::stable_sort(both, {}, &InputGroup::kind);
+  return both;
+}
+
+/// Gives a network the inputs among `all` that it does not use.
+Result<void> add_unused_inputs(const std::vector<InputGroup>& all, Model& model) {
   size_t place = 0, channel = 0;
-  for (const InputGroup& group : disparity.input) {
-    const size_t count = num_input_channels(group.kind, views.num_patterns);
-    if (place < views.input.size() && views.input[place] == group) {
+  for (const InputGroup& group : all) {
+    const size_t count = num_input_channels(group.kind, model.num_patterns);
+    if (place < model.input.size() && model.input[place] == group) {
       ++place;
     } else {
-      auto with_more = with_unused_inputs(views.network, views.weights, channel, count);
-      if (!with_more) return misfit(views.name, "other layers than convolutions read the input; use another network");
-      views.network = std::move(with_more->network);
-      views.weights = std::move(with_more->weights);
+      auto with_more = with_unused_inputs(model.network, model.weights, channel, count);
+      if (!with_more) return misfit(model.name, "other layers than convolutions read the input; use another network");
+      model.network = std::move(with_more->network);
+      model.weights = std::move(with_more->weights);
     }
     channel += count;
   }
-  if (place == views.input.size()) {
-    views.input = disparity.input;
+  const bool has_one_scale = std::ranges::adjacent_find(all, {}, &InputGroup::kind) == all.end();
+  if (place == model.input.size() && has_one_scale) {
+    model.input = all;
     return {};
   }
-  return misfit(views.name, cat("it has inputs that ", disparity.name,
-                                " has not, or in another order or scale; use networks with the same inputs"));
+  return misfit(model.name,
+                "its inputs have another order or scale than those of the other network; use networks with the same");
 }
 
 Result<void> check_that_both_fit(const Model& views, const Model& disparity) {
   if (is_depth_network(views)) return misfit(views.name, "it gives disparities; name a network of views");
   if (!is_depth_network(disparity)) return misfit(disparity.name, "it gives views; name a network of disparity");
   if (views.codes == disparity.codes && views.num_patterns == disparity.num_patterns) return {};
-  return misfit(disparity.name, cat("it was trained for other patterns than ", views.name,
-                                    "; use networks for the same patterns"));
+  return misfit(disparity.name,
+                cat("it was trained for other patterns than ", views.name, "; use networks for the same patterns"));
 }
 
 }  // namespace
@@ -300,7 +310,8 @@ Result<Model> guided(Model views, Model disparity, const Guide& guide) {
   if (is_conditioned_on_camera(disparity) && !is_conditioned_on_camera(views)) {
     E2LF_RETURN_IF_ERROR(build_in_paper(disparity, both, input));
   }
-  E2LF_RETURN_IF_ERROR(add_inputs_of(disparity, views));
+  const std::vector<InputGroup> inputs = inputs_of_both(views, disparity);
+  for (Model* part : {&views, &disparity}) E2LF_RETURN_IF_ERROR(add_unused_inputs(inputs, *part));
   both.network.input_channels = views.network.input_channels;
   const std::string of_views = views.network.layers.back().name;
   const std::string of_disparity = kGuide + disparity.network.layers.back().name;

@@ -25,16 +25,24 @@ struct Guide {
 /// disparity. Fails with kInvalidValue unless share is in [0, 1] and the network ends in a pixel shuffle by 2.
 [[nodiscard]] Result<Model> at_two_scales(Model network, float share);
 
-/// Composes a network of views that follows a network of disparity for the same patterns, whose inputs include those of
-/// `views`. If only the network of disparity is conditioned on the camera, the paper's sensor is built into its
-/// weights. The result has the name and the properties of `views`, except for precision_loss. Fails with kInvalidValue
-/// if the two do not fit together.
+/// Composes a network of views that follows a network of disparity for the same patterns. If only the network of
+/// disparity is conditioned on the camera, the paper's sensor is built into its weights. The result has the name and
+/// the properties of `views`, except for precision_loss, and the inputs of both in the order of InputKind, in which
+/// each network must have its own. Fails with kInvalidValue if the two do not fit together.
 [[nodiscard]] Result<Model> guided(Model views, Model disparity, const Guide& guide);
+
+/// A guide by a network for any patterns, which waits for those of the events. Model::open_guide refers to it in models
+/// whose other members are those of the network of views.
+struct OpenGuide {
+  Guide guide;
+  Model disparity;
+};
 
 /// What a model file states, without its weights; of a composed model, what its views state, and the guide.
 struct StatedModel {
   Model model;
   std::optional<Guide> guide = {};
+  bool is_for_any_patterns = false;
 };
 
 /// Reads the header of a model file and its patterns. Fails as read_model() does, but does not check the weights.

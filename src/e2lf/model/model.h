@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -73,6 +74,8 @@ struct SharedWeights {
   std::vector<float> values;
 };
 
+struct OpenGuide;  // composition.h
+
 /// The contents of a model file.
 struct Model {
   std::string name;         ///< e.g. "e2lf-n4"
@@ -89,9 +92,11 @@ struct Model {
   /// What geometry::for_patterns() makes the weights of other patterns of, by the names of weights; empty for networks
   /// that work for `codes` alone.
   std::map<std::string, SharedWeights> any_patterns = {};
-  PrecisionLoss precision_loss = {};  ///< precisions that were checked for these weights
-  Json provenance = Json::object();   ///< free-form: data, samples seen, seed, command, results
+  PrecisionLoss precision_loss = {};              ///< precisions that were checked for these weights
+  Json provenance = Json::object();               ///< free-form: data, samples seen, seed, command, results
   std::vector<std::filesystem::path> parts = {};  ///< files of the models that it was composed of; see composition.h
+  /// The network for any patterns that the views follow as soon as geometry::for_patterns() adapts it; usually null.
+  std::shared_ptr<const OpenGuide> open_guide = {};
 
   /// Returns the kind of measurement that the input needs. The model must be valid.
   [[nodiscard]] capture::MeasurementKind measurement() const { return measurement_of(input).value(); }
@@ -102,7 +107,7 @@ struct Model {
 
 /// Returns true if geometry::for_patterns() can adapt the network to other patterns.
 [[nodiscard]] inline bool is_for_any_patterns(const Model& model) {
-  return !model.any_patterns.empty();
+  return !model.any_patterns.empty() || model.open_guide;
 }
 
 /// Checks that all fields are consistent: channels, codes and weights (all present, of the right size, and finite).

@@ -229,7 +229,8 @@ Result<Composition> read_composition(const Json& json, const std::string& file, 
   reader.section(kComposedOf, [&](OptionReader& inner) {
     E2LF_VISIT(found.guide, inner, views, disparity, weak_texture, share_of_full_scale);
   });
-  reader.section("precision_loss", [&](OptionReader& losses) { E2LF_VISIT(found.loss, losses, bfloat16_db, int16_db); });
+  reader.section("precision_loss",
+                 [&](OptionReader& losses) { E2LF_VISIT(found.loss, losses, bfloat16_db, int16_db); });
   E2LF_RETURN_IF_ERROR(reader.finish());
   found.location = cat(location, ".", kComposedOf);
   E2LF_ASSIGN_OR_RETURN(found.views, find_part(found.guide.views, folder, found.location + ".views"));
@@ -241,12 +242,14 @@ Result<Model> compose(const Composition& of, const std::string& file) {
   E2LF_ASSIGN_OR_RETURN(Model views, read_part(of.views, of.location + ".views", std::nullopt));
   E2LF_ASSIGN_OR_RETURN(Model disparity,
                         read_part(of.disparity, of.location + ".disparity", of.guide.share_of_full_scale));
-  auto model = guided(std::move(views), std::move(disparity), of.guide);
+  const bool is_open = is_for_any_patterns(disparity) && views.codes != disparity.codes;
+  if (is_open) views.open_guide = std::make_shared<const OpenGuide>(OpenGuide{of.guide, std::move(disparity)});
+  auto model = is_open ? Result<Model>(std::move(views)) : guided(std::move(views), std::move(disparity), of.guide);
   if (!model) return Error{model.error().code, cat(model.error().location, ": ", model.error().message), of.location};
   model->name = of.name;
   model->precision_loss = of.loss;
   model->parts = {of.views, of.disparity};
-  E2LF_RETURN_IF_ERROR(validate(*model, file));
+  if (!is_open) E2LF_RETURN_IF_ERROR(validate(*model, file));
   return model;
 }
 
@@ -278,6 +281,8 @@ Result<StatedModel> read_stated_model(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(Safetensors tensors, read_safetensors_header(path, kCodesTensor));
   E2LF_ASSIGN_OR_RETURN(Json json, header_of(tensors, file));
   StatedModel stated;
+  stated.is_for_any_patterns =
+      std::ranges::any_of(tensors.tensors, [](const auto& tensor) { return tensor.first.starts_with(kAnyPatterns); });
   if (json.is_object() && json.contains(kComposedOf)) {
     E2LF_ASSIGN_OR_RETURN(const Composition composition, read_composition(json, file, folder_of(path)));
     stated.guide = composition.guide;

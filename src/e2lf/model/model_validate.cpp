@@ -169,6 +169,11 @@ Result<void> validate(const Model& model, const std::string& location) {
   }
   E2LF_RETURN_IF_ERROR(validate_weights(model.network, model.weights, location));
   E2LF_RETURN_IF_ERROR(check_any_patterns(model, location));
+  if (model.open_guide) {
+    return refuse(location, "composed_of",
+                  "the views follow a network for any patterns, which must be adapted to those that the camera shows",
+                  ErrorCode::kUnsupported);
+  }
   if (model.provenance.is_object()) return {};
   return refuse(location, "provenance", "the provenance is not a JSON object; enclose it in { }");
 }

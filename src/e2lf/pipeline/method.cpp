@@ -10,6 +10,7 @@
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/geometry/any_patterns.h"
 #include "e2lf/model/model.h"
+#include "e2lf/pipeline/catalogue.h"
 #include "e2lf/recon/inversion.h"
 
 namespace e2lf::pipeline {
@@ -18,23 +19,6 @@ namespace {
 
 constexpr const char* kDepth = "depth";
 
-/// A model and the file from which it was read.
-struct BundledNetwork {
-  fs::path path;
-  model::Model model;
-};
-
-/// Returns the first of these bundled networks that was trained for the patterns.
-Result<std::optional<BundledNetwork>> first_for(const capture::Codes& codes, const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    const auto path = bundled_file_named(kBundledModels, name);
-    if (!path) continue;
-    E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
-    if (model.codes && *model.codes == codes) return std::optional(BundledNetwork{*path, std::move(model)});
-  }
-  return std::optional<BundledNetwork>();
-}
-
 /// The operation of networks whose views follow a geometry, which devices other than the CPU lack.
 constexpr const char* kRenderLayers = "render-layers";
 
@@ -42,17 +26,14 @@ bool follows_geometry(const model::Model& model) {
   return std::ranges::any_of(model.network.layers, [](const model::Layer& layer) { return layer.op == kRenderLayers; });
 }
 
-/// Returns the bundled network for light fields with these patterns: e2lf-n4, e2lf-n8 or e2lf-n4-cycle, for the paper's
-/// event model or for physical pixels. `with_geometry` takes those whose views follow a geometry, which exist for the
-/// first and the last, and `prefers_fast` takes e2lf-n4-live.
-Result<std::optional<BundledNetwork>> network_of_views(const capture::Codes& codes,
-                                                       const std::optional<capture::SensorProfile>& camera,
-                                                       bool with_geometry, bool prefers_fast) {
-  const std::string geometry = with_geometry ? "-geometry" : "", pixels = camera && camera->is_pixel() ? "-camera" : "";
-  std::vector<std::string> names = {"e2lf-n4" + geometry + pixels, "e2lf-n8" + pixels,
-                                    "e2lf-n4-cycle" + geometry + pixels};
-  if (prefers_fast) names.insert(names.begin(), "e2lf-n4-live");
-  return first_for(codes, names);
+/// Chooses the bundled network for the patterns. Events of an unknown sensor are those of a camera, for which the
+/// network of physical pixels with its default profile is closer than that of the paper's event model.
+Result<std::optional<BundledModel>> network_for(ModelNeeds needs, const std::optional<capture::SensorProfile>& camera) {
+  needs.has_pixels = !camera || camera->is_pixel();
+  E2LF_ASSIGN_OR_RETURN(std::optional<BundledModel> network, choose_bundled_model(needs));
+  if (network || camera) return network;
+  needs.has_pixels = false;
+  return choose_bundled_model(needs);
 }
 
 /// Selects the bundled network that was trained for the patterns, if none is given.
@@ -64,11 +45,11 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
                 "the patterns that the camera showed are unknown; give them as `codes`, or give the model that was "
                 "trained for them");
   }
-  const bool with_geometry = !choice.prefers_fast && choice.device == "cpu";
-  E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
-                        choice.algorithm == kDepth
-                            ? first_for(known->codes, {"e2lf-n4-depth", "e2lf-n4-cycle-depth"})
-                            : network_of_views(known->codes, opened.camera, with_geometry, choice.prefers_fast));
+  E2LF_ASSIGN_OR_RETURN(std::optional<BundledModel> network, network_for({.codes = known->codes,
+                                                                          .gives_disparity = choice.algorithm == kDepth,
+                                                                          .is_fast = choice.prefers_fast,
+                                                                          .may_be_guided = choice.device == "cpu"},
+                                                                         opened.camera));
   if (!network && bundled_names(kBundledModels).empty()) {
     return fail(ErrorCode::kNotFound, "",
                 "the models of e2lf were not found; name their folder in the environment variable E2LF_MODELS, or give "
@@ -87,8 +68,13 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
 Result<void> adapt_to_patterns(const MethodChoice& choice, model::Model& model) {
   if (!model::is_for_any_patterns(model)) return {};
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
-  if (!known || known->codes == model.codes) return {};
-  E2LF_ASSIGN_OR_RETURN(model, geometry::for_patterns(model, known->codes));
+  if (!known && !model.codes) {
+    return fail(ErrorCode::kInvalidValue, "", model.name,
+                " is adapted to the patterns that the camera showed, which are unknown; give them as `codes`");
+  }
+  const capture::Codes codes = known ? known->codes : *model.codes;
+  if (codes == model.codes && !model.open_guide) return {};
+  E2LF_ASSIGN_OR_RETURN(model, geometry::for_patterns(model, codes));
   return {};
 }
 
@@ -97,9 +83,9 @@ Result<void> open_lit(const engine::EngineOptions& options, OpenedMethod& opened
   const auto& codes = opened.network->model().codes;
   const auto shown = codes ? capture::codes_of_whole_cycle(*codes) : std::nullopt;
   if (!shown) return {};
-  E2LF_ASSIGN_OR_RETURN(std::optional<BundledNetwork> network,
-                        network_of_views(*shown, opened.camera, follows_geometry(opened.network->model()),
-                                         /*prefers_fast=*/false));
+  E2LF_ASSIGN_OR_RETURN(
+      std::optional<BundledModel> network,
+      network_for({.codes = *shown, .may_be_guided = follows_geometry(opened.network->model())}, opened.camera));
   if (!network) return {};
   if (model::is_conditioned_on_camera(network->model) && opened.camera) network->model.camera = opened.camera;
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit, recon::Reconstructor::create(std::move(network->model), options));

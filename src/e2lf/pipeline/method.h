@@ -14,8 +14,8 @@ namespace e2lf::pipeline {
 /// The choice of a method that reconstructs light fields from measurements.
 struct MethodChoice {
   std::string algorithm = "network";  ///< or "depth" (a network), or "inversion" (patterns)
-  /// The network; empty = the bundled one for the patterns. Without `prefers_fast`, it is one whose views follow a
-  /// geometry if there is one and the device is the CPU.
+  /// The network; empty = the bundled one for the patterns and the sensor, as choose_bundled_model() chooses it. If the
+  /// sensor is unknown, it is one for physical pixels with their default profile.
   std::optional<model::Model> model = {};
   std::optional<capture::Codes> codes = {};                ///< patterns that the caller specifies
   std::optional<capture::SensorProfile> camera = {};       ///< sensor profile that the caller specifies

@@ -30,13 +30,13 @@ capture::EventImages some_events() {
 
 TEST(OpenMethod, TakesTheBundledNetworkForPatternsAndCamera) {
   const capture::Codes codes = *bundled("e2lf-n4").codes;
-  const auto of_paper = open_method({.events = {.codes = codes}});
+  const auto of_paper = open_method({.events = {.codes = codes, .camera = capture::SensorProfile()}});
   ASSERT_TRUE(of_paper) << of_paper.error().text();
   EXPECT_EQ(of_paper->network->model().name, "e2lf-n4-geometry");
   EXPECT_EQ(of_paper->bundled->stem(), "e2lf-n4-geometry");
   EXPECT_EQ(of_paper->codes->stated_by, StatedBy::kEvents);
   EXPECT_TRUE(of_paper->are_patterns_the_models());
-  EXPECT_EQ(of_paper->camera_stated_by, StatedBy::kNone);
+  EXPECT_EQ(of_paper->camera_stated_by, StatedBy::kEvents);
 
   const auto of_pixels = open_method({.codes = codes, .events = {.camera = pixel_camera()}});
   ASSERT_TRUE(of_pixels) << of_pixels.error().text();
@@ -47,6 +47,42 @@ TEST(OpenMethod, TakesTheBundledNetworkForPatternsAndCamera) {
   const auto of_eight = open_method({.codes = *bundled("e2lf-n8").codes, .events = {.camera = pixel_camera()}});
   ASSERT_TRUE(of_eight) << of_eight.error().text();
   EXPECT_EQ(of_eight->network->model().name, "e2lf-n8-camera");
+}
+
+TEST(OpenMethod, TakesPhysicalPixelsWithTheDefaultProfileForEventsOfAnUnknownSensor) {
+  const auto of_camera = open_method({.events = {.codes = *bundled("e2lf-n4").codes}});
+  ASSERT_TRUE(of_camera) << of_camera.error().text();
+  EXPECT_EQ(of_camera->network->model().name, "e2lf-n4-geometry-camera");
+  EXPECT_EQ(of_camera->camera_stated_by, StatedBy::kModel);
+  EXPECT_EQ(of_camera->camera->name, pixel_camera().name);
+  EXPECT_FALSE(of_camera->complete({.black = std::nullopt}).black);
+}
+
+/// The choice for each kind of patterns, sensor, output and pace.
+TEST(OpenMethod, ChoosesAmongTheBundledModelsByWhatTheyState) {
+  const capture::Codes four = *bundled("e2lf-n4").codes, eight = *bundled("e2lf-n8").codes,
+                       cycle = *bundled("e2lf-n4-cycle").codes;
+  const auto name_for = [](const capture::Codes& codes, const capture::SensorProfile& camera, MethodChoice choice) {
+    choice.codes = codes;
+    choice.events.camera = camera;
+    const auto opened = open_method(std::move(choice));
+    return opened ? opened->network->model().name : opened.error().text();
+  };
+  const capture::SensorProfile paper, pixels = pixel_camera();
+  EXPECT_EQ(name_for(four, paper, {}), "e2lf-n4-geometry");
+  EXPECT_EQ(name_for(four, pixels, {}), "e2lf-n4-geometry-camera");
+  EXPECT_EQ(name_for(cycle, paper, {}), "e2lf-n4-cycle-geometry");
+  EXPECT_EQ(name_for(cycle, pixels, {}), "e2lf-n4-cycle-geometry-camera");
+  EXPECT_EQ(name_for(eight, paper, {}), "e2lf-n8");
+  EXPECT_EQ(name_for(eight, pixels, {}), "e2lf-n8-camera");
+  for (const auto& camera : {paper, pixels}) {
+    EXPECT_EQ(name_for(four, camera, {.prefers_fast = true}), "e2lf-n4-live");
+    EXPECT_EQ(name_for(four, camera, {.algorithm = "depth"}), "e2lf-n4-depth");
+    EXPECT_EQ(name_for(cycle, camera, {.algorithm = "depth"}), "e2lf-n4-cycle-depth");
+  }
+  EXPECT_EQ(name_for(eight, paper, {.prefers_fast = true}), "e2lf-n8");
+  EXPECT_EQ(name_for(cycle, paper, {.prefers_fast = true}), "e2lf-n4-cycle");
+  EXPECT_EQ(name_for(cycle, pixels, {.prefers_fast = true}), "e2lf-n4-cycle-camera");
 }
 
 TEST(OpenMethod, NamesNoNetworkForPatternsThatNoneWasTrainedFor) {

@@ -85,9 +85,16 @@ const char* stated_by_name(StatedBy stated_by, const char* flag) {
   return stated_by == StatedBy::kModel ? "the model" : "nothing";
 }
 
-void say_taken(const std::string& name, bool is_for_pixels) {
-  log_info(cat("no model was given; using ", name, ", which was trained for these patterns and ",
-               is_for_pixels ? "physical pixels" : "the paper's event model"));
+/// States which bundled network was chosen, and for which sensor.
+void say_taken(const OpenedMethod& method) {
+  const std::string chosen = cat("no model was given; using ", method.network->model().name);
+  if (method.camera && method.camera_stated_by == StatedBy::kModel) {
+    log_info(cat(chosen, " with the profile of ", method.camera->name,
+                 ", as no sensor is stated; give the one that recorded the events with --camera"));
+  } else {
+    log_info(cat(chosen, ", which was trained for these patterns and ",
+                 method.camera && method.camera->is_pixel() ? "physical pixels" : "the paper's event model"));
+  }
 }
 
 void record_network(const OpenedMethod& method, size_t passes, RunRecord& record) {
@@ -110,12 +117,13 @@ void record_method(const OpenedMethod& method, size_t passes, RunRecord& record)
   }
   if (method.bundled) {
     record.add_input(*method.bundled);
+    for (const fs::path& part : method.network ? method.network->model().parts : std::vector<fs::path>()) {
+      record.add_input(part);
+    }
     record.resolve(method.network ? "model" : "codes", method.bundled->stem().string());
   }
   if (method.network) {
-    const bool is_for_pixels =
-        method.camera && method.camera->is_pixel() && method.camera_stated_by != StatedBy::kModel;
-    if (method.bundled) say_taken(method.network->model().name, is_for_pixels);
+    if (method.bundled) say_taken(method);
     record_network(method, passes, record);
   }
   if (!method.codes) return;
