@@ -118,14 +118,21 @@ class PixelEventSink {
       : events_(&events), last_us_(static_cast<double>(duration_us - 1)) {}
 
   /// Adds an event `offset_us` after the beginning of the segment. The time is rounded down and clamped to the segment.
+  /// Consecutive events of one pixel are at least a microsecond apart, as a sensor cannot send two at once.
   void add(double offset_us, size_t pixel, bool is_on) {
-    const double clamped = offset_us > 0 ? (offset_us < last_us_ ? offset_us : last_us_) : 0;
-    events_->emplace_back(static_cast<uint32_t>(clamped), static_cast<uint32_t>(pixel), is_on);
+    double clamped = offset_us > 0 ? offset_us : 0;
+    if (pixel == pixel_ && clamped < next_us_) clamped = next_us_;
+    const auto time_us = static_cast<uint32_t>(clamped < last_us_ ? clamped : last_us_);
+    events_->emplace_back(time_us, static_cast<uint32_t>(pixel), is_on);
+    pixel_ = pixel;
+    next_us_ = time_us + 1.0;
   }
 
  private:
   std::vector<PixelEvent>* events_;
   double last_us_;
+  size_t pixel_ = SIZE_MAX;  ///< of the last event
+  double next_us_ = 0;       ///< the earliest time of another event of this pixel
 };
 
 /// Appends the events of one segment, given as consecutive parts, to `columns` in order of time. Events of the same

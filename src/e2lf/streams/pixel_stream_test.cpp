@@ -42,7 +42,7 @@ TEST_P(PixelStream, IsEquations9And10ExactlyWithoutLagAndMismatch) {
   }
   for (size_t i = 0; i < light.events().size(); ++i) {
     const auto event = light.events()[i];
-    ASSERT_EQ(event.t % 1000, 0);
+    ASSERT_LT(event.t % 1000, 100);
     found[static_cast<size_t>(event.t / 1000 - 1) * kHeight * kWidth + event.y * kWidth + event.x] +=
         event.p != 0 ? 1 : -1;
   }
