@@ -58,15 +58,33 @@ ProgressBar::ProgressBar(std::string label, bool quiet, std::string unit)
     : label_(std::move(label)),
       unit_(std::move(unit)),
       active_(!quiet && ::isatty(STDERR_FILENO) == 1),
-      begin_(Clock::now()) {}
+      logs_(!quiet && !active_),
+      begin_(Clock::now()),
+      last_draw_(begin_) {}
 
 ProgressBar::~ProgressBar() {
   if (drawn_) hide_progress();
 }
 
+bool is_line_due(size_t tenths, size_t last_tenths, double since_last_s) {
+  constexpr double kLeastS = 60;
+  return tenths > last_tenths && since_last_s >= kLeastS;
+}
+
+void ProgressBar::log(size_t done, size_t total, Clock::time_point now) {
+  if (total == 0 || done >= total) return;
+  const size_t tenths = 10 * done / total;
+  if (!is_line_due(tenths, tenths_, std::chrono::duration<double>(now - last_draw_).count())) return;
+  tenths_ = tenths;
+  last_draw_ = now;
+  const double elapsed_s = std::chrono::duration<double>(now - begin_).count();
+  std::fprintf(stderr, "e2lf: %s\n", progress_line(label_, done, total, elapsed_s, unit_).c_str());
+}
+
 void ProgressBar::update(size_t done, size_t total) {
-  if (!active_) return;
+  if (!active_ && !logs_) return;
   const Clock::time_point now = Clock::now();
+  if (logs_) return log(done, total, now);
   const bool is_last = total > 0 && done >= total;
   if (drawn_ && !is_last && now - last_draw_ < std::chrono::milliseconds(100)) return;
   last_draw_ = now;

@@ -39,5 +39,12 @@ TEST(ProgressBar, IsSilentWhenQuietOrNotATerminal) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
+TEST(ProgressBar, LogsALineOfATenthAtMostOnceAMinute) {
+  EXPECT_FALSE(is_line_due(0, 0, 1e6)) << "nothing is new";
+  EXPECT_FALSE(is_line_due(3, 2, 59));
+  EXPECT_TRUE(is_line_due(3, 2, 60));
+  EXPECT_TRUE(is_line_due(9, 2, 60));
+}
+
 }  // namespace
 }  // namespace e2lf
