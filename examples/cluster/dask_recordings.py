@@ -1,4 +1,4 @@
-"""Reconstructs the light fields of a folder of recordings on the workers of dask.distributed, and scores them.
+"""Reconstructs the light fields of all recordings below a folder on the workers of dask.distributed, and scores them.
 
 The score is the mean difference between the events of a light field and those that were recorded: it needs no truth.
 
@@ -15,30 +15,37 @@ from distributed import Client
 import e2lf
 
 
+EXTENSIONS = {".raw", ".hdf5", ".h5", ".dat", ".aedat4"}
+
+
 @lru_cache(maxsize=1)
 def reconstructor_of(model: e2lf.Model) -> e2lf.Reconstructor:
     """The reconstructor of a worker, which is made once: models are sent, reconstructors are not."""
     return e2lf.Reconstructor(model)
 
 
-def score(path: Path, output: Path, model: e2lf.Model) -> List[Dict[str, Any]]:
-    """Writes the light fields of a recording below `output`; returns a row for each."""
+def score(path: Path, folder: Path, output: Path, model: e2lf.Model) -> List[Dict[str, Any]]:
+    """Writes the light fields of a recording in `folder` to the same place in `output`; returns a row for each."""
     assert model.codes is not None
+    place = output / path.relative_to(folder)
+    place.parent.mkdir(parents=True, exist_ok=True)
     rows = []
     for cycle in e2lf.accumulate(path):
         light_field = reconstructor_of(model).reconstruct(cycle.images, gain=1)
-        e2lf.write_light_field(output / f"{path.stem}_{cycle.number}.h5", light_field, overwrite=True)
+        e2lf.write_light_field(place.with_name(f"{path.name}_{cycle.number}.h5"), light_field, overwrite=True)
         error = e2lf.event_error(light_field, cycle.images, model.codes, constants=model.constants)
-        rows.append({"recording": path.name, "cycle": cycle.number, "events": cycle.events, "event_error": error["least"]})
+        rows.append({"recording": str(path.relative_to(folder)), "cycle": cycle.number, "events": cycle.events, "event_error": error["least"]})
     return rows
 
 
 def main(folder: Path, output: Path, client: Client) -> None:
     output.mkdir(exist_ok=True)
-    recordings = sorted(folder.glob("*.raw"))
+    recordings = sorted(path for path in folder.rglob("*") if path.suffix in EXTENSIONS)
+    if not recordings:
+        sys.exit(f"{folder} contains no recordings ({', '.join(sorted(EXTENSIONS))})")
     model = client.scatter(e2lf.Model("e2lf-n4"), broadcast=True)
     # Recordings of a worker that ends are taken over by the others.
-    rows = client.gather(client.map(score, recordings, output=output, model=model))
+    rows = client.gather(client.map(score, recordings, folder=folder, output=output, model=model))
     with open(output / "scores.csv", "w", newline="") as file:
         table = csv.DictWriter(file, ["recording", "cycle", "events", "event_error"])
         table.writeheader()

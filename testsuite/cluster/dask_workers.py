@@ -23,18 +23,19 @@ def main():
         recordings = folder / "recordings"
         recordings.mkdir()
         scene = e2lf.demo_scene(48, 32)
+        (recordings / "second").mkdir()
         for number in range(4):
             images = [e2lf.simulate(scene, model.codes, constants=model.constants, seed=10 * number + n) for n in range(2)]
-            e2lf.synthesise_recording(recordings / f"{number}.raw", images, model.codes)
-        expected = [row for path in sorted(recordings.glob("*.raw")) for row in example.score(path, folder, model)]
+            e2lf.synthesise_recording(recordings / (f"{number}.raw" if number < 3 else "second/0.raw"), images, model.codes)
+        expected = [row for path in sorted(recordings.rglob("*.raw")) for row in example.score(path, recordings, folder / "expected", model)]
 
-        honest, killed = example.score, folder / "killed"
+        honest, killed = example.score, recordings / "killed"
 
-        def score(path, output, model):
+        def score(path, folder, output, model):
             if path.name == "2.raw" and not killed.exists():
                 killed.touch()
                 os.kill(os.getpid(), signal.SIGKILL)
-            return honest(path, output, model)
+            return honest(path, folder, output, model)
 
         example.score = score
         with Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
