@@ -121,19 +121,20 @@ std::optional<Mark> TriggerSigns::take(bool needs_sign, bool is_end) {
   Mark mark = marks_.front();
   if (needs_sign) {
     if (!is_end && last_event_us_ < mark.t_us + kSignWindowUs + EventHistogram::kBinUs) return std::nullopt;
-    mark.on_share = on_share_at(mark.t_us);
+    add_sign(mark);
   }
   marks_.pop_front();
   return mark;
 }
 
-/// Returns the share of ON in the rise at a time. Returns nothing if chance may have caused it, or at the beginning of
-/// the recording, where the first events of the pixels are not informative.
-std::optional<float> TriggerSigns::on_share_at(int64_t t_us) const {
-  if (t_us - kSignWindowUs < first_event_us_) return std::nullopt;
-  const RateStep step = rate_step(histogram_, EventHistogram::bin_of(t_us), kSignWindowUs);
-  if (step.significance() < kLeastSignSignificance) return std::nullopt;
-  return static_cast<float>(step.on_rise() / step.rise());
+/// Adds the sign of the rise at a trigger. It stays unknown if chance may have caused it, or at the beginning of the
+/// recording, where the first events of the pixels are not informative.
+void TriggerSigns::add_sign(Mark& mark) const {
+  if (mark.t_us - kSignWindowUs < first_event_us_) return;
+  const RateStep step = rate_step(histogram_, EventHistogram::bin_of(mark.t_us), kSignWindowUs);
+  if (step.significance() < kLeastSignSignificance) return;
+  mark.on_share = static_cast<float>(step.on_rise() / step.rise());
+  mark.rise = step.rise();
 }
 
 namespace {
@@ -246,7 +247,7 @@ void BurstDetector::judge(std::vector<Mark>& marks) {
       time_of(bin) - last_mark_us_.value_or(INT64_MIN / 2) >= kLeastSpacingUs) {
     last_mark_us_ = time_of(bin);
     const auto certainty = static_cast<float>(1 - kLeastSignificance / (2 * rise.significance));
-    marks.push_back({time_of(foot_of(bin)), static_cast<float>(rise.on_share), certainty});
+    marks.push_back({time_of(foot_of(bin)), static_cast<float>(rise.on_share), certainty, rise.count});
     typical_rise_ += (typical_rise_ == 0 ? 1 : kRiseLearningRate) * (rise.count - typical_rise_);
   }
   rises_.pop_front();

@@ -19,6 +19,7 @@ struct Mark {
   int64_t t_us = 0;
   std::optional<float> on_share;  ///< share of ON events in the burst, 0..1; absent for a trigger
   float confidence = 1.0F;        ///< confidence that the mark is a pattern change, 0..1
+  double rise = 0;                ///< number of events by which the burst exceeds what preceded it, with `on_share`
 };
 
 /// Returns the index of the first of events [begin, end) that is not before until_us, or `end`. The search uses
@@ -86,7 +87,7 @@ class TriggerSigns {
   }
 
  private:
-  [[nodiscard]] std::optional<float> on_share_at(int64_t t_us) const;
+  void add_sign(Mark& mark) const;
 
   std::deque<Mark> marks_;
   EventHistogram histogram_;

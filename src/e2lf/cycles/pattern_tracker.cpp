@@ -93,7 +93,8 @@ std::optional<size_t> PatternTracker::find_phase() {
 }
 
 /// Returns how well the signs of the marks agree if the first of them begins pattern `phase`, or nothing if an interval
-/// or a sign contradicts it.
+/// or the signs contradict it. Strong bursts count for more: the noise of pixels whose reference lags behind the light
+/// can exceed the change from white to a pattern that is nearly white, so that this one has the wrong sign.
 std::optional<float> PatternTracker::phase_score(size_t phase) const {
   float score = 0;
   for (size_t i = 0; i < found_.size(); ++i) {
@@ -105,9 +106,9 @@ std::optional<float> PatternTracker::phase_score(size_t phase) const {
     const BurstSign sign = schedule_.patterns[pattern].sign;
     if (!found_[i].on_share || sign == BurstSign::kAny) continue;
     const float agreement = (sign == BurstSign::kOn ? 1.0F : -1.0F) * (2 * *found_[i].on_share - 1);
-    if (agreement < 0) return {};
-    score += agreement;
+    score += static_cast<float>(std::sqrt(found_[i].rise)) * agreement;
   }
+  if (score < 0) return {};
   return score;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 
 #include "e2lf/base/median.h"
 #include "e2lf/base/text.h"
@@ -16,6 +17,7 @@ constexpr int64_t kSmoothedBins = 5;  // on either side of a rise
 constexpr int64_t kMostReachUs = 5'000;
 constexpr double kChanceShare = 0.02;   // of the largest rate
 constexpr uint64_t kLeastEvents = 200;  // after the rise
+constexpr double kFirstShare = 0.05;    // of the events after the rise, in the first bin
 constexpr uint64_t kClearFactor = 2;    // ratio of the events after the rise to those before it
 constexpr size_t kMostCounted = 8192;   // events per call
 
@@ -81,6 +83,8 @@ std::optional<int64_t> EventDelay::delay_us() const {
   if (best == 0) return std::nullopt;
   const uint64_t behind = sum(best), before = sum(best - kSmoothedBins);
   if (behind < kLeastEvents || behind < kClearFactor * before) return std::nullopt;
+  // Events of one time rise equally in all windows that contain them.
+  while (static_cast<double>(events[best]) < kFirstShare * static_cast<double>(behind)) ++best;
   return (static_cast<int64_t>(best) - static_cast<int64_t>(events.size() / 2)) * kBinUs;
 }
 
@@ -174,6 +178,31 @@ size_t missing_triggers(const std::vector<double>& intervals, const std::vector<
   return found;
 }
 
+/// Returns how many triggers are additional ones if each interval of the schedule is one between triggers or the sum of
+/// several consecutive ones, for the best phase; 0 if intervals are left unexplained, or if there are more than one in
+/// four.
+size_t extra_triggers(const std::vector<double>& intervals, const std::vector<double>& expected) {
+  size_t fewest = 0;
+  for (size_t phase = 0; phase < expected.size(); ++phase) {
+    size_t place = phase, extra = 0, explained = 0;
+    double sum = 0;
+    for (const double interval : intervals) {
+      const double wanted = expected[place % expected.size()], tolerance = kTolerance * wanted;
+      sum += interval;
+      if (sum < wanted - tolerance) {
+        ++extra;
+        continue;
+      }
+      explained += std::abs(sum - wanted) <= tolerance ? 1 : 0;
+      ++place;
+      sum = 0;
+    }
+    const bool is_explained = static_cast<double>(explained) >= kMost * static_cast<double>(intervals.size() - extra);
+    if (is_explained && 4 * extra < intervals.size() && (fewest == 0 || extra < fewest)) fewest = extra;
+  }
+  return fewest;
+}
+
 /// Explains the times of one edge of one input, by the most certain reason first.
 std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const cycles::Schedule& schedule,
                                    bool is_one_per_cycle) {
@@ -213,14 +242,29 @@ std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const c
         cat(missing, " of ", times_us.size() + missing, " triggers are missing, and the others match the schedule"),
         "check the wire, the level and the length of the trigger pulses", {{"missing", missing}});
   }
+  if (const size_t extra = extra_triggers(intervals, expected); extra > 0) {
+    Finding found = finding("triggers-extra",
+                            cat(extra, " of ", times_us.size(),
+                                " triggers are additional ones, and the others match the schedule; cycles with "
+                                "additional triggers are left out"),
+                            "look for noise or a bouncing contact on the wire", {{"extra", extra}});
+    found.severity = Severity::kWarning;
+    return found;
+  }
   return finding("schedule-other",
                  cat("a trigger comes every ", ms(usual_us), ", and the schedule has ", schedule.size(),
                      " patterns in ", ms(cycle_us)),
                  "give the `schedule` of the display, or the number of its coding `patterns`", figures);
 }
 
-const TriggerEdges& edges_of(const TriggerInput& input, cycles::TriggerEdge edge) {
-  return edge == cycles::TriggerEdge::kFalling ? input.falling : input.rising;
+/// Returns the times of the edges that are used, in order.
+std::vector<int64_t> times_of(const TriggerInput& input, cycles::TriggerEdge edge) {
+  if (edge != cycles::TriggerEdge::kBoth) {
+    return edge == cycles::TriggerEdge::kFalling ? input.falling.times_us : input.rising.times_us;
+  }
+  std::vector<int64_t> times_us;
+  std::ranges::merge(input.rising.times_us, input.falling.times_us, std::back_inserter(times_us));
+  return times_us;
 }
 
 /// Returns the input whose triggers match the schedule best.
@@ -229,7 +273,7 @@ uint16_t best_input(const TriggerInputs& inputs, const cycles::CycleOptions& opt
   double best_share = -1;
   for (const auto& entry : inputs) {
     const double share =
-        matching_share(intervals_of(edges_of(entry.second, options.edge).times_us), intervals_of(options.schedule));
+        matching_share(intervals_of(times_of(entry.second, options.edge)), intervals_of(options.schedule));
     if (share > best_share) best = &entry;
     best_share = std::max(best_share, share);
   }
@@ -295,9 +339,9 @@ std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles:
   if (options.edge == TriggerEdge::kFalling && input.falling.count == 0) {
     return finding("trigger-edge", "there are only rising edges", "give `edge` rising");
   }
-  const std::vector<int64_t>& times_us = edges_of(input, options.edge).times_us;
+  const std::vector<int64_t> times_us = times_of(input, options.edge);
   if (options.edge == TriggerEdge::kBoth && input.falling.count > 0 &&
-      !check_times(times_us, options.schedule, options.one_trigger_per_cycle)) {
+      !check_times(input.rising.times_us, options.schedule, options.one_trigger_per_cycle)) {
     return finding("trigger-edge", "each pattern has a rising and a falling edge", "give `edge` rising");
   }
   constexpr size_t kEnoughOfCycles = 3;

@@ -85,6 +85,31 @@ TEST(CheckTriggers, DistinguishesOtherSchedulesFromMissingTriggers) {
   EXPECT_EQ(missing->figures["missing"], 9);
 }
 
+TEST(CheckTriggers, CountsAdditionalOnes) {
+  for (const int64_t after_us : {40, 4000}) {
+    std::vector<recordings::Trigger> bouncing;
+    size_t rising = 0;
+    for (const recordings::Trigger& trigger : triggers_of(paper_schedule())) {
+      bouncing.push_back(trigger);
+      if (trigger.p != 0 && ++rising % 17 == 0) bouncing.push_back({trigger.t + after_us, 0, 1});
+    }
+    TriggerInputs inputs;
+    add(bouncing, inputs);
+    const auto extra = check_triggers(inputs, {}, bouncing.back().t);
+    ASSERT_TRUE(extra) << after_us;
+    EXPECT_EQ(extra->code, "triggers-extra");
+    EXPECT_EQ(extra->severity, Severity::kWarning);
+    EXPECT_EQ(extra->figures["extra"], inputs.at(0).rising.count - 60);
+  }
+}
+
+TEST(CheckTriggers, AcceptsALineThatTogglesIfBothEdgesAreUsed) {
+  std::vector<recordings::Trigger> toggling = kept(triggers_of(paper_schedule()), [](size_t i) { return i % 2 == 0; });
+  for (size_t i = 1; i < toggling.size(); i += 2) toggling[i].p = 0;
+  EXPECT_EQ(code_for(toggling, {.edge = cycles::TriggerEdge::kBoth}), "");
+  EXPECT_EQ(code_for(toggling), "triggers-halved");
+}
+
 TEST(CheckTriggers, FindsTheirAbsenceAndTheirEnd) {
   EXPECT_EQ(code_for({}), "triggers-absent");
   const auto triggers = triggers_of(paper_schedule());
