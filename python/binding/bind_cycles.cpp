@@ -247,7 +247,7 @@ void bind_cycle_reader(py::module_& module) {
       "one_trigger_per_cycle: whether triggers mark cycles instead of patterns.\n"
       "origin_us: time at which the first pattern of any cycle began.\n"
       "trigger_delay_us: time from a trigger to the change of the pattern; negative if the pattern changes first.\n"
-      "filter_pixels: whether to ignore hot and flickering pixels.\n"
+      "filter_pixels: whether hot pixels get the events of their neighbours.\n"
       "transitions: event images of the changes to the active patterns a2 to aN (\"lit\"), or of all changes of the "
       "whole cycle, from a1 to a2 until the change to the next a1 (\"all\"); \"auto\" = all if the patterns of the "
       "recording require it.\n"

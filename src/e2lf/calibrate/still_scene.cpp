@@ -13,6 +13,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/calibrate/count_distribution.h"
+#include "e2lf/capture/measurement/hot_pixels.h"
 
 namespace e2lf::calibrate {
 namespace {
@@ -77,95 +78,62 @@ Plane squared_gradient(const Plane& plane) {
 namespace {
 
 constexpr size_t kLeastSize = 64;
-constexpr size_t kReachPx = 2;  // the largest distance of neighbours, in px
-constexpr size_t kMostNeighbours = (2 * kReachPx + 1) * (2 * kReachPx + 1) - 1;
+constexpr size_t kMostNeighbours = 24;
 
 /// The signed counts of each transition summed over the cycles of a scene, and the total number of events.
-struct NeighbourSums {
-  size_t height = 0, width = 0, cycles = 0;
-  std::vector<std::vector<int32_t>> counts;
+struct SceneSums {
+  capture::CountSums signed_counts;
   std::vector<int32_t> activity;
+
+  [[nodiscard]] size_t height() const { return signed_counts.counts.height; }
+  [[nodiscard]] size_t width() const { return signed_counts.counts.width; }
 };
 
-NeighbourSums sums_of(const StillScene& scene) {
-  const capture::EventImages& first = scene.cycles.front();
-  NeighbourSums sums{first.height, first.width, scene.cycles.size(), {}, std::vector<int32_t>(first.image_size())};
-  sums.counts.assign(first.count, std::vector<int32_t>(first.image_size()));
+SceneSums sums_of(const StillScene& scene) {
+  SceneSums sums{{}, std::vector<int32_t>(scene.cycles.front().image_size())};
   for (const capture::EventImages& cycle : scene.cycles) {
+    sums.signed_counts.add(cycle);
     for (size_t n = 0; n < cycle.count; ++n) {
       const auto image = cycle.image(n);
-      for (size_t p = 0; p < image.size(); ++p) {
-        sums.counts[n][p] += image[p];
-        sums.activity[p] += std::abs(image[p]);
-      }
+      for (size_t p = 0; p < image.size(); ++p) sums.activity[p] += std::abs(image[p]);
     }
   }
   return sums;
 }
 
-/// Calls visit(neighbour) for the neighbours of a pixel that lie in the picture.
-template <typename Visit>
-void each_neighbour(size_t height, size_t width, size_t pixel, const Visit& visit) {
-  const size_t y = pixel / width, x = pixel % width;
-  for (size_t v = y - std::min(y, kReachPx); v <= std::min(y + kReachPx, height - 1); ++v) {
-    for (size_t u = x - std::min(x, kReachPx); u <= std::min(x + kReachPx, width - 1); ++u) {
-      if (v != y || u != x) visit(v * width + u);
-    }
-  }
-}
-
-/// Returns by how many events a pixel leaves the range of its neighbours widened to twice its size, over all
-/// transitions. Over many cycles, pixels with unusual thresholds leave the range itself; excluding them would bias the
-/// mismatch.
-int32_t excess(const NeighbourSums& sums, size_t pixel) {
-  int32_t sum = 0;
-  for (const auto& counts : sums.counts) {
-    int32_t least = INT32_MAX, most = INT32_MIN;
-    each_neighbour(sums.height, sums.width, pixel, [&](size_t neighbour) {
-      least = std::min(least, counts[neighbour]);
-      most = std::max(most, counts[neighbour]);
-    });
-    const int32_t slack = (most - least) / 2;
-    sum += std::max({0, counts[pixel] - most - slack, least - slack - counts[pixel]});
-  }
-  return sum;
-}
-
-bool is_hot(const NeighbourSums& sums, size_t pixel) {
-  const auto cycles = static_cast<double>(sums.cycles);
-  return excess(sums, pixel) >= std::max(3.0 * std::sqrt(cycles), cycles);
-}
-
 /// Returns true if all neighbours of a pixel have enough events for its silence to be significant.
-bool is_lit(const NeighbourSums& sums, size_t pixel) {
+bool is_lit(const SceneSums& sums, size_t pixel) {
   constexpr size_t kOutliers = 2;  // neighbours that may be dead, too
   std::array<int32_t, kMostNeighbours> activity{};
   size_t count = 0;
-  each_neighbour(sums.height, sums.width, pixel,
-                 [&](size_t neighbour) { activity[count++] = sums.activity[neighbour]; });
+  capture::each_neighbour(sums.height(), sums.width(), pixel,
+                          [&](size_t neighbour) { activity[count++] = sums.activity[neighbour]; });
   std::sort(activity.begin(), activity.begin() + static_cast<ptrdiff_t>(count));
-  const auto cycles = static_cast<int32_t>(sums.cycles);
+  const auto cycles = static_cast<int32_t>(sums.signed_counts.cycles);
   return activity[kOutliers] >= cycles && activity[count / 2] >= 2 * cycles;
 }
 
 }  // namespace
 
 std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes) {
-  std::vector<NeighbourSums> sums;
+  std::vector<SceneSums> sums;
   for (const StillScene& scene : scenes) sums.push_back(sums_of(scene));
   std::vector<PixelState> states(sums.front().activity.size(), PixelState::kGood);
   parallel_for(states.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
-      const auto in_all = [&](const auto& test) { return std::all_of(sums.begin(), sums.end(), test); };
-      // Dead pixels are tested first, because they also leave the range of bright neighbours.
-      if (in_all([&](const NeighbourSums& each) { return each.activity[p] == 0; }) &&
-          std::any_of(sums.begin(), sums.end(), [&](const NeighbourSums& each) { return is_lit(each, p); })) {
+      const bool is_silent =
+          std::all_of(sums.begin(), sums.end(), [&](const SceneSums& each) { return each.activity[p] == 0; });
+      if (is_silent && std::any_of(sums.begin(), sums.end(), [&](const SceneSums& each) { return is_lit(each, p); })) {
         states[p] = PixelState::kDead;
-      } else if (in_all([&](const NeighbourSums& each) { return each.activity[p] > 0 && is_hot(each, p); })) {
-        states[p] = PixelState::kHot;
       }
     }
   });
+  std::vector<size_t> hot_in(states.size());
+  for (const SceneSums& each : sums) {
+    for (const size_t p : capture::hot_pixels(each.signed_counts)) {
+      if (++hot_in[p] == sums.size()) states[p] = PixelState::kHot;
+    }
+  }
   return states;
 }
 
@@ -194,16 +162,19 @@ Result<void> check_scenes(const std::vector<StillScene>& scenes) {
 }
 
 std::vector<Plane> mean_counts(const StillScene& scene, const std::vector<PixelState>& states) {
-  const NeighbourSums sums = sums_of(scene);
+  capture::CountSums sums;
+  for (const capture::EventImages& cycle : scene.cycles) sums.add(cycle);
+  const size_t height = sums.counts.height, width = sums.counts.width;
   std::vector<Plane> planes;
-  for (const auto& counts : sums.counts) {
-    Plane& plane = planes.emplace_back(sums.height, sums.width);
+  for (size_t n = 0; n < sums.counts.count; ++n) {
+    const auto counts = sums.counts.image(n);
+    Plane& plane = planes.emplace_back(height, width);
     const auto mean = [&](size_t p) { return static_cast<float>(counts[p]) / static_cast<float>(sums.cycles); };
     for (size_t p = 0; p < counts.size(); ++p) {
       plane.data()[p] = mean(p);
       if (states[p] == PixelState::kGood) continue;
       std::vector<float> around;
-      each_neighbour(sums.height, sums.width, p, [&](size_t neighbour) {
+      capture::each_neighbour(height, width, p, [&](size_t neighbour) {
         if (states[neighbour] == PixelState::kGood) around.push_back(mean(neighbour));
       });
       if (around.empty()) continue;

@@ -28,13 +28,12 @@ struct StillScene {
 
 enum class PixelState : uint8_t {
   kGood = 0,
-  kHot = 1,   ///< its counts are far outside of the range of its neighbours
+  kHot = 1,   ///< of capture::hot_pixels()
   kDead = 2,  ///< it has no events although all its neighbours have some
 };
 
-/// Classifies each pixel over all scenes. The counts of a hot pixel are outside of the range of its 24 neighbours by
-/// three events in a single cycle, or by one event per cycle over nine or more cycles. A dead pixel has no events
-/// although its neighbours have two per cycle; it is not found if all scenes are too dark for that.
+/// Classifies each pixel over all scenes. A pixel is hot if it is in each of them. A dead pixel has no events although
+/// its neighbours have two per cycle; it is not found if all scenes are too dark for that.
 [[nodiscard]] std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes);
 
 /// Checks that there is a scene, that each has a cycle, and that all have the same shape, with at least one transition

@@ -2,44 +2,21 @@
 #include "e2lf/cycles/cycle_assembler.h"
 
 #include <algorithm>
+#include <bit>
 #include <functional>
 
 #include "e2lf/base/result.h"
 
 namespace e2lf::cycles {
-namespace {
-
-/// Fewer quiet events than this are not significant.
-constexpr float kMinCount = 3;
-
-constexpr double kMostQuietRateHz = 50;  // of a good pixel while nothing changes
-constexpr double kMemoryS = 2;           // quiet time over which the rate is averaged
-
-}  // namespace
-
-void PixelFilter::add_quiet_events(const recordings::EventColumns& events, size_t begin, size_t end) {
-  for (size_t i = begin; i < end; ++i) {
-    if (events.x[i] < width_ && events.y[i] < height_) counts_[events.y[i] * width_ + events.x[i]] += 1;
-  }
-}
-
-void PixelFilter::add_quiet_time(int64_t duration_us) {
-  quiet_s_ += static_cast<double>(duration_us) * 1e-6;
-  // Older counts fade: at most kMemoryS of time is kept, and the counts are reduced in proportion.
-  const double kept = quiet_s_ > kMemoryS ? kMemoryS / quiet_s_ : 1;
-  quiet_s_ *= kept;
-  silenced_.clear();
-  for (size_t i = 0; i < counts_.size(); ++i) {
-    counts_[i] *= static_cast<float>(kept);
-    if (counts_[i] >= kMinCount && counts_[i] > kMostQuietRateHz * quiet_s_) silenced_.push_back(i);
-  }
-}
-
-void PixelFilter::apply(capture::EventImages& images) const {
-  E2LF_REQUIRE(images.image_size() == counts_.size(), "images of another size than the sensor's");
-  for (const size_t pixel : silenced_) {
-    for (size_t k = 0; k < images.count; ++k) images.image(k)[pixel] = 0;
-  }
+void PixelFilter::apply(capture::EventImages& images) {
+  constexpr size_t kMostCycles = 16;    // in the sums
+  constexpr uint64_t kSearchEvery = 8;  // cycles, after the first ones
+  sums_.add(images);
+  ++added_;
+  if (added_ % kSearchEvery == 0 || (added_ < kSearchEvery && std::has_single_bit(added_)))
+    hot_ = capture::hot_pixels(sums_);
+  if (sums_.cycles == kMostCycles) sums_.fade();
+  capture::replace_by_neighbours(hot_, images);
 }
 
 namespace {
@@ -69,7 +46,7 @@ CycleAssembler::CycleAssembler(const CycleOptions& options, size_t width, size_t
       height_(height),
       first_pattern_(options.schedule.first_of_cycle()),
       window_us_(evidence_window_us(options.schedule)) {
-  if (options.filters_pixels) filter_.emplace(width, height);
+  if (options.filters_pixels) filter_.emplace();
 }
 
 void CycleAssembler::add_start(const PatternStart& start) {
@@ -159,7 +136,6 @@ void CycleAssembler::set_fault(CycleFault fault) {
 
 void CycleAssembler::end_cycle() {
   if (!open_) return;
-  if (filter_) filter_->add_quiet_time(std::exchange(quiet_us_, 0));
   if (open_->cycle.starts.size() < options_.schedule.size()) set_fault(CycleFault::kPartial);
   if (open_->fault) {
     ++report_.dropped[static_cast<size_t>(open_->fault->fault)];
@@ -169,7 +145,7 @@ void CycleAssembler::end_cycle() {
     set_confidence();
     if (filter_) {
       filter_->apply(open_->cycle.images);
-      report_.hot_pixels = filter_->num_silenced();
+      report_.hot_pixels = filter_->num_hot();
     }
     complete_.push_back(std::move(open_->cycle));
   }
@@ -247,28 +223,18 @@ void CycleAssembler::close_pattern(int64_t end_us) {
   if (!pattern_) return;
   if (open_) open_->cycle.end_us = end_us;
   if (open_ && options_.schedule.patterns[*pattern_].image) open_->cycle.slices.push_back({pattern_begin_us_, end_us});
-  if (filter_ && open_ && open_->is_whole) {
-    quiet_us_ += std::max<int64_t>(0, end_us - pattern_begin_us_ - PixelFilter::kSettleUs);
-  }
   pattern_.reset();
 }
 
 void CycleAssembler::consume_events(int64_t until_us) {
-  const auto index_at = [&](int64_t t_us) {
-    const auto begin = events_.t.begin() + static_cast<ptrdiff_t>(next_);
-    return static_cast<size_t>(std::lower_bound(begin, events_.t.end(), t_us) - events_.t.begin());
-  };
-  const size_t end = index_at(until_us);
+  const auto begin = events_.t.begin() + static_cast<ptrdiff_t>(next_);
+  const auto end = static_cast<size_t>(std::lower_bound(begin, events_.t.end(), until_us) - events_.t.begin());
   if (pattern_ && open_) {
     PatternEvents& events = open_->cycle.pattern_events[*pattern_];
     const uint64_t on = recordings::count_on(std::span(events_.p).subspan(next_, end - next_));
     events.on += on;
     events.off += end - next_ - on;
     if (options_.schedule.patterns[*pattern_].image) accumulate(next_, end);
-    if (filter_ && open_->is_whole) {
-      const size_t quiet = std::min(end, index_at(pattern_begin_us_ + PixelFilter::kSettleUs));
-      filter_->add_quiet_events(events_, quiet, end);
-    }
   }
   if (options_.source != CycleSource::kBursts) {
     histogram_.add(events_, next_, end);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "e2lf/capture/measurement/hot_pixels.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/marks.h"
@@ -14,31 +15,18 @@
 
 namespace e2lf::cycles {
 
-/// Finds hot and flickering pixels by their events while the aperture has been static for a long time, i.e. in the part
-/// of the time of a pattern after kSettleUs. The light of lamps flickers at about the rate of the patterns, so the
-/// period does not distinguish them, but the quiet time does.
+/// Finds hot pixels by their counts in the last cycles, and gives them the counts of their neighbours.
 class PixelFilter {
  public:
-  static constexpr int64_t kSettleUs = 10000;  ///< duration of the events of a pattern change
+  /// Adds the images of a cycle, and replaces the counts of the pixels that are known to be hot.
+  void apply(capture::EventImages& images);
 
-  PixelFilter(size_t width, size_t height) : width_(width), height_(height), counts_(width * height) {}
-
-  /// Counts events [begin, end), all of which must lie in quiet time.
-  void add_quiet_events(const recordings::EventColumns& events, size_t begin, size_t end);
-
-  /// Adds this much quiet time.
-  void add_quiet_time(int64_t duration_us);
-
-  /// Sets the images to 0 at the pixels with too many quiet events.
-  void apply(capture::EventImages& images) const;
-
-  [[nodiscard]] size_t num_silenced() const { return silenced_.size(); }
+  [[nodiscard]] size_t num_hot() const { return hot_.size(); }
 
  private:
-  size_t width_, height_;
-  std::vector<float> counts_;
-  double quiet_s_ = 0;
-  std::vector<size_t> silenced_;  ///< pixel numbers
+  capture::CountSums sums_;
+  uint64_t added_ = 0;  ///< cycles
+  std::vector<size_t> hot_;
 };
 
 /// Assembles cycles from pattern starts and events, both in order of time.
@@ -108,7 +96,6 @@ class CycleAssembler {
   int64_t pattern_begin_us_ = 0;
   int64_t expected_end_us_ = 0;
   int64_t deadline_us_ = 0;  ///< a start that has not occurred by then is missing
-  int64_t quiet_us_ = 0;     ///< quiet time in this cycle
   uint64_t whole_every_ = 1;
   float whole_confidence_ = 1.0F;  ///< confidence of the last whole cycle
   uint64_t next_number_ = 0;

@@ -2,6 +2,7 @@
 #include "e2lf/cycles/cycle_reader.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/cycle_assembler.h"
@@ -52,9 +53,8 @@ Result<Beginning> read_beginning(recordings::RecordingReader& reader, const Cycl
   for (recordings::EventBatch batch; !beginning.has_triggers;) {
     E2LF_ASSIGN_OR_RETURN(const bool more, reader.read(batch, kBatchEvents));
     if (!more) break;
-    beginning.has_triggers =
-        std::any_of(batch.triggers.begin(), batch.triggers.end(),
-                    [&](const recordings::Trigger& trigger) { return is_of(trigger, options.channel, options.edge); });
+    // Triggers of another channel or edge are a mistake that can be stated; bursts would hide it.
+    beginning.has_triggers = !batch.triggers.empty();
     events += batch.events.size();
     bool is_long = false;
     if (!batch.events.empty()) {
@@ -81,6 +81,16 @@ class CycleReader::Impl {
 
  private:
   friend class CycleReader;
+
+  [[nodiscard]] Result<void> check_filter() const {
+    const uint64_t hot = assembler_.report().hot_pixels;
+    const uint64_t all = uint64_t{reader_->info().width} * reader_->info().height;
+    const double share = static_cast<double>(hot) / static_cast<double>(all);
+    if (share <= kMostHotShare) return {};
+    return fail(ErrorCode::kInvalidValue, reader_->name(), hot, " of ", all, " pixels (", std::round(1000 * share) / 10,
+                " %) have far more events than their neighbours, which are too many for defects of a sensor; omit ",
+                "`filter-pixels`");
+  }
 
   /// Returns the next batch, first those that were read in advance and then from the recording.
   Result<bool> read_batch() {
@@ -173,7 +183,8 @@ class CycleReader::Impl {
   void add_scheduled_starts() {
     if (batch_.empty()) return;
     if (!next_start_us_) {
-      const int64_t first_us = batch_.events.empty() ? batch_.triggers.front().t : batch_.events.t.front();
+      const int64_t first_us = std::min(batch_.events.empty() ? INT64_MAX : batch_.events.t.front(),
+                                        batch_.triggers.empty() ? INT64_MAX : batch_.triggers.front().t);
       next_pattern_ = options_.schedule.first_of_cycle();
       int64_t begin_us = options_.origin_us;  // the beginning of a cycle
       for (size_t i = 0; i < next_pattern_; ++i) begin_us += options_.schedule.patterns[i].interval_us();
@@ -274,6 +285,7 @@ Result<std::optional<Cycle>> CycleReader::next() {
       cycle->known_us = impl_->last_us_;
       cycle->arrival = recording().arrival();
       impl_->saturated_ += cycle->saturated;
+      E2LF_RETURN_IF_ERROR(impl_->check_filter());
       if (cycle->saturated > 0 && recording().options().policy == recordings::DecodePolicy::kStrict) {
         return recordings::saturation_error(cycle->saturated, cat(recording().name(), ": cycle ", cycle->number));
       }

@@ -21,7 +21,7 @@ enum class CycleSource {
   kTriggers,  ///< an external trigger for each pattern or for each cycle
   kSchedule,  ///< the schedule alone, from a known time on
   kBursts,    ///< the events themselves
-  kAuto,      ///< triggers if the recording begins with some of the channel and edge, otherwise bursts
+  kAuto,      ///< triggers if the recording begins with some, otherwise bursts
 };
 
 enum class TriggerEdge { kRising, kFalling, kBoth };
@@ -54,7 +54,7 @@ struct CycleOptions {
   std::function<void(const recordings::EventBatch&)> on_batch = {};
   std::function<void(const Mark&)> on_mark = {};
 
-  bool filters_pixels = false;  ///< silences hot and flickering pixels
+  bool filters_pixels = false;  ///< gives hot pixels the counts of their neighbours
 
   /// The number of events that may wait until their pattern is known. If it is exceeded, the oldest ones are dropped.
   size_t max_waiting_events = size_t{1} << 26;
@@ -120,7 +120,7 @@ struct CycleReport {
   uint64_t unassigned_marks = 0;    ///< marks whose pattern could not be determined
   bool has_assumed_first = false;   ///< intervals and events did not determine the pattern of the first trigger
   uint64_t events_given_up = 0;     ///< because they waited too long
-  uint64_t hot_pixels = 0;          ///< that the filter currently silences
+  uint64_t hot_pixels = 0;          ///< that the filter currently replaces
 
   static constexpr size_t kMaxDrops = 1000;
 };
@@ -130,6 +130,8 @@ struct CycleReport {
 /// beginning.
 class CycleReader {
  public:
+  static constexpr double kMostHotShare = 0.02;
+
   /// Fails with kInvalidValue: an invalid schedule, a first pattern that does not exist, or a sensor of unknown size
   /// (which must then be given to the reader). With kAuto, the first two cycle times of the recording are read in
   /// advance.
@@ -142,12 +144,13 @@ class CycleReader {
 
   /// Reads only every `cycles`-th cycle completely. Of the others, the events that no image needs are skipped if the
   /// format permits it (recordings::RecordingReader::skip_events). The images do not change. Skipped cycles have the
-  /// confidence of the last complete one, and do not update the hot pixels. With 1, the
-  /// default, all events are read. Has an effect only if there is a trigger for each pattern.
+  /// confidence of the last complete one. With 1, the default, all events are read. Has an effect only if there is a
+  /// trigger for each pattern.
   void read_whole_every(uint64_t cycles);
 
   /// Returns the next complete cycle, or nothing at the end. Incomplete cycles are dropped and reported. Fails as the
-  /// reader does and, under its strict policy, also if an image has no room for an event.
+  /// reader does and, under its strict policy, also if an image has no room for an event, and with kInvalidValue if the
+  /// filter finds more hot pixels than a sensor has (kMostHotShare).
   [[nodiscard]] Result<std::optional<Cycle>> next();
 
   [[nodiscard]] CycleReport report() const;

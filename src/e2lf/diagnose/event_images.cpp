@@ -271,7 +271,7 @@ Findings check_event_images(const capture::EventImages& images, const capture::C
             " no events"),
         "check that the display showed the pattern");
   }
-  if (static_cast<double>(sum.all()) < kFewPerPixel * static_cast<double>(images.image_size())) {
+  if (static_cast<double>(sum.all()) < kFewPerPixel * static_cast<double>(cycles * images.image_size())) {
     add("events-few", Severity::kWarning,
         cat("there are only ", sum.all(), " events on ", images.width, "x", images.height,
             " px, so that the result shows hardly anything of the scene"),

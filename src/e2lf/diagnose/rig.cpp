@@ -80,6 +80,10 @@ bool is_doubtful(float confidence, CycleSource source) {
 void RigCheck::add(const recordings::EventBatch& batch) {
   diagnose::add(batch.triggers, inputs_);
   delay_.add_events(batch.events.t);
+  // Duplicates are rarely single ones, so that a part of a long recording shows them.
+  constexpr uint64_t kAllOfFirst = 64, kEvery = 8;
+  if (batches_ < kAllOfFirst || batches_ % kEvery == 0) duplicates_.add(batch.events);
+  ++batches_;
   if (!batch.events.empty()) {
     first_us_ = std::min(first_us_, batch.events.t.front());
     last_us_ = std::max(last_us_, batch.events.t.back());
@@ -96,6 +100,13 @@ float RigCheck::add(const cycles::Cycle& cycle, const cycles::CycleOptions& opti
     polarity_ = polarity_of(options.schedule, cycle.pattern_events);
     ++polarities_[static_cast<size_t>(polarity_)];
     for (const cycles::PatternStart& start : cycle.starts) delay_.add_start(start.t_us);
+  }
+  constexpr uint64_t kMostSummed = 16;
+  if (cycles_ < kMostSummed) {
+    sums_.add(cycle.images);
+    if (sums_.cycles == 1 || sums_.cycles == 4 || sums_.cycles == kMostSummed) {
+      num_hot_ = capture::hot_pixels(sums_).size();
+    }
   }
   std::vector<LateTrigger> late;
   if (options.source == CycleSource::kTriggers && !options.one_trigger_per_cycle) {
@@ -128,6 +139,8 @@ Findings RigCheck::findings(const cycles::CycleReader& reader) const {
          "the schedule is assumed",
          "give its number with `first-pattern`"});
   }
+  add_pixels(findings);
+  add_duplicates(findings);
   add_confidence(reader, findings);
   return findings;
 }
@@ -210,6 +223,36 @@ void RigCheck::add_confidence(const cycles::CycleReader& reader, Findings& findi
        {{"cycles", doubtful_}, {"least_confidence", least_confidence_}}});
 }
 
+void RigCheck::add_pixels(Findings& findings) const {
+  // docs/troubleshooting.md states how often these thresholds are wrong.
+  constexpr size_t kLeastHot = 4;
+  constexpr double kLeastShare = 3e-4;
+  if (num_hot_ < kLeastHot) return;
+  const double share = static_cast<double>(num_hot_) / static_cast<double>(sums_.counts.image_size());
+  if (share < kLeastShare) return;
+  findings.push_back(
+      {"pixels-hot",
+       Severity::kWarning,
+       cat(num_hot_, " pixels (", std::round(1e4 * share) / 100,
+           " %) have far more events than their neighbours in each cycle, which spoils the result around "
+           "them, too"),
+       "give `filter-pixels`",
+       {{"pixels", num_hot_}, {"share", share}}});
+}
+
+void RigCheck::add_duplicates(Findings& findings) const {
+  constexpr double kLeastShare = 0.002;
+  constexpr uint64_t kLeast = 100;
+  const double share = duplicates_.share();
+  if (duplicates_.duplicates() < kLeast || share < kLeastShare) return;
+  findings.push_back(
+      {"events-duplicate",
+       Severity::kWarning,
+       cat(std::round(1000 * share) / 10, " % of the events are exact duplicates of others, and count twice"),
+       "look for packets that were sent twice or files that were joined, and remove them",
+       {{"share", share}}});
+}
+
 Json RigCheck::json(const cycles::CycleReader& reader) const {
   const auto delay_us = delay_.delay_us();
   return {{"triggers", triggers_text(reader.schedule())},
@@ -223,7 +266,8 @@ Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader)
   const cycles::CycleOptions& options = reader.options();
   Finding none{"cycles-absent", Severity::kError, "no complete pattern cycle was found",
                "check `source`, `schedule` and `patterns`"};
-  const auto of_triggers = rig.check_triggers(options);
+  std::optional<Finding> of_triggers;
+  if (options.source == CycleSource::kTriggers) of_triggers = rig.check_triggers(options);
   if (rig.is_empty()) {
     none.code = "recording-empty";
     none.message += ": there are no events and no triggers in the time that was read";
@@ -233,7 +277,7 @@ Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader)
     none.message += cat(": ", of_triggers->message);
     none.remedy = of_triggers->remedy;
   } else if (options.source == CycleSource::kBursts && rig.has_triggers()) {
-    none.message += ": the events of slow pixels do not show each change of pattern, but the recording has triggers";
+    none.message += ": the events do not show each change of pattern, but the recording has triggers";
     none.remedy = "give `source` triggers";
   } else if (options.tracker.first_pattern && options.source != CycleSource::kSchedule) {
     none.message += cat(": no cycle begins with pattern ", *options.tracker.first_pattern);
@@ -242,6 +286,9 @@ Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader)
     none.message +=
         cat(": ", report.unassigned_marks, " of ", report.marks, " triggers or bursts cannot be assigned to a pattern");
     none.remedy = "give the pattern of the first one with `first-pattern`";
+    if (options.source == CycleSource::kBursts) {
+      none.remedy += ", or the time at which a cycle began with `origin-us` and `source` schedule";
+    }
   }
   return none;
 }

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "e2lf/capture/measurement/hot_pixels.h"
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/diagnose/finding.h"
 #include "e2lf/diagnose/triggers.h"
+#include "e2lf/recordings/duplicates.h"
 
 namespace e2lf::diagnose {
 
@@ -32,8 +34,8 @@ enum class Polarity {
 /// Returns true if the events hardly confirm the times of a cycle with this confidence.
 [[nodiscard]] bool is_doubtful(float confidence, cycles::CycleSource source);
 
-/// Watches a recording while it is divided into cycles, and judges its triggers, its schedule and the polarity of its
-/// events.
+/// Watches a recording while it is divided into cycles, and judges its triggers, its schedule, the polarity of its
+/// events, and whether some are duplicates or of hot pixels.
 class RigCheck {
  public:
   /// Adds the next batch; see cycles::CycleOptions::on_batch.
@@ -69,6 +71,8 @@ class RigCheck {
   void add_late_triggers(const cycles::Schedule& schedule, Findings& findings) const;
   void add_delay(const cycles::CycleOptions& options, Findings& findings) const;
   void add_confidence(const cycles::CycleReader& reader, Findings& findings) const;
+  void add_pixels(Findings& findings) const;
+  void add_duplicates(Findings& findings) const;
 
   TriggerInputs inputs_;
   EventDelay delay_;
@@ -79,6 +83,10 @@ class RigCheck {
   Polarity polarity_ = Polarity::kUnknown;  ///< of the last cycle all of whose events were read
   std::array<uint64_t, 4> polarities_{};    ///< number of such cycles
   uint64_t cycles_ = 0, doubtful_ = 0;
+  capture::CountSums sums_;  ///< of the first cycles
+  size_t num_hot_ = 0;
+  recordings::DuplicateCounter duplicates_;
+  uint64_t batches_ = 0;
   float least_confidence_ = 1.0F;
 };
 

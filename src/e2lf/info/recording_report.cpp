@@ -25,7 +25,7 @@ std::string dropped_text(const cycles::CycleReport& report) {
 
 std::string report_text(const cycles::CycleReport& report) {
   std::string text = cat(counted(report.complete, "complete cycle"), dropped_text(report));
-  if (report.hot_pixels > 0) text += cat(", ", report.hot_pixels, " pixels silenced");
+  if (report.hot_pixels > 0) text += cat(", ", report.hot_pixels, " hot pixels replaced");
   return text;
 }
 

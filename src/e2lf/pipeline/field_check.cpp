@@ -7,6 +7,7 @@
 #include <memory>
 #include <numeric>
 
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/diagnose/event_images.h"
 #include "e2lf/lightfield/views.h"
@@ -173,6 +174,7 @@ Result<std::optional<Finding>> better_change(const recon::Method& method, const 
   const Change* best = nullptr;
   double least = 0;
   for (const Change& change : changes) {
+    if (stop_requested()) return std::optional<Finding>();
     E2LF_ASSIGN_OR_RETURN(const double error, error_of(method, own, change.apply(given)));
     tried[change.name] = error / unchanged;
     if (best != nullptr && error >= least) continue;
@@ -302,7 +304,7 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
     }
   }
   // Intensity images have no signs.
-  if (is_confirmed && measurement.kind == capture::MeasurementKind::kEventImages) {
+  if (is_confirmed && measurement.kind == capture::MeasurementKind::kEventImages && !stop_requested()) {
     E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio, explained.tried));
     auto places = diagnose::check_places(given, check.codes, check.pixels);
     // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.
@@ -320,8 +322,11 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
 Result<std::optional<Explanation>> FieldCheck::judge_events(const capture::EventImages& events) const {
   const capture::Measurement given(middle_of(events, kMostSide, kMostSide));
   FieldCheck middle = *this;
-  middle.own_.check =
-      in_window(own_.check, static_cast<double>(given.events.width) / static_cast<double>(events.width));
+  const double share_of_width = static_cast<double>(given.events.width) / static_cast<double>(events.width);
+  middle.own_.check = in_window(own_.check, share_of_width);
+  if (middle.of_models_camera_) {
+    middle.of_models_camera_->check = in_window(of_models_camera_->check, share_of_width);
+  }
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, own_.method(given, {}));
   return middle.judge(light_field, given, false, true);
 }

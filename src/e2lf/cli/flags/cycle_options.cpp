@@ -128,7 +128,8 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
       ->check(CLI::Range(-100'000, 100'000))
       ->group(group);
   app.add_flag("--invert-polarity", flags.options.invert_polarity, "exchange ON and OFF events");
-  app.add_flag("--filter-pixels", flags.options.filters_pixels, "ignore hot and flickering pixels")->group(group);
+  app.add_flag("--filter-pixels", flags.options.filters_pixels, "give hot pixels the events of their neighbours")
+      ->group(group);
   app.add_option("--max-cycles", flags.max_cycles, "maximum number of complete cycles; 0 = all")->capture_default_str();
   add_recording_options(app, flags.recording, group);
 }

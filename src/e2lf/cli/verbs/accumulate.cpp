@@ -55,41 +55,71 @@ void observe(cycles::CycleOptions& options, ProgressBar& bar, diagnose::RigCheck
   if (plot != nullptr) options.on_mark = [plot](const cycles::Mark& mark) { plot->add(mark); };
 }
 
-/// Stores the setup of the recording with its event images. Patterns that do not match the schedule are left out.
-void keep_setup_of(const fs::path& input, capture::RecordedSetup setup, size_t transitions,
-                   capture::EventImageWriter& writer) {
+/// Stores the setup of the recording with its event images. Patterns of the recording that do not match the schedule
+/// are left out. Fails if those of the caller do not.
+Result<void> keep_setup_of(const fs::path& input, const fs::path& codes, capture::RecordedSetup setup,
+                           size_t transitions, capture::EventImageWriter& writer) {
   if (setup.codes && setup.codes->num_patterns != transitions + 1) {
+    if (!codes.empty()) {
+      return fail(ErrorCode::kInvalidValue, codes, "these are ", setup.codes->num_patterns, " patterns, and the ",
+                  transitions, " event images of a cycle lie between ", transitions + 1,
+                  "; give those that the camera showed, or their `schedule`");
+    }
     log_warning(cat(input.string(), " contains ", setup.codes->num_patterns,
                     " patterns, which do not match the schedule with ", transitions,
                     " event images; they are left out"));
     setup.codes.reset();
   }
   writer.keep(setup);
+  return {};
 }
 
-/// Sums the first cycles, and compares their parallax with the places of the patterns.
-class PlacesCheck {
+/// Warns if sources state different patterns, of which the caller's, or else the recording's, are used.
+Result<void> compare_codes(const AccumulateArguments& arguments, const std::optional<capture::Codes>& named,
+                           const cycles::CycleReader& reader) {
+  E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup recorded,
+                        pipeline::recorded_setup(arguments.input, reader.recording().info()));
+  std::vector<std::pair<std::string, capture::Codes>> stated;
+  const auto add = [&](const fs::path& source, const std::optional<capture::Codes>& codes) {
+    if (codes) stated.emplace_back(source.string(), capture::codes_of_whole_cycle(*codes).value_or(*codes));
+  };
+  add(arguments.codes, named);
+  add(arguments.input, recorded.codes);
+  add(arguments.cycles.schedule, reader.schedule().codes);
+  for (const auto& [source, codes] : stated) {
+    if (codes == stated.front().second) continue;
+    log_warning(cat("the patterns of ", source, " differ from those of ", stated.front().first, ", which are used"));
+  }
+  return {};
+}
+
+/// Sums the first cycles, and judges whether they show a scene, and by their parallax the places of the patterns.
+class SceneCheck {
  public:
   void add(const capture::EventImages& images) {
-    constexpr size_t kMostCycles = 8;
     if (cycles_++ == 0)
       sum_ = images;
     else if (cycles_ <= kMostCycles)
       pipeline::add_counts(images, sum_);
   }
-  /// Findings about the times or the polarity explain other places, too.
-  [[nodiscard]] std::optional<diagnose::Finding> judge(const capture::RecordedSetup& setup,
-                                                       const diagnose::Findings& findings) const {
-    if (diagnose::has_doubt(findings)) return std::nullopt;
-    if (setup.codes) return diagnose::check_places(sum_, *setup.codes, setup.camera);
+  /// Adds to `findings`. Findings about the times or the polarity explain other places, too.
+  void judge(const capture::RecordedSetup& setup, diagnose::Findings& findings) const {
+    for (auto& finding : diagnose::check_event_images(sum_, nullptr, std::min(cycles_, kMostCycles))) {
+      findings.push_back(std::move(finding));
+    }
+    if (diagnose::has_doubt(findings)) return;
+    if (setup.codes) {
+      if (auto other = diagnose::check_places(sum_, *setup.codes, setup.camera)) findings.push_back(std::move(*other));
+      return;
+    }
     log_info(
         "the patterns are unknown, so their order and orientation cannot be checked; name them with --codes, or give "
         "the "
         "schedule that `e2lf codes render` wrote with --schedule");
-    return std::nullopt;
   }
 
  private:
+  static constexpr size_t kMostCycles = 8;
   capture::EventImages sum_;
   size_t cycles_ = 0;
 };
@@ -148,7 +178,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   RunRecord record(verb);
   CyclePlot plot;
   std::optional<capture::EventImages> first;  // for the report
-  PlacesCheck places;
+  SceneCheck scene;
   diagnose::RigCheck rig;
   // For live input, the log has a line for each cycle instead.
   ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
@@ -164,6 +194,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(const auto writer, capture::EventImageWriter::create(output.path()));
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader, codes));
   setup.views = arguments.orientation.after(setup.views);
+  E2LF_RETURN_IF_ERROR(compare_codes(arguments, codes, reader));
   LiveLog live_log;
   Json cycles = Json::array();
   while (arguments.cycles.max_cycles == 0 || writer->cycles() < arguments.cycles.max_cycles) {
@@ -171,8 +202,10 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     if (!cycle) break;
     cycle->confidence = rig.add(*cycle, reader.options());
     if (reports.is_wanted() && !first) first = cycle->images;
-    if (writer->cycles() == 0) keep_setup_of(arguments.input, setup, cycle->images.count, *writer);
-    places.add(cycle->images);
+    if (writer->cycles() == 0) {
+      E2LF_RETURN_IF_ERROR(keep_setup_of(arguments.input, arguments.codes, setup, cycle->images.count, *writer));
+    }
+    scene.add(cycle->images);
     E2LF_RETURN_IF_ERROR(writer->add(cycle->images));
     cycles.push_back(cycle_json(*cycle));
     if (cycle->arrival) {
@@ -201,7 +234,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   }
   if (writer->cycles() == 0) return no_cycle_error(arguments.input, rig, reader);
   diagnose::Findings findings = rig.findings(reader);
-  if (auto other = places.judge(setup, findings)) findings.push_back(std::move(*other));
+  scene.judge(setup, findings);
   diagnose::log_findings(arguments.input.string(), findings);
   E2LF_RETURN_IF_ERROR(writer->finish(diagnose::to_text(findings)));
   record.resolve("source", word_of(reader.source(), kCycleSources));

@@ -299,8 +299,13 @@ std::string network_flags(const SimulateArguments& arguments, const Setup& setup
 std::string next_step(const SimulateArguments& arguments, const Setup& setup) {
   const std::string events = shell_word(arguments.output.string());
   fs::path result = arguments.output;
-  if (!setup.as_images)
-    return cat("e2lf accumulate ", events, " -o ", shell_word(result.replace_extension(".npz").string()));
+  if (!setup.as_images) {
+    const fs::path& schedule = arguments.stream.schedule;
+    return cat(
+        "e2lf accumulate ", events, " -o ", shell_word(result.replace_extension(".npz").string()),
+        schedule.empty() ? "" : cat(" --schedule ", shell_word(schedule.string())),
+        arguments.no_triggers ? cat(" --source schedule --origin-us ", cycles::SynthesisOptions().begin_us) : "");
+  }
   result.replace_extension();
   return cat("e2lf reconstruct ", events, network_flags(arguments, setup), " -o ",
              shell_word(result.string() + "-lightfield"));
