@@ -34,7 +34,7 @@ struct EventResult {
   diagnose::Findings findings = {};             ///< of its event images
   std::optional<recon::EventError> error = {};  ///< of a light field, if the patterns are known
   std::optional<Explanation> check = {};        ///< of the first light field
-  bool is_confirmed = true;                     ///< whether the times of the cycle are confirmed
+  bool is_confirmed = true;                     ///< whether the times and patterns are confirmed
   /// Returns the mean over the pixels of the number of cycles that were fused, or nothing if none were.
   [[nodiscard]] std::optional<double> fused_cycles() const;
 };

@@ -9,9 +9,9 @@ using diagnose::Findings;
 using diagnose::Severity;
 namespace {
 
-/// The check against the events finds out if they are others.
+/// Light fields for other patterns can explain the events as well.
 Finding patterns_assumed(const std::string& whose) {
-  return {"patterns-assumed", Severity::kNote,
+  return {"patterns-assumed", Severity::kWarning,
           cat("the input does not state which patterns the camera showed; those of ", whose, " are assumed"),
           "state them with `codes` or `schedule`"};
 }

@@ -107,7 +107,7 @@ std::string event_error_text(const pipeline::EventResult& result) {
   return text + formatted("; %.2g times the difference that noise causes: %s\n", result.check->ratio,
                           verdict == "good"          ? "good"
                           : verdict == "usual"       ? "as usual"
-                          : verdict == "unconfirmed" ? "unconfirmed, because the confidence of the cycle is low"
+                          : verdict == "unconfirmed" ? "unconfirmed, as the warnings or the confidence of the cycle say"
                                                      : "doubtful, see the warnings");
 }
 
