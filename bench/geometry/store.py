@@ -1,55 +1,73 @@
-"""Stores a network of train.py as a model file for any patterns, at two scales as e2lf-n4-depth, whose layers it takes.
+"""Stores a network of train.py as a model file for any patterns, which works at two scales.
 
-usage: store.py NETWORK.pt TEMPLATE SHARE NAME OUT.safetensors
-TEMPLATE is the model file of e2lf-n4-depth, and SHARE the weight of the full scale, from 0 to 1. The weights that depend on the patterns are
-0 until `e2lf model store --codes PATTERNS` makes them. Requires torch.
+usage: store.py E2LF NETWORK.pt TEMPLATE PATTERNS SHARE NAME OUT.safetensors SCENE ...
+E2LF is the program, TEMPLATE the model file of e2lf-n4-depth, whose layers the network has, PATTERNS those to which the stored weights are
+adapted until others are given, SHARE the weight of the full scale, from 0 to 1, and SCENE light fields on which the loss of faster arithmetic
+is measured. Requires torch.
 """
-import math
+import json
 import pathlib
+import struct
+import subprocess
 import sys
+import tempfile
 
 import numpy as np
 import torch
 
 import model_files
 
-HALF = "half_"
 DEPENDENT = ("stem", "pictures", "features", "weigh.weight")  # layers whose weights depend on the patterns
 
 
-def mean(share):
-    """Returns the weight and bias of the mean of four subpixels of the disparity and of the logarithm of its scale, and of both at half the
-    size."""
-    weight, bias = np.zeros((8, 10, 1, 1)), np.zeros(8)
-    weight[range(8), range(8)] = share
-    weight[:4, 8] = (1 - share) * 2
-    weight[4:, 9], bias[4:] = 1 - share, (1 - share) * math.log(2)
-    return weight, bias
-
-
-def main():
-    network, template, share, name, out = sys.argv[1:]
+def without_adapted_weights(network, template, name):
+    """Returns the header and the tensors of a model whose weights that depend on the patterns are 0."""
     weights = {key.replace("/", "."): value.float().numpy() for key, value in torch.load(network, map_location="cpu")["weights"].items()}
     header, tensors = model_files.read_model(template)
     header["name"], header["input"] = name, [group for group in header["input"] if group["kind"] != "counts"]
     channels = 4 * (header["num_patterns"] - 1) + 15
     header["network"]["input_channels"] = channels
-    for layer in header["network"]["layers"]:
-        if layer["name"] == HALF + "input":
-            layer["out_channels"] = channels
-    for key in list(tensors):
-        plain = key.removeprefix(HALF)
-        if plain.startswith(DEPENDENT):
-            weight = tensors[key]
-            tensors[key] = np.zeros((weight.shape[0], channels, *weight.shape[2:]) if plain in ("stem.weight", "pictures.weight") else weight.shape)
-        elif plain in weights:
-            tensors[key] = weights[plain]
-    tensors[HALF + "input.weight"], tensors[HALF + "input.bias"] = np.zeros((channels, channels, 2, 2)), np.zeros(channels)
-    tensors["mean.weight"], tensors["mean.bias"] = mean(float(share))
+    for key, old in tensors.items():
+        if key in ("stem.weight", "pictures.weight"):
+            tensors[key] = np.zeros((len(old), channels, *old.shape[2:]))
+        elif key.startswith(DEPENDENT):
+            tensors[key] = np.zeros(old.shape)
+        elif key in weights:
+            tensors[key] = weights[key]
     tensors.update({"any." + key: value for key, value in weights.items() if key.startswith(DEPENDENT)})
-    header.pop("precision_loss", None)
-    header["provenance"] = {"script": "bench/geometry/train.py", "share_of_full_scale": share}
-    model_files.write(pathlib.Path(out), header, tensors)
+    for key in ("precision_loss", "share_of_full_scale"):
+        header.pop(key, None)
+    header["provenance"] = {"script": "bench/geometry/train.py"}
+    return header, tensors
+
+
+def header_of(content):
+    length = struct.unpack("<Q", content[:8])[0]
+    entries = json.loads(content[8:8 + length])
+    return entries, json.loads(entries["__metadata__"]["e2lf"]), content[8 + length:]
+
+
+def state(path, **fields):
+    """Adds fields to the header of a model file."""
+    entries, header, tensors = header_of(path.read_bytes())
+    entries["__metadata__"]["e2lf"] = json.dumps(header | fields)
+    text = json.dumps(entries).encode()
+    text += b" " * (-len(text) % 8)
+    path.write_bytes(struct.pack("<Q", len(text)) + text + tensors)
+
+
+def main():
+    e2lf, network, template, patterns, share, name, out, *scenes = sys.argv[1:]
+    store, out = [e2lf, "model", "store", "--quiet"], pathlib.Path(out)
+    with tempfile.TemporaryDirectory() as folder:
+        raw, adapted, checked = (pathlib.Path(folder) / (name + ".safetensors") for name in ("raw", "adapted", "checked"))
+        model_files.write(raw, *without_adapted_weights(network, template, name))
+        subprocess.run([*store, raw, "--codes", patterns, "-o", adapted], check=True)
+        state(adapted, share_of_full_scale=float(share))
+        if scenes:
+            subprocess.run([*store, adapted, "--check", *scenes, "-o", checked], check=True)
+            state(adapted, precision_loss=header_of(checked.read_bytes())[1]["precision_loss"])
+        out.write_bytes(adapted.read_bytes())
 
 
 if __name__ == "__main__":

@@ -110,6 +110,6 @@ after = {p: hashlib.sha256(p.read_bytes()).digest() for p in inputs}
 changed = [str(p) for p in inputs if before[p] != after[p]]
 if changed: failures.append(f"changed inputs: {changed}")
 print(f"{runs} runs")
-sys.exit("\n".join(failures))
+sys.exit("\n".join(failures) or None)
 PY
 [ -z "$(find . -name '*.part')" ] || fail "left behind: $(find . -name '*.part')"

@@ -86,3 +86,11 @@ fails 1 'no disparities' "$E2LF" depth events.npz -m layers.safetensors -o x.npy
 fails 1 'disparities' "$E2LF" reconstruct events.npz -m depth.safetensors -o x
 fails 1 'light fields' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --view-row 1 --view-column 1
 fails 1 'events' "$E2LF" depth plane.npy -m depth.safetensors -o x
+# Without a model, patterns that no bundled network was trained for get the one for any patterns.
+other_codes other.npy
+py plane.py -0.5 small.npy 64 80
+py -c 'import numpy as np; np.save("wide.npy", np.load("small.npy").repeat(3, 2).repeat(3, 3))'  # at -1.5 px
+"$E2LF" simulate wide.npy --codes other.npy -o own.npz --quiet
+"$E2LF" depth own.npz -o own 2>err.txt
+grep -q "patterns-adapted" err.txt || fail "$(cat err.txt)"
+py -c 'import numpy as np; d = np.median(np.load("own/disparity.npy")); assert abs(d + 1.5) < 0.3, d'

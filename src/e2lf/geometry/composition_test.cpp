@@ -106,23 +106,31 @@ TEST(Guided, LeavesTheViewsOfStrongTextureAsTheyAre) {
   for (size_t view = 0; view < 3; ++view) EXPECT_NEAR(output[center_of(view)], stripes(kWidth / 2.0), 1e-5) << view;
 }
 
-TEST(Guided, BuildsThePapersSensorIntoADisparityThatIsConditionedOnTheCamera) {
+/// A network whose disparity is the fourth condition, the noise, and which reads the last `groups` inputs beside them.
+Model disparity_of_noise(size_t groups) {
   Model disparity = known_disparity(0.0F);
+  disparity.input.erase(disparity.input.begin(), disparity.input.end() - static_cast<ptrdiff_t>(groups));
   disparity.input.push_back({InputKind::kCamera, 1.0F});
-  const size_t conditions = num_input_channels(InputKind::kCamera, 2), noise = 3;
-  disparity.network.input_channels += conditions;
-  std::vector<float> weight(8 * (2 + conditions) * 4, 0.0F);
-  for (size_t pixel = 0; pixel < 4; ++pixel) weight[(pixel * (2 + conditions) + 2 + noise) * 4 + pixel] = 1.0F;
+  const size_t noise = groups + 3, channels = groups + num_input_channels(InputKind::kCamera, 2);
+  disparity.network.input_channels = channels;
+  std::vector<float> weight(8 * channels * 4, 0.0F);
+  for (size_t pixel = 0; pixel < 4; ++pixel) weight[(pixel * channels + noise) * 4 + pixel] = 1.0F;
   disparity.weights["head.weight"] = weight;
+  return disparity;
+}
+
+TEST(Guided, BuildsThePapersSensorIntoADisparityThatIsConditionedOnTheCamera) {
   // The conditions state a noise of 0.175 in units of 0.1; the disparity is therefore 1.75.
-  const auto with_paper = guided(equal_views(), std::move(disparity), {});
-  ASSERT_TRUE(with_paper) << with_paper.error().text();
-  EXPECT_FALSE(is_conditioned_on_camera(*with_paper));
   const auto known = guided(equal_views(), known_disparity(1.75F), {});
   const auto wave = [](double x) { return static_cast<float>(0.5 + 0.004 * std::sin(x * std::numbers::pi / 8)); };
-  const std::vector<float> input = plane_of(wave);
-  const std::vector<float> output = run(*with_paper, input, 3), expected = run(*known, input, 3);
-  for (size_t view = 0; view < 3; ++view) EXPECT_NEAR(output[center_of(view)], expected[center_of(view)], 1e-6);
+  const std::vector<float> input = plane_of(wave), expected = run(*known, input, 3);
+  for (const size_t groups : {2, 1}) {  // as many inputs as the views, and fewer
+    const auto with_paper = guided(equal_views(), disparity_of_noise(groups), {});
+    ASSERT_TRUE(with_paper) << with_paper.error().text();
+    EXPECT_FALSE(is_conditioned_on_camera(*with_paper));
+    const std::vector<float> output = run(*with_paper, input, 3);
+    for (size_t view = 0; view < 3; ++view) EXPECT_NEAR(output[center_of(view)], expected[center_of(view)], 1e-6);
+  }
 }
 
 TEST(Guided, RefusesNetworksThatDoNotFitTogether) {

@@ -209,10 +209,9 @@ void add_guided(Graph& graph, const std::string& views, size_t number) {
   graph.conv("guided", "differences", guided).residual = views;
 }
 
-/// Builds the paper's sensor into the weights of a network that is conditioned on the camera. Its layers then read
-/// `known`, the other inputs and a channel of ones, which is made by the network itself: zeros beside the image stay
-/// zeros.
-Result<void> build_in_paper(Model& disparity, WeightedNetwork& to, std::string& input) {
+/// Builds the paper's sensor into the weights of a network that is conditioned on the camera. Its layers then need the
+/// other inputs and a channel of ones.
+Result<void> build_in_paper(Model& disparity) {
   const size_t first = first_of_camera(disparity);
   if (disparity.input.back().kind != InputKind::kCamera) {
     return misfit(disparity.name, "the camera is not the last of its inputs; make it the last");
@@ -225,12 +224,17 @@ Result<void> build_in_paper(Model& disparity, WeightedNetwork& to, std::string& 
   disparity.network = std::move(built->network);
   disparity.weights = std::move(built->weights);
   disparity.input.pop_back();
-  input = cat(kGuide, "known");
-  const std::string one = cat(kGuide, "one");
-  Graph graph(to);
-  graph.conv(one, "input", Matrix(1, first), {1});
-  graph.concat(input, {"input", one});
   return {};
+}
+
+/// Adds the inputs and a channel of ones, and returns its name. The network makes the ones itself, so that zeros beside
+/// the image stay zeros.
+std::string add_known(size_t inputs, WeightedNetwork& to) {
+  const std::string one = cat(kGuide, "one"), known = cat(kGuide, "known");
+  Graph graph(to);
+  graph.conv(one, "input", Matrix(1, inputs), {1});
+  graph.concat(known, {"input", one});
+  return known;
 }
 
 /// Returns the inputs of two networks in the order of their kinds.
@@ -306,13 +310,12 @@ Result<Model> guided(Model views, Model disparity, const Guide& guide) {
                   cat("the limit of weak texture is ", guide.weak_texture, "; use more than 0, and at most 1"));
   }
   WeightedNetwork both;
-  std::string input = "input";
-  if (is_conditioned_on_camera(disparity) && !is_conditioned_on_camera(views)) {
-    E2LF_RETURN_IF_ERROR(build_in_paper(disparity, both, input));
-  }
+  const bool has_known_camera = is_conditioned_on_camera(disparity) && !is_conditioned_on_camera(views);
+  if (has_known_camera) E2LF_RETURN_IF_ERROR(build_in_paper(disparity));
   const std::vector<InputGroup> inputs = inputs_of_both(views, disparity);
   for (Model* part : {&views, &disparity}) E2LF_RETURN_IF_ERROR(add_unused_inputs(inputs, *part));
   both.network.input_channels = views.network.input_channels;
+  const std::string input = has_known_camera ? add_known(both.network.input_channels, both) : "input";
   const std::string of_views = views.network.layers.back().name;
   const std::string of_disparity = kGuide + disparity.network.layers.back().name;
   append({std::move(disparity.network), std::move(disparity.weights)}, kGuide, input, both);

@@ -139,7 +139,7 @@ int run_model_store(const std::vector<std::string>& arguments) {
   fs::path codes;
   std::vector<fs::path> scenes;
   add_rewrite_options(verb, rewriting, "model file to write", "the camera to use if `reconstruct` names none");
-  verb.app().add_option("--codes", codes, "patterns to which a network for any patterns is adapted")->type_name("FILE");
+  add_codes_option(verb.app(), codes, "aperture patterns to which a network for any patterns is adapted");
   verb.app().add_option("--check", scenes,
                         "light fields on which to measure what bfloat16 and int16 lose, so that --precision auto may "
                         "use them");
