@@ -54,8 +54,8 @@ class PipelineTest(InFolder):
         self.assertEqual(Path("rec.raw").read_bytes(), Path("program.raw").read_bytes())
         cases = [({}, (), 3), ({"schedule": e2lf.paper_schedule()}, (), 3),
                  ({"source": "bursts"}, ("--source", "bursts"), None),
-                 # The first event comes after the first cycle began: that may have been cut.
-                 ({"source": "schedule", "origin_us": 100_000}, ("--source", "schedule", "--origin-us", 100_000), 2)]
+                 # The first trigger shows that the first cycle was not cut.
+                 ({"source": "schedule", "origin_us": 100_000}, ("--source", "schedule", "--origin-us", 100_000), 3)]
         for options, flags, count in cases:
             report = command_line_json("accumulate", "rec.raw", "-o", "events.npz", "--overwrite", *flags)
             cycles = e2lf.accumulate("rec.raw", **options)
