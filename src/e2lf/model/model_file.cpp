@@ -243,8 +243,13 @@ Result<Model> compose(const Composition& of, const std::string& file) {
   E2LF_ASSIGN_OR_RETURN(Model disparity,
                         read_part(of.disparity, of.location + ".disparity", of.guide.share_of_full_scale));
   const bool is_open = is_for_any_patterns(disparity) && views.codes != disparity.codes;
-  if (is_open) views.open_guide = std::make_shared<const OpenGuide>(OpenGuide{of.guide, std::move(disparity)});
-  auto model = is_open ? Result<Model>(std::move(views)) : guided(std::move(views), std::move(disparity), of.guide);
+  Result<Model> model = Model();
+  if (is_open) {
+    views.open_guide = std::make_shared<const OpenGuide>(OpenGuide{of.guide, std::move(disparity)});
+    model = std::move(views);
+  } else {
+    model = guided(std::move(views), std::move(disparity), of.guide);
+  }
   if (!model) return Error{model.error().code, cat(model.error().location, ": ", model.error().message), of.location};
   model->name = of.name;
   model->precision_loss = of.loss;

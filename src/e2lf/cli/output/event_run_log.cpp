@@ -4,6 +4,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
