@@ -129,8 +129,10 @@ std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes) {
     }
   });
   std::vector<size_t> hot_in(states.size());
+  // Still scenes allow a lower limit than recordings do.
+  constexpr float kBeyondRange = 0.75F;
   for (const SceneSums& each : sums) {
-    for (const size_t p : capture::hot_pixels(each.signed_counts)) {
+    for (const size_t p : capture::hot_pixels(each.signed_counts, kBeyondRange)) {
       if (++hot_in[p] == sums.size()) states[p] = PixelState::kHot;
     }
   }

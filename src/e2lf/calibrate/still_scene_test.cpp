@@ -43,7 +43,7 @@ TEST(BadPixels, HotOnesAreFoundAndOthersAreNot) {
     for (size_t p = 0; p < states.size(); ++p) {
       (hot.contains(p) ? found : wrong) += states[p] == PixelState::kHot ? 1 : 0;
     }
-    EXPECT_GE(found, 275U) << cycles << " cycles";
+    EXPECT_GE(found, 285U) << cycles << " cycles";
     EXPECT_LE(wrong, states.size() / 10'000) << cycles << " cycles";
   }
 }

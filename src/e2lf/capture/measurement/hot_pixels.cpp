@@ -25,7 +25,7 @@ int32_t least_excess(size_t cycles, size_t transitions) {
 }
 
 /// Returns by how many events a pixel exceeds its neighbours in the direction of its own sign.
-int32_t excess(std::span<const int32_t> counts, size_t height, size_t width, size_t pixel) {
+int32_t excess(std::span<const int32_t> counts, size_t height, size_t width, size_t pixel, float beyond_range) {
   const int32_t sign = counts[pixel] < 0 ? -1 : 1, own = sign * counts[pixel];
   std::array<int32_t, kMostNeighbours> around{};
   size_t count = 0, not_less = 0;
@@ -36,7 +36,7 @@ int32_t excess(std::span<const int32_t> counts, size_t height, size_t width, siz
   if (not_less > kOutliers || count <= 2 * kOutliers) return 0;
   std::sort(around.begin(), around.begin() + static_cast<ptrdiff_t>(count));
   const int32_t least = around[kOutliers], most = around[count - 1 - kOutliers];
-  return std::max(0, own - most - (most - least));
+  return std::max(0, own - most - static_cast<int32_t>(beyond_range * static_cast<float>(most - least)));
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ void CountSums::fade() {
   cycles /= 2;
 }
 
-std::vector<size_t> hot_pixels(const CountSums& sums) {
+std::vector<size_t> hot_pixels(const CountSums& sums, float beyond_range) {
   if (sums.cycles == 0) return {};
   const size_t height = sums.counts.height, width = sums.counts.width;
   const int32_t least = least_excess(sums.cycles, sums.counts.count);
@@ -67,7 +67,7 @@ std::vector<size_t> hot_pixels(const CountSums& sums) {
       sum = 0;
       size_t exceeded = 0;  // transitions
       for (size_t n = 0; n < sums.counts.count; ++n) {
-        const int32_t more = excess(sums.counts.image(n), height, width, pixel);
+        const int32_t more = excess(sums.counts.image(n), height, width, pixel, beyond_range);
         sum += more;
         exceeded += more > 0 ? 1 : 0;
       }

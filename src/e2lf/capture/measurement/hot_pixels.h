@@ -33,10 +33,10 @@ void each_neighbour(size_t height, size_t width, size_t pixel, const Visit& visi
 }
 
 /// Returns the numbers of the hot pixels in ascending order. The limit of a pixel is the largest count of its 24
-/// neighbours plus the range of their counts, both without the two most extreme ones on either side, which may be hot
-/// themselves. A hot pixel exceeds it in more than half of the transitions, on average by two thirds of an event per
-/// cycle and transition, and by two events in a single cycle.
-[[nodiscard]] std::vector<size_t> hot_pixels(const CountSums& sums);
+/// neighbours plus `beyond_range` times the range of their counts, both without the two most extreme ones on either
+/// side, which may be hot themselves. A hot pixel exceeds it in more than half of the transitions, on average by two
+/// thirds of an event per cycle and transition, and by two events in a single cycle.
+[[nodiscard]] std::vector<size_t> hot_pixels(const CountSums& sums, float beyond_range = 1.0F);
 
 /// Replaces the counts of pixels by the median of their neighbours that are not among them. `pixels` are in ascending
 /// order.

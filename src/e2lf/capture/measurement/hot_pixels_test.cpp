@@ -30,6 +30,7 @@ std::set<size_t> drawn_pixels(size_t number) {
 
 TEST(HotPixels, AreFoundAtOnceAndNoOthers) {
   const std::set<size_t> hot = drawn_pixels(kSide * kSide / 100);
+  constexpr float kBeyondRange = 0.75F;
   CountSums healthy, defective;
   for (uint64_t cycle = 0; cycle < 20; ++cycle) {
     EventImages images = noisy_scene(cycle);
@@ -39,13 +40,13 @@ TEST(HotPixels, AreFoundAtOnceAndNoOthers) {
     }
     defective.add(images);
     if (cycle == 10) defective.fade();
-    EXPECT_EQ(hot_pixels(healthy), std::vector<size_t>()) << "cycle " << cycle;
+    EXPECT_EQ(hot_pixels(healthy, kBeyondRange), std::vector<size_t>()) << "cycle " << cycle;
     size_t found = 0;
-    for (const size_t p : hot_pixels(defective)) {
+    for (const size_t p : hot_pixels(defective, kBeyondRange)) {
       EXPECT_TRUE(hot.contains(p)) << "cycle " << cycle << ", pixel " << p;
       ++found;
     }
-    EXPECT_GE(found, hot.size() * (cycle == 0 ? 90 : 95) / 100) << "cycle " << cycle;
+    EXPECT_GE(found, hot.size() * 95 / 100) << "cycle " << cycle;
   }
 }
 
