@@ -5,9 +5,6 @@ import struct
 
 import numpy as np
 
-INPUTS = [{"kind": "counts", "scale": 0.125}, {"kind": "cumulative", "scale": 0.125}, {"kind": "level", "scale": 0.125},
-          {"kind": "intensity", "scale": 4.0}]
-
 
 def read_model(path):
     """Returns the header of a model file and its tensors as float32."""
@@ -23,16 +20,6 @@ def read_model(path):
         tensors[name] = values.reshape(entry["shape"])
     tensors.update((name, tensors[source]) for name, source in header.pop("shared_weights", {}).items())
     return header, tensors
-
-
-def prefixed(layers, prefix, source="input"):
-    """Returns a copy of layers whose names have a prefix, and whose input is `source`."""
-    renamed = lambda name: source if name == "input" else prefix + name
-    result = [layer | {"name": renamed(layer["name"]), "inputs": [renamed(name) for name in layer["inputs"]]} for layer in layers]
-    for layer in result:
-        if layer.get("residual"):
-            layer["residual"] = renamed(layer["residual"])
-    return result
 
 
 def write(path, header, tensors):

@@ -20,7 +20,9 @@ constexpr int kMostLevel = 64;      // in events; levels beyond have the varianc
 /// same count in each cycle.
 constexpr float kRounding = 1.0F / 12, kRoundingOfPixels = 1.0F / 60;
 constexpr int kWeightBits = 14;
-constexpr size_t kSettled = 8;  // after so many times the number of cycles, the effective number hardly grows
+/// The effective number of cycles is tabulated up to this multiple of the number of cycles in a mean. It hardly grows
+/// beyond.
+constexpr size_t kSettled = 8;
 
 /// Returns the variance of the log intensity with which a cycle compares, at a level above black in logarithm.
 float level_variance(const capture::SensorProfile& camera, float level) {
