@@ -8,7 +8,7 @@ page() { # <words of the verb...>
   local command="$e2lf $*" name="e2lf${*:+-$*}" summary
   name=${name// /-}
   summary=$(${command% } --help | sed -n '1{s/^e2lf [0-9.]*: //; s/\. .*//; s/\.$//; p}')
-  help2man --no-info --no-discard-stderr --version-string "${version#* }" --output "$folder/$name.1" "${command% }"
+  help2man --no-info --help-option=--help-all --no-discard-stderr --version-string "${version#* }" --output "$folder/$name.1" "${command% }"
   # whatis(1) finds a page by one word: the name of its file.
   sed -i "/^\.SH NAME/{n;s|.*|$name \\\\- $summary|}" "$folder/$name.1"
 }

@@ -34,13 +34,14 @@ offers "evk4-lcos" e2lf simulate scene --camera = evk
 offers "e2lf-n8 e2lf-n8-camera" e2lf simulate scene --codes e2lf-n8
 offers "e2lf-n8-camera" e2lf model info e2lf-n8-
 offers "e2lf-n8-camera" e2lf info e2lf-n8-
+offers "cameras" e2lf reconstruct --help = cam
 # Every verb of the list, and every flag of a help text.
 "$E2LF" --help | sed -n 's/^  \([a-z]*\) .*/\1/p' >verbs.txt
 [ "$(wc -l <verbs.txt)" -gt 10 ] || fail "no list of verbs"
 complete_words e2lf "" >offered.txt
 grep -qx reconstruct offered.txt || fail "no verbs"
 while read -r verb; do grep -qx -- "$verb" offered.txt || fail "$verb is not offered"; done <verbs.txt
-"$E2LF" reconstruct --help | grep -o -- '^ .*--[a-z-]*' | grep -o -- '--[a-z-]*' | sort -u >flags.txt
+"$E2LF" reconstruct --help-all | grep -o -- '^ .*--[a-z-]*' | grep -o -- '--[a-z-]*' | sort -u >flags.txt
 complete_words e2lf reconstruct -- >offered.txt
 while read -r flag; do grep -qx -- "$flag" offered.txt || fail "$flag is not offered"; done <flags.txt
 

@@ -1,5 +1,5 @@
 # Containers of recordings: several streams in one file, bags of ROS 2, and files that are no recordings.
-grep -q -- "--stream" <("$E2LF" info --help) || fail "no --stream"
+grep -q -- "--stream" <("$E2LF" info --help-all) || fail "no --stream"
 
 # What is no recording is named by its first bytes, by every verb, and nothing is written.
 py - <<'PY'

@@ -24,6 +24,21 @@ fails 1 "contains neither" "$E2LF" info "$TESTSUITE"
 fails 2 "E2LF_MAX_ISA" env E2LF_MAX_ISA=avx9000 "$E2LF" codes show
 fails 1 "nowhere" "$E2LF" info nowhere
 
+part groups
+# --help shows the usual options, --help=GROUP a group of the others, and --help-all everything.
+for verb in depth live reconstruct; do
+  "$E2LF" "$verb" --help >usual.txt
+  "$E2LF" "$verb" --help-all >all.txt
+  "$E2LF" "$verb" --help=cameras >cameras.txt
+  check "$(grep -cE '^  (-.,)?--' usual.txt) <= 30"
+  check "$(grep -cE '^  (-.,)?--' all.txt) >= 55"
+  check "$(grep -cE '^  --' cameras.txt) == 6"
+  for file in all.txt cameras.txt; do grep -q -- --biases "$file" || fail "$verb: no --biases in $file"; done
+  grep -q -- --biases usual.txt && fail "$verb: --biases among the usual options"
+  grep -q -- --help=cycles usual.txt || fail "$verb: the group of cycles is not named"
+done
+fails 2 'known are run, ' "$E2LF" depth --help=lenses
+
 part options
 # No option is taken for what it does not say, and a run can be made again from its record.
 model=$TESTSUITE/../models/e2lf-n4.safetensors

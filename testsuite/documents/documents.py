@@ -66,7 +66,7 @@ class Help:
 
     def of(self, *words):
         if words not in self.texts:
-            run = subprocess.run([self.e2lf, *words, "--help"], capture_output=True, text=True, check=False)
+            run = subprocess.run([self.e2lf, *words, "--help-all"], capture_output=True, text=True, check=False)
             self.texts[words] = run.stdout if run.returncode == 0 else ""
         return self.texts[words]
 

@@ -120,14 +120,14 @@ Result<KnownCodes> load_codes(const CodesSource& source, RunRecord& record) {
 }
 
 void add_orientation_options(CLI::App& app, OrientationFlags& flags) {
-  const auto flag = [&](const char* name, bool& value, const char* help) {
-    app.add_flag(name, value, help)->group(kOrientationOptions);
-  };
-  flag("--turn-views", flags.turn_views,
-       "turn the grid of views by 180 degrees in addition to what files state, which changes the sign of every "
-       "disparity");
-  flag("--flip-x", flags.flip_x, "exchange left and right views, which changes the sign of horizontal disparities");
-  flag("--flip-y", flags.flip_y, "exchange upper and lower views, which changes the sign of vertical disparities");
+  const OptionGroup group(app, kOrientationOptions);
+  app.add_flag("--turn-views", flags.turn_views,
+               "turn the grid of views by 180 degrees in addition to what files state, which changes the sign of every "
+               "disparity");
+  app.add_flag("--flip-x", flags.flip_x,
+               "exchange left and right views, which changes the sign of horizontal disparities");
+  app.add_flag("--flip-y", flags.flip_y,
+               "exchange upper and lower views, which changes the sign of vertical disparities");
 }
 
 }  // namespace e2lf::program

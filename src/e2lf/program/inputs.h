@@ -78,9 +78,6 @@ struct OrientationFlags {
   }
 };
 
-/// The help group of these options.
-inline constexpr const char* kOrientationOptions = "Orientation of the views";
-
 /// Declares --turn-views, --flip-x and --flip-y.
 void add_orientation_options(CLI::App& app, OrientationFlags& flags);
 

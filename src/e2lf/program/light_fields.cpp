@@ -15,29 +15,24 @@ namespace fs = std::filesystem;
 using info::file_kind, info::FileKind, info::other_kind_error;
 
 void add_light_field_options(CLI::App& app, LightFieldFlags& flags, bool has_views) {
-  const char* const group = kLightFieldOptions;
+  const OptionGroup group(app, kLightFieldOptions);
   if (has_views) {
     app.add_option("--views", flags.read.views_y.count, "number of central views to read per axis; 0 = all")
-        ->check(whole_number(0, 65535))
-        ->group(group);
+        ->check(whole_number(0, 65535));
   }
   app.add_option("--step", flags.read.views_y.step, "read every N-th view, which multiplies the disparity by N")
-      ->check(whole_number(1, 65535))
-      ->group(group);
+      ->check(whole_number(1, 65535));
   app.add_option("--white", flags.read.white, "stored value that is white, e.g. 255; default: the largest of the type")
-      ->check(positive_number())
-      ->group(group);
+      ->check(positive_number());
   app.add_option("--view-columns", flags.read.view_columns,
                  "number of views in a row of the grid, if views are numbered consecutively (input_Cam000.png ...); "
                  "default: detected")
-      ->check(whole_number(1, 10000))
-      ->group(group);
+      ->check(whole_number(1, 10000));
   app.add_option(
          "--lenslet-views", flags.read.lenslet_views,
          "number of views per axis in one picture that holds all views: a lenslet mosaic, or an Hr_SAI_y patch; "
          "default: as its name or content states")
-      ->check(whole_number(1, 1000))
-      ->group(group);
+      ->check(whole_number(1, 1000));
 }
 
 lightfield::ReadOptions read_options(const LightFieldFlags& flags) {

@@ -12,9 +12,6 @@
 /// The light fields that verbs read, and the options of how they are read.
 namespace e2lf::program {
 
-/// The help group of the options of light fields.
-inline constexpr const char* kLightFieldOptions = "Light fields";
-
 /// The flags of verbs that read a light field.
 struct LightFieldFlags {
   lightfield::ReadOptions read = {{.count = 0, .first = {}}, {}};  ///< views_y is for both axes; by default, all views

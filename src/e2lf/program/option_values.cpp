@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/program/option_values.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +10,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/program/help.h"
 
 namespace e2lf::program {
 namespace {
@@ -129,7 +131,10 @@ void print_candidates(const std::vector<std::string>& words, const std::string& 
 }
 
 void print_candidates(const CLI::App& app, std::vector<std::string> words) {
-  // Bash splits "--model=NAME" into three words.
+  // Bash splits "--model=NAME" into three words, and "--help=GROUP" likewise.
+  if (const auto help = std::ranges::find(words, "--help"); help != words.end() && help + 1 != words.end()) {
+    return print_candidates(help_groups(app), words.back() == "=" ? "" : words.back());
+  }
   if (!words.empty() && words.back() == "=") words.emplace_back();
   std::erase(words, "=");
   const std::string current = words.empty() ? "" : words.back(),

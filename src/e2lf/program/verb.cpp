@@ -175,7 +175,8 @@ std::string list_of(const std::string& command, const std::vector<VerbEntry>& en
     name.resize(std::max<size_t>(name.size(), 12), ' ');
     text += cat("  ", name, " ", entry.summary, "\n");
   }
-  return text + cat("\n", command, " <verb> --help explains a verb and gives an example.\n");
+  return text +
+         cat("\n", command, " <verb> --help explains a verb and gives an example, --help-all lists all its options.\n");
 }
 
 }  // namespace
@@ -195,7 +196,7 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
     return 2;
   }
   const std::string& name = arguments.front();
-  if (name == "--help" || name == "-h" || name == "help") {
+  if (name == "--help" || name == "--help-all" || name == "-h" || name == "help") {
     std::cout << list_of(command, entries);
     return 0;
   }
@@ -211,7 +212,12 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
     : name_(std::move(name)), example_(example), app_(summary, cat(program_name(), " ", name_)) {
   app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app_.footer("Example:\n  " + example);
-  app_.set_help_flag("-h,--help", "print this text");
+  app_.set_help_flag("-h,--help", "print the usual options; --help=GROUP prints those of a group");
+  app_.set_help_all_flag("--help-all", "print all options");
+  app_.add_flag("--json", common_.json, "print the result as JSON");
+  app_.add_flag("--quiet", common_.quiet, "print nothing but warnings and errors");
+  app_.add_flag("--overwrite", common_.overwrite, "replace existing output");
+  const OptionGroup group(app_, kRunOptions);
   app_.add_option(
       "--config", config_,
       "JSON file whose keys are the names of long flags, or an earlier result or its run.json, to repeat its run");
@@ -220,9 +226,6 @@ Verb::Verb(std::string name, const std::string& summary, const std::string& exam
       ->allow_extra_args(false);
   app_.add_option("--threads", common_.threads, "number of threads; 0 = all cores")->check(whole_number(0, 1024));
   app_.add_option("--seed", common_.seed, "seed of all random numbers")->capture_default_str();
-  app_.add_flag("--json", common_.json, "print the result as JSON");
-  app_.add_flag("--quiet", common_.quiet, "print nothing but warnings and errors");
-  app_.add_flag("--overwrite", common_.overwrite, "replace existing output");
 }
 
 void Verb::keep_overrides() {
@@ -236,6 +239,21 @@ int Verb::usage_error(const std::string& message) const {
   std::fprintf(stderr, "%s: %s: %s; see %s %s --help\n", program_name(), name_.c_str(), message.c_str(), program_name(),
                name_.c_str());
   return 2;
+}
+
+/// Prints the help that --help or --help=GROUP asks for.
+int Verb::print_help() const {
+  const std::string word = app_.get_help_ptr()->results().back();
+  if (word == "true") {
+    std::cout << short_help(app_);
+    return 0;
+  }
+  const auto text = group_help(app_, word);
+  if (!text) {
+    return usage_error(cat("there is no group of options \"", word, "\"; known are ", join(help_groups(app_))));
+  }
+  std::cout << *text;
+  return 0;
 }
 
 /// Reads the keys and values of --config: those of the file, or the options of the run that it records.
@@ -267,9 +285,9 @@ Result<std::vector<std::string>> Verb::configured_flags() {
   return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
 }
 
-Result<void> Verb::refuse_options(const std::string& group, const std::string& what) const {
+Result<void> Verb::refuse_options(const std::vector<std::string>& groups, const std::string& what) const {
   for (const CLI::Option* option : app_.get_options()) {
-    if (option->get_group() != group || option->count() == 0) continue;
+    if (option->count() == 0 || std::ranges::find(groups, option->get_group()) == groups.end()) continue;
     // A run that is repeated from its record also repeats the defaults.
     if (join(option->results()) == option->get_default_str()) continue;
     return fail(ErrorCode::kInvalidValue, option->get_name(), "has no effect on ", what, "; omit it");
@@ -296,7 +314,9 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
     }
     parse(arguments);
   } catch (const CLI::CallForHelp&) {
-    std::cout << app_.help();
+    return print_help();
+  } catch (const CLI::CallForAllHelp&) {
+    std::cout << whole_help(app_);
     return 0;
   } catch (const CLI::FileError& error) {
     std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), error.what());
@@ -401,7 +421,7 @@ std::vector<fs::path> Verb::named_inputs() const {
 Json Verb::resolved_options() const {
   Json options = Json::object();
   for (const CLI::Option* option : app_.get_options()) {
-    if (option->get_lnames().empty() || option == app_.get_help_ptr()) continue;
+    if (option->get_lnames().empty() || option == app_.get_help_ptr() || option == app_.get_help_all_ptr()) continue;
     const std::string name = option->get_lnames().front();
     // Their keys are already among the others.
     if (name == "config" || (name == "set" && !keeps_overrides_)) continue;

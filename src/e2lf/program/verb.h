@@ -12,6 +12,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
+#include "e2lf/program/help.h"
 #include "e2lf/program/option_values.h"
 
 namespace e2lf::program {
@@ -69,9 +70,9 @@ class Verb {
   /// succeeds, run() then reports the failure and returns 3, because the result contains only what came before it.
   void note_failed_input(const std::string& failure) const { failed_input_ = failure; }
 
-  /// Fails with kInvalidValue if an option of this help group differs from its default although it has no effect,
+  /// Fails with kInvalidValue if an option of these help groups differs from its default although it has no effect,
   /// because the input is `what` ("a light field").
-  [[nodiscard]] Result<void> refuse_options(const std::string& group, const std::string& what) const;
+  [[nodiscard]] Result<void> refuse_options(const std::vector<std::string>& groups, const std::string& what) const;
 
   /// Parses the arguments, runs `work`, and prints its error as "e2lf: <verb>: <what went wrong>; <what to do>".
   /// Returns the exit code of the process: 0 success, 1 failure, 2 usage error, 3 success with live input that
@@ -98,6 +99,7 @@ class Verb {
 
  private:
   int usage_error(const std::string& message) const;
+  int print_help() const;
   [[nodiscard]] int exit_code(const Result<void>& result) const;
   [[nodiscard]] Result<Json> read_config();
   [[nodiscard]] Result<std::vector<std::string>> configured_flags();

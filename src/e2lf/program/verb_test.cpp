@@ -84,8 +84,8 @@ TEST(Verb, RefusesOptionsWithoutEffect) {
   TestVerb test;
   test.verb.app().get_option("--tau")->group("Streams");
   ASSERT_EQ(test.run({"--tau", "0.5"}), 0);
-  EXPECT_FALSE(test.verb.refuse_options("Streams", "a light field"));
-  EXPECT_TRUE(test.verb.refuse_options("Cycles", "a light field"));
+  EXPECT_FALSE(test.verb.refuse_options({"Streams"}, "a light field"));
+  EXPECT_TRUE(test.verb.refuse_options({"Cycles"}, "a light field"));
 }
 
 }  // namespace

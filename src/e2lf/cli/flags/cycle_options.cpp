@@ -9,10 +9,8 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 
 void add_camera_options(CLI::App& app, recordings::CameraSetup& camera) {
-  constexpr char kGroup[] = "Live cameras";
-  const auto add = [&](const char* name, auto& value, const char* text) {
-    return app.add_option(name, value, text)->group(kGroup);
-  };
+  const OptionGroup group(app, kCameraOptions);
+  const auto add = [&](const char* name, auto& value, const char* text) { return app.add_option(name, value, text); };
   const auto repeat = [](CLI::Option* option) {
     option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
   };
@@ -32,39 +30,50 @@ void add_camera_options(CLI::App& app, recordings::CameraSetup& camera) {
       "events/s above which the sensor drops events, 0 = no limit; default: as set in the camera");
   repeat(app.add_option("--roi", take_regions,
                         "rectangle of the sensor whose pixels send events: X,Y,WIDTH,HEIGHT in px (repeatable)")
-             ->type_name("TEXT")
-             ->group(kGroup));
+             ->type_name("TEXT"));
   add("--encoding", camera.encoding, "encoding of the camera's events; default: as set in the camera")
       ->check(CLI::IsMember({"evt2", "evt2.1", "evt3"}));
   app.add_flag("--no-sensor-filters", camera.switches_filters_off,
-               "switch off the anti-flicker and event trail filters of the sensor, which drop events of the patterns")
-      ->group(kGroup);
+               "switch off the anti-flicker and event trail filters of the sensor, which drop events of the patterns");
 }
 
-void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group) {
-  const auto add = [&](const char* name, auto& value, const char* text) {
-    app.add_option(name, value, text)->group(group);
-  };
-  add("--event-format", flags.open.format, "format of the recording, if it cannot be detected");
-  add("--sensor-width", flags.open.width, "width of the sensor in px, if the recording does not state it");
-  add("--sensor-height", flags.open.height, "height of the sensor in px, if the recording does not state it");
-  add("--stream", flags.open.stream, "number or name of a stream of events, if the recording contains several");
-  add("--columns", flags.open.columns, "order of the columns of a table of events, e.g. txyp; - skips a column");
-  add_choice(app, "--time-unit", flags.open.time_unit, recordings::kTimeUnits,
+namespace {
+
+/// Declares what recordings may not state: format, sensor and columns.
+void add_table_options(CLI::App& app, recordings::OpenOptions& open) {
+  const OptionGroup group(app, kTableOptions);
+  app.add_option("--event-format", open.format, "format of the recording, if it cannot be detected");
+  app.add_option("--sensor-width", open.width, "width of the sensor in px, if the recording does not state it");
+  app.add_option("--sensor-height", open.height, "height of the sensor in px, if the recording does not state it");
+  app.add_option("--columns", open.columns, "order of the columns of a table of events, e.g. txyp; - skips a column");
+  add_choice(app, "--time-unit", open.time_unit, recordings::kTimeUnits,
              "unit of the times in text, numpy and HDF5 tables: s, ms, us or ns; auto = as names state, otherwise us "
-             "for whole numbers and s for fractions")
-      ->group(group);
-  add("--polarities", flags.open.polarities,
-      "numbers of OFF and ON in a table of events, e.g. 1,2; default: 0,1 or -1,1");
+             "for whole numbers and s for fractions");
+  app.add_option("--polarities", open.polarities,
+                 "numbers of OFF and ON in a table of events, e.g. 1,2; default: 0,1 or -1,1");
+}
+
+/// Declares which events are read, and how their times are counted.
+void add_range_options(CLI::App& app, RecordingFlags& flags) {
+  const OptionGroup group(app, kRecordingOptions);
+  app.add_option("--stream", flags.open.stream,
+                 "number or name of a stream of events, if the recording contains several");
   add_choice(app, "--restart", flags.open.restart, recordings::kRestartPolicies,
              "if the clock starts again (a restarted camera, joined files): continue shifts the later part behind the "
-             "earlier one, split keeps the parts separate (info, convert), refuse fails")
-      ->group(group);
-  add("--from-us", flags.open.from_us, "recordings: leave out data before this time on the clock of the recording");
-  add("--to-us", flags.open.to_us, "recordings: leave out data at or after this time on the clock of the recording");
+             "earlier one, split keeps the parts separate (info, convert), refuse fails");
+  app.add_option("--from-us", flags.open.from_us,
+                 "recordings: leave out data before this time on the clock of the recording");
+  app.add_option("--to-us", flags.open.to_us,
+                 "recordings: leave out data at or after this time on the clock of the recording");
   app.add_flag("--relative", flags.is_relative,
-               "recordings: --from-us and --to-us are relative to the first event or trigger")
-      ->group(group);
+               "recordings: --from-us and --to-us are relative to the first event or trigger");
+}
+
+}  // namespace
+
+void add_recording_options(CLI::App& app, RecordingFlags& flags) {
+  add_table_options(app, flags.open);
+  add_range_options(app, flags);
   add_camera_options(app, flags.open.camera);
   app.add_flag("--strict", flags.is_strict,
                "fail and write nothing if events would be left out (damage, outside the sensor, count too large)");
@@ -93,45 +102,46 @@ Result<recordings::OpenOptions> open_options(const fs::path& input, const Record
   return open;
 }
 
-void add_cycle_options(CLI::App& app, CycleFlags& flags) {
-  const std::string group = kCycleOptions;
+namespace {
+
+/// Declares how the times at which patterns change are found, which applies to recordings alone.
+void add_change_options(CLI::App& app, CycleFlags& flags) {
+  const OptionGroup group(app, kCycleOptions);
   add_choice(app, "--source", flags.options.source, kCycleSources,
-             "source of the times at which patterns change: triggers, bursts (the events), schedule, auto")
-      ->group(group);
+             "source of the times at which patterns change: triggers, bursts (the events), schedule, auto");
   app.add_option("--schedule", flags.schedule,
                  "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
-      ->check(CLI::ExistingFile)
-      ->group(group);
+      ->check(CLI::ExistingFile);
   app.add_option("--patterns", flags.choice.num_patterns,
                  "number N of coding patterns of the paper's schedule; default: as the recording states, or else 4")
-      ->check(whole_number(2, 64))
-      ->group(group);
-  add_choice(app, "--transitions", flags.choice.transitions, {"auto", "lit", "all"},
-             "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
-             "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
-             "then uses the lit ones in cycles during which the scene moves too much");
-  add_choice(app, "--edge", flags.options.edge, cycles::kTriggerEdges, "trigger edge: rising, falling, both")
-      ->group(group);
-  app.add_option("--channel", flags.options.channel, "trigger input; default: all")->group(group);
-  app.add_option("--first-pattern", flags.options.tracker.first_pattern,
-                 "pattern of the first trigger or burst, from 0; default: determined from the intervals and the events")
-      ->group(group);
-  app.add_flag("--one-trigger-per-cycle", flags.options.one_trigger_per_cycle, "triggers mark cycles, not patterns")
-      ->group(group);
+      ->check(whole_number(2, 64));
+  add_choice(app, "--edge", flags.options.edge, cycles::kTriggerEdges, "trigger edge: rising, falling, both");
+  app.add_option("--channel", flags.options.channel, "trigger input; default: all");
+  app.add_option(
+      "--first-pattern", flags.options.tracker.first_pattern,
+      "pattern of the first trigger or burst, from 0; default: determined from the intervals and the events");
+  app.add_flag("--one-trigger-per-cycle", flags.options.one_trigger_per_cycle, "triggers mark cycles, not patterns");
   app.add_option("--origin-us", flags.origin_us,
-                 "--source schedule: the time at which the first pattern of any cycle began")
-      ->group(group);
+                 "--source schedule: the time at which the first pattern of any cycle began");
   app.add_option(
          "--trigger-delay-us", flags.options.trigger_delay_us,
          "time from a trigger to the change of the pattern, such as the latency of the display; negative if the "
          "pattern changes first")
-      ->check(CLI::Range(-100'000, 100'000))
-      ->group(group);
+      ->check(CLI::Range(-100'000, 100'000));
+  app.add_flag("--filter-pixels", flags.options.filters_pixels, "give hot pixels the events of their neighbours");
+}
+
+}  // namespace
+
+void add_cycle_options(CLI::App& app, CycleFlags& flags) {
+  add_choice(app, "--transitions", flags.choice.transitions, {"auto", "lit", "all"},
+             "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
+             "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
+             "then uses the lit ones in cycles during which the scene moves too much");
   app.add_flag("--invert-polarity", flags.options.invert_polarity, "exchange ON and OFF events");
-  app.add_flag("--filter-pixels", flags.options.filters_pixels, "give hot pixels the events of their neighbours")
-      ->group(group);
   app.add_option("--max-cycles", flags.max_cycles, "maximum number of complete cycles; 0 = all")->capture_default_str();
-  add_recording_options(app, flags.recording, group);
+  add_change_options(app, flags);
+  add_recording_options(app, flags.recording);
 }
 
 namespace {
@@ -198,7 +208,7 @@ Result<pipeline::EventSource> open_events(const fs::path& input, const CycleFlag
   if (kind != FileKind::kEventImages && kind != FileKind::kImages) {
     return other_kind_error(input, kind, "a recording or event images");
   }
-  E2LF_RETURN_IF_ERROR(verb.refuse_options(kCycleOptions, kind_text(kind)));
+  E2LF_RETURN_IF_ERROR(verb.refuse_options(kOptionsOfRecordings, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(capture::MeasurementFile file, capture::read_measurements(input));
   return pipeline::EventSource(std::move(file));
 }

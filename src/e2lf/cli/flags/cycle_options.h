@@ -26,12 +26,9 @@ struct RecordingFlags {
   bool is_strict = false;        ///< data that would be dropped are an error
 };
 
-/// The help group of the options of recordings, for verbs that also accept other inputs.
-inline constexpr const char* kRecordingOptions = "Recordings";
-
 /// Declares --event-format, --sensor-width, --sensor-height, --stream, --columns, --time-unit, --polarities, --restart,
-/// --from-us, --to-us, --relative and --strict.
-void add_recording_options(CLI::App& app, RecordingFlags& flags, const std::string& group);
+/// --from-us, --to-us, --relative and --strict, and the options of cameras.
+void add_recording_options(CLI::App& app, RecordingFlags& flags);
 
 /// Returns whether an input is live: "-", a camera, a socket or a named pipe.
 [[nodiscard]] bool is_live(const std::filesystem::path& input);
@@ -50,9 +47,6 @@ struct CycleFlags {
   uint64_t max_cycles = 0;  ///< 0 = all
   RecordingFlags recording;
 };
-
-/// The help group of the options that only apply to recordings.
-inline constexpr const char* kCycleOptions = "Pattern cycles of a recording";
 
 /// Declares all of CycleFlags; --transitions and --max-cycles also apply to event images.
 void add_cycle_options(CLI::App& app, CycleFlags& flags);

@@ -9,6 +9,7 @@ namespace e2lf::cli {
 void add_display_options(CLI::App& app, DisplayFlags& flags) {
   capture::DisplayLayout& layout = flags.layout;
   add_codes_options(app, flags.codes);
+  const OptionGroup group(app, kDisplayOptions);
   app.add_option("--width", layout.width_px, "width of the display, px")->capture_default_str();
   app.add_option("--height", layout.height_px, "height of the display, px")->capture_default_str();
   app.add_option("--cell", layout.cell_px, "width and height of an aperture cell, px")->capture_default_str();

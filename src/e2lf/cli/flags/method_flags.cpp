@@ -29,12 +29,14 @@ void add_method_options(CLI::App& app, MethodFlags& flags, const std::string& so
   add_camera_option(app, flags.camera,
                     cat("the camera, for networks conditioned on the sensor profile; default: the one that ", source,
                         " states, or else the one for which the model was trained"));
+  const OptionGroup group(app, kNetworkOptions);
   add_choice(app, "--precision", flags.precision, {"auto", "float32", "bfloat16", "float16", "int16"},
              "arithmetic of the network: auto, float32, bfloat16, float16 (with --device cuda) or int16");
   add_device_option(app, flags.device);
 }
 
 void add_tone_options(CLI::App& app, MethodFlags& flags) {
+  const OptionGroup group(app, kNetworkOptions);
   app.add_option("--gain", flags.gain,
                  "brightness of the output: auto (estimated from the first cycle) or a number; 1 = as computed")
       ->capture_default_str();

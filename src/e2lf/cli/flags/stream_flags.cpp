@@ -65,34 +65,28 @@ StreamScene turntable(const StreamFlags& flags, const SceneOptions& options, uin
 }  // namespace
 
 void add_stream_options(CLI::App& app, StreamFlags& flags) {
-  const char* const group = kStreamOptions;
+  const OptionGroup group(app, kStreamOptions);
   const auto number = [&](const char* name, auto& value, const char* help) {
-    app.add_option(name, value, help)->check(CLI::NonNegativeNumber)->capture_default_str()->group(group);
+    app.add_option(name, value, help)->check(CLI::NonNegativeNumber)->capture_default_str();
   };
   app.add_flag("--stream", flags.stream,
                "simulate event by event, with references that are carried from cycle to cycle; implied by recordings "
-               "of physical pixels, by esim and v2e, and by the flags below")
-      ->group(group);
+               "of physical pixels, by esim and v2e, and by the flags below");
   app.add_option("--schedule", flags.schedule, "schedule of the patterns (JSON); default: the paper's eight patterns")
-      ->check(CLI::ExistingFile)
-      ->group(group);
+      ->check(CLI::ExistingFile);
   number("--rise-us", flags.rise_us, "rise time of the display from one pattern to the next");
   number("--field-us", flags.field_us, "the input is a folder of light fields at this interval, us");
   app.add_option("--turntable", flags.turntable_rpm,
                  "simulate a still life on a turntable instead of an input; revolutions per minute (1.75 in the paper)")
-      ->check(CLI::Range(-1000.0, 1000.0))
-      ->group(group);
+      ->check(CLI::Range(-1000.0, 1000.0));
   app.add_option("--width", flags.width, "size of the turntable's views, px")
       ->check(CLI::Range(16, 8192))
-      ->capture_default_str()
-      ->group(group);
+      ->capture_default_str();
   app.add_option("--height", flags.height, "size of the turntable's views, px")
       ->check(CLI::Range(16, 8192))
-      ->capture_default_str()
-      ->group(group);
+      ->capture_default_str();
   add_choice(app, "--v2e-preset", flags.v2e_preset, {"default", "noisy", "clean"},
-             "parameters of v2e: default, noisy or clean")
-      ->group(group);
+             "parameters of v2e: default, noisy or clean");
   number("--refractory-us", flags.refractory_us, "physical pixels, esim: refractory period after an event");
   number("--leak-rate-hz", flags.leak_rate_hz, "physical pixels: rate of ON events of each pixel in constant light");
   number("--shot-rate-hz", flags.shot_rate_hz, "physical pixels: rate of random events of each pixel in the dark");

@@ -26,9 +26,6 @@ struct StreamFlags {
   [[nodiscard]] bool has_turntable() const { return turntable_rpm != 0; }
 };
 
-/// The help group of these options.
-inline constexpr const char* kStreamOptions = "Event by event";
-
 void add_stream_options(CLI::App& app, StreamFlags& flags);
 
 /// Returns whether any of these flags requires an event-by-event simulation.

@@ -168,7 +168,7 @@ int run_camera_check(const std::vector<std::string>& arguments) {
       .add_option("--seconds", check.seconds, "duration of the observation")
       ->check(positive_number())
       ->capture_default_str();
-  add_recording_options(verb.app(), check.recording, kRecordingOptions);
+  add_recording_options(verb.app(), check.recording);
   verb.stop_gently();
   return verb.run(arguments, [&] { return check_camera(check, verb); });
 }

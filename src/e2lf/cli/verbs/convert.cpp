@@ -212,13 +212,13 @@ Result<void> convert_event_images(const ConvertArguments& arguments, const Verb&
 Result<void> convert(const ConvertArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   if (kind == FileKind::kRecording) {
-    E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+    E2LF_RETURN_IF_ERROR(verb.refuse_options({kLightFieldOptions}, kind_text(kind)));
     return convert_events(arguments, verb);
   }
   if (kind == FileKind::kLightField || kind == FileKind::kEventImages) {
-    E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
+    E2LF_RETURN_IF_ERROR(verb.refuse_options(kOptionsOfRecordings, kind_text(kind)));
     if (kind == FileKind::kLightField) return convert_light_field(arguments, verb);
-    E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+    E2LF_RETURN_IF_ERROR(verb.refuse_options({kLightFieldOptions}, kind_text(kind)));
     return convert_event_images(arguments, verb);
   }
   if (kind == FileKind::kCycles) return lightfield::detect_kind(arguments.input).error();
@@ -253,7 +253,7 @@ int run_convert(const std::vector<std::string>& arguments) {
       ->group(kRecordingOptions);
   app.add_flag("--invert-polarity", conversion.invert_polarity, "exchange ON and OFF events")->group(kRecordingOptions);
   app.add_flag("--colour", conversion.colour, "keep colour")->group(kLightFieldOptions);
-  add_recording_options(app, conversion.recording, kRecordingOptions);
+  add_recording_options(app, conversion.recording);
   add_light_field_options(app, conversion.light_field, /*has_views=*/true);
   add_orientation_options(app, conversion.light_field.orientation);
   verb.stop_gently();

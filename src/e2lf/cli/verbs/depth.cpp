@@ -294,7 +294,7 @@ Result<void> run(DepthArguments& arguments, const Verb& verb) {
   return from_light_fields(arguments, are_cycles, verb);
 }
 
-void add_output_options(CLI::App& app, DisparityOutput& output, fs::path& lens_file) {
+void add_output_options(CLI::App& app, DisparityOutput& output) {
   app.add_option("input,-i,--input", output.input,
                  "light field, or folder of cycles; or events: event images (.npz), a recording, - for standard input, "
                  "camera://NAME, ...")
@@ -303,12 +303,23 @@ void add_output_options(CLI::App& app, DisparityOutput& output, fs::path& lens_f
                  "folder to write, or a file: .npy or .pfm (float32), .png (16 bits, 32768 + 4096 * disparity) or .ply "
                  "(points); of events of several cycles, a file contains the first one")
       ->required();
+}
+
+void add_map_options(CLI::App& app, DepthArguments& arguments) {
+  const OptionGroup group(app, kMapOptions);
   app.add_option(
-      "--lens", lens_file,
+      "--lens", arguments.lens,
       "calibrated lens (JSON of examples/lens/calibrate_lens.py): points in metres, and metres.npy in the folder");
-  app.add_option("--least-confidence", output.least_confidence, "points: smallest confidence of a point")
+  app.add_option("--least-confidence", arguments.output.least_confidence, "points: smallest confidence of a point")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  add_pair(
+      app.add_option("--min-disparity", arguments.least, "disparity of the nearest points, px per view step"),
+      app.add_option("--max-disparity", arguments.most,
+                     "disparity of the farthest points, px per view step; default of both: estimated, within 6 px"));
+  add_pair(app.add_option("--view-row", arguments.view_row,
+                          "view for whose pixels the disparity is estimated; default: the middle one, (4, 4)"),
+           app.add_option("--view-column", arguments.view_column, "column of this view"));
 }
 
 }  // namespace
@@ -320,14 +331,8 @@ int run_depth(const std::vector<std::string>& arguments) {
             "e2lf depth out/demo/recon -o out/depth");
   DepthArguments depth_arguments;
   CLI::App& app = verb.app();
-  add_output_options(app, depth_arguments.output, depth_arguments.lens);
-  add_pair(
-      app.add_option("--min-disparity", depth_arguments.least, "disparity of the nearest points, px per view step"),
-      app.add_option("--max-disparity", depth_arguments.most,
-                     "disparity of the farthest points, px per view step; default of both: estimated, within 6 px"));
-  add_pair(app.add_option("--view-row", depth_arguments.view_row,
-                          "view for whose pixels the disparity is estimated; default: the middle one, (4, 4)"),
-           app.add_option("--view-column", depth_arguments.view_column, "column of this view"));
+  add_output_options(app, depth_arguments.output);
+  add_map_options(app, depth_arguments);
   add_light_field_options(app, depth_arguments.light_field, /*has_views=*/true);
   add_orientation_options(app, depth_arguments.light_field.orientation);
   add_method_options(app, depth_arguments.method, "the file of the events");

@@ -58,7 +58,7 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
   const fs::path& path = arguments.path;
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
   if (kind != FileKind::kLightField && kind != FileKind::kCycles) {
-    E2LF_RETURN_IF_ERROR(verb.refuse_options(kLightFieldOptions, kind_text(kind)));
+    E2LF_RETURN_IF_ERROR(verb.refuse_options({kLightFieldOptions}, kind_text(kind)));
   }
   if (kind == FileKind::kRecording) {
     E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, output_rules(verb, {path})));
@@ -68,7 +68,7 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
     return fail(ErrorCode::kUnsupported, "--report", "reports are made of recordings; `e2lf view` shows ",
                 kind_text(kind));
   }
-  E2LF_RETURN_IF_ERROR(verb.refuse_options(kRecordingOptions, kind_text(kind)));
+  E2LF_RETURN_IF_ERROR(verb.refuse_options(kOptionsOfRecordings, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(const Description found,
                         describe(kind, path, {.light_field = unchanged_options(arguments.light_field)}));
   print(found, verb.common());
@@ -84,7 +84,7 @@ int run_info(const std::vector<std::string>& arguments) {
   CLI::App& app = verb.app();
   app.add_option("path,-i,--input", info.path, "file or folder, or a bundled model")->required()->type_name(kThingType);
   add_report_option(app, info.reports);
-  add_recording_options(app, info.recording, kRecordingOptions);
+  add_recording_options(app, info.recording);
   add_light_field_options(app, info.light_field, /*has_views=*/true);
   verb.stop_gently();
   return verb.run(arguments, [&] { return print_info(info, verb); });

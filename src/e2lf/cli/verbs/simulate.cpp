@@ -268,7 +268,7 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
     return useless("--no-triggers", "event images do not contain triggers");
   }
   if (!is_stream) {
-    E2LF_RETURN_IF_ERROR(verb.refuse_options(kStreamOptions, "counts of whole patterns"));
+    E2LF_RETURN_IF_ERROR(verb.refuse_options({kStreamOptions}, "counts of whole patterns"));
     E2LF_RETURN_IF_ERROR(sensor::event_model_from_name(setup.known.event_model));
     return {};
   }
@@ -355,21 +355,8 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   return {};
 }
 
-}  // namespace
-
-int run_simulate(const std::vector<std::string>& arguments) {
-  Verb verb("simulate",
-            "Simulate the event images or the recording that an event camera with a coded aperture makes "
-            "of a light field.",
-            "e2lf simulate scene/ -m e2lf-n4 -o events.npz --sigma-w 0.175 --seed 1");
-  SimulateArguments simulation;
-  CLI::App& app = verb.app();
-  app.add_option("input,-i,--input", simulation.input, "light field: a folder of views, or any format e2lf reads");
-  app.add_option("-o,--output", simulation.output, "event images (.npz) or a recording (.raw, .hdf5, .dat, .csv ...)")
-      ->required();
-  add_codes_options(app, simulation.codes);
-  add_camera_option(app, simulation.camera, "the camera that records; default: the paper's event model");
-  add_light_field_options(app, simulation.light_field, /*has_views=*/false);
+void add_sensor_options(CLI::App& app, SimulateArguments& simulation) {
+  const OptionGroup group(app, kSensorOptions);
   app.add_option("--event-model", simulation.event_model,
                  "quantised (Eq. 8), reference-aware (Eq. 9, 10), esim or v2e; default: the model's");
   app.add_option("--eps", simulation.eps, "dark level added to the intensity; default: the model's, or 0.01");
@@ -385,6 +372,24 @@ int run_simulate(const std::vector<std::string>& arguments) {
          "above the black level, as in a real sensor after the change to black")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+}
+
+}  // namespace
+
+int run_simulate(const std::vector<std::string>& arguments) {
+  Verb verb("simulate",
+            "Simulate the event images or the recording that an event camera with a coded aperture makes "
+            "of a light field.",
+            "e2lf simulate scene/ -m e2lf-n4 -o events.npz --sigma-w 0.175 --seed 1");
+  SimulateArguments simulation;
+  CLI::App& app = verb.app();
+  app.add_option("input,-i,--input", simulation.input, "light field: a folder of views, or any format e2lf reads");
+  app.add_option("-o,--output", simulation.output, "event images (.npz) or a recording (.raw, .hdf5, .dat, .csv ...)")
+      ->required();
+  add_codes_options(app, simulation.codes);
+  add_camera_option(app, simulation.camera, "the camera that records; default: the paper's event model");
+  add_light_field_options(app, simulation.light_field, /*has_views=*/false);
+  add_sensor_options(app, simulation);
   app.add_option("--scene-gain", simulation.scene_gain, "brightness of the scene relative to the light field")
       ->capture_default_str();
   add_count(app, "--cycles", simulation.cycles, 1, INT64_MAX, "number of pattern cycles, each with independent noise");

@@ -235,7 +235,7 @@ int run_video(const std::vector<std::string>& arguments) {
   add_count(app, "--full-scale", video.full_scale, 1, 1000000, "plain frames: surplus of ON events that is white");
   add_choice(app, "--precision", video.precision, {"float32", "bfloat16"},
              "arithmetic of the network: float32 or bfloat16");
-  add_recording_options(app, video.recording, kRecordingOptions);
+  add_recording_options(app, video.recording);
   verb.stop_gently();
   return verb.run(arguments, [&] { return make_video(video, verb); });
 }
