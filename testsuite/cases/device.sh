@@ -10,7 +10,6 @@ absent cuda
 [ -x "$torch" ] || skip "e2lf was built without torch"
 fails 1 "no device" reconstruct cuda --device cuda:x
 fails 1 "no device" reconstruct cuda --device tpu
-fails 1 "the operation plane-sweep" "$E2LF" reconstruct events.npz -m e2lf-n4-geometry -o cuda --device torch-cpu
 fails 1 "does not compute in int16" "$E2LF" reconstruct events.npz -m e2lf-n4 -o cuda --precision int16 --device torch-cpu
 reconstruct cpu
 reconstruct torch --device torch-cpu 2>torch.txt

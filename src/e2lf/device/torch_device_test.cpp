@@ -49,13 +49,8 @@ TEST_F(TorchDevice, ComputesEveryBundledNetworkAsTheEngineDoes) {
   for (const std::string& name : bundled_names(kBundledModels)) {
     const model::Model model = bundled(name);
     const auto engine = Engine::create(model.network, model.weights, {.device = tested_device()});
-    if (std::ranges::any_of(model.network.layers,
-                            [](const model::Layer& layer) { return layer.op == "plane-sweep"; })) {
-      EXPECT_EQ(engine.error().code, ErrorCode::kUnsupported) << name;
-      continue;
-    }
     ASSERT_TRUE(engine) << name << ": " << engine.error().text();
-    const size_t side = 8 * model::size_multiple(model.network);
+    const size_t multiple = model::size_multiple(model.network), side = std::max<size_t>(2 * multiple, 64);
     std::mt19937 random(3);
     // Most inputs, such as intensities and the properties of the sensor, are between 0 and about 1. White noise of both
     // signs cancels in the output, which magnifies the rounding.
@@ -72,7 +67,10 @@ TEST_F(TorchDevice, ComputesEveryBundledNetworkAsTheEngineDoes) {
       largest = std::max(largest, std::abs(expected[i]));
       difference = std::max(difference, std::abs(actual[i] - expected[i]));
     }
-    EXPECT_LT(difference, 1e-5F * largest) << name;
+    // Evidence is a quotient of small sums, and views follow a geometry by a steep function of their detail.
+    const bool has_geometry = std::ranges::any_of(
+        model.network.layers, [](const model::Layer& layer) { return layer.op == geometry::Op::kPlaneSweep; });
+    EXPECT_LT(difference, (has_geometry ? 1e-3F : 1e-5F) * largest) << name;
     RecordProperty(name, std::to_string(difference / largest));
   }
 }

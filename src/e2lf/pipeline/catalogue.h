@@ -16,7 +16,7 @@ struct ModelNeeds {
   bool gives_disparity = false;  ///< a disparity instead of views
   bool has_pixels = false;       ///< the events are those of physical pixels, instead of the paper's event model
   bool is_fast = false;          ///< the network must keep pace with a live source
-  bool may_be_guided = true;     ///< its views may follow a disparity, which devices other than the CPU cannot compute
+  bool may_be_guided = true;     ///< its views may follow a disparity
 };
 
 /// A bundled model and its file.

@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kDepth = "depth";
 
-/// The operation of networks whose views follow a geometry, which devices other than the CPU lack.
+/// The operation of networks whose views follow a geometry.
 constexpr const char* kRenderLayers = "render-layers";
 
 bool follows_geometry(const model::Model& model) {
@@ -47,8 +47,7 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledModel> network, network_for({.codes = known->codes,
                                                                           .gives_disparity = choice.algorithm == kDepth,
-                                                                          .is_fast = choice.prefers_fast,
-                                                                          .may_be_guided = choice.device == "cpu"},
+                                                                          .is_fast = choice.prefers_fast},
                                                                          opened.camera));
   if (!network && bundled_names(kBundledModels).empty()) {
     return fail(ErrorCode::kNotFound, "",

@@ -6,6 +6,10 @@
 #include <mutex>
 
 #include "e2lf/base/text.h"
+#if E2LF_LEARN_KERNELS
+#include "e2lf/geometry/operations.h"
+#include "e2lf/learn/network/geometry_operations.h"
+#endif
 
 namespace e2lf::learn {
 namespace {
@@ -94,11 +98,17 @@ struct Registry {
        }},
       {Op::kAdd, sum},
       {Op::kMean, [](const TorchCall& call) { return sum(call) / static_cast<double>(call.inputs.size()); }},
+#if E2LF_LEARN_KERNELS
+      {geometry::Op::kPlaneSweep, apply_plane_sweep},
+      {geometry::Op::kRenderLayers, apply_render_layers},
+#endif
       {Op::kConcat, [](const TorchCall& call) { return torch::cat(call.inputs, 1); }},
       {Op::kSigmoid, [](const TorchCall& call) { return torch::sigmoid(call.inputs[0]); }}};
 
  private:
-  static int64_t stride_of(const TorchCall& call) { return static_cast<int64_t>(call.layer.stride); }
+  static int64_t stride_of(const TorchCall& call) {
+    return static_cast<int64_t>(call.layer.stride);
+  }
 };
 
 Registry& registry() {
