@@ -1,8 +1,10 @@
-"""What `pip install .` runs (PEP 517): CMake builds the module, and this packs it as a wheel with four models and the cameras.
+"""What `pip install .` runs (PEP 517): CMake builds the module, and this packs it as a wheel with three networks and the cameras.
 
-Nothing but Python's own library is needed, so pip downloads nothing. A build tree of this checkout that was configured for
+Nothing but Python's own library is needed, so pip downloads nothing; Debian 12 packages no backend for CMake, such as
+scikit-build-core. A build tree of this checkout that was configured for
 the same Python is built further; without one build/wheel is made. --config-settings build-dir=FOLDER takes the module that a
-CMake build folder of e2lf holds already, and builds nothing.
+CMake build folder of e2lf holds already, and builds nothing; platform=TAG names for which systems it is
+(build_portable_wheel.sh).
 """
 import base64
 import hashlib
@@ -19,12 +21,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 # Folders beside share/e2lf in an environment of Python: e2lf.data_file() looks there.
-MODELS = ["e2lf-n4", "e2lf-n4-depth", "e2lf-n4-geometry", "e2lf-n8"]  # with the parts of the composed one
+MODELS = ["e2lf-n4", "e2lf-n4-depth", "e2lf-n4-geometry", "e2lf-depth"]  # e2lf-n4-geometry is composed of the first two
 DATA = {"models": [f"{name}.safetensors" for name in MODELS], "cameras": ["*.json"]}
 DESCRIPTION = """Light fields from the events of a camera behind a coded aperture.
 
-The wheel contains the models e2lf-n4, e2lf-n4-depth, e2lf-n4-geometry and e2lf-n8, so that it stays small. The others are in the folder models
-of the sources of e2lf: set E2LF_MODELS to this folder, or give their paths.
+The wheel contains the models e2lf-n4 and e2lf-n4-depth, e2lf-n4-geometry, which is composed of both, and e2lf-depth for any
+patterns, so that it stays small. The others are in the folder models of the sources of e2lf: set E2LF_MODELS to this folder,
+or give their paths.
 """
 # Build trees that may hold the module already, the optimised ones first.
 REUSED = ["wheel", "release", "dev"]
@@ -137,7 +140,7 @@ def metadata():
             "License: MIT\nRequires-Python: >=3.9\nRequires-Dist: numpy\n\n" + DESCRIPTION)
 
 
-def contents(package_folder):
+def contents(package_folder, tag):
     """(name in the wheel, bytes, mode) of all but the list of files."""
     data = f"e2lf-{version()}.data/data/share/e2lf"
     info = f"e2lf-{version()}.dist-info"
@@ -148,22 +151,23 @@ def contents(package_folder):
             yield f"{data}/{folder}/{file.name}", file.read_bytes(), 0o644
     yield f"{info}/LICENSE", (ROOT / "LICENSE").read_bytes(), 0o644
     yield f"{info}/METADATA", metadata().encode(), 0o644
-    yield f"{info}/WHEEL", f"Wheel-Version: 1.0\nGenerator: e2lf\nRoot-Is-Purelib: false\nTag: {tag()}\n".encode(), 0o644
+    yield f"{info}/WHEEL", f"Wheel-Version: 1.0\nGenerator: e2lf\nRoot-Is-Purelib: false\nTag: {tag}\n".encode(), 0o644
 
 
-def tag():
+def tag_of(platform):
     python = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    return f"{python}-{python}-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
+    return f"{python}-{python}-{platform.replace('-', '_').replace('.', '_')}"
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    name = f"e2lf-{version()}-{tag()}.whl"
-    record = f"e2lf-{version()}.dist-info/RECORD"
     settings = config_settings or {}
+    tag = tag_of(settings.get("platform", sysconfig.get_platform()))
+    name = f"e2lf-{version()}-{tag}.whl"
+    record = f"e2lf-{version()}.dist-info/RECORD"
     folder = Path(settings["build-dir"]).absolute() if "build-dir" in settings else build()
     lines = []
     with tempfile.TemporaryDirectory() as prefix, zipfile.ZipFile(Path(wheel_directory) / name, "w") as wheel:
-        for path, data, mode in contents(package(folder, prefix)):
+        for path, data, mode in contents(package(folder, prefix), tag):
             entry = zipfile.ZipInfo(path)
             entry.external_attr = mode << 16
             wheel.writestr(entry, data, zipfile.ZIP_DEFLATED)

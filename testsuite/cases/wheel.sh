@@ -21,11 +21,11 @@ assert e2lf.__file__.startswith(sys.prefix) and e2lf.bundled_model().startswith(
 about = importlib.metadata.distribution("e2lf")
 assert about.version == e2lf.__version__, about.version
 listed = [file for file in about.files if file.hash]
-assert {file.name for file in listed} >= {"py.typed", "__init__.pyi", "e2lf-n8.safetensors", "evk4-lcos.json", "LICENSE"}
+assert {file.name for file in listed} >= {"py.typed", "__init__.pyi", "e2lf-depth.safetensors", "evk4-lcos.json", "LICENSE"}
 for file in listed:
     digest = base64.urlsafe_b64encode(hashlib.sha256(file.read_binary()).digest()).rstrip(b"=").decode()
     assert digest == file.hash.value, file
-assert sorted(file.stem for file in listed if file.suffix == ".safetensors") == ["e2lf-n4", "e2lf-n4-depth", "e2lf-n4-geometry", "e2lf-n8"]
+assert sorted(file.stem for file in listed if file.suffix == ".safetensors") == ["e2lf-depth", "e2lf-n4", "e2lf-n4-depth", "e2lf-n4-geometry"]
 try:
     e2lf.Model("e2lf-n4-camera")
 except e2lf.Error as error:
