@@ -9,6 +9,10 @@ if(NOT DEFINED E2LF_WITH_TORCH OR E2LF_WITH_TORCH)
   find_package(Torch QUIET)
 endif()
 e2lf_optional(torch Torch_FOUND "training and torch in benchmarks" "libtorch-dev" ", ${Torch_VERSION}")
+if(NOT DEFINED E2LF_WITH_ONEDNN OR E2LF_WITH_ONEDNN)
+  find_package(dnnl 2.6 QUIET)
+endif()
+e2lf_optional(onednn dnnl_FOUND "oneDNN in benchmarks" "libdnnl-dev")
 
 # The page of the viewer is built with npm packages, which ./run fetches into viewer/node_modules.
 find_program(E2LF_NPM npm)

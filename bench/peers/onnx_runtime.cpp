@@ -97,7 +97,7 @@ Result<PeerRuns> run_onnx_runtime(const model::Model& model, size_t height, size
   std::ifstream about(packages / "node_modules" / "onnxruntime-node" / "package.json");
   const Json package = Json::parse(about, nullptr, /*allow_exceptions=*/false);
   if (package.is_object()) version = package.value("version", "");
-  return PeerRuns{cat("ONNX Runtime ", version, " float32"), json["seconds"].get<std::vector<double>>()};
+  return PeerRuns{cat("ONNX Runtime ", version), json["seconds"].get<std::vector<double>>()};
 }
 
 }  // namespace e2lf::bench

@@ -20,7 +20,7 @@ torch::Tensor tensor_of(const float* data, std::vector<int64_t> shape) {
   return torch::from_blob(const_cast<float*>(data), shape, torch::kFloat32);
 }
 
-std::vector<Layer> make_layers(const E2lfTorchJob& job) {
+std::vector<Layer> make_layers(const E2lfRecnetJob& job) {
   std::vector<Layer> layers;
   auto in = static_cast<int64_t>(job.in_channels);
   for (size_t i = 0; i < job.num_layers; ++i) {
@@ -45,7 +45,7 @@ torch::Tensor forward(const std::vector<Layer>& layers, torch::Tensor x) {
 
 }  // namespace
 
-const char* e2lf_torch_recnet(const E2lfTorchJob* job) {
+const char* e2lf_torch_recnet(const E2lfRecnetJob* job) {
   static std::string message;
   try {
     const torch::InferenceMode guard;

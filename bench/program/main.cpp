@@ -45,30 +45,33 @@ BenchReport reconstruct_report(const Json& json) {
                        {"seconds", true},
                        {"GFLOP/s", true},
                        {"of the peak, %", true},
-                       {"times the peer", true},
+                       {"times oneDNN", true},
+                       {"times libtorch", true},
                        {"times ONNX Runtime", true}},
                       {}};
-  const auto add = [&](const std::string& name, const Json& row) {
-    table.rows.push_back({report::text_cell(name), number_of(row, "seconds", 3), number_of(row, "gflops", 0),
-                          number_of(row, "share_of_peak", 0, 100), number_of(row, "ratio_to_peer", 1),
-                          number_of(row, "ratio_to_onnx_runtime", 1)});
-  };
-  for (const char* precision : {"float32", "bfloat16", "int16"}) {
-    if (json.contains(precision)) add(precision, json[precision]);
-  }
-  const Json& peer = json["peer"];
-  const bool has_peer = peer.contains("name");
-  if (has_peer) add("peer: " + peer["name"].get<std::string>(), peer);
-  const Json onnx = json.value("onnx_runtime", Json::object());
-  if (onnx.contains("name")) add("peer: " + onnx["name"].get<std::string>(), onnx);
   BenchReport found{"Speed of reconstruction",
                     cat(json["network"].get<std::string>(), ", ", json_line(json["image"]), " px, ",
-                        json["threads"].get<int>(), " threads, ", json["isa"].get<std::string>()),
-                    {table}};
-  found.note = cat(has_peer ? "" : cat("peer: none (", peer["absent"].get<std::string>(), ")\n"),
-                   onnx.contains("absent") ? cat("ONNX Runtime: ", onnx["absent"].get<std::string>(), "\n") : "",
-                   "multiply-add peak of this machine, GFLOP/s: ", json_line(json["peak_gflops"]), "; peak memory ",
-                   std::lround(json["peak_memory_mib"].get<double>()), " MiB");
+                        json["threads"].get<int>(), " threads, ", json["isa"].get<std::string>())};
+  const auto add = [&](const std::string& name, const Json& row) {
+    table.rows.push_back({report::text_cell(name), number_of(row, "seconds", 3), number_of(row, "gflops", 0),
+                          number_of(row, "share_of_peak", 0, 100), number_of(row, "times_onednn", 2),
+                          number_of(row, "times_libtorch", 2), number_of(row, "times_onnx_runtime", 2)});
+  };
+  const auto add_precisions = [&](const std::string& name, const Json& rows) {
+    for (const char* precision : {"float32", "bfloat16", "int16"}) {
+      if (rows.contains(precision)) add(name + precision, rows[precision]);
+    }
+  };
+  add_precisions("", json);
+  for (const auto& [name, peer] : json["peers"].items()) {
+    if (peer.contains("absent"))
+      found.note += cat("no ", name, ": ", peer["absent"].get<std::string>(), "\n");
+    else
+      add_precisions(peer["name"].get<std::string>() + " ", peer);
+  }
+  found.note += cat("multiply-add peak of this machine, GFLOP/s: ", json_line(json["peak_gflops"]), "; peak memory ",
+                    std::lround(json["peak_memory_mib"].get<double>()), " MiB");
+  found.tables = {std::move(table)};
   return found;
 }
 
@@ -80,7 +83,8 @@ void add_size_options(Verb& verb, size_t& width, size_t& height) {
 
 int run_reconstruct(const std::vector<std::string>& arguments) {
   Verb verb("reconstruct",
-            "Measure the reconstruction network against libtorch and the machine's multiply-add peak, in the same run.",
+            "Measure the reconstruction network against oneDNN, libtorch and the machine's multiply-add peak, in the "
+            "same run.",
             "e2lf-bench reconstruct --json");
   ReconstructBench options;
   std::filesystem::path model;
@@ -280,7 +284,7 @@ int run(const std::vector<std::string>& arguments) {
                       {"decode", "RAW recordings, against the scalar reference", run_decode},
                       {"depth", "disparity maps, against true ones", run_depth},
                       {"motion", "what the whole cycle gains or loses if the scene moves", run_motion},
-                      {"reconstruct", "the network, against libtorch and the machine's peak", run_reconstruct},
+                      {"reconstruct", "the network, against oneDNN, libtorch and the machine's peak", run_reconstruct},
                       {"rig", "one cycle from light field to light field, each stage", run_rig},
                       {"simulate", "the event simulation, against the scalar reference", run_simulate},
                       {"video", "networks that make frames of events, against libtorch", run_video},

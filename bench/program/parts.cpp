@@ -35,16 +35,15 @@ model::Weights random_weights(const model::Network& network) {
   return weights;
 }
 
-void* find_torch_peer(const std::filesystem::path& module, const char* function, std::string& absent) {
-  std::filesystem::path path = module;
-  if (path.empty()) path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "e2lf_torch_peer.so";
+void* find_in_peer(const char* module, const char* function, std::string& absent) {
+  const std::string path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / module;
   void* const library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
-    absent = cat("no libtorch in this build (", ::dlerror(), ")");
+    absent = cat("not in this build (", ::dlerror(), ")");
     return nullptr;
   }
   void* const found = ::dlsym(library, function);
-  if (found == nullptr) absent = cat(path.string(), " is not the peer's module");
+  if (found == nullptr) absent = cat(path, " is not the peer's module");
   return found;
 }
 

@@ -22,9 +22,9 @@ struct Timing {
 /// Returns random weights that preserve the magnitude of values from layer to layer.
 [[nodiscard]] model::Weights random_weights(const model::Network& network);
 
-/// Returns a function of the module e2lf_torch_peer.so, which is beside the program or at `module`. If there is none,
-/// returns null, and `absent` states the reason.
-[[nodiscard]] void* find_torch_peer(const std::filesystem::path& module, const char* function, std::string& absent);
+/// Returns a function of the module with a peer (e2lf_torch_peer.so, e2lf_onednn_peer.so) beside the program. If there
+/// is none, returns null, and `absent` states the reason.
+[[nodiscard]] void* find_in_peer(const char* module, const char* function, std::string& absent);
 
 /// The largest motion within two cycles that a scene has room for, px.
 constexpr size_t kMostMotionPx = 16;

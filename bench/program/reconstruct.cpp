@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <sys/resource.h>
 
+#include "bench/peers/onednn_recnet.h"
 #include "bench/peers/onnx_runtime.h"
 #include "bench/peers/torch_recnet.h"
 #include "bench/program/parts.h"
@@ -27,6 +29,8 @@ using engine::Precision;
 model::Model paper_model() {
   model::Model model;
   model.name = "the paper's network, random weights";
+  model.num_patterns = 4;
+  model.input = {{model::InputKind::kCounts, 1.0F / 8.0F}};
   model.network = model::recnet(3);
   model.weights = random_weights(model.network);
   return model;
@@ -63,37 +67,35 @@ class Bench {
 
   Result<Json> run() {
     const Peak peak = measure_peak();
+    peak_flops_ = {{Precision::kFloat32, peak.float32_flops},
+                   {Precision::kBfloat16, peak.bfloat16_flops},
+                   {Precision::kInt16, peak.float32_flops}};
     report_ = {{"network", model_.name},    {"image", {options_.height, options_.width}},
                {"threads", num_threads()},  {"isa", current_isa()},
                {"gmac", operations_ / 2e9}, {"peak_gflops", {{"float32", peak.float32_flops / 1e9}}}};
-    E2LF_RETURN_IF_ERROR(run_engine(Precision::kFloat32, peak.float32_flops));
+    E2LF_RETURN_IF_ERROR(run_engine(Precision::kFloat32));
     report_["peak_memory_mib"] = peak_memory_mib();
-    const std::vector<float> exact = options_.with_peer || num_precisions() > 1 ? output_ : std::vector<float>();
+    exact_ = output_;
     if (engine::bfloat16_supported()) {
       report_["peak_gflops"]["bfloat16"] = peak.bfloat16_flops / 1e9;
-      E2LF_RETURN_IF_ERROR(run_engine(Precision::kBfloat16, peak.bfloat16_flops));
-      report_["bfloat16"]["snr_to_float32_db"] = snr_db(exact, output_);
+      E2LF_RETURN_IF_ERROR(run_engine(Precision::kBfloat16));
     }
-    if (engine::int16_supported()) {
-      E2LF_RETURN_IF_ERROR(run_engine(Precision::kInt16, peak.float32_flops));
-      report_["int16"]["snr_to_float32_db"] = snr_db(exact, output_);
-    }
-    if (options_.with_peer) run_peer(exact);
-    if (!options_.onnx_packages.empty()) compare_with_onnx_runtime();
+    if (engine::int16_supported()) E2LF_RETURN_IF_ERROR(run_engine(Precision::kInt16));
+    Json& peers = report_["peers"];
+    peers["onednn"] = run_onednn();  // before libtorch, which uses oneDNN without its limit of the instruction set
+    peers["libtorch"] = run_libtorch();
+    if (!options_.onnx_packages.empty()) peers["onnx_runtime"] = run_onnx_runtime();
+    for (const auto& [name, peer] : peers.items()) add_ratios("times_" + name, peer);
     return std::move(report_);
   }
 
  private:
-  static size_t num_precisions() {
-    return 1 + (engine::bfloat16_supported() ? 1 : 0) + (engine::int16_supported() ? 1 : 0);
-  }
-
   void advance() {
-    const size_t total = options_.runs * (num_precisions() + (options_.with_peer ? 1 : 0));
-    if (progress_) progress_(++done_, total);
+    const size_t precisions = 1 + (engine::bfloat16_supported() ? 1 : 0) + (engine::int16_supported() ? 1 : 0);
+    if (progress_) progress_(++done_, options_.runs * precisions);
   }
 
-  Result<void> run_engine(Precision precision, double peak_flops) {
+  Result<void> run_engine(Precision precision) {
     E2LF_ASSIGN_OR_RETURN(const Engine engine, Engine::create(model_.network, model_.weights, {precision}));
     std::vector<double> seconds;
     for (size_t i = 0; i < options_.runs; ++i) {
@@ -102,67 +104,75 @@ class Bench {
       seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
       advance();
     }
-    const Timing timing = timing_of(seconds);
-    report_[word_of(precision, engine::kPrecisions)] = {{"seconds", to_json(timing)},
-                                                        {"gflops", operations_ / timing.median / 1e9},
-                                                        {"share_of_peak", operations_ / timing.median / peak_flops},
-                                                        {"kernels", engine.describe()}};
+    Json row = speed(precision, seconds);
+    row["kernels"] = engine.describe();
+    if (precision != Precision::kFloat32) row["snr_to_float32_db"] = snr_db(exact_, output_);
+    report_[word_of(precision, engine::kPrecisions)] = row;
     return {};
   }
 
-  void compare_with_onnx_runtime() {
-    Json& peer = report_["onnx_runtime"];
-    const auto ran =
-        run_onnx_runtime(model_, options_.height, options_.width, options_.runs, num_threads(), options_.onnx_packages);
-    if (!ran) {
-      peer["absent"] = ran.error().text();
-      return;
-    }
-    const Timing timing = timing_of(ran->seconds);
-    peer = {{"name", ran->name}, {"seconds", to_json(timing)}, {"gflops", operations_ / timing.median / 1e9}};
-    add_ratios("ratio_to_onnx_runtime", timing);
+  Json speed(Precision precision, const std::vector<double>& seconds) const {
+    const Timing timing = timing_of(seconds);
+    return {{"seconds", to_json(timing)},
+            {"gflops", operations_ / timing.median / 1e9},
+            {"share_of_peak", operations_ / timing.median / peak_flops_.at(precision)}};
   }
 
-  void add_ratios(const char* name, const Timing& peer) {
+  void add_ratios(const std::string& name, const Json& peer) {
     for (const char* precision : {"float32", "bfloat16", "int16"}) {
-      if (!report_.contains(precision)) continue;
+      const Json& theirs = peer.contains(precision) ? peer[precision] : peer.value("float32", Json());
+      if (!report_.contains(precision) || theirs.is_null()) continue;
       Json& own = report_[precision];
-      own[name] = peer.median / own["seconds"]["median"].get<double>();
+      own[name] = theirs["seconds"]["median"].get<double>() / own["seconds"]["median"].get<double>();
     }
   }
 
-  std::string peer_refusal() const {
-    return model_.network == model::recnet(model_.network.input_channels) ? ""
-                                                                          : "the peer knows only the paper's network";
+  Json run_onnx_runtime() const {
+    const auto ran = bench::run_onnx_runtime(model_, options_.height, options_.width, options_.runs, num_threads(),
+                                             options_.onnx_packages);
+    if (!ran) return {{"absent", ran.error().text()}};
+    return {{"name", ran->name}, {"float32", speed(Precision::kFloat32, ran->seconds)}};
   }
 
-  void run_peer(const std::vector<float>& exact) {
-    Json& peer = report_["peer"];
-    peer["absent"] = peer_refusal();
-    if (peer["absent"] != "") return;
+  /// The function of a peer for the paper's network; if there is none, null with the reason.
+  template <class Function>
+  Function* find(const char* module, const char* function, std::string& absent) const {
+    if (model_.network != model::recnet(model_.network.input_channels)) {
+      absent = "the peer knows only the paper's network";
+      return nullptr;
+    }
+    return reinterpret_cast<Function*>(find_in_peer(module, function, absent));
+  }
+
+  Json run_libtorch() {
     std::string absent;
-    const auto recnet = reinterpret_cast<decltype(&e2lf_torch_recnet)>(
-        find_torch_peer(options_.peer_module, "e2lf_torch_recnet", absent));
-    const auto version = reinterpret_cast<decltype(&e2lf_torch_version)>(
-        find_torch_peer(options_.peer_module, "e2lf_torch_version", absent));
-    if (recnet == nullptr || version == nullptr) {
-      peer["absent"] = absent;
-      return;
-    }
-    std::vector<double> seconds;
-    for (size_t i = 0; i < options_.runs; ++i) {
-      double elapsed = 0.0;
-      if (const char* error = run_peer_once(recnet, elapsed)) {
-        peer["absent"] = error;
-        return;
-      }
-      seconds.push_back(elapsed);
-      advance();
-    }
-    report_peer(version(), timing_of(seconds), exact);
+    const auto recnet = find<decltype(e2lf_torch_recnet)>("e2lf_torch_peer.so", "e2lf_torch_recnet", absent);
+    const auto version = find<decltype(e2lf_torch_version)>("e2lf_torch_peer.so", "e2lf_torch_version", absent);
+    if (recnet == nullptr || version == nullptr) return {{"absent", absent}};
+    const Json row = run_peer(Precision::kFloat32, recnet);
+    if (row.contains("absent")) return row;
+    return {{"name", cat("libtorch ", version())}, {"float32", row}};
   }
 
-  const char* run_peer_once(decltype(&e2lf_torch_recnet) recnet, double& seconds) {
+  Json run_onednn() {
+    std::string absent;
+    const auto recnet = find<decltype(e2lf_onednn_recnet)>("e2lf_onednn_peer.so", "e2lf_onednn_recnet", absent);
+    const auto version = find<decltype(e2lf_onednn_version)>("e2lf_onednn_peer.so", "e2lf_onednn_version", absent);
+    if (recnet == nullptr || version == nullptr) return {{"absent", absent}};
+    Json peer = {{"name", cat("oneDNN ", version())}};
+    for (const Precision precision : {Precision::kFloat32, Precision::kBfloat16}) {
+      const int bfloat16 = precision == Precision::kBfloat16 ? 1 : 0;
+      if (bfloat16 != 0 && !engine::bfloat16_supported()) continue;
+      const Json row =
+          run_peer(precision, [&](const E2lfRecnetJob* job) { return recnet(job, bfloat16, current_isa().c_str()); });
+      if (row.contains("absent")) return row;
+      peer[word_of(precision, engine::kPrecisions)] = row;
+    }
+    return peer;
+  }
+
+  template <class Recnet>
+  Json run_peer(Precision precision, const Recnet& recnet) {
     std::vector<size_t> out_channels, kernels;
     std::vector<const float*> weights, biases;
     for (const model::Layer& layer : model_.network.layers) {
@@ -171,31 +181,24 @@ class Bench {
       weights.push_back(model_.weights.at(layer.name + ".weight").data());
       biases.push_back(model_.weights.at(layer.name + ".bias").data());
     }
-    const E2lfTorchJob job{weights.size(),  out_channels.data(), kernels.data(),
-                           weights.data(),  biases.data(),       model_.network.input_channels,
-                           options_.height, options_.width,      input_.data(),
-                           output_.data(),  num_threads(),       1,
-                           &seconds};
-    return recnet(&job);
-  }
-
-  void report_peer(const char* version, const Timing& timing, const std::vector<float>& exact) {
-    double largest = 0.0;
-    for (size_t i = 0; i < exact.size(); ++i) {
-      largest = std::max(largest, std::abs(static_cast<double>(exact[i]) - output_[i]));
-    }
-    report_["peer"] = {{"name", cat("libtorch ", version, " float32")},
-                       {"seconds", to_json(timing)},
-                       {"gflops", operations_ / timing.median / 1e9},
-                       {"largest_difference", largest}};
-    add_ratios("ratio_to_peer", timing);
+    std::vector<double> seconds(options_.runs);
+    const E2lfRecnetJob job{weights.size(),  out_channels.data(), kernels.data(),
+                            weights.data(),  biases.data(),       model_.network.input_channels,
+                            options_.height, options_.width,      input_.data(),
+                            output_.data(),  num_threads(),       options_.runs,
+                            seconds.data()};
+    if (const char* error = recnet(&job)) return {{"absent", error}};
+    Json row = speed(precision, seconds);
+    row["snr_to_float32_db"] = snr_db(exact_, output_);
+    return row;
   }
 
   const ReconstructBench& options_;
   const ProgressFn& progress_;
   model::Model model_;
   double operations_ = 0.0;
-  std::vector<float> input_, output_;
+  std::map<Precision, double> peak_flops_;
+  std::vector<float> input_, output_, exact_;  ///< exact_: of the engine in float32
   size_t done_ = 0;
   Json report_;
 };

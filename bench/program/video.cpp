@@ -178,8 +178,7 @@ class Bench {
     Json& peer = report_["peer"];
     const PeerNetwork network(named_);
     std::string absent = network.absent();
-    void* const found =
-        absent.empty() ? find_torch_peer(options_.peer_module, "e2lf_torch_event_video", absent) : nullptr;
+    void* const found = absent.empty() ? find_in_peer("e2lf_torch_peer.so", "e2lf_torch_event_video", absent) : nullptr;
     std::vector<double> seconds(options_.frames + 1);
     if (found != nullptr) {
       const E2lfTorchVideoJob job{network.layers().size(),

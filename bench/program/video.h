@@ -16,7 +16,6 @@ struct VideoBench {
   size_t width = 640, height = 480;
   size_t frames = 5;                       ///< timed frames of each network, after one that warms up
   std::optional<video::VideoModel> model;  ///< empty: FireNet, E2VID's U-Net and ET-Net with random weights
-  std::filesystem::path peer_module;       ///< empty: beside the program
 };
 
 /// Measures the time per frame of recurrent networks in float32 and, if the CPU supports it, bfloat16, relative to

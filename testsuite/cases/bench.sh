@@ -35,13 +35,23 @@ part bench_reconstruct
 # A small image through the reconstruction benchmark: every row is there; sizes that the network does not take are refused. Speed itself is never tested.
 "$E2LF-bench" reconstruct --width 48 --height 32 --runs 1 --json --quiet >report.json
 [ "$(json report.json "(j['image'], j['float32']['seconds']['median'] > 0)")" = "([32, 48], True)" ] || fail "report"
+# Each peer that this build has computes the same network, in bfloat16 where the CPU has its products.
+for peer in onednn torch; do
+  if [ -e "$(dirname "$E2LF")/e2lf_${peer}_peer.so" ]; then check "$(json report.json "'absent' not in j['peers']['${peer/#torch/libtorch}']")"; fi
+done
+check "$(json report.json "all(p.get('absent') or (p['float32']['snr_to_float32_db'] > 100 and p['float32']['share_of_peak'] > 0) for p in j['peers'].values())")"
+check "$(json report.json "all(p['bfloat16']['snr_to_float32_db'] > 30 for p in j['peers'].values() if 'bfloat16' in p)")"
+check "$(json report.json "('bfloat16' in j) == ('bfloat16' in j['peers']['onednn']) or 'absent' in j['peers']['onednn']")"
+# Without oneDNN's kernels for an instruction set, it is left out.
+E2LF_MAX_ISA=scalar "$E2LF-bench" reconstruct --width 48 --height 32 --runs 1 --json --quiet >scalar.json
+check "$(json scalar.json "'absent' in j['peers']['onednn'] and 'times_onednn' not in j['float32']")"
 model=$TESTSUITE/../models/e2lf-n4.safetensors
 grep -q "the peer knows only the paper's network" <<<"$("$E2LF-bench" reconstruct -m "$model" --width 48 --height 32 --runs 1 --quiet)" || fail "table"
 fails 1 "--width: 1284 pixels" "$E2LF-bench" reconstruct -m "$model" --width 1284
 fails 1 "multiple of 8" "$E2LF-bench" reconstruct -m "$model" --height 721
 if [ -e "$E2LF_BUILD/onnx/.installed" ] && command -v node >/dev/null; then
   "$E2LF-bench" reconstruct -m "$model" --width 48 --height 32 --runs 2 --onnx "$E2LF_BUILD/onnx" --json --quiet >onnx.json
-  check "$(json onnx.json "j['onnx_runtime']['seconds']['min'] > 0 and j['float32']['ratio_to_onnx_runtime'] > 0")"
+  check "$(json onnx.json "j['peers']['onnx_runtime']['float32']['seconds']['min'] > 0 and j['float32']['times_onnx_runtime'] > 0")"
 fi
 grep -q "ONNX Runtime does not run" <<<"$("$E2LF-bench" reconstruct -m "$model" --width 48 --height 32 --runs 1 --onnx . --quiet)" || fail "no ONNX Runtime"
 for option in width height runs; do
