@@ -10,36 +10,33 @@ from sensor import FIXED_CONDITIONS
 
 DISPARITIES = [round(-3.4 + 0.2 * i, 3) for i in range(35)]
 FEATURES = 4  # of each picture
+KINDS = 3  # of pictures that have weights of their own: the first, the second, and those after it
 SWEEP_SCALE = 4
 GROUPS = 3  # of event planes: cumulative counts, levels, intensities
 WINDOW = 7  # of the comparison, px of its scale
-STEM_INPUTS = 3 * GROUPS + patterns.CONSTANTS + FIXED_CONDITIONS
-SLOPE_OF_TRANSMISSION = patterns.COUNT_SCALE / patterns.TAU / 5  # of the normal of a picture by its element of the conditioning vector
-
-
-def normalised(groups, transmissions, aperture):
-    """Returns the groups, [batch, 3, P, y, x], as if all patterns were equally large and equally transparent; transmissions: those of the
-    conditioning vector, [batch, P], 0 for the first."""
-    normal = (aperture.normal + SLOPE_OF_TRANSMISSION * transmissions)[..., None, None]
-    return torch.stack([groups[:, 0] - normal, groups[:, 1] - normal, groups[:, 2] * aperture.gain[..., None, None]], 1)
+CONSTANTS = patterns.CONSTANTS + patterns.SLOTS + FIXED_CONDITIONS  # of the patterns, their transmissions, and the sensor
+STEM_INPUTS = patterns.SLOTS * GROUPS + patterns.MOMENTS + CONSTANTS
 
 
 def aperture_planes(groups, aperture):
-    """Returns the central picture and its two derivatives for each group, [batch, 9, y, x], of groups from normalised()."""
-    planes = torch.matmul(aperture.moments[:, None], groups.flatten(3))
-    return planes.view(len(groups), 3 * GROUPS, *groups.shape[3:])
+    """Returns the slots of each group and the moments of the intensities, [batch, 12, y, x]; groups: [batch, 3, P, y, x]."""
+    slots = torch.matmul(aperture.slots[:, None], groups.flatten(3))
+    moments = torch.matmul(aperture.moments * aperture.gains[:, None], groups[:, 2].flatten(2))
+    return torch.cat([slots.flatten(1, 2), moments], 1).unflatten(2, groups.shape[3:])
 
 
 def with_neighbours(pictures):
-    """Returns each of P pictures, [batch, P, n, y, x], with the one before it (zeros for the first) and the mean of all: [batch, P, 3 n, y, x]."""
-    before = torch.cat([torch.zeros_like(pictures[:, :1]), pictures[:, :-1]], 1)
+    """Returns each of P pictures, [batch, P, n, y, x], with the one before it (the one after it for the first) and the mean of all:
+    [batch, P, 3 n, y, x]."""
+    before = torch.cat([pictures[:, 1:2], pictures[:, :-1]], 1)
     return torch.cat([pictures, before, pictures.mean(1, keepdim=True).expand_as(pictures)], 2)
 
 
-def first_and_later(pictures):
-    """Takes the first half of the channels for the first picture, which follows the black pattern, and the second half for the others."""
-    first, later = pictures.chunk(2, 2)
-    return torch.cat([first[:, :1], later[:, 1:]], 1)
+def of_its_kind(pictures):
+    """Takes the channels of each picture that were made with the weights of its kind: the first one, which follows the black pattern, the
+    second, and those after it."""
+    kinds = pictures.chunk(KINDS, 2)
+    return torch.cat([kinds[min(p, KINDS - 1)][:, p:p + 1] for p in range(pictures.shape[1])], 1)
 
 
 def hats(size, offsets):
@@ -76,13 +73,13 @@ class DepthNetwork(torch.nn.Module):
         w = widths
         self._conv("stem", w[0], STEM_INPUTS, 2, relu=True)
         self._conv("start", w[0], w[0], 3)
-        self._conv("pictures", 2, 3 * GROUPS + FIXED_CONDITIONS, SWEEP_SCALE)
-        self._conv("features", 2 * FEATURES, 3, 5)
+        self._conv("pictures", KINDS, 3 * GROUPS + CONSTANTS, SWEEP_SCALE)
+        self._conv("features", KINDS * FEATURES, 3, 5)
         for level in range(len(w) - 1):
             self._block(f"down{level}_0", w[level])
             self._conv(f"down{level}_half", w[level + 1], w[level], 2)
             if level == 0:
-                self._conv("weigh", w[1], w[1] + len(DISPARITIES) + 3 * FEATURES, 3, residual=True)
+                self._conv("weigh", w[1], w[1] + len(DISPARITIES) + (patterns.SLOTS + patterns.MOMENTS) * FEATURES, 3, residual=True)
             self._conv(f"up{level}_double", w[level], w[level + 1], 2, is_transposed=True)
             self._block(f"up{level}_0", w[level])
         self._block("middle_0", w[-1])
@@ -111,25 +108,26 @@ class DepthNetwork(torch.nn.Module):
         of_planes = torch.cat([weight[:, :first], weight[:, -1:]], 1)
         return F.conv2d(x, of_planes, None, stride) + (self.weights[name + "/bias"] + constants @ weight[:, first:-1].sum((2, 3)).t())[:, :, None, None]
 
-    def _features(self, groups, conditions, cycles, number):
+    def _features(self, groups, constants, cycles, number):
         """Returns the features of each picture, [batch, P, G, y, x], which are made of it, of the one before, and of the mean of all."""
         batch = len(groups)
         apart = lambda x: x.view(batch, number, *x.shape[1:])
         planes = torch.cat([with_neighbours(groups.transpose(1, 2)), cycles[:, None, None].expand(-1, number, -1, -1, -1)], 2).flatten(0, 1)
-        pictures = first_and_later(apart(self._sized("pictures", planes, conditions.repeat_interleave(number, 0), SWEEP_SCALE)))
-        return first_and_later(apart(self._of("features", with_neighbours(pictures).flatten(0, 1))))
+        pictures = of_its_kind(apart(self._sized("pictures", planes, constants.repeat_interleave(number, 0), SWEEP_SCALE)))
+        return of_its_kind(apart(self._of("features", with_neighbours(pictures).flatten(0, 1))))
 
     def forward(self, groups, conditions, cycles, transmissions, aperture):
-        """groups: [batch, 3, P, y, x]; conditions: [batch, 15]; cycles: the last element of the conditions, [batch, y, x]."""
-        groups = normalised(groups, transmissions, aperture)
+        """groups: [batch, 3, P, y, x]; conditions: [batch, 15]; cycles: the last element of the conditions, [batch, y, x]; transmissions:
+        those of the conditioning vector, [batch, P], 0 for the first."""
+        constants = torch.cat([aperture.constants, torch.einsum("bsp,bp->bs", aperture.slots, transmissions), conditions], 1)
         planes = torch.cat([aperture_planes(groups, aperture), cycles[:, None]], 1)
-        x = self._of("start", F.relu(self._sized("stem", planes, torch.cat([aperture.constants, conditions], 1), 2)))
-        features = self._features(groups, conditions, cycles, aperture.number)
+        x = self._of("start", F.relu(self._sized("stem", planes, constants, 2)))
+        features = self._features(groups, constants, cycles, aperture.number)
         with torch.autocast(x.device.type, enabled=False):  # half precision hides small evidence
             features = features.float()
             compared = features * (aperture.weights * 3 / aperture.number).sqrt()[:, :, None, None, None]
             sweep = plane_sweep(compared, aperture.offsets / SWEEP_SCALE) * (2 / max(1, aperture.number - 1))
-            details = torch.einsum("bcp,bpgyx->bcgyx", aperture.moments, features).flatten(1, 2)
+            details = torch.einsum("bcp,bpgyx->bcgyx", torch.cat([aperture.slots, aperture.moments], 1), features).flatten(1, 2)
         skips = []
         for level in range(len(self.widths) - 1):
             x = self._blocked(f"down{level}_0", x)
@@ -145,56 +143,40 @@ class DepthNetwork(torch.nn.Module):
 
 
 def shared_kernels(kernels):
-    """Returns what the kernels [P, P, ...] of each picture for each picture have in common, for the first picture and for the others: the
-    kernel of the picture itself, of the one before, and of the mean of all."""
-    number = len(kernels)
-
-    def common(pictures):
-        before = [kernels[p, p - 1] for p in pictures if p]
-        others = torch.stack([kernels[p, q] for p in pictures for q in range(number) if q not in (p, p - 1)]).mean(0)
-        own = torch.stack([kernels[p, p] for p in pictures]).mean(0) - others
-        return [own, torch.stack(before).mean(0) - others if before else torch.zeros_like(own), number * others]
-
-    return common([0]), common(range(1, number))
+    """Returns what the kernels [3, 3, ...] of each of three pictures have to do with the picture itself, with its neighbour, and with the
+    mean of all: [kind, part, ...]."""
+    result = []
+    for p, neighbour, other in (0, 1, 2), (1, 0, 2), (2, 1, 0):
+        result.append(torch.stack([kernels[p, p] - kernels[p, other], kernels[p, neighbour] - kernels[p, other], KINDS * kernels[p, other]]))
+    return torch.stack(result)
 
 
 @torch.no_grad()
 def start_from_fixed(network, tensors, codes):
     """Takes the weights of a network for fixed lit patterns [P, 64], by name, so that both agree for these patterns as far as possible."""
-    aperture = patterns.Aperture(codes[None], "cpu")
-    number, put = aperture.number, lambda name, values: network.weights[name].copy_(values)
-    inverse = torch.linalg.inv(aperture.moments[0].double()).float()  # from the planes to the pictures
+    number, put = len(codes), lambda name, values: network.weights[name].copy_(values)
     of = lambda name: torch.as_tensor(tensors[name])
     for name, weight in network.weights.items():
         source = name.replace("/", ".")
         if source in tensors and tensors[source].shape == tuple(weight.shape):
             put(name, of(source))
 
-    def split_groups(weight):
-        """Returns the weights of the groups, [out, P, y, x] each, and those of the conditions."""
-        counts, *groups, conditions, _ = weight.split([number] * 4 + [FIXED_CONDITIONS, number - 1], 1)
+    def split(weight):
+        """Returns the weights of the groups, [out, P, y, x] each, and those of the constants and the number of cycles."""
+        counts, *groups, conditions, transmissions = weight.split([number] * 4 + [FIXED_CONDITIONS, number - 1], 1)
         groups[0] = groups[0] + counts - F.pad(counts[:, 1:], (0, 0, 0, 0, 0, 1))  # counts are differences of cumulative counts
-        return groups, conditions
+        patterns_and_first = torch.zeros(len(weight), patterns.CONSTANTS + 1, *weight.shape[2:])
+        return groups, torch.cat([patterns_and_first, transmissions, conditions], 1)
 
-    groups, of_conditions = split_groups(of("stem.weight"))
-    bias = of("stem.bias") + sum(torch.einsum("opyx,p->o", g, aperture.normal[0]) for g in groups[:2])
-    groups[2] = groups[2] / aperture.gain[0][:, None, None]
-    planes = [torch.einsum("opyx,pc->ocyx", g, inverse) for g in groups]
-    put("stem/weight", torch.cat([*planes, torch.zeros(len(bias), patterns.CONSTANTS, 2, 2), of_conditions], 1))
-    put("stem/bias", bias)
-    of_pictures, of_conditions = split_groups(of("pictures.weight"))
-    bias_of_pictures = of("pictures.bias") + torch.einsum("opyx,p->o", sum(of_pictures[:2]), aperture.normal[0])
-    of_pictures[2] = of_pictures[2] / aperture.gain[0][:, None, None]
-    shared = [shared_kernels(g) for g in of_pictures]
-    first, later = ([torch.stack([g[half][part] for g in shared]) for part in range(3)] for half in range(2))
-    conditions = torch.stack([of_conditions[0], of_conditions[1:].mean(0)])
-    put("pictures/weight", torch.cat([torch.stack([torch.cat(first), torch.cat(later)]), conditions], 1))
-    put("pictures/bias", torch.stack([bias_of_pictures[0], bias_of_pictures[1:].mean()]))
+    groups, of_constants = split(of("stem.weight"))
+    put("stem/weight", torch.cat([*groups, torch.zeros(len(of_constants), patterns.MOMENTS, 2, 2), of_constants], 1))
+    groups, of_constants = split(of("pictures.weight"))
+    shared = torch.stack([shared_kernels(g) for g in groups], 2)  # [kind, part, group, y, x]
+    put("pictures/weight", torch.cat([shared.flatten(1, 2), of_constants], 1))
+    for name in "stem/bias", "pictures/bias":
+        put(name, of(name.replace("/", ".")))
     kernels = of("features.weight").view(number, FEATURES, number, 5, 5).transpose(1, 2)
-    first, later = (torch.stack(half, 1) for half in shared_kernels(kernels))
-    put("features/weight", torch.cat([first, later]))
-    bias = of("features.bias").view(number, FEATURES)
-    put("features/bias", torch.cat([bias[0], bias[1:].mean(0)]))
-    weigh, split = of("weigh.weight"), network.widths[1] + len(DISPARITIES)
-    details = torch.einsum("opgyx,pc->ocgyx", weigh[:, split:].view(len(weigh), number, FEATURES, 3, 3), inverse)
-    put("weigh/weight", torch.cat([weigh[:, :split], details.flatten(1, 2)], 1))
+    put("features/weight", shared_kernels(kernels).transpose(1, 2).flatten(0, 1))
+    put("features/bias", of("features.bias"))
+    weigh = of("weigh.weight")
+    put("weigh/weight", F.pad(weigh, (0, 0, 0, 0, 0, patterns.MOMENTS * FEATURES)))

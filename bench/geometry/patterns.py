@@ -6,11 +6,10 @@ import torch
 
 VIEWS = 8
 REFERENCE = 4  # row and column of the view whose disparity is estimated
-NOMINAL_AREA = 0.125  # of the open aperture, where the normalised pictures are as bright as measured
-TAU = 0.3  # contrast threshold for which counts are normalised
-COUNT_SCALE = 0.125
+AREAS = [5 / 64, 8 / 64, 7 / 64]  # of the first, the second and later patterns of e2lf-n4, as shares of the open aperture
 RIDGE = 0.02  # of the gradients with respect to the viewpoint, per picture
-CONSTANTS = 9  # of aperture_constants()
+CONSTANTS = 17  # of an Aperture
+SLOTS = MOMENTS = 3  # of an Aperture
 
 _ROWS, _COLUMNS = (axis.astype(np.float64) for axis in np.meshgrid(range(VIEWS), range(VIEWS), indexing="ij"))
 
@@ -73,7 +72,7 @@ def _is_usable(codes):
     return np.isfinite(centroids).all() and (len(codes) < 2 or centroids.std(0).sum() > 0.7)
 
 
-def draw_patterns(rng, number, known, known_share=0.4):
+def draw_patterns(rng, number, known, known_share=0.5):
     """Returns `number` lit patterns, [number, 64] in [0, 1]; known: sets of lit patterns [n, 64] of which some are taken."""
     while True:
         candidates = [codes for codes in known if len(codes) >= number]
@@ -100,8 +99,9 @@ def with_inverses(codes):
 class Aperture:
     """What a network for any patterns knows of those of a batch, [batch, P, 64].
 
-    normal: what is subtracted from counts * COUNT_SCALE, [batch, P]; gain: by which intensities are multiplied, [batch, P]; moments: the
-    linear map [batch, 3, P] from pictures to the central one and its derivatives with respect to the row and column of the viewpoint;
+    slots: the linear map [batch, 3, P] from pictures to the first, the second, and the mean of the later ones; moments: the linear map
+    [batch, 3, P] from pictures to the central one and its derivatives with respect to the row and column of the viewpoint; gains: what makes
+    intensities behind all patterns alike, [batch, P];
     offsets: of the pictures from the reference view, [batch, P, 2] in view steps; weights: of the pictures in the comparison, with a mean
     of 1, [batch, P]; constants: [batch, CONSTANTS].
     """
@@ -120,11 +120,18 @@ class Aperture:
         normal = weighted.transpose(0, 2, 1) @ design + RIDGE * codes.shape[1] * np.diag([0, 1, 1])
         moments = np.linalg.solve(normal + 1e-9 * np.eye(3), weighted.transpose(0, 2, 1))
         areas = total / VIEWS**2
+        number = codes.shape[1]
+        slots = np.zeros((len(codes), 3, number))
+        slots[:, 0, 0] = slots[:, 1, 1] = 1
+        slots[:, 2, min(2, number - 1):] = 1 / max(1, number - 2)
+        offsets = np.stack([row, column], 2)
         noise = np.log((moments**2).sum(2) + 1e-4)  # without parallax along an axis, a row is zero
         mean_spread = [(weights * s).mean(1) for s in spread]
-        constants = np.stack([0.5 * np.log(areas / NOMINAL_AREA).mean(1), *(0.3 * noise.T), 0.3 * mean_spread[0], 0.3 * mean_spread[1],
-                              0.3 * mean_spread[2], 0.3 * np.log(weights).std(1), np.log(codes.shape[1] / 3) * np.ones(len(codes))], 1)
+        of_slots = lambda values: np.einsum("bsp,bp->sb", slots, values)
+        relative_area = np.log(areas / np.array([AREAS[min(p, 2)] for p in range(number)]))
+        constants = np.stack([*(0.5 * of_slots(relative_area)), *(0.3 * of_slots(row)), *(0.3 * of_slots(column)), *(0.3 * noise.T),
+                              *(0.3 * s for s in mean_spread), 0.3 * np.log(weights).std(1), np.log(number / 3) * np.ones(len(codes))], 1)
         put = lambda values: torch.from_numpy(np.ascontiguousarray(values, np.float32)).to(device)
-        self.normal, self.gain = put(COUNT_SCALE * np.log(areas / NOMINAL_AREA) / TAU), put(NOMINAL_AREA / areas)
-        self.moments, self.offsets, self.weights, self.constants = put(moments), put(np.stack([row, column], 2)), put(weights), put(constants)
-        self.number = codes.shape[1]
+        self.slots, self.moments, self.gains = put(slots), put(moments), put(AREAS[1] / areas)
+        self.offsets, self.weights, self.constants = put(offsets), put(weights), put(constants)
+        self.number = number

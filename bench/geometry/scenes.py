@@ -18,7 +18,7 @@ ROOM_SHARE = 0.6  # of the scenes: walls, a floor, and a few things before them;
 PLANE_SHARES = [0.35, 0.45, 0.2]  # of rooms with 0, 1, ... planes besides the wall
 THING_SHARES = [0.08, 0.27, 0.3, 0.2, 0.15]  # of rooms with 0, 1, ... things
 CLUTTER_SHARES = [0.0, 0.06, 0.14, 0.2, 0.2, 0.16, 0.12, 0.07, 0.05]  # of the other scenes with 0, 1, ... surfaces
-CHEQUER_SHARE = 0.15  # of walls and planes
+CHEQUER_SHARE = 0.05  # of walls and planes
 STEEPEST = 0.1  # slope of a disparity, by which the points of a view are found in few steps (render.cpp)
 
 

@@ -13,15 +13,14 @@
 namespace e2lf::geometry {
 namespace {
 
-constexpr size_t kGroups = 3;     // of inputs: cumulative counts, levels, intensities
-constexpr size_t kLogGroups = 2;  // of these, the first are linear in the logarithm of a picture
-constexpr size_t kMoments = 3;    // the central picture and its derivatives
-constexpr size_t kParts = 3;      // of what a picture is compared with: itself, the one before, the mean of all
+constexpr size_t kGroups = 3;       // of inputs: cumulative counts, levels, intensities
+constexpr size_t kIntensities = 2;  // the last group
+constexpr size_t kMoments = 3;      // the central picture and its derivatives
+constexpr size_t kParts = 3;        // of what a picture is compared with: itself, its neighbour, the mean of all
+constexpr size_t kKinds = kSlots;   // of pictures that have weights of their own
+/// What is the same at all pixels of the first layers: of the patterns, transmissions of the slots, and of the sensor.
+constexpr size_t kConstants = kApertureConstants + kSlots + capture::kNumFixedConditions;
 constexpr const char* kHalf = "half_";
-
-/// How inputs change with the area of a pattern and with its transmission: counts are in units of tau, and elements of
-/// the conditioning vector in fifths.
-constexpr double kTau = 0.3, kTransmissionUnit = 0.2;
 
 const model::SharedWeights* find(const model::Model& model, const std::string& name) {
   const auto found = model.any_patterns.find(name);
@@ -50,7 +49,7 @@ std::optional<Sizes> sizes_of(const model::Model& model) {
   if (disparities == sweep->attributes.end()) return {};
   return Sizes{.stem = stem->out_channels,
                .weigh = weigh->out_channels,
-               .features = features->shape[0] / 2,
+               .features = features->shape[0] / kKinds,
                .planes = disparities->second.size(),
                .stem_kernel = stem->kernel,
                .pictures_kernel = pictures->kernel,
@@ -59,17 +58,16 @@ std::optional<Sizes> sizes_of(const model::Model& model) {
 }
 
 Result<void> check_shapes(const model::Model& model, const Sizes& sizes) {
-  constexpr size_t kConditions = capture::kNumFixedConditions;
   const auto square = [](size_t out, size_t in, size_t kernel) { return std::vector{out, in, kernel, kernel}; };
   const std::pair<std::string, std::vector<size_t>> wanted[] = {
-      {"stem.weight", square(sizes.stem, kGroups * kMoments + kApertureConstants + kConditions, sizes.stem_kernel)},
+      {"stem.weight", square(sizes.stem, kGroups * kSlots + kMoments + kConstants, sizes.stem_kernel)},
       {"stem.bias", {sizes.stem}},
-      {"pictures.weight", square(2, kGroups * kParts + kConditions, sizes.pictures_kernel)},
-      {"pictures.bias", {2}},
-      {"features.weight", square(2 * sizes.features, kParts, sizes.features_kernel)},
-      {"features.bias", {2 * sizes.features}},
+      {"pictures.weight", square(kKinds, kGroups * kParts + kConstants, sizes.pictures_kernel)},
+      {"pictures.bias", {kKinds}},
+      {"features.weight", square(kKinds * sizes.features, kParts, sizes.features_kernel)},
+      {"features.bias", {kKinds * sizes.features}},
       {"weigh.weight",
-       square(sizes.weigh, sizes.weigh + sizes.planes + kMoments * sizes.features, sizes.weigh_kernel)}};
+       square(sizes.weigh, sizes.weigh + sizes.planes + (kSlots + kMoments) * sizes.features, sizes.weigh_kernel)}};
   for (const auto& [name, shape] : wanted) {
     const model::SharedWeights* const weights = find(model, name);
     if (!weights || weights->shape != shape) {
@@ -124,28 +122,30 @@ class Adapter {
     lit_ = lit ? lit->num_patterns - 1 : transitions_;
   }
 
-  /// The first layer: central picture, derivatives, constants of the aperture, and conditions.
+  /// The first layer: the slots, the central picture and its derivatives, and what is the same at all pixels.
   void adapt_stem(const std::string& prefix, model::Weights& weights) const {
     const KernelReader from(*find(any_, "stem.weight"));
     Kernels to(sizes_.stem, num_inputs(), sizes_.stem_kernel * sizes_.stem_kernel);
     std::vector<float> bias = find(any_, "stem.bias")->values;
     for (size_t o = 0; o < sizes_.stem; ++o) {
-      for (size_t p = 0; p < pictures_.size(); ++p) {
+      for (const AperturePicture& picture : pictures_) {
+        for (size_t group = 0; group < kGroups; ++group) {
+          for (size_t slot = 0; slot < kSlots; ++slot) {
+            to.add(o, input_of(group, picture), from.at(o, group * kSlots + slot), picture.slots[slot]);
+          }
+        }
         for (size_t i = 0; i < kMoments; ++i) {
-          const auto kernel_of = [&](size_t group) { return group * kMoments + i; };
-          add_picture(from, o, kernel_of, p, pictures_[p].moments[i], o, to, bias);
+          to.add(o, input_of(kIntensities, picture), from.at(o, kGroups * kSlots + i),
+                 picture.moments[i] * picture.gain);
         }
       }
-      for (size_t i = 0; i < kApertureConstants; ++i) {
-        bias[o] += static_cast<float>(constants_[i] * from.sum(o, kGroups * kMoments + i));
-      }
-      add_conditions(from, o, kGroups * kMoments + kApertureConstants, o, to);
+      add_constants(from, o, kGroups * kSlots + kMoments, o, to, bias);
     }
     weights[prefix + "stem.weight"] = std::move(to.values);
     weights[prefix + "stem.bias"] = std::move(bias);
   }
 
-  /// The pictures of which features are made: each from itself, from the one before, and from the mean of all.
+  /// The pictures of which features are made: each from itself, its neighbour, and the mean of all.
   void adapt_pictures(const std::string& prefix, model::Weights& weights) const {
     const KernelReader from(*find(any_, "pictures.weight"));
     const std::vector<float>& of_kind = find(any_, "pictures.bias")->values;
@@ -155,10 +155,11 @@ class Adapter {
       const size_t kind = kind_of(p);
       bias[p] = of_kind[kind];
       for_parts(p, [&](size_t part, size_t q, double share) {
-        const auto kernel_of = [&](size_t group) { return part * kGroups + group; };
-        add_picture(from, kind, kernel_of, q, share, p, to, bias);
+        for (size_t group = 0; group < kGroups; ++group) {
+          to.add(p, input_of(group, pictures_[q]), from.at(kind, part * kGroups + group), share);
+        }
       });
-      add_conditions(from, kind, kGroups * kParts, p, to);
+      add_constants(from, kind, kGroups * kParts, p, to, bias);
     }
     weights[prefix + "pictures.weight"] = std::move(to.values);
     weights[prefix + "pictures.bias"] = std::move(bias);
@@ -182,7 +183,7 @@ class Adapter {
     weights[prefix + "features.bias"] = std::move(bias);
   }
 
-  /// The layer that weighs the results of plane-sweep and the details of the central picture.
+  /// The layer that weighs the results of plane-sweep and the details of the pictures.
   void adapt_weigh(const std::string& prefix, model::Weights& weights) const {
     const KernelReader from(*find(any_, "weigh.weight"));
     const size_t before = sizes_.weigh, details = before + sizes_.planes;
@@ -192,10 +193,12 @@ class Adapter {
       for (size_t i = 0; i < details; ++i) to.add(o, i, from.at(o, i), i < before ? 1 : of_pairs);
       for (size_t p = 0; p < pictures_.size(); ++p) {
         for (size_t f = 0; f < sizes_.features; ++f) {
-          for (size_t i = 0; i < kMoments; ++i) {
-            to.add(o, details + p * sizes_.features + f, from.at(o, details + i * sizes_.features + f),
-                   pictures_[p].moments[i] / sweep_scale(p));
-          }
+          const auto add = [&](size_t map, double share) {
+            to.add(o, details + p * sizes_.features + f, from.at(o, details + map * sizes_.features + f),
+                   share / sweep_scale(p));
+          };
+          for (size_t slot = 0; slot < kSlots; ++slot) add(slot, pictures_[p].slots[slot]);
+          for (size_t i = 0; i < kMoments; ++i) add(kSlots + i, pictures_[p].moments[i]);
         }
       }
     }
@@ -218,8 +221,12 @@ class Adapter {
   }
 
  private:
-  /// Whether a picture follows the black pattern (0) or another picture (1).
-  static size_t kind_of(size_t picture) { return picture == 0 ? 0 : 1; }
+  /// The first picture follows the black pattern, the second one has another picture before it.
+  static size_t kind_of(size_t picture) { return std::min(picture, kKinds - 1); }
+
+  [[nodiscard]] size_t input_of(size_t group, const AperturePicture& picture) const {
+    return group * transitions_ + picture.transition;
+  }
 
   [[nodiscard]] double sweep_scale(size_t picture) const {
     return std::sqrt(pictures_[picture].weight * 3 / static_cast<double>(pictures_.size()));
@@ -229,32 +236,27 @@ class Adapter {
   template <typename Add>
   void for_parts(size_t p, const Add& add) const {
     add(0, p, 1.0);
-    if (p > 0) add(1, p - 1, 1.0);
+    add(1, p > 0 ? p - 1 : 1, 1.0);
     for (size_t q = 0; q < pictures_.size(); ++q) add(2, q, 1 / static_cast<double>(pictures_.size()));
   }
 
-  /// Adds `factor` times a picture of normalised brightness to output `o`: its inputs, and what its area and its
-  /// transmission add to them.
-  template <typename KernelOf>
-  void add_picture(const KernelReader& from, size_t from_out, const KernelOf& kernel_of, size_t picture, double factor,
-                   size_t o, Kernels& to, std::vector<float>& bias) const {
-    const AperturePicture& p = pictures_[picture];
-    const double scale = any_.input[0].scale / kTau;
-    for (size_t group = 0; group < kGroups; ++group) {
-      const auto kernel = from.at(from_out, kernel_of(group));
-      const bool is_log = group < kLogGroups;
-      to.add(o, group * transitions_ + p.transition, kernel, is_log ? factor : factor * std::exp(-p.log_area));
-      if (!is_log) continue;
-      bias[o] -= static_cast<float>(factor * scale * p.log_area * from.sum(from_out, kernel_of(group)));
-      if (p.transition == 0 || p.transition >= lit_) continue;
-      const size_t transmission = kGroups * transitions_ + capture::kNumFixedConditions + p.transition - 1;
-      to.add(o, transmission, kernel, -factor * scale * kTransmissionUnit);
+  /// Adds to output `o` what is the same at all pixels, whose kernels begin at input `first`.
+  void add_constants(const KernelReader& from, size_t from_out, size_t first, size_t o, Kernels& to,
+                     std::vector<float>& bias) const {
+    for (size_t i = 0; i < kApertureConstants; ++i) {
+      bias[o] += static_cast<float>(constants_[i] * from.sum(from_out, first + i));
     }
-  }
-
-  void add_conditions(const KernelReader& from, size_t from_out, size_t first, size_t o, Kernels& to) const {
+    first += kApertureConstants;
+    const size_t conditions = kGroups * transitions_, transmissions = conditions + capture::kNumFixedConditions;
+    for (const AperturePicture& p : pictures_) {
+      if (p.transition == 0 || p.transition >= lit_) continue;
+      for (size_t slot = 0; slot < kSlots; ++slot) {
+        to.add(o, transmissions + p.transition - 1, from.at(from_out, first + slot), p.slots[slot]);
+      }
+    }
+    first += kSlots;
     for (size_t i = 0; i < capture::kNumFixedConditions; ++i) {
-      to.add(o, kGroups * transitions_ + i, from.at(from_out, first + i), 1);
+      to.add(o, conditions + i, from.at(from_out, first + i), 1);
     }
   }
 
@@ -285,9 +287,9 @@ void adapt_layers(const Aperture& aperture, const Sizes& sizes, size_t num_input
 }
 
 bool has_inputs_of_any_patterns(const model::Model& model) {
-  constexpr model::InputKind kKinds[] = {model::InputKind::kCumulative, model::InputKind::kLevel,
-                                         model::InputKind::kIntensity, model::InputKind::kCamera};
-  return std::ranges::equal(model.input, kKinds, {}, &model::InputGroup::kind);
+  constexpr model::InputKind kExpected[] = {model::InputKind::kCumulative, model::InputKind::kLevel,
+                                            model::InputKind::kIntensity, model::InputKind::kCamera};
+  return std::ranges::equal(model.input, kExpected, {}, &model::InputGroup::kind);
 }
 
 /// Adapts the network of disparity that views follow.

@@ -108,10 +108,10 @@ model::Model small_model() {
     model.weights[weights.name] = numbered(weights.name, weights.shape);
   }
   const std::pair<std::string, std::vector<size_t>> shared[] = {
-      {"stem.weight", {4, 34, 2, 2}},     {"stem.bias", {4}},
-      {"pictures.weight", {2, 25, 4, 4}}, {"pictures.bias", {2}},
-      {"features.weight", {8, 3, 5, 5}},  {"features.bias", {8}},
-      {"weigh.weight", {6, 53, 3, 3}}};
+      {"stem.weight", {4, 48, 2, 2}},     {"stem.bias", {4}},
+      {"pictures.weight", {3, 45, 4, 4}}, {"pictures.bias", {3}},
+      {"features.weight", {12, 3, 5, 5}}, {"features.bias", {12}},
+      {"weigh.weight", {6, 65, 3, 3}}};
   for (const auto& [name, shape] : shared) model.any_patterns[name] = {shape, numbered(name, shape)};
   return model;
 }
@@ -152,24 +152,24 @@ void expect_outputs(const Codes& codes, const std::vector<GoldenPixel>& golden, 
 
 TEST(AnyPatterns, AdaptedNetworksEqualThatOfTheTraining) {
   expect_outputs(with_black_and_grey(),
-                 {{0, 0, 0, -0.275813},
-                  {0, 7, 30, -0.038871},
-                  {0, 16, 13, -0.508190},
-                  {1, 31, 31, 0.040315},
-                  {1, 20, 3, -0.091828},
-                  {1, 9, 18, 0.546198}},
-                 821.753784);
+                 {{0, 0, 0, 0.025073},
+                  {0, 7, 30, -0.386516},
+                  {0, 16, 13, -0.172087},
+                  {1, 31, 31, 0.215316},
+                  {1, 20, 3, 0.003807},
+                  {1, 9, 18, -0.009209}},
+                 538.594238);
 }
 
 TEST(AnyPatterns, WholeCyclesTakeTransmissionsOfTheirLitPatternsOnly) {
   expect_outputs(capture::whole_cycle(three_boxes()),
-                 {{0, 0, 0, -0.124365},
-                  {0, 7, 30, -0.014216},
-                  {0, 16, 13, -0.402891},
-                  {1, 31, 31, -0.085428},
-                  {1, 20, 3, 0.127235},
-                  {1, 9, 18, 0.246273}},
-                 542.907471);
+                 {{0, 0, 0, 0.210777},
+                  {0, 7, 30, -0.082415},
+                  {0, 16, 13, 0.634861},
+                  {1, 31, 31, -0.033601},
+                  {1, 20, 3, -0.232324},
+                  {1, 9, 18, -0.399785}},
+                 1001.668579);
 }
 
 TEST(AnyPatterns, GuideViewsAsSoonAsThePatternsAreKnown) {
@@ -244,7 +244,8 @@ TEST(Aperture, AreasAndCentroidsAreThoseOfThePatterns) {
   const AperturePicture& second = aperture.pictures[1];
   EXPECT_DOUBLE_EQ(second.offset_y, -1.5);
   EXPECT_DOUBLE_EQ(second.offset_x, 1.5);
-  EXPECT_NEAR(second.log_area, std::log(16.0 / 64 / kNominalArea), 1e-12);
+  EXPECT_NEAR(second.log_area, std::log(16.0 / 8), 1e-12);
+  EXPECT_NEAR(second.gain, 8.0 / 16, 1e-12);
   EXPECT_EQ(aperture.pictures[2].transition, 3U);  // black patterns have no picture
 }
 

@@ -14,8 +14,12 @@ using Matrix3 = std::array<Vector3, 3>;
 /// The second moments of a pattern about its centroid, in squared view steps: along rows, along columns, and mixed.
 using Spread = std::array<double, 3>;
 
+/// The areas of the lit patterns of e2lf-n4, as shares of the open aperture: what networks learn is relative to them.
+/// The last one stands for all later patterns.
+constexpr std::array<double, kSlots> kAreas = {5.0 / 64, 8.0 / 64, 7.0 / 64};
+
 Spread measure(std::span<const float> pattern, size_t columns, double area, double reference_y, double reference_x,
-               AperturePicture& picture) {
+               size_t number, AperturePicture& picture) {
   double row = 0, column = 0;
   for (size_t i = 0; i < pattern.size(); ++i) {
     row += pattern[i] * static_cast<double>(i / columns) / area;
@@ -30,7 +34,9 @@ Spread measure(std::span<const float> pattern, size_t columns, double area, doub
   }
   picture.offset_y = row - reference_y;
   picture.offset_x = column - reference_x;
-  picture.log_area = std::log(area / static_cast<double>(pattern.size()) / kNominalArea);
+  const double share = area / static_cast<double>(pattern.size());
+  picture.log_area = std::log(share / kAreas[std::min(number, kSlots - 1)]);
+  picture.gain = kAreas[1] / share;
   picture.weight = 1 / (0.5 + spread[0] + spread[1]);
   return spread;
 }
@@ -71,33 +77,48 @@ void fit_moments(std::vector<AperturePicture>& pictures) {
   }
 }
 
+void fill_slots(std::vector<AperturePicture>& pictures) {
+  const size_t last = std::min<size_t>(kSlots, pictures.size()) - 1;
+  pictures[0].slots[0] = pictures[1].slots[1] = 1;
+  for (size_t p = last; p < pictures.size(); ++p) {
+    pictures[p].slots[kSlots - 1] = 1 / static_cast<double>(pictures.size() - last);
+  }
+}
+
 std::array<double, kApertureConstants> constants_of(const std::vector<AperturePicture>& pictures,
                                                     const std::vector<Spread>& spreads) {
   constexpr double kScale = 0.3, kLeastNoise = 1e-4;  // patterns without parallax along an axis have a moment of 0
   const auto number = static_cast<double>(pictures.size());
-  double log_area = 0, log_weight = 0, log_weight_squared = 0;
+  double log_weight = 0, log_weight_squared = 0;
   Vector3 noise = {};
+  std::array<double, kSlots> log_area = {}, offset_y = {}, offset_x = {};
   Spread spread = {};
   for (size_t p = 0; p < pictures.size(); ++p) {
     const double log_of_weight = std::log(pictures[p].weight);
-    log_area += pictures[p].log_area / number;
     log_weight += log_of_weight / number;
     log_weight_squared += log_of_weight * log_of_weight / number;
     for (size_t i = 0; i < 3; ++i) {
       noise[i] += pictures[p].moments[i] * pictures[p].moments[i];
       spread[i] += pictures[p].weight * spreads[p][i] / number;
     }
+    for (size_t slot = 0; slot < kSlots; ++slot) {
+      log_area[slot] += pictures[p].slots[slot] * pictures[p].log_area;
+      offset_y[slot] += pictures[p].slots[slot] * pictures[p].offset_y;
+      offset_x[slot] += pictures[p].slots[slot] * pictures[p].offset_x;
+    }
   }
   const double deviation = std::sqrt(std::max(0.0, log_weight_squared - log_weight * log_weight));
-  return {0.5 * log_area,
-          kScale * std::log(noise[0] + kLeastNoise),
-          kScale * std::log(noise[1] + kLeastNoise),
-          kScale * std::log(noise[2] + kLeastNoise),
-          kScale * spread[0],
-          kScale * spread[1],
-          kScale * spread[2],
-          kScale * deviation,
-          std::log(number / 3)};
+  std::array<double, kApertureConstants> constants = {};
+  auto next = constants.begin();
+  for (const double value : log_area) *next++ = 0.5 * value;
+  for (const auto& axis : {offset_y, offset_x}) {
+    for (const double value : axis) *next++ = kScale * value;
+  }
+  for (const double value : noise) *next++ = kScale * std::log(value + kLeastNoise);
+  for (const double value : spread) *next++ = kScale * value;
+  *next++ = kScale * deviation;
+  *next++ = std::log(number / 3);
+  return constants;
 }
 
 /// Returns true if the centroids are not all the same.
@@ -123,7 +144,8 @@ Result<Aperture> describe_aperture(const capture::Codes& codes) {
     if (area <= 0) continue;
     aperture.pictures.push_back({.transition = n - 1});
     spreads.push_back(measure(pattern, codes.views_x, area, static_cast<double>(codes.views_y / 2),
-                              static_cast<double>(codes.views_x / 2), aperture.pictures.back()));
+                              static_cast<double>(codes.views_x / 2), aperture.pictures.size() - 1,
+                              aperture.pictures.back()));
   }
   if (!has_parallax(aperture.pictures)) {
     return fail(ErrorCode::kInvalidValue, "codes",
@@ -135,6 +157,7 @@ Result<Aperture> describe_aperture(const capture::Codes& codes) {
     picture.weight *= static_cast<double>(aperture.pictures.size()) / total;
   }
   fit_moments(aperture.pictures);
+  fill_slots(aperture.pictures);
   aperture.constants = constants_of(aperture.pictures, spreads);
   return aperture;
 }

@@ -10,28 +10,30 @@
 namespace e2lf::geometry {
 
 /// What a network for any patterns is told about the patterns as a whole: the number of elements.
-inline constexpr size_t kApertureConstants = 9;
+inline constexpr size_t kApertureConstants = 17;
+
+/// The slots of pictures: the first one, which follows black, the second one, and the mean of the later ones.
+inline constexpr size_t kSlots = 3;
 
 /// One picture that the events show: the scene through a pattern that is not black.
 struct AperturePicture {
-  size_t transition = 0;              ///< number of the event image that ends with this pattern
-  double offset_y = 0, offset_x = 0;  ///< centroid of the pattern from view (views_y / 2, views_x / 2), view steps
-  double log_area = 0;                ///< logarithm of the area over kNominalArea
-  double weight = 1;                  ///< in comparisons: sharper pictures have more; 1 in the mean
+  size_t transition = 0;                  ///< number of the event image that ends with this pattern
+  double offset_y = 0, offset_x = 0;      ///< centroid of the pattern from view (views_y / 2, views_x / 2), view steps
+  double log_area = 0;                    ///< logarithm of the area over that of the pattern of e2lf-n4 in this place
+  double gain = 1;                        ///< what makes the intensities behind all patterns alike
+  double weight = 1;                      ///< in comparisons: sharper pictures have more; 1 in the mean
+  std::array<double, kSlots> slots = {};  ///< coefficients of this picture in the slots
   /// Coefficients of this picture in the central picture and in its derivatives with respect to the row and the column
   /// of the viewpoint.
   std::array<double, 3> moments = {};
 };
 
-/// The pictures of a sequence of patterns, and constants that describe it: areas, the noise that the fit amplifies,
-/// second moments of the patterns, their range, and the number of pictures.
+/// The pictures of a sequence of patterns, and constants that describe it: areas and centroids of the slots, the noise
+/// that the fit amplifies, second moments of the patterns, their range, and the number of pictures.
 struct Aperture {
   std::vector<AperturePicture> pictures;
   std::array<double, kApertureConstants> constants = {};
 };
-
-/// The area of a pattern, as a share of the open aperture, for which pictures have the brightness that was measured.
-inline constexpr double kNominalArea = 0.125;
 
 /// Describes patterns, of which the first must be black. The central picture and its derivatives follow from the
 /// pictures by a linear least-squares fit over the centroids, in which blurred pictures have less weight and the
