@@ -344,4 +344,9 @@ Result<model::Model> for_patterns(const model::Model& model, const capture::Code
   return adapted;
 }
 
+Result<model::Model> for_own_patterns(model::Model model) {
+  if (!model.open_guide || !model.codes) return model;
+  return for_patterns(model, *model.codes);
+}
+
 }  // namespace e2lf::geometry

@@ -14,4 +14,8 @@ namespace e2lf::geometry {
 /// its weights do not fit together, and as describe_aperture() does.
 [[nodiscard]] Result<model::Model> for_patterns(const model::Model& model, const capture::Codes& codes);
 
+/// Composes views with the network for any patterns that they follow (Model::open_guide), if their own patterns are
+/// known; other models are returned as they are. Fails as for_patterns() does.
+[[nodiscard]] Result<model::Model> for_own_patterns(model::Model model);
+
 }  // namespace e2lf::geometry

@@ -197,7 +197,9 @@ TEST(AnyPatterns, GuideViewsAsSoonAsThePatternsAreKnown) {
   EXPECT_EQ(adapted->codes, others);
   // Counts, which the network of disparity does not read, come first.
   EXPECT_EQ(adapted->input.front().kind, model::InputKind::kCounts);
+  EXPECT_FALSE(for_own_patterns(views).value().codes);  // not known
   views.codes = three_boxes();
+  EXPECT_EQ(for_own_patterns(views)->weights, for_patterns(views, three_boxes())->weights);
   EXPECT_EQ(for_patterns(views, others).error().code, ErrorCode::kInvalidValue);
 }
 

@@ -8,6 +8,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/geometry/any_patterns.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/model/network.h"
 
@@ -95,6 +96,7 @@ lightfield::Shape Reconstructor::field_shape(const capture::MeasurementView& mea
 Result<Reconstructor> Reconstructor::create(model::Model model, const engine::EngineOptions& given) {
   engine::EngineOptions options = given;
   if (model.precision_loss.bfloat16_db) options.checked.push_back(engine::Precision::kBfloat16);
+  E2LF_ASSIGN_OR_RETURN(model, geometry::for_own_patterns(std::move(model)));
   E2LF_RETURN_IF_ERROR(model::validate(model, model.name));
   E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model.network, model.weights, options));
   if (!model.camera) model.camera.emplace().constants = model.constants;

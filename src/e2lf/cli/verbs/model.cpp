@@ -108,6 +108,7 @@ Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step
                         open_output(arguments.output, verb, {arguments.input, arguments.camera}, ending));
   RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.input));
+  E2LF_ASSIGN_OR_RETURN(model, geometry::for_own_patterns(std::move(model)));
   if (!arguments.camera.empty()) {
     if (!model::is_conditioned_on_camera(model)) {
       return fail(ErrorCode::kInvalidValue, "--camera", model.name, " works for a single camera; leave --camera out");
