@@ -10,6 +10,7 @@
 #include "e2lf/pipeline/event_depth.h"
 #include "e2lf/pipeline/method.h"
 #include "e2lf/recon/event_check.h"
+#include "e2lf/recon/fusion.h"
 #include "e2lf/recon/reconstruct.h"
 #include "python/binding/arguments.h"
 #include "python/binding/arrays.h"
@@ -37,6 +38,106 @@ pipeline::Tone tone_of(const GainArgument& gain) {
   return {.gain = static_cast<float>(number)};
 }
 
+/// The event images that a network is given: those of one cycle, sums over several, or fused ones.
+class GivenImages {
+ public:
+  GivenImages(const py::object& images, size_t cycles) : cycles_(cycles) {
+    if (cycles < 1) throw py::value_error("cycles are at least 1");
+    if (py::isinstance(images, py::module_::import("e2lf._types").attr("FusedCycles"))) {
+      refuse_cycles("fused cycles");
+      set_fused(images);
+      return;
+    }
+    py::array array = array_of(images);
+    if (array.ndim() == 4 && array.shape(0) > 0) {
+      refuse_cycles("images of several cycles");
+      cycles_ = static_cast<size_t>(array.shape(0));
+      array = array.attr("sum")(0);
+    }
+    events_ = event_images_of(array, "images");
+    view_ = *events_;
+  }
+
+  [[nodiscard]] const capture::MeasurementView& view() const { return view_; }
+  [[nodiscard]] size_t cycles() const { return cycles_; }
+  [[nodiscard]] pipeline::MethodUse use(size_t passes = 1) const {
+    return {.passes = passes, .cycles = cycles_, .fused_cycles = view_.is_fused() ? recon::kMostFusedCycles : 1};
+  }
+  /// Returns a copy of the images, as depth_of_events() takes them.
+  [[nodiscard]] capture::Measurement measurement() const {
+    capture::Measurement measurement(owned(view_.events));
+    if (view_.is_fused()) measurement.fused = {owned(view_.fused), owned(view_.cycles)};
+    return measurement;
+  }
+
+ private:
+  static py::array array_of(const py::object& images) {
+    py::array array = py::array::ensure(images);
+    if (!array) throw py::type_error("images are an array or FusedCycles");
+    return array;
+  }
+
+  void refuse_cycles(const char* what) const {
+    if (cycles_ == 1) return;
+    throw py::value_error(cat("the number of cycles follows from ", what, "; leave cycles out"));
+  }
+
+  void set_fused(const py::object& fused) {
+    events_ = event_images_of(array_of(fused.attr("images")), "images");
+    counts_ = event_images_of(array_of(fused.attr("counts")), "counts");
+    number_ = floats_of(array_of(fused.attr("cycles")), "cycles");
+    view_ = *events_;
+    view_.fused = *counts_;
+    const auto [transitions, height, width] = view_.events.extents;
+    const bool fits = number_.ndim() == 2 && static_cast<size_t>(number_.shape(0)) == height &&
+                      static_cast<size_t>(number_.shape(1)) == width;
+    if (!fits || view_.fused.extents != view_.events.extents) {
+      throw py::value_error("fused counts are [transition, y, x] as the images, and their cycles [y, x]");
+    }
+    view_.cycles = PlanesView<const float>(number_.data(), {1, height, width});
+    std::vector<float> scratch;
+    const auto values = view_.cycles.values(scratch);
+    if (!std::ranges::all_of(values, [](float cycles) { return cycles >= 1 && std::isfinite(cycles); })) {
+      throw py::value_error("the numbers of fused cycles are at least 1");
+    }
+  }
+
+  size_t cycles_;
+  LentImages events_, counts_;
+  py::array_t<float, py::array::c_style> number_;
+  capture::MeasurementView view_ = capture::MeasurementView(PlanesView<const int16_t>());
+};
+
+/// Fuses the cycles of a recording.
+class Fusion {
+ public:
+  Fusion(const capture::SensorProfile& camera, Whole<size_t> most_cycles) : fusion_(camera, in_range(most_cycles)) {}
+
+  py::object add(const py::array& images) {
+    const auto counts = event_images_of(images, "images");
+    const OneAtATime::Use use(use_, "fusion");
+    capture::FusedCycles fused = without_gil([&]() -> Result<capture::FusedCycles> {
+      if (counts->size() == 0) return fail(ErrorCode::kShape, "images", "there are no pixels; give event images");
+      fusion_.add(*counts);
+      return fusion_.fused();
+    });
+    lightfield::Image cycles(fused.cycles.width, fused.cycles.height, 1);
+    cycles.pixels = std::move(fused.cycles.values);
+    return make_tuple_of("FusedCycles", images, to_array(std::move(fused.counts)), to_array(std::move(cycles)));
+  }
+
+  [[nodiscard]] double changed() const { return fusion_.changed(); }
+
+ private:
+  static size_t in_range(size_t cycles) {
+    if (cycles >= 1 && cycles <= recon::kMostFusedCycles) return cycles;
+    throw py::value_error(cat("most_cycles is from 1 to ", recon::kMostFusedCycles));
+  }
+
+  recon::CycleFusion fusion_;
+  OneAtATime use_;
+};
+
 /// Reconstructs the light field of event images.
 Result<lightfield::LightField> reconstruct_once(const pipeline::OpenedMethod& method, const pipeline::MethodUse& use,
                                                 pipeline::Tone tone, const capture::MeasurementView& images,
@@ -61,46 +162,45 @@ class Network {
     method_ = without_gil([&] { return pipeline::open_method(std::move(choice)); });
   }
 
-  py::array reconstruct(py::array images, const GainArgument& gain, Whole<size_t> passes, Whole<size_t> cycles,
+  py::array reconstruct(const py::object& images, const GainArgument& gain, Whole<size_t> passes, Whole<size_t> cycles,
                         E2LF_ORIENTATION_PARAMETERS, const std::optional<py::array>& out,
                         const ProgressArgument& progress) {
     if (gives_depth()) throw py::value_error("this network gives disparities and no light field; call depth()");
     pipeline::Tone tone = tone_of(gain);
     if (passes < 1) throw py::value_error("passes are at least 1");
-    sum_cycles(images, cycles);
-    const auto counts = event_images_of(images, "images");
+    const GivenImages given(images, cycles);
+    const capture::MeasurementView& counts = given.view();
     const ProgressFn told = progress_of(progress);
     const OneAtATime::Use use(use_, "reconstructor");
     if (!out) {
-      return to_array(without_gil([&] {
-        return reconstruct_once(method_, {passes, cycles}, tone, *counts, E2LF_ORIENTATION_VALUE, told);
-      }));
+      return to_array(without_gil(
+          [&] { return reconstruct_once(method_, given.use(passes), tone, counts, E2LF_ORIENTATION_VALUE, told); }));
     }
     if (passes > 1) throw py::value_error("out takes one pass");
-    take(method_.ready({passes, cycles}));
-    const LightFieldOutput field = output_of(*out, method_.network->field_shape(*counts), "out");
+    take(method_.ready(given.use()));
+    const LightFieldOutput field = output_of(*out, method_.network->field_shape(counts), "out");
     without_gil([&]() -> Result<void> {
       recon::ReconstructionMemory memory;
-      E2LF_RETURN_IF_ERROR(method_.network->reconstruct_into(*counts, cycles, {}, memory, field, told));
+      E2LF_RETURN_IF_ERROR(method_.network->reconstruct_into(counts, given.cycles(), {}, memory, field, told));
       tone = method_.complete(tone);
-      pipeline::apply_tone(*counts, field, tone);
+      pipeline::apply_tone(counts, field, tone);
       lightfield::orient(field, E2LF_ORIENTATION_VALUE);
       return {};
     });
     return *out;
   }
 
-  py::object depth(py::array images, Whole<size_t> cycles, E2LF_ORIENTATION_PARAMETERS,
+  py::object depth(const py::object& images, Whole<size_t> cycles, E2LF_ORIENTATION_PARAMETERS,
                    const ProgressArgument& progress) {
     if (!gives_depth()) throw py::value_error("this network gives light fields; estimate their depth by e2lf.depth()");
-    sum_cycles(images, cycles);
-    const auto counts = event_images_of(images, "images");
+    const GivenImages given(images, cycles);
     const ProgressFn told = progress_of(progress);
     const OneAtATime::Use use(use_, "reconstructor");
     depth::DisparityMap map = without_gil([&]() -> Result<depth::DisparityMap> {
-      E2LF_ASSIGN_OR_RETURN(pipeline::EventDepth found,
-                            pipeline::depth_of_events(method_, capture::Measurement(owned(*counts)), cycles,
-                                                      E2LF_ORIENTATION_VALUE, told));
+      E2LF_RETURN_IF_ERROR(method_.ready(given.use()));
+      E2LF_ASSIGN_OR_RETURN(
+          pipeline::EventDepth found,
+          pipeline::depth_of_events(method_, given.measurement(), given.cycles(), E2LF_ORIENTATION_VALUE, told));
       return std::move(found.map);
     });
     return make_tuple_of("DisparityMap", to_array(std::move(map.disparity)), to_array(std::move(map.confidence)),
@@ -111,17 +211,6 @@ class Network {
   [[nodiscard]] std::vector<std::string> kernels() const { return engine().describe(); }
 
  private:
-  /// Replaces images of several cycles by their sum.
-  static void sum_cycles(py::array& images, Whole<size_t>& cycles) {
-    if (cycles < 1) throw py::value_error("cycles are at least 1");
-    if (images.ndim() != 4 || images.shape(0) == 0) return;
-    if (cycles != 1) {
-      throw py::value_error("the number of cycles follows from images of several cycles; leave cycles out");
-    }
-    cycles = static_cast<size_t>(images.shape(0));
-    images = images.attr("sum")(0);
-  }
-
   [[nodiscard]] bool gives_depth() const { return model::is_depth_network(method_.network->model()); }
   [[nodiscard]] const engine::Engine& engine() const { return method_.network->engine(); }
   pipeline::OpenedMethod method_;
@@ -158,6 +247,19 @@ py::dict event_error(const py::array& light_field, const py::array& images, cons
 }  // namespace
 
 void bind_recon(py::module_& module) {
+  py::class_<Fusion>(
+      module, "CycleFusion",
+      "Fuses the cycles of a scene of which parts move, as `e2lf reconstruct --fuse` does: each pixel is "
+      "the mean of the cycles since the scene last changed there.\n\n"
+      "camera: the Camera that recorded the events, whose noise tells changes.\n"
+      "most_cycles: largest number of cycles in a mean, 1 to 64.")
+      .def(py::init<const capture::SensorProfile&, Whole<size_t>>(), py::arg("camera"), py::arg("most_cycles") = 16)
+      .def("add", &Fusion::add, py::arg("images"),
+           "Adds the event images int16 [transition, y, x] of the next cycle, and returns FusedCycles for "
+           "Reconstructor.reconstruct() and Reconstructor.depth().")
+      .def_property_readonly("changed", &Fusion::changed,
+                             "Share of the pixels that started again with the last cycle; 1 for the first one.")
+      .def("__repr__", [](const Fusion&) { return "<e2lf.CycleFusion>"; });
   py::class_<Network>(
       module, "Reconstructor",
       "Reconstructs light fields from event images with one model. It is created once and used for every cycle, by one "
@@ -175,8 +277,8 @@ void bind_recon(py::module_& module) {
            py::arg("progress") = py::none(),
            "Reconstructs a light field float32 [view_y, view_x, y, x], not clamped, from event images int16 "
            "[transition, y, x].\n\n"
-           "images: event images of one cycle, or [cycle, transition, y, x], from which networks conditioned on the "
-           "sensor profile reconstruct one light field of a static scene.\n"
+           "images: event images of one cycle; or [cycle, transition, y, x], from which networks conditioned on the "
+           "sensor profile reconstruct one light field of a static scene; or FusedCycles, for the same networks.\n"
            "gain: \"auto\" (well exposed; with physical pixels, the darkest parts become black) or a number; 1 = the "
            "output of the network.\n"
            "passes: number of shifted positions on the pixel grid of the network over which the result is averaged.\n"
@@ -190,7 +292,7 @@ void bind_recon(py::module_& module) {
           "Estimates the disparity of view (4, 4), or (3, 3) of turned views, from event images, with a depth network. "
           "Returns a DisparityMap with "
           "disparity and confidence, float32 [y, x].\n\n"
-          "images: int16 [transition, y, x], or [cycle, transition, y, x] of a static scene.\n"
+          "images: int16 [transition, y, x], or [cycle, transition, y, x] of a static scene, or FusedCycles.\n"
           "cycles: number of cycles over which `images` were summed.\n" E2LF_ORIENTATION_DOC
           "progress: called with (done, total); an exception cancels the operation.")
       .def_property_readonly("precision", &Network::precision, "The precision that \"auto\" selected.")

@@ -6,6 +6,6 @@ tools. Times are in microseconds (us), lengths in pixels (px). Bad data raises E
 """
 from ._e2lf import *  # noqa: F403
 from ._e2lf import __version__
-from ._types import Calibration, Cycle, DisparityMap, EventImageFile, LightFieldPicture, Slice, show
+from ._types import Calibration, Cycle, DisparityMap, EventImageFile, FusedCycles, LightFieldPicture, Slice, show
 
 __all__ = [name for name in dir() if not name.startswith("_")]

@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ._types import Calibration as Calibration, Cycle as Cycle, DisparityMap as DisparityMap
-from ._types import EventImageFile as EventImageFile, LightFieldPicture as LightFieldPicture, Slice as Slice, show as show
+from ._types import EventImageFile as EventImageFile, FusedCycles as FusedCycles, LightFieldPicture as LightFieldPicture
+from ._types import Slice as Slice, show as show
 
 Path = Union[str, "PathLike[str]"]
 Progress = Callable[[int, int], object]
@@ -186,16 +187,22 @@ class VideoModel:
     def weights(self) -> Dict[str, Floats]: ...
     def summary(self) -> Dict[str, Any]: ...
 
+class CycleFusion:
+    def __init__(self, camera: Camera, most_cycles: int = 16) -> None: ...
+    def add(self, images: Array) -> FusedCycles: ...
+    @property
+    def changed(self) -> float: ...
+
 class Reconstructor:
     def __init__(
             self, model: Union[Model, Path], *, precision: str = "auto", camera: Optional[Camera] = None,
             device: str = "cpu") -> None: ...
     def reconstruct(
-            self, images: Array, *, gain: Union[float, str] = "auto", passes: int = 1, cycles: int = 1,
-            turn_views: bool = False, flip_x: bool = False, flip_y: bool = False,
+            self, images: Union[Array, FusedCycles], *, gain: Union[float, str] = "auto", passes: int = 1,
+            cycles: int = 1, turn_views: bool = False, flip_x: bool = False, flip_y: bool = False,
             out: Optional[Array] = None, progress: Optional[Progress] = None) -> Floats: ...
     def depth(
-            self, images: Array, *, cycles: int = 1, turn_views: bool = False, flip_x: bool = False,
+            self, images: Union[Array, FusedCycles], *, cycles: int = 1, turn_views: bool = False, flip_x: bool = False,
             flip_y: bool = False, progress: Optional[Progress] = None) -> DisparityMap: ...
     @property
     def precision(self) -> str: ...

@@ -62,6 +62,18 @@ class DisparityMap(NamedTuple):
         return _html.of_disparity(self.disparity, self.range_px)
 
 
+class FusedCycles(NamedTuple):
+    """The event images of a cycle, fused with those of the cycles before."""
+
+    images: Counts  #: int16 [transition, y, x], of the last cycle
+    counts: Counts  #: int16 [transition, y, x], means over the cycles in 1/64 of an event
+    cycles: Floats  #: float32 [y, x], effective number of cycles of each pixel, at least 1
+
+    def __repr__(self) -> str:
+        height, width = self.cycles.shape
+        return f"<e2lf.FusedCycles of {width}x{height} px: {self.cycles.mean():.1f} cycles on average>"
+
+
 class EventImageFile(NamedTuple):
     """The content of a file of event images."""
 

@@ -101,6 +101,37 @@ class PipelineTest(InFolder):
         self.assertGreaterEqual(error["at_first"], error["least"])
         self.assertGreater(error["least"], 0)
 
+    def test_fused_cycles(self):
+        images, codes = event_images(4)
+        still = np.stack([images[0], images[0], images[0], images[1]])
+        for name, verb, result in (("e2lf-n4-camera", "reconstruct", "lightfield.npy"), ("e2lf-n4-depth", "depth", "disparity.npy")):
+            camera = e2lf.Camera("evk4-lcos")
+            e2lf.write_event_images("events.npz", still, codes, camera=camera, overwrite=True)
+            gain = ("--gain", 1, "--format", "npy") if verb == "reconstruct" else ()
+            command_line(verb, "events.npz", "-m", name, "-o", verb, "--fuse", 4, "--quiet", *gain)
+            fusion, network = e2lf.CycleFusion(camera, 4), e2lf.Reconstructor(name, camera=camera)
+            for number, cycle in enumerate(still):
+                fused = fusion.add(cycle)
+                own = network.reconstruct(fused, gain=1) if verb == "reconstruct" else network.depth(fused).disparity
+                folder = next(Path(verb).glob(f"*_0000{number}"))
+                self.assertTrue(same(own, np.load(folder / result)), f"{name}, cycle {number}")
+                if number == 2:
+                    self.assertTrue((fused.cycles == 3).all())
+                    self.assertTrue((abs(fused.counts - 64 * still[0].astype(int)) <= 1).all())
+            self.assertTrue(same(fused.images, still[3]))
+        self.assertGreater(fusion.changed, 0)
+        with self.assertRaises(e2lf.Error):
+            e2lf.Reconstructor("e2lf-n4").reconstruct(fused)  # is not told the number of cycles
+        for wrong in (fused._replace(cycles=fused.cycles[1:]), fused._replace(cycles=0 * fused.cycles),
+                      fused._replace(counts=fused.counts[:1])):
+            with self.assertRaises(ValueError):
+                network.depth(wrong)
+        with self.assertRaises(ValueError):
+            network.depth(fused, cycles=2)
+        for cycles in (0, 65):
+            with self.assertRaises(ValueError):
+                e2lf.CycleFusion(camera, cycles)
+
     def test_orientation(self):
         turned = np.ascontiguousarray(self.scene[::-1, ::-1])
         self.assertTrue(same(e2lf.depth(turned, turn_views=True).disparity, e2lf.depth(self.scene).disparity))
