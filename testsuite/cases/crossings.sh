@@ -32,7 +32,7 @@ VERBS = {
     "depth": (["-m", DEPTH], "out", {AVERAGED: ["--cycles-per-map", "2"], FUSED: ["--fuse", "4"], TURNED: ["--turn-views"]}),
     "accumulate": (["--codes", "codes.json"], "out.npz", {TURNED: ["--turn-views"]}),
     "calibrate": (["-m", NETWORK, "--even"], "out.json", {}),
-    "live": (["-m", NETWORK, "--no-page", "--json", "--size", "full"], "out", {AVERAGED: ["--average", "4"], TURNED: ["--turn-views"]}),
+    "live": (["-m", NETWORK, "--no-page", "--json", "--size", "full"], "out", {AVERAGED: ["--average", "4"], "unfused": ["--fuse", "1"], TURNED: ["--turn-views"]}),
 }
 # An input and the options that make it what it is: the exit code, findings of which one must be told, whether data are left out.
 POLARITY = {"polarity-inverted", "polarity-better-inverted", "half-cycle-off"}

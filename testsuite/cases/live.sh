@@ -46,6 +46,34 @@ assert all(f["size"] == "half" for f in fields) and fields[-1]["cycles"] == 3, f
 assert np.load("half.npy").shape == (8, 8, 24, 32)
 PY
 
+# Pixels that stand still are averaged: the last light field is that of `e2lf reconstruct --fuse`, to the bit, also turned
+# and of whole cycles, and without --fuse it fuses as many as is stated. With --average, or a network that is not told
+# the number of cycles, it fuses none.
+for network in e2lf-n4-live e2lf-n4-cycle-camera; do
+  told=$TESTSUITE/../models/$network.safetensors
+  "$E2LF" simulate demo/scene -m "$told" --camera evk4-lcos --cycles 6 -o still.raw --quiet --overwrite
+  "$E2LF" reconstruct still.raw -m "$told" --fuse 16 --gain 1 --format npy --turn-views -o still --quiet --overwrite
+  for flags in "" "--fuse 1" "--average 2"; do
+    [ "$network" = e2lf-n4-live ] || [ -z "$flags" ] || continue
+    # shellcheck disable=SC2086  # several words
+    "$E2LF" live replay:still.raw -m "$told" --no-page --json --size full --gain 1 --turn-views $flags --last still.npy --overwrite >still.json
+    fused=$(tail -n 2 still.json | head -n 1 | py -c 'import json, sys; print(json.load(sys.stdin)["fused_cycles"])')
+    case $flags in
+      "")
+        check "4 < $fused <= 6"
+        # --last is upright.
+        py -c 'import numpy as np; assert (np.load("still.npy")[::-1, ::-1] == np.load("still/cycle_00005/lightfield.npy")).all()' ||
+          fail "$network $flags: the last light field is not that of reconstruct"
+        ;;
+      *) check "$fused == 0" ;;
+    esac
+  done
+done
+"$E2LF" live replay:six.raw -m "$model" --no-page --json >plain.json 2>plain.txt
+grep -q "cycles are not fused: e2lf-n4 is not conditioned" plain.txt || fail "it does not say why nothing is fused: $(cat plain.txt)"
+fails 1 "e2lf-n4-camera" "$E2LF" live replay:six.raw -m "$model" --no-page --fuse 4
+fails 1 "--average" "$E2LF" live replay:still.raw -m "$told" --no-page --fuse 4 --average 4
+
 # Twice the recording at four times its speed, and a quarter of the size.
 "$E2LF" live 'replay:six.raw?repeat=2&speed=4' -m "$model" --no-page --json --size quarter --last quarter.npy >twice.json
 py - <<'PY'

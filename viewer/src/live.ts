@@ -15,6 +15,9 @@ export interface Statistics {
   size: string;
   size_choice: string;
   average: number;
+  fuse: number; // largest number of cycles in the mean of a pixel; 0 = not possible
+  is_fusing: boolean;
+  fuse_obstacle: string; // why it is not possible
   has_ended: boolean;
   error: string | null;
   cycles: number;

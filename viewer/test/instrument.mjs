@@ -8,9 +8,9 @@ import { assertNear, look, rowOf, settle, sizeOf, stateOf, withPage } from './br
 const row = 20, numCycles = 120;
 
 /** Serves the instrument; `check` gets its address, and what asks it. */
-async function withInstrument(check, recording = 'long.raw') {
+async function withInstrument(check, recording = 'long.raw', model = process.env.E2LF_MODEL) {
   rmSync('instrument', { recursive: true, force: true });
-  const arguments_ = ['live', `replay:${recording}`, '-m', process.env.E2LF_MODEL, '--size', 'full', '-o', 'instrument', '--json'];
+  const arguments_ = ['live', `replay:${recording}`, '-m', model, '--size', 'full', '-o', 'instrument', '--json'];
   const program = spawn(process.env.E2LF, arguments_);
   let said = '';
   const address = await new Promise((resolve, reject) => {
@@ -97,6 +97,29 @@ export const tests = {
       await settle(page);
       assert.match(await page.locator('#tabs button[aria-selected=true]').textContent(), /^cycle \d+, reconstructed well and cycle \d+$/);
       assert.ok((await statistics()).fields > 5);
+    })),
+
+  'cycles are fused until the button or the key ends it, and the page shows how many each region rests on': () => withInstrument((address, statistics) =>
+    withPage(`${address}#tab=1`, {}, async (page) => {
+      const button = page.getByRole('button', { name: 'Fuse cycles' });
+      const text = async () => page.locator('.advice', { hasText: /ycles/ }).first().textContent();
+      const mean = async () => Number(/([\d.]+) on average/.exec(await text())?.[1] ?? 0);
+      await until('regions rest on several cycles', async () => (await mean()) > 4);
+      assert.deepEqual(await sizeOf(page, 'canvas.fused'), [16, 12]);
+      assert.ok(Math.max(...await rowOf(page, 'canvas.fused', 6)) > 100, 'the map is bright where many cycles were fused');
+      await until('the caption says it', async () => /fused with those before to [\d.]+ on average/.test(await page.locator('.pane').textContent()));
+      await button.click();
+      await until('it is off', async () => !(await statistics()).is_fusing && (await button.getAttribute('aria-pressed')) === 'false');
+      await until('no map is shown', async () => !(await page.locator('canvas.fused').isVisible()));
+      await page.keyboard.press('c');
+      await until('it is on again', async () => (await statistics()).is_fusing);
+      await until('it begins anew', async () => (await mean()) > 1);
+    }), 'longer.raw', process.env.E2LF_MODEL.replace('e2lf-n4.', 'e2lf-n4-live.')),
+
+  'a network that is not told the number of cycles fuses none, and the page says why': () => withInstrument((address) =>
+    withPage(`${address}#tab=1`, {}, async (page) => {
+      await until('it says why', async () => (await page.locator('.advice', { hasText: 'Cycles are not fused: e2lf-n4 is not conditioned' }).count()) === 1);
+      assert.ok(await page.getByRole('button', { name: 'Fuse cycles' }).isDisabled());
     })),
 
   'a click focuses where it focuses in the frozen light field, and the controls show the settings of the server': () => withInstrument((address) =>

@@ -58,6 +58,8 @@ class ArrivalClock {
 /// A pattern cycle as the camera delivered it.
 struct LiveCycle : cycles::Cycle {
   size_t cycles = 1;               ///< the number of cycles, of which it is the last one, that `images` sums
+  capture::FusedCycles fused;      ///< `images`, fused with those of the cycles before; empty if they are not
+  double fused_cycles = 0;         ///< mean of the number of cycles over the pixels of `fused`
   double cycle_s = 0;              ///< time from the previous cycle to this one; 0 = unknown
   Clock::time_point last_event{};  ///< arrival of its last event at this host
 };
@@ -67,6 +69,10 @@ struct LiveCycle : cycles::Cycle {
 /// otherwise its memory is used again. A network takes the sums as those of side^2 cycles of one pixel. Images that are
 /// smaller than a block break the contract.
 void sum_blocks(const capture::EventImages& images, size_t side, capture::EventImages& sums);
+
+/// Computes fused cycles of a lower resolution: each count is the mean over a block, and the number of cycles is that
+/// of as many independent cycles of one pixel. The arguments are as above.
+void fuse_blocks(const capture::FusedCycles& fused, size_t side, capture::FusedCycles& blocks);
 
 /// Maximum number of cycles of a static scene that are summed.
 inline constexpr size_t kMostCycles = 16;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
+#include <numeric>
 #include <utility>
 
 #include "e2lf/base/log.h"
@@ -180,7 +181,28 @@ Result<bool> LiveReader::read(LiveCycle& cycle) {
   preview_->add_cycle(next->number, next->images);
   static_cast<cycles::Cycle&>(cycle) = *std::move(next);
   cycle.cycles = sum_.add(cycle.images, average_);
+  fuse(cycle);
   return true;
+}
+
+void LiveReader::prepare_fusion(const capture::SensorProfile& camera, size_t most_cycles) {
+  sensor_ = camera;
+  most_fused_ = most_cycles;
+}
+
+/// Fuses the cycle, which may be skipped later, with those before. Averaging begins anew when it is switched on again.
+void LiveReader::fuse(LiveCycle& cycle) {
+  if (!is_fusing()) {
+    fusion_.reset();
+    cycle.fused = {};
+    cycle.fused_cycles = 0;
+    return;
+  }
+  if (!fusion_) fusion_.emplace(*sensor_, most_fused_);
+  fusion_->add(cycle.images);
+  cycle.fused = fusion_->fused();
+  const std::vector<float>& cycles = cycle.fused.cycles.values;
+  cycle.fused_cycles = std::reduce(cycles.begin(), cycles.end(), 0.0) / static_cast<double>(cycles.size());
 }
 
 }  // namespace e2lf::live

@@ -16,6 +16,7 @@
 #include "e2lf/live/live_cycle.h"
 #include "e2lf/live/pace.h"
 #include "e2lf/live/statistics.h"
+#include "e2lf/recon/fusion.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::live {
@@ -64,10 +65,10 @@ struct ReadingOptions {
   std::function<void(const diagnose::Finding&)> on_finding = {};  ///< called once for each code
 };
 
-/// Reads a live source as fast as it delivers: finds cycles, accumulates event images, updates the statistics, records,
-/// and makes pictures for focusing. next() must be called by one thread only; all other functions may be called from
-/// any thread. While there is neither a recording nor a request for pictures, most cycles are read without the events
-/// that are not part of an event image; see cycles::CycleReader::read_whole_every().
+/// Reads a live source as fast as it delivers: finds cycles, accumulates and fuses event images, updates the
+/// statistics, records, and makes pictures for focusing. next() must be called by one thread only; all other functions
+/// may be called from any thread. While there is neither a recording nor a request for pictures, most cycles are read
+/// without the events that are not part of an event image; see cycles::CycleReader::read_whole_every().
 class LiveReader {
  public:
   /// Opens the source. Fails as `open` does.
@@ -82,6 +83,15 @@ class LiveReader {
   void set_average(size_t cycles) { average_ = cycles; }
   [[nodiscard]] size_t average() const { return average_; }
 
+  /// Prepares the fusion of cycles from a camera with this profile (recon::CycleFusion), in means of up to
+  /// `most_cycles`. Without this call, there is none. Must be called before next().
+  void prepare_fusion(const capture::SensorProfile& camera, size_t most_cycles);
+  /// Returns the largest number of cycles in a mean, or 0 if prepare_fusion() was not called.
+  [[nodiscard]] size_t most_fused() const { return sensor_ ? most_fused_ : 0; }
+  /// Sets whether cycles are fused, from the next one on. Cycles that are summed are not.
+  void set_fusing(bool is_fusing) { wants_fusion_ = is_fusing; }
+  [[nodiscard]] bool is_fusing() const { return sensor_ && wants_fusion_ && average_ == 1; }
+
   [[nodiscard]] const cycles::CycleReader& cycles() const { return *cycles_; }
   /// Returns the check of the rig; only the thread that reads may call it.
   [[nodiscard]] const diagnose::RigCheck& rig() const { return rig_; }
@@ -95,6 +105,7 @@ class LiveReader {
   [[nodiscard]] Result<bool> read(LiveCycle& cycle);
   void see(const recordings::EventBatch& batch);
   void choose_events();
+  void fuse(LiveCycle& cycle);
   void report();
   void announce(const diagnose::Findings& findings);
 
@@ -108,6 +119,10 @@ class LiveReader {
   std::optional<EventPreview> preview_;
   std::optional<Recorder> recorder_;
   std::atomic<size_t> average_ = 1;
+  std::optional<capture::SensorProfile> sensor_;  ///< of the cycles that can be fused
+  size_t most_fused_ = 1;
+  std::atomic<bool> wants_fusion_ = true;
+  std::optional<recon::CycleFusion> fusion_;
   CycleSum sum_;
   LateCycles late_;
   uint64_t taken_ = 0;

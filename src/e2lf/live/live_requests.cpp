@@ -50,6 +50,7 @@ RenderSettings settings_of(const Parameters& parameters) {
 Answer framed(Json header, const FieldReport& field, std::initializer_list<const lightfield::ByteImage*> images) {
   header.update({{"cycle", field.cycle},
                  {"cycles", field.cycles},
+                 {"fused_cycles", field.fused_cycles},
                  {"size", size_name(field.level.size)},
                  {"latency_s", field.latency_s},
                  {"reconstruct_s", field.reconstruct_s}});
@@ -99,6 +100,14 @@ Answer depth_map(Session& session, const Parameters& parameters) {
   return answer;
 }
 
+Answer fused(Session& session) {
+  const auto cycles = session.fused_cycles();
+  if (!cycles) return {204, "text/plain", ""};
+  // The number of an exponential mean reaches almost twice that of a mean over as many cycles.
+  const size_t most = 2 * session.reader().most_fused() - 1;
+  return framed({{"width", cycles->width}, {"height", cycles->height}, {"most", most}}, {&*cycles});
+}
+
 Answer events(Session& session) {
   const auto seen = session.reader().preview().take();
   if (!seen) return {204, "text/plain", ""};
@@ -132,6 +141,8 @@ std::optional<Answer> command(Session& session, const std::string& name, const P
   } else if (name == "average") {
     const size_t cycles = number<size_t>(parameters, "cycles").value_or(1);
     session.reader().set_average(std::clamp<size_t>(cycles, 1, kMostCycles));
+  } else if (name == "fuse") {
+    session.reader().set_fusing(number<int>(parameters, "on").value_or(0) != 0);
   } else if (name == "size") {
     const auto to = parameters.find("to");
     const auto size = choice_of(to == parameters.end() ? "" : to->second, kPictureSizes, "size", "size");
@@ -151,6 +162,7 @@ std::optional<Answer> answer(Session& session, bool is_command, const std::strin
   if (is_command) return command(session, name, parameters);
   if (name == "picture") return picture(session, parameters);
   if (name == "depth") return depth_map(session, parameters);
+  if (name == "fused") return fused(session);
   if (name == "events") return events(session);
   if (name == "disparity") return disparity(session, parameters);
   return std::nullopt;

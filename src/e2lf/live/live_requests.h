@@ -28,11 +28,12 @@ using Parameters = std::map<std::string, std::string>;
 ///                                                       by their confidence (255 = 1) and a grey picture of the same
 ///                                                       size; "range" is depth::shown_range(), and "view" is the one
 ///                                                       that they are of
+///   fused                                               Session::fused_cycles(), or 204; "most" is the largest number
 ///   events                                              the newest events, or 204
 ///   statistics                                          Session::json() and "recording": Recorder::json()
 ///   disparity?x=&y=                                     {"disparity"}: Session::disparity_at(), or 204
-/// The commands (POST) are record?on=1|0, average?cycles=K, size?to=auto|full|half|quarter, and brightness. Returns
-/// nothing for any other request.
+/// The commands (POST) are record?on=1|0, average?cycles=K, fuse?on=1|0, size?to=auto|full|half|quarter, and
+/// brightness. Returns nothing for any other request.
 [[nodiscard]] std::optional<Answer> answer(Session& session, bool is_command, const std::string& name,
                                            const Parameters& parameters);
 

@@ -86,6 +86,20 @@ TEST(HalfSize, IsEnlargedByRepetition) {
   EXPECT_TRUE(std::ranges::equal(enlarged(small, 4, 5).data(), expected));
 }
 
+TEST(HalfSize, FusedCyclesBecomeMeansOverBlocksAndOfAsManyMoreCycles) {
+  capture::FusedCycles fused{capture::EventImages(1, 3, 5), Planes<float>(1, 3, 5)};
+  fused.counts.values = {64, 32, -64, -64, 9, 0, 34, -64, -67, 9, 9, 9, 9, 9, 9};
+  fused.cycles.values = {1, 1, 8, 8, 9, 1, 1, 8, 2, 9, 9, 9, 9, 9, 9};
+  capture::FusedCycles half;
+  for (int again = 0; again < 2; ++again) {
+    fuse_blocks(fused, 2, half);
+    EXPECT_EQ(half.counts.values, (std::vector<int16_t>{33, -65}));  // 32.5 and -64.75
+    ASSERT_EQ(half.cycles.values.size(), 2U);
+    EXPECT_FLOAT_EQ(half.cycles.values[0], 4);
+    EXPECT_FLOAT_EQ(half.cycles.values[1], 16 / (3 / 8.0F + 1 / 2.0F));
+  }
+}
+
 TEST(CycleSum, SumsTheLastCyclesAndBeginsAnewWhenOneIsWanted) {
   CycleSum sum;
   const auto images = [](int16_t count) {

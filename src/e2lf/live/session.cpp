@@ -19,6 +19,7 @@ FieldReport report_of(const LiveCycle& cycle, const QualityLevel& level, double 
           cycle.number,
           cycle.begin_us,
           cycle.cycles,
+          cycle.fused_cycles,
           cycle.events,
           cycle.confidence,
           level,
@@ -26,17 +27,24 @@ FieldReport report_of(const LiveCycle& cycle, const QualityLevel& level, double 
           seconds_since(cycle.last_event)};
 }
 
-/// The event images in the resolution of a picture, and how many values of the camera each count sums.
+/// The event images in the resolution of a picture, and how many values of the camera each count sums unless they are
+/// fused.
 struct SizedImages {
-  const capture::EventImages& images;
+  const capture::EventImages& events;
+  capture::MeasurementView measured;
   size_t samples;
 };
 
-/// `sums` is the memory of those that are smaller than the images of the cycle.
-SizedImages images_of(const LiveCycle& cycle, PictureSize size, capture::EventImages& sums) {
+/// `memory` is that of images that are smaller than those of the cycle.
+SizedImages images_of(const LiveCycle& cycle, PictureSize size, bool takes_fused, SizedMemory& memory) {
   const size_t side = block_side(size);
-  if (side > 1) sum_blocks(cycle.images, side, sums);
-  return {side > 1 ? sums : cycle.images, cycle.cycles * side * side};
+  const bool is_fused = takes_fused && !cycle.fused.is_empty();
+  if (side > 1) sum_blocks(cycle.images, side, memory.sums);
+  if (side > 1 && is_fused) fuse_blocks(cycle.fused, side, memory.fused);
+  const capture::EventImages& events = side > 1 ? memory.sums : cycle.images;
+  const capture::MeasurementView measured =
+      is_fused ? capture::MeasurementView(events, side > 1 ? memory.fused : cycle.fused) : events;
+  return {events, measured, cycle.cycles * side * side};
 }
 
 /// Returns the finding that a thread ended early. The other threads go on, so that a recording is completed.
@@ -177,9 +185,9 @@ Result<FieldReport> Session::make_depth(const LiveCycle& cycle) {
     const std::lock_guard lock(settings_mutex_);
     level.size = named_size_.value_or(PictureSize::kHalf);
   }
-  const auto [events, samples] = images_of(cycle, level.size, depth_sums_);
   FieldMaker& maker = *depth_maker_;
-  E2LF_RETURN_IF_ERROR(maker.make(events, samples, {}, depth_outputs_));
+  const auto [events, measured, samples] = images_of(cycle, level.size, maker.takes_fused(), depth_sized_);
+  E2LF_RETURN_IF_ERROR(maker.make(measured, samples, {}, depth_outputs_));
   E2LF_ASSIGN_OR_RETURN(
       pipeline::EventDepth found,
       pipeline::depth_of_outputs(maker.reconstructor().model(), depth_outputs_, events, samples, options_.views));
@@ -236,6 +244,10 @@ LiveField Session::prepare() {
   LiveCycle dark;
   dark.cycles = reader_->average();
   dark.images = capture::EventImages(cycles.schedule().num_images(), info.height, info.width);
+  if (reader_->is_fusing()) {
+    dark.fused = {dark.images, Planes<float>(1, info.height, info.width)};
+    std::ranges::fill(dark.fused.cycles.values, 1.0F);
+  }
   {
     const std::lock_guard lock(settings_mutex_);
     field.level = pace_.level();
@@ -303,9 +315,9 @@ void Session::choose_views(LiveField& field) {
 
 Result<void> Session::make_views(const LiveCycle& cycle, bool exactly, LiveField& field) {
   const std::lock_guard lock(maker_mutex_);
-  const auto [images, samples] = images_of(cycle, field.level.size, sums_);
   FieldMaker& maker = makers_[field.level.network];
-  E2LF_RETURN_IF_ERROR(maker.make(images, samples, field.views, field.light_field, exactly));
+  const auto [events, measured, samples] = images_of(cycle, field.level.size, maker.takes_fused(), sized_);
+  E2LF_RETURN_IF_ERROR(maker.make(measured, samples, field.views, field.light_field, exactly));
   if (!options_.views.is_upright()) lightfield::orient(field.light_field, options_.views);
   return {};
 }
@@ -418,6 +430,19 @@ std::optional<LiveField> Session::freeze() {
   return frozen;
 }
 
+std::optional<lightfield::ByteImage> Session::fused_cycles() {
+  constexpr size_t kStep = 4;
+  const std::lock_guard lock(field_mutex_);
+  const Planes<float>& cycles = shown_.cycle.fused.cycles;
+  if (cycles.values.empty()) return std::nullopt;
+  lightfield::ByteImage map((cycles.width + kStep - 1) / kStep, (cycles.height + kStep - 1) / kStep, 1);
+  for (size_t i = 0; i < map.pixels.size(); ++i) {
+    const size_t y = i / map.width * kStep, x = i % map.width * kStep;
+    map.pixels[i] = static_cast<uint8_t>(std::min(255.0F, std::round(cycles.values[y * cycles.width + x])));
+  }
+  return map;
+}
+
 Pace Session::pace_of(std::optional<PictureSize> size) const {
   std::vector<double> macs;
   for (const FieldMaker& maker : makers_) macs.push_back(model::macs_per_pixel(maker.reconstructor().model().network));
@@ -438,6 +463,9 @@ void Session::measure_tone() {
 Json Session::json() {
   Json json = reader_->statistics().json();
   json["average"] = reader_->average();
+  json["fuse"] = reader_->most_fused();
+  json["is_fusing"] = reader_->is_fusing();
+  json["fuse_obstacle"] = options_.fuse_obstacle;
   json["has_ended"] = has_ended();
   json["has_depth"] = has_depth();
   const cycles::Schedule& schedule = reader_->cycles().schedule();

@@ -25,8 +25,8 @@
 namespace e2lf::live {
 
 /// Reconstructs a sequence of light fields with one network. Each count of a measurement is a sum over `samples`
-/// values: cycles of a static scene times pixels of a block. Networks that are not conditioned on the sensor profile
-/// receive the mean.
+/// values, cycles of a static scene times pixels of a block, or was fused. Networks that are not conditioned on the
+/// sensor profile receive the mean.
 class FieldMaker {
  public:
   /// The input of the network must be event images.
@@ -35,12 +35,14 @@ class FieldMaker {
   /// Computes the values of one pass of recon::Reconstructor::reconstruct() into `field`: to the bit if `exactly`, and
   /// otherwise except for rounding, see recon::Reconstructor::prepared_for(), in the memory that the first call
   /// allocated. The network may compute only the given views; see reconstruct_into(). Fails as that function does.
-  [[nodiscard]] Result<void> make(const capture::EventImages& images, size_t samples, std::span<const size_t> views,
+  [[nodiscard]] Result<void> make(const capture::MeasurementView& images, size_t samples, std::span<const size_t> views,
                                   lightfield::LightField& field, bool exactly = false) {
-    if (!exactly && (!fast_ || samples != samples_)) {
-      E2LF_ASSIGN_OR_RETURN(fast_, reconstructor_.prepared_for(samples));
+    const size_t prepared = images.is_fused() ? kFused : samples;
+    if (!exactly && (!fast_ || prepared != prepared_)) {
+      E2LF_ASSIGN_OR_RETURN(
+          fast_, prepared == kFused ? reconstructor_.prepared_for_fused() : reconstructor_.prepared_for(samples));
       memory_ = {};
-      samples_ = samples;
+      prepared_ = prepared;
     }
     const recon::Reconstructor& network = exactly ? reconstructor_ : *fast_;
     const lightfield::Shape shape = network.field_shape(images);
@@ -50,11 +52,14 @@ class FieldMaker {
   }
 
   [[nodiscard]] const recon::Reconstructor& reconstructor() const { return reconstructor_; }
+  /// Returns whether the network is told the number of cycles, so that these may be fused.
+  [[nodiscard]] bool takes_fused() const { return model::is_conditioned_on_camera(reconstructor_.model()); }
 
  private:
+  static constexpr size_t kFused = 0;
   recon::Reconstructor reconstructor_;
-  std::optional<recon::Reconstructor> fast_;  ///< the network prepared for samples_
-  size_t samples_ = 0;
+  std::optional<recon::Reconstructor> fast_;  ///< the network prepared for prepared_
+  size_t prepared_ = 0;                       ///< number of samples, or kFused
   recon::ReconstructionMemory memory_;
 };
 
@@ -106,7 +111,8 @@ struct FieldReport {
   uint64_t serial = 0;  ///< counts the light fields from 1
   uint64_t cycle = 0;   ///< number of its cycle in the recording
   int64_t begin_us = 0;
-  size_t cycles = 1;  ///< number of cycles that were summed
+  size_t cycles = 1;        ///< number of cycles that were summed
+  double fused_cycles = 0;  ///< mean number of cycles that were fused; 0 = none were
   uint64_t events = 0;
   float confidence = 1;
   QualityLevel level;
@@ -120,6 +126,7 @@ struct SessionOptions {
   pipeline::Tone tone = {.gain = {}, .black = {}};  ///< by default, determined from the first cycle that has events
   capture::Orientation views = {};                  ///< orientation in which the views are reconstructed
   std::optional<recon::Reconstructor> depth = {};   ///< network of disparities, for the same event images
+  std::string fuse_obstacle = {};                   ///< why cycles cannot be fused; empty if they can
   /// Judges the events of the twenty-first cycle, or of the last one of a shorter source, summed over the cycles before
   /// it if there are several, in a thread of its own; empty = not at all. A cycle whose times are not confirmed, which
   /// would explain whatever is found, or that has no events is only judged if it is the last one.
@@ -135,6 +142,12 @@ struct ShownPicture {
   FieldReport field;
   RenderSettings settings;
   Picture picture;
+};
+
+/// Event images in the resolution of a picture.
+struct SizedMemory {
+  capture::EventImages sums;
+  capture::FusedCycles fused;
 };
 
 /// The disparities of a cycle, as requested by the browser.
@@ -195,6 +208,10 @@ class Session {
   /// if there is none yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
   [[nodiscard]] std::optional<LiveField> freeze();
 
+  /// Returns the number of cycles that were fused for the newest light field, [y, x] in a quarter of the size, or
+  /// nothing if none were.
+  [[nodiscard]] std::optional<lightfield::ByteImage> fused_cycles();
+
  private:
   /// Starts a thread for a step, which is called `step` in the finding if an exception ends it. `at_end` is called in
   /// every case and lets the other threads end.
@@ -220,7 +237,7 @@ class Session {
   std::unique_ptr<LiveReader> reader_;
   std::recursive_mutex maker_mutex_;
   std::vector<FieldMaker> makers_;
-  capture::EventImages sums_;  ///< sums over blocks of the cycle that is being reconstructed
+  SizedMemory sized_;  ///< blocks of the cycle that is being reconstructed
   SessionOptions options_;
   NewestSlot<LiveCycle> slot_;
   uint64_t made_ = 0;
@@ -242,7 +259,7 @@ class Session {
   // When the browser last asked for either, as the count of a clock.
   std::atomic<Clock::rep> picture_asked_ = 0, depth_asked_ = 0;
   std::optional<FieldMaker> depth_maker_;
-  capture::EventImages depth_sums_;
+  SizedMemory depth_sized_;
   lightfield::LightField depth_outputs_;
   std::shared_ptr<const ShownDepth> depth_;  ///< under picture_mutex_, like picture_
 

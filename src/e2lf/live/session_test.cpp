@@ -40,14 +40,15 @@ capture::EventImages cycle_images(uint64_t number) {
 }
 
 /// Writes a recording of `cycles` cycles of 80 ms, with triggers.
-void write_recording(const std::filesystem::path& path, uint64_t cycles) {
+void write_recording(const std::filesystem::path& path, uint64_t cycles, bool is_still = false) {
   cycles::SynthesisOptions options;
   options.schedule = cycles::plain_schedule(4, 20'000);
   const recordings::RecordingInfo info{.format = "evt3", .width = kWidth, .height = kHeight, .header = {}};
   auto writer = recordings::create_recording(path, "evt3", info).value();
-  ASSERT_TRUE(synthesise_recording(*writer, cycles, options, [](uint64_t number) -> Result<capture::EventImages> {
-                return cycle_images(number);
-              }).ok());
+  ASSERT_TRUE(
+      synthesise_recording(*writer, cycles, options, [is_still](uint64_t number) -> Result<capture::EventImages> {
+        return cycle_images(is_still ? 0 : number);
+      }).ok());
   ASSERT_TRUE(writer->finish().ok());
 }
 
@@ -254,6 +255,68 @@ TEST(Session, HalfSizeTakesTheSumsOfBlocksAsFourCycles) {
   sum_blocks(cycle_images(0), 2, half);
   const auto expected = reconstructor().reconstruct(half, {}, 1, 4).value();
   EXPECT_TRUE(std::ranges::equal(frozen->light_field.data(), expected.data()));
+}
+
+/// Returns fused cycles whose number differs between the halves of the picture.
+capture::Measurement fused_measurement() {
+  recon::CycleFusion fusion(reconstructor().model().camera.value(), 4);
+  for (const uint64_t number : {0, 0, 0, 1}) fusion.add(cycle_images(number));
+  capture::Measurement measurement(cycle_images(1));
+  measurement.fused = fusion.fused();
+  for (size_t i = 0; i < measurement.fused.cycles.values.size(); ++i) {
+    measurement.fused.cycles.values[i] = i % kWidth < kWidth / 2 ? 3.5F : 1.0F;
+  }
+  return measurement;
+}
+
+TEST(FieldMaker, MakesTheLightFieldOfFusedCycles) {
+  const recon::Reconstructor network =
+      recon::Reconstructor::create(camera_model(), {.precision = engine::Precision::kFloat32}).value();
+  FieldMaker maker(network);
+  EXPECT_TRUE(maker.takes_fused());
+  const capture::Measurement measurement = fused_measurement();
+  const lightfield::LightField expected = network.reconstruct(measurement).value();
+  lightfield::LightField field;
+  for (const size_t samples : {1, 4}) {  // prepared for other numbers in between
+    ASSERT_TRUE(maker.make(cycle_images(0), samples, {}, field).ok());
+    ASSERT_TRUE(maker.make(measurement, 1, {}, field).ok());
+    for (size_t i = 0; i < field.data().size(); ++i) ASSERT_NEAR(field.data()[i], expected.data()[i], 1e-4);
+  }
+}
+
+TEST(Session, FusesTheCyclesOfAStillSceneUnlessItIsSwitchedOff) {
+  const TestFolder folder;
+  constexpr uint64_t kCycles = 4;
+  write_recording(folder / "a.raw", kCycles, /*is_still=*/true);
+  for (const bool is_on : {true, false}) {
+    for (const PictureSize size : {PictureSize::kFull, PictureSize::kHalf}) {
+      FieldReport last;
+      SessionOptions options;
+      options.size = size;
+      options.tone = {.gain = 1.0F, .black = 0.0F};
+      options.on_field = [&](const FieldReport& report) { last = report; };
+      Session session(open_replay(folder / "a.raw"), one_maker(), options);
+      session.reader().prepare_fusion(reconstructor().model().camera.value(), 16);
+      ASSERT_EQ(answer(session, true, "fuse", {{"on", is_on ? "1" : "0"}})->status, 200);
+      EXPECT_EQ(session.json()["is_fusing"], is_on);
+      session.start();
+      ASSERT_TRUE(session.wait().ok());
+      EXPECT_DOUBLE_EQ(last.fused_cycles, is_on ? kCycles : 0);
+      const auto map = session.fused_cycles();
+      ASSERT_EQ(map.has_value(), is_on);
+      if (map) {
+        EXPECT_EQ(map->pixels, std::vector<uint8_t>(kWidth * kHeight / 16, kCycles));
+      }
+      EXPECT_EQ(answer(session, false, "fused", {})->status, is_on ? 200 : 204);
+      // The mean of equal cycles is one of them, of which the network is told the number.
+      const size_t side = size == PictureSize::kHalf ? 2 : 1;
+      capture::EventImages counts = cycle_images(0);
+      if (side == 2) sum_blocks(cycle_images(0), 2, counts);
+      for (int16_t& count : counts.values) count = static_cast<int16_t>(count * (is_on ? kCycles : 1));
+      const auto expected = reconstructor().reconstruct(counts, {}, 1, side * side * (is_on ? kCycles : 1)).value();
+      expect_near(session.freeze()->light_field, expected);
+    }
+  }
 }
 
 /// A network whose disparity is half the mean of the first count plus 1.

@@ -16,7 +16,7 @@ bool is_suitable(const model::StatedModel& stated, const ModelNeeds& needs) {
   return (stated.is_for_any_patterns || model.codes == needs.codes) &&
          model.measurement() == capture::MeasurementKind::kEventImages &&
          model::is_depth_network(model) == needs.gives_disparity && (needs.may_be_guided || !stated.guide) &&
-         (!needs.has_pixels || model::is_conditioned_on_camera(model));
+         (!needs.is_conditioned || model::is_conditioned_on_camera(model));
 }
 
 using Rank = std::tuple<bool, bool, bool, double>;

@@ -14,7 +14,7 @@ namespace e2lf::pipeline {
 struct ModelNeeds {
   capture::Codes codes;          ///< patterns between which the event images lie
   bool gives_disparity = false;  ///< a disparity instead of views
-  bool has_pixels = false;       ///< the events are those of physical pixels, instead of the paper's event model
+  bool is_conditioned = false;   ///< the network must be conditioned on the sensor profile, as for physical pixels
   bool is_fast = false;          ///< the network must keep pace with a live source
   bool may_be_guided = true;     ///< its views may follow a disparity
 };

@@ -29,10 +29,11 @@ bool follows_geometry(const model::Model& model) {
 /// Chooses the bundled network for the patterns. Events of an unknown sensor are those of a camera, for which the
 /// network of physical pixels with its default profile is closer than that of the paper's event model.
 Result<std::optional<BundledModel>> network_for(ModelNeeds needs, const std::optional<capture::SensorProfile>& camera) {
-  needs.has_pixels = !camera || camera->is_pixel();
+  const bool is_paper = camera && !camera->is_pixel();
+  needs.is_conditioned = needs.is_conditioned || !is_paper;
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledModel> network, choose_bundled_model(needs));
-  if (network || camera) return network;
-  needs.has_pixels = false;
+  if (network || !needs.is_conditioned || (camera && !is_paper)) return network;
+  needs.is_conditioned = false;
   return choose_bundled_model(needs);
 }
 
@@ -47,6 +48,7 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledModel> network, network_for({.codes = known->codes,
                                                                           .gives_disparity = choice.algorithm == kDepth,
+                                                                          .is_conditioned = choice.prefers_conditioned,
                                                                           .is_fast = choice.prefers_fast},
                                                                          opened.camera));
   if (!network && bundled_names(kBundledModels).empty()) {

@@ -22,11 +22,12 @@ struct MethodChoice {
   std::optional<capture::SensorConstants> constants = {};  ///< empty = those of the model, or else the paper's
   capture::RecordedSetup events = {};                      ///< the setup that the file of the events states
   capture::MeasurementKind measurement = capture::MeasurementKind::kEventImages;
-  size_t transitions = 0;          ///< number of event images of a cycle; 0 = unknown
-  std::string precision = "auto";  ///< arithmetic of the network
-  std::string device = "cpu";      ///< see engine::EngineOptions
-  bool prefers_fast = false;       ///< whether to prefer a bundled network that keeps pace with a live source
-  bool lit_where_moving = false;   ///< whether to open a second network, OpenedMethod::lit
+  size_t transitions = 0;            ///< number of event images of a cycle; 0 = unknown
+  std::string precision = "auto";    ///< arithmetic of the network
+  std::string device = "cpu";        ///< see engine::EngineOptions
+  bool prefers_fast = false;         ///< whether to prefer a bundled network that keeps pace with a live source
+  bool prefers_conditioned = false;  ///< whether to prefer a bundled network that is told the number of cycles
+  bool lit_where_moving = false;     ///< whether to open a second network, OpenedMethod::lit
 };
 
 /// How a method is applied to each measurement.

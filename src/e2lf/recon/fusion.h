@@ -38,6 +38,7 @@ class CycleFusion {
   /// Returns the means, which saturate at 16 bits, and the effective number of cycles: the variance of the noise of one
   /// cycle divided by that of the mean. Exponential means reach 2 most_cycles - 1.
   [[nodiscard]] const capture::FusedCycles& fused() const { return fused_; }
+  [[nodiscard]] size_t most_cycles() const { return most_cycles_; }
   /// Returns the share of the pixels that started again with the last cycle; 1 for the first one.
   [[nodiscard]] double changed() const { return changed_; }
 

@@ -193,7 +193,7 @@ Result<void> network_input(const capture::MeasurementView& measurement, std::spa
     const bool is_image = groups[g].kind == model::InputKind::kImages || groups[g].kind == model::InputKind::kImageSum;
     if (groups[g].kind == model::InputKind::kCamera) {
       fill_conditioning(conditions.conditioning, scale, first_channels[g], planes);
-      const size_t of_cycles = first_channels[g] + capture::kCyclesCondition;
+      const size_t of_cycles = first_channels[g] + conditions.cycles_condition;
       if (measurement.is_fused() && of_cycles < first_channels[g + 1]) {
         fill_cycles(measurement.cycles, scale, conditions.shift, of_cycles, planes);
       }

@@ -66,6 +66,7 @@ struct InputConditions {
   std::vector<float> conditioning = {};     ///< the conditioning vector capture::conditioning_vector()
   size_t cycles = 1;     ///< number of cycles of a static scene over which counts are summed, unless they are fused
   GridShift shift = {};  ///< the images are extended by this at the top and on the left
+  size_t cycles_condition = capture::kCyclesCondition;  ///< the element of `conditioning` for the number of cycles
 };
 
 /// Makes the input channels of `groups` in `planes`, whose memory is reused, one group after another (see

@@ -107,31 +107,73 @@ Result<Reconstructor> Reconstructor::create(model::Model model, const engine::En
   return reconstructor;
 }
 
-Result<Reconstructor> Reconstructor::prepared_for(size_t cycles) const {
-  E2LF_REQUIRE(!constant_cycles_, "it is prepared only once");
+/// The conditioning vector as the network receives it.
+struct Reconstructor::ConditionedInput {
+  size_t group, first_channel;
+  std::vector<float> values;
+};
+
+std::optional<Reconstructor::ConditionedInput> Reconstructor::conditioned_input(size_t cycles) const {
+  ConditionedInput input{};
+  for (; input.group < model_.input.size() && model_.input[input.group].kind != model::InputKind::kCamera;
+       ++input.group) {
+    input.first_channel += model::num_input_channels(model_.input[input.group].kind, model_.num_patterns);
+  }
+  if (input.group == model_.input.size()) return std::nullopt;
+  input.values = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
+  for (float& value : input.values) value *= model_.input[input.group].scale;
+  return input;
+}
+
+engine::EngineOptions Reconstructor::options_of_prepared() const {
   engine::EngineOptions options = options_;
   if (model_.precision_loss.int16_db) options.checked.push_back(engine::Precision::kInt16);
-  const auto rounded = [&]() -> Result<Reconstructor> {
-    E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model_.network, *weights_, options));
-    Reconstructor other = *this;
-    if (engine.precision() != engine_->precision())
-      other.engine_ = std::make_shared<const engine::Engine>(std::move(engine));
-    return other;
-  };
-  size_t first = 0, group = 0;
-  for (; group < model_.input.size() && model_.input[group].kind != model::InputKind::kCamera; ++group) {
-    first += model::num_input_channels(model_.input[group].kind, model_.num_patterns);
-  }
-  if (group == model_.input.size()) return rounded();
-  std::vector<float> conditioning = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
-  for (float& value : conditioning) value *= model_.input[group].scale;
-  auto built = model::with_constant_inputs(model_.network, *weights_, first, conditioning);
-  if (!built) return rounded();
+  return options;
+}
+
+/// Returns the same network with these options, and with this engine if its precision is the same.
+Result<Reconstructor> Reconstructor::rounded(const engine::EngineOptions& options) const {
+  E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(model_.network, *weights_, options));
+  Reconstructor other = *this;
+  if (engine.precision() != engine_->precision())
+    other.engine_ = std::make_shared<const engine::Engine>(std::move(engine));
+  return other;
+}
+
+Result<Reconstructor> Reconstructor::prepared_for(size_t cycles) const {
+  E2LF_REQUIRE(!constant_cycles_ && beside_cycles_.empty(), "it is prepared only once");
+  const engine::EngineOptions options = options_of_prepared();
+  const auto camera = conditioned_input(cycles);
+  if (!camera) return rounded(options);
+  auto built = model::with_constant_inputs(model_.network, *weights_, camera->first_channel, camera->values);
+  if (!built) return rounded(options);
   E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(built->network, built->weights, options));
   Reconstructor other(model_, std::move(engine));
   other.model_.network = std::move(built->network);
-  other.model_.input[group].scale = 1.0F;
+  other.model_.input[camera->group].scale = 1.0F;
   other.constant_cycles_ = cycles;
+  return other;
+}
+
+Result<Reconstructor> Reconstructor::prepared_for_fused() const {
+  E2LF_REQUIRE(!constant_cycles_ && beside_cycles_.empty(), "it is prepared only once");
+  const auto camera = conditioned_input(/*cycles=*/1);
+  E2LF_REQUIRE(camera, "the network is not told the number of cycles");
+  const engine::EngineOptions options = options_of_prepared();
+  // The elements before and after the number of cycles become one channel of ones each.
+  const std::span<const float> before = std::span(camera->values).first(capture::kCyclesCondition);
+  const std::span<const float> after = std::span(camera->values).subspan(capture::kCyclesCondition + 1);
+  auto built = model::with_constant_inputs(model_.network, *weights_, camera->first_channel, before);
+  if (built && !after.empty()) {
+    built = model::with_constant_inputs(built->network, built->weights, camera->first_channel + 2, after);
+  }
+  if (!built) return rounded(options);
+  E2LF_ASSIGN_OR_RETURN(engine::Engine engine, engine::Engine::create(built->network, built->weights, options));
+  Reconstructor other(model_, std::move(engine));
+  other.model_.network = std::move(built->network);
+  const float one = 1.0F / model_.input[camera->group].scale;
+  other.beside_cycles_ = {one, 0.0F};
+  if (!after.empty()) other.beside_cycles_.push_back(one);
   return other;
 }
 
@@ -141,6 +183,10 @@ Result<void> Reconstructor::fill_input(const capture::MeasurementView& measureme
   InputConditions conditions{model_.camera->constants, {}, cycles, shift};
   if (constant_cycles_) {
     conditions.conditioning = {1.0F};
+  } else if (!beside_cycles_.empty()) {
+    E2LF_REQUIRE(measurement.is_fused(), "the network was prepared for fused cycles");
+    conditions.conditioning = beside_cycles_;
+    conditions.cycles_condition = 1;
   } else if (model::is_conditioned_on_camera(model_)) {
     conditions.conditioning = capture::conditioning_vector(*model_.camera, model_.num_patterns, cycles);
   }

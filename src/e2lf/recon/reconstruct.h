@@ -85,6 +85,9 @@ class Reconstructor {
   /// weights if the network is conditioned on it by convolutions, and in int16 instead of float32 if this was checked
   /// for the model. It is faster, and its results differ by rounding.
   [[nodiscard]] Result<Reconstructor> prepared_for(size_t cycles) const;
+  /// Returns the same for fused cycles, whose number differs between pixels. The network must be conditioned on the
+  /// sensor profile.
+  [[nodiscard]] Result<Reconstructor> prepared_for_fused() const;
 
   /// Returns the number of passes that are made if `wanted` are requested: at least one and at most
   /// model::size_multiple() squared, or one if there is a lens array.
@@ -98,7 +101,11 @@ class Reconstructor {
   [[nodiscard]] const engine::Engine& engine() const { return *engine_; }
 
  private:
+  struct ConditionedInput;
   [[nodiscard]] Result<void> check(const capture::MeasurementView& measurement) const;
+  [[nodiscard]] std::optional<ConditionedInput> conditioned_input(size_t cycles) const;
+  [[nodiscard]] Result<Reconstructor> rounded(const engine::EngineOptions& options) const;
+  [[nodiscard]] engine::EngineOptions options_of_prepared() const;
   [[nodiscard]] Result<void> fill_input(const capture::MeasurementView& measurement, size_t cycles,
                                         const GridShift& shift, InputPlanes& planes) const;
 
@@ -109,6 +116,7 @@ class Reconstructor {
   std::shared_ptr<const model::Weights> weights_;
   engine::EngineOptions options_;
   std::optional<size_t> constant_cycles_;  ///< number of cycles that is built into the weights
+  std::vector<float> beside_cycles_;       ///< conditioning vector if all but the number of cycles is built in
 };
 
 }  // namespace e2lf::recon

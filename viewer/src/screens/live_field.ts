@@ -27,21 +27,33 @@ interface PictureHeader {
   field: number;
   cycle: number;
   cycles: number;
+  fused_cycles: number; // mean over the pixels; 0 = none were fused
   size: string;
   latency_s: number;
   reconstruct_s: number;
 }
 
+/** Before the number of cycles of each pixel [y, x], in a quarter of the size. */
+interface FusedHeader {
+  width: number;
+  height: number;
+  most: number; // largest number of cycles
+}
+
 const rateWindowMs = 2000;
 
 export class LiveFieldScreen implements Screen {
-  readonly keys: [string, string][] = [...viewKeys, ...zoomKeys, ['f', 'freeze']];
+  readonly keys: [string, string][] = [...viewKeys, ...zoomKeys, ['f', 'freeze'], ['c', 'fuse cycles or not']];
   private readonly pane: Pane;
   private readonly map: ApertureMap;
   private readonly figures = new FigureList();
   private readonly fineButton: HTMLElement;
   private readonly average: SettingControl<HTMLInputElement>;
   private readonly averageText = element('output');
+  private readonly fuseButton: HTMLElement;
+  private readonly fusedMap = element('canvas', { class: 'fused', role: 'img' });
+  private readonly fusedText = element('p', { class: 'advice' });
+  private isAskingFused = false;
   private readonly size: SettingControl<HTMLSelectElement>;
   private readonly findings = new FindingList();
   private readonly problem = element('p', { class: 'advice', role: 'status' });
@@ -79,9 +91,11 @@ export class LiveFieldScreen implements Screen {
     this.ofDepth = element('div', {}, sureSlider(panel), this.ofRelief, this.depth.legend.root);
     this.ways = panel.group('Picture', panel.choice('show', 'Show', { picture: 'light field', disparity: 'disparity', relief: 'relief' }), this.ofDepth);
     this.ways.hidden = true;
+    this.fuseButton = panel.button('Fuse cycles', () => this.switchFusing());
     panel.group('Pace',
       element('label', { class: 'choice' }, element('span', {}, 'Size'), size),
-      element('label', { class: 'slider' }, element('span', {}, 'Cycles of a still scene'), average, this.averageText));
+      element('label', { class: 'slider' }, element('span', {}, 'Cycles of a still scene'), average, this.averageText),
+      this.fuseButton, this.fusedMap, this.fusedText);
     panel.group('Viewpoint', this.map.canvas,
       panel.slider('x', 'To the right', { low: -(columns - 1) / 2, high: (columns - 1) / 2, step: 0.05, text: signed }),
       panel.slider('y', 'Down', { low: -(rows - 1) / 2, high: (rows - 1) / 2, step: 0.05, text: signed }));
@@ -129,7 +143,8 @@ export class LiveFieldScreen implements Screen {
     if (header.field === this.field) return;
     this.field = header.field;
     this.count();
-    const summed = header.cycles > 1 ? `, sum of ${header.cycles}` : '';
+    const fused = header.fused_cycles > 0 ? `, fused with those before to ${header.fused_cycles.toFixed(1)} on average` : '';
+    const summed = header.cycles > 1 ? `, sum of ${header.cycles}` : fused;
     this.pane.caption.textContent = `cycle ${header.cycle}${summed}: ${header.size} size, ${Math.round(1000 * header.latency_s)} ms after its last event`;
   }
 
@@ -237,9 +252,44 @@ export class LiveFieldScreen implements Screen {
     this.average.show(String(now.average));
     this.averageText.textContent = String(now.average);
     this.average.control.setAttribute('aria-valuetext', `${now.average} cycles`);
+    this.showFusing(now);
     this.fineButton.toggleAttribute('disabled', now.is_refining);
     const state = now.has_ended ? 'The source has ended.' : now.fields === 0 ? 'Waiting for the first cycle.' : '';
     this.problem.textContent = now.error ?? (now.refining_error || (now.is_refining ? 'Reconstructing the frozen cycle well ...' : state));
+  }
+
+  private switchFusing(): void {
+    if (!this.fuseButton.hasAttribute('disabled')) this.tell(`fuse?on=${this.fuseButton.getAttribute('aria-pressed') === 'true' ? 0 : 1}`);
+  }
+
+  private showFusing(now: Statistics): void {
+    this.fuseButton.setAttribute('aria-pressed', String(now.is_fusing));
+    this.fuseButton.toggleAttribute('disabled', now.fuse === 0 || now.average > 1);
+    this.fusedMap.hidden = !now.is_fusing;
+    if (now.is_fusing) {
+      this.showFused().catch((error) => this.isClosed || this.context.fail(error));
+    } else if (now.fuse === 0) {
+      this.fusedText.textContent = `Cycles are not fused: ${now.fuse_obstacle}.`;
+    } else {
+      this.fusedText.textContent = now.average > 1 ? 'Cycles of a still scene are summed instead.' : '';
+    }
+  }
+
+  /** Draws on how many cycles each region rests: black is 1, and white the largest number. */
+  private async showFused(): Promise<void> {
+    if (this.isAskingFused) return;
+    this.isAskingFused = true;
+    try {
+      const got = await askForPicture<FusedHeader>('fused');
+      if (!got || this.isClosed) return;
+      const { header: { width, height, most }, pixels } = got;
+      const mean = pixels.reduce((sum, cycles) => sum + cycles, 0) / Math.max(pixels.length, 1);
+      drawGrey(this.fusedMap, width, height, pixels.map((cycles) => Math.round((255 * Math.log2(Math.max(cycles, 1))) / Math.log2(Math.max(most, 2)))));
+      this.fusedText.textContent = `Cycles that each region rests on: 1 (black) to ${most} (white), ${mean.toFixed(1)} on average.`;
+      this.fusedMap.setAttribute('aria-label', this.fusedText.textContent);
+    } finally {
+      this.isAskingFused = false;
+    }
   }
 
   /** Sends commands one after another. */
@@ -288,7 +338,8 @@ export class LiveFieldScreen implements Screen {
   press(key: string): boolean {
     if (this.pane.zoom.press(key) || (this.way() === 'relief' && pressReliefKey(this.context.state, key))) return true;
     if (key === 'f') this.tell('freeze');
-    return key === 'f' || pressViewKey(this.context.state, this.item, key);
+    if (key === 'c') this.switchFusing();
+    return key === 'f' || key === 'c' || pressViewKey(this.context.state, this.item, key);
   }
 
   pictures(): { name: string; canvas: HTMLCanvasElement }[] {

@@ -74,6 +74,8 @@ inline constexpr size_t kFusedUnits = 64;
 struct FusedCycles {
   EventImages counts;    ///< means over cycles in kFusedUnits, [transition, y, x]
   Planes<float> cycles;  ///< effective number of cycles of each pixel, [1, y, x]; at least 1
+
+  [[nodiscard]] bool is_empty() const { return counts.values.empty(); }
 };
 
 /// The measurement of one light field.
@@ -102,6 +104,8 @@ struct MeasurementView {
         cycles(owner.fused.cycles) {}
   MeasurementView(const EventImages& owner) : events(owner) {}                    // NOLINT(google-explicit-constructor)
   MeasurementView(const PlanesView<const int16_t>& events_) : events(events_) {}  // NOLINT(google-explicit-constructor)
+  MeasurementView(const EventImages& events_, const FusedCycles& fused_)
+      : events(events_), fused(fused_.counts), cycles(fused_.cycles) {}
 
   MeasurementKind kind = MeasurementKind::kEventImages;
   PlanesView<const int16_t> events;

@@ -28,11 +28,14 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr size_t kUsualFusedCycles = 16;
+
 struct LiveArguments {
   fs::path source, output, last, fine_model, depth_model;
   MethodFlags method;
   std::optional<live::PictureSize> size;
-  size_t average = 1;
+  size_t average = 1, fuse = kUsualFusedCycles;
+  bool is_fuse_named = false;
   double seconds = 0;
   bool has_no_page = false, records = false;
   uint16_t port = 0;
@@ -83,7 +86,9 @@ FineMethod fine_method(recon::Reconstructor network, const capture::Orientation&
       return network.reconstruct(counts, progress, network.num_passes(kPasses), frozen.cycle.cycles);
     };
     pipeline::FieldSequence sequence(method, {.gain = frozen.gain, .black = frozen.black});
-    E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(frozen.cycle.images));
+    capture::Measurement measurement(frozen.cycle.images);
+    if (model::is_conditioned_on_camera(network.model())) measurement.fused = frozen.cycle.fused;
+    E2LF_ASSIGN_OR_RETURN(pipeline::Field field, sequence.next(measurement));
     if (!views.is_upright()) lightfield::orient(field.light_field, views);
     return std::move(field.light_field);
   };
@@ -126,9 +131,35 @@ Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& argu
   return std::optional<recon::Reconstructor>(*method->network);
 }
 
+/// Lets the reader fuse cycles, or says why it does not.
+void prepare_fusion(const LiveArguments& arguments, const pipeline::OpenedMethod& method, Instrument& instrument) {
+  if (arguments.fuse == 1) {
+    instrument.options.fuse_obstacle = "--fuse 1 was given";
+  } else if (!method.takes_sums()) {
+    instrument.options.fuse_obstacle = cat(method.network->model().name,
+                                           " is not conditioned on the sensor profile; use a network that is, such as "
+                                           "e2lf-n4-live");
+    log_info(cat("cycles are not fused: ", instrument.options.fuse_obstacle));
+  } else {
+    instrument.reader->prepare_fusion(method.sensor(), arguments.fuse);
+  }
+}
+
+/// Returns whether cycles are to be fused. Fails if the number of cycles is stated twice.
+Result<bool> wants_fusion(const LiveArguments& arguments) {
+  const bool is_fused = arguments.fuse > 1;
+  if (is_fused && arguments.is_fuse_named && arguments.average > 1) {
+    return fail(ErrorCode::kInvalidValue, "--fuse",
+                "the cycles of a light field are summed already; omit --average or this option");
+  }
+  return is_fused && arguments.average == 1;
+}
+
 Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
   Instrument instrument;
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
+  E2LF_ASSIGN_OR_RETURN(choice.prefers_conditioned, wants_fusion(arguments));
+  const pipeline::MethodUse use{.fused_cycles = arguments.is_fuse_named ? arguments.fuse : 1};
   choice.prefers_fast = true;
   CycleFlags flags = arguments.cycles;
   flags.choice = pipeline::wanted_schedule(flags.choice, choice);
@@ -149,7 +180,7 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
   choice.transitions = cycles.schedule().num_images();
   E2LF_ASSIGN_OR_RETURN(const pipeline::ChosenMethod chosen,
-                        by_flag(pipeline::choose_method(choice, {}, &cycles.schedule()), arguments.source));
+                        by_flag(pipeline::choose_method(choice, use, &cycles.schedule()), arguments.source));
   const pipeline::OpenedMethod& method = chosen.method;
   E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
   record_method(method, 1, record);
@@ -169,6 +200,7 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   instrument.options.size = arguments.size;
   instrument.options.views = arguments.orientation.after(method.views).value_or(capture::Orientation{});
   instrument.reader->set_average(arguments.average);
+  prepare_fusion(arguments, method, instrument);
   if (arguments.method.codes.model.empty() && best.network->model().name != method.network->model().name) {
     instrument.makers.emplace_back(*best.network);
   }
@@ -191,6 +223,7 @@ Json field_json(const live::FieldReport& field) {
           {"cycle", field.cycle},
           {"begin_us", field.begin_us},
           {"cycles", field.cycles},
+          {"fused_cycles", field.fused_cycles},
           {"events", field.events},
           {"confidence", field.confidence},
           {"size", live::size_name(field.level.size)},
@@ -337,6 +370,10 @@ int run_live(const std::vector<std::string>& arguments) {
              "keeps pace, and a better network if it does so, too");
   add_count(app, "--average", live_arguments.average, 1, live::kMostCycles,
             "number of the last cycles that are summed, for static scenes");
+  CLI::Option* const fuse = add_count(
+      app, "--fuse", live_arguments.fuse, 1, recon::kMostFusedCycles,
+      "average each pixel over up to this number of cycles, but none from before the scene changed there; 1 = "
+      "off, as with --average or networks that are not conditioned on the sensor profile");
   add_model_option(
       app, "--fine", live_arguments.fine_model,
       "network that reconstructs a frozen cycle in several passes; default: that of -m, or the best bundled one");
@@ -355,7 +392,10 @@ int run_live(const std::vector<std::string>& arguments) {
   add_cycle_options(app, live_arguments.cycles);
   add_orientation_options(app, live_arguments.orientation);
   verb.stop_gently();
-  return verb.run(arguments, [&] { return go_live(live_arguments, verb); });
+  return verb.run(arguments, [&] {
+    live_arguments.is_fuse_named = fuse->count() > 0;
+    return go_live(live_arguments, verb);
+  });
 }
 
 }  // namespace e2lf::cli
