@@ -6,6 +6,7 @@
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/describe.h"
+#include "e2lf/geometry/any_patterns.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/model_parts.h"
 #include "e2lf/video/video_model.h"
@@ -99,7 +100,8 @@ void bind_common(py::class_<AnyModel, std::shared_ptr<AnyModel>>& bound) {
 std::shared_ptr<Model> read_model(const fs::path& name) {
   return std::make_shared<Model>(without_gil([&]() -> Result<Model> {
     E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, name.string()));
-    return model::read_model(path);
+    E2LF_ASSIGN_OR_RETURN(Model model, model::read_model(path));
+    return geometry::for_own_patterns(std::move(model));
   }));
 }
 

@@ -31,9 +31,9 @@ offers "e2lf-n4-camera" e2lf reconstruct in.npz -m e2lf-n4-cam
 offers "e2lf-n4-camera" e2lf reconstruct in.npz --model = e2lf-n4-cam
 offers "evk4-lcos" e2lf simulate scene --camera evk
 offers "evk4-lcos" e2lf simulate scene --camera = evk
-offers "e2lf-n8 e2lf-n8-camera" e2lf simulate scene --codes e2lf-n8
-offers "e2lf-n8-camera" e2lf model info e2lf-n8-
-offers "e2lf-n8-camera" e2lf info e2lf-n8-
+offers "e2lf-n8 e2lf-n8-camera e2lf-n8-geometry-camera" e2lf simulate scene --codes e2lf-n8
+offers "e2lf-n8-camera e2lf-n8-geometry-camera" e2lf model info e2lf-n8-
+offers "e2lf-n8-camera e2lf-n8-geometry-camera" e2lf info e2lf-n8-
 offers "cameras" e2lf reconstruct --help = cam
 # Every verb of the list, and every flag of a help text.
 "$E2LF" --help | sed -n 's/^  \([a-z]*\) .*/\1/p' >verbs.txt

@@ -46,7 +46,7 @@ TEST(OpenMethod, TakesTheBundledNetworkForPatternsAndCamera) {
 
   const auto of_eight = open_method({.codes = *bundled("e2lf-n8").codes, .events = {.camera = pixel_camera()}});
   ASSERT_TRUE(of_eight) << of_eight.error().text();
-  EXPECT_EQ(of_eight->network->model().name, "e2lf-n8-camera");
+  EXPECT_EQ(of_eight->network->model().name, "e2lf-n8-geometry-camera");
 }
 
 TEST(OpenMethod, TakesPhysicalPixelsWithTheDefaultProfileForEventsOfAnUnknownSensor) {
@@ -74,13 +74,14 @@ TEST(OpenMethod, ChoosesAmongTheBundledModelsByWhatTheyState) {
   EXPECT_EQ(name_for(cycle, paper, {}), "e2lf-n4-cycle-geometry");
   EXPECT_EQ(name_for(cycle, pixels, {}), "e2lf-n4-cycle-geometry-camera");
   EXPECT_EQ(name_for(eight, paper, {}), "e2lf-n8");
-  EXPECT_EQ(name_for(eight, pixels, {}), "e2lf-n8-camera");
+  EXPECT_EQ(name_for(eight, pixels, {}), "e2lf-n8-geometry-camera");
   for (const auto& camera : {paper, pixels}) {
     EXPECT_EQ(name_for(four, camera, {.prefers_fast = true}), "e2lf-n4-live");
     EXPECT_EQ(name_for(four, camera, {.algorithm = "depth"}), "e2lf-n4-depth");
     EXPECT_EQ(name_for(cycle, camera, {.algorithm = "depth"}), "e2lf-n4-cycle-depth");
   }
   EXPECT_EQ(name_for(eight, paper, {.prefers_fast = true}), "e2lf-n8");
+  EXPECT_EQ(name_for(eight, pixels, {.prefers_fast = true}), "e2lf-n8-camera");
   EXPECT_EQ(name_for(cycle, paper, {.prefers_fast = true}), "e2lf-n4-cycle");
   EXPECT_EQ(name_for(cycle, pixels, {.prefers_fast = true}), "e2lf-n4-cycle-camera");
 }
