@@ -10,43 +10,30 @@
 namespace e2lf::recon {
 namespace {
 
-using capture::PixelConstant;
-
-constexpr size_t kBlock = 2;  // px along each axis that start again together
+constexpr size_t kCell = 4;   // px along each axis that start again together
+constexpr size_t kBlock = 2;  // px along each axis whose sums show fine texture
 constexpr int kUnits = capture::kFusedUnits;
-constexpr int kLevelsPerEvent = 4;  // of the table of variances
-constexpr int kMostLevel = 64;      // in events; levels beyond have the variance of the last one
-/// What is added to the variance of a count for its rounding. Of physical pixels, whose noise is small, most see the
-/// same count in each cycle.
-constexpr float kRounding = 1.0F / 12, kRoundingOfPixels = 1.0F / 60;
 constexpr int kWeightBits = 14;
 /// The effective number of cycles is tabulated up to this multiple of the number of cycles in a mean. It hardly grows
 /// beyond.
 constexpr size_t kSettled = 8;
 
-/// Returns the variance of the log intensity with which a cycle compares, at a level above black in logarithm.
-float level_variance(const capture::SensorProfile& camera, float level) {
-  if (!camera.is_pixel()) return camera.constants.sigma_w * camera.constants.sigma_w;
-  const capture::PixelConstants& pixel = camera.pixel;
-  const float noise = pixel[PixelConstant::kNoise], shot = pixel[PixelConstant::kShotNoise];
-  const float dark = pixel[PixelConstant::kDarkOff] + pixel[PixelConstant::kDarkOn];
-  const float threshold = pixel[PixelConstant::kThresholdOn];
-  return noise * noise + (shot * shot + dark * threshold * threshold) * std::exp(-std::max(0.0F, level));
-}
-
-/// Returns the variance of the reference after black.
-float reference_variance(const capture::SensorProfile& camera) {
-  if (!camera.is_pixel()) return 0;
-  const float span = camera.pixel[PixelConstant::kResetSpan] * camera.pixel[PixelConstant::kThresholdOff];
-  return span * span / 12;
-}
+/// Windows in which a change is looked for: their reach around a cell in cells, and what a mean of squares exceeds
+/// there as rarely as a normal variable exceeds this number of standard deviations. The second limit is for cells near
+/// some that changed with the last cycle: what moves goes on moving.
+struct Window {
+  size_t reach;
+  double deviations, deviations_near;
+};
+constexpr Window kWindows[] = {{1, 5, 5}, {2, 4, 3.5}};
+constexpr size_t kNear = 2;      // cells
+constexpr size_t kDilation = 1;  // cells around a changed one that start again, which its windows reach
 
 /// Returns what a chi-squared variable with `freedom` degrees of freedom, divided by them, exceeds as rarely as a
-/// normal one exceeds 4.5 standard deviations (Wilson and Hilferty 1931).
-float limit_of(double freedom) {
-  constexpr double kDeviations = 4.5;
+/// normal one exceeds `deviations` standard deviations (Wilson and Hilferty 1931).
+float limit_of(double freedom, double deviations) {
   const double share = 2 / (9 * freedom);
-  return static_cast<float>(std::pow(1 - share + kDeviations * std::sqrt(share), 3));
+  return static_cast<float>(std::pow(1 - share + deviations * std::sqrt(share), 3));
 }
 
 /// Returns the degrees of freedom of the mean of squares over the transitions, whose counts share the noise of the
@@ -56,56 +43,56 @@ double freedom_of(size_t transitions, double of_each) {
   return of_each * count * count / (count + 2 * (count - 1) * 0.25);
 }
 
-constexpr double kBlocks = 9;                        // of a window
-constexpr double kSums = 1 / (5.0 / 9) / (5.0 / 9);  // independent sums of a window, whose windows overlap
+/// Sets `sums` to the sum of each value and those up to `reach` beside it; values beside the row are those of its ends.
+void sum_row(const float* values, size_t count, size_t reach, std::vector<float>& padded, float* sums) {
+  padded.resize(count + 2 * reach);
+  std::fill_n(padded.begin(), reach, values[0]);
+  std::copy_n(values, count, padded.begin() + static_cast<ptrdiff_t>(reach));
+  std::fill_n(padded.end() - static_cast<ptrdiff_t>(reach), reach, values[count - 1]);
+  std::copy_n(padded.begin(), count, sums);
+  for (size_t step = 1; step <= 2 * reach; ++step) {
+    for (size_t x = 0; x < count; ++x) sums[x] += padded[x + step];
+  }
+}
 
-/// Adds up each value and its two neighbours, along rows and columns; values beside the plane are those of its edge.
-void sum_windows(std::span<float> plane, size_t height, size_t width) {
-  parallel_for(height, 16, [&](size_t begin, size_t end) {
-    std::vector<float> row(width + 2);
-    for (size_t y = begin; y < end; ++y) {
-      float* const values = plane.data() + y * width;
-      std::copy_n(values, width, row.begin() + 1);
-      row.front() = row[1];
-      row.back() = row[width];
-      for (size_t x = 0; x < width; ++x) values[x] = row[x] + row[x + 1] + row[x + 2];
+/// Returns the sums over square windows; values beside the plane are those of its edge.
+std::vector<float> sum_windows(const std::vector<float>& plane, size_t height, size_t width, size_t reach) {
+  std::vector<float> across(plane.size()), sums(plane.size()), padded;
+  for (size_t y = 0; y < height; ++y) {
+    sum_row(plane.data() + y * width, width, reach, padded, across.data() + y * width);
+  }
+  for (size_t y = 0; y < height; ++y) {
+    float* const to = sums.data() + y * width;
+    for (size_t step = 0; step <= 2 * reach; ++step) {
+      const size_t from = std::min(std::max(y + step, reach) - reach, height - 1);
+      for (size_t x = 0; x < width; ++x) to[x] += across[from * width + x];
     }
-  });
-  parallel_for(width, 256, [&](size_t begin, size_t end) {
-    std::vector<float> above(plane.begin() + static_cast<ptrdiff_t>(begin),
-                             plane.begin() + static_cast<ptrdiff_t>(end));
-    for (size_t y = 0; y < height; ++y) {
-      float* const values = plane.data() + y * width;
-      const float* const below = y + 1 < height ? values + width : values;
-      for (size_t x = begin; x < end; ++x) {
-        const float value = values[x];
-        values[x] += above[x - begin] + below[x];
-        above[x - begin] = value;
+  }
+  return sums;
+}
+
+/// Returns what is set within `reach` cells.
+std::vector<uint8_t> dilated(const std::vector<uint8_t>& mask, size_t height, size_t width, size_t reach) {
+  std::vector<uint8_t> across(mask.size()), result(mask.size());
+  for (size_t y = 0; y < height; ++y) {
+    const uint8_t* const from = mask.data() + y * width;
+    for (size_t step = 0; step <= reach; ++step) {
+      for (size_t x = step; x < width; ++x) {
+        across[y * width + x] |= from[x - step];
+        across[y * width + x - step] |= from[x];
       }
     }
-  });
-}
-
-/// Sets everything within three blocks of what is set: within the reach of the windows, and where a moving thing has
-/// weak texture beside what is seen to move.
-void dilate(std::vector<uint8_t>& mask, size_t height, size_t width) {
-  constexpr size_t kReach = 3;
-  std::vector<uint8_t> across(mask.size()), row(width + 2 * kReach);
-  for (size_t y = 0; y < height; ++y) {
-    std::copy_n(mask.begin() + static_cast<ptrdiff_t>(y * width), width, row.begin() + kReach);
-    uint8_t* const to = across.data() + y * width;
-    for (size_t x = 0; x < width; ++x) to[x] = *std::max_element(&row[x], &row[x] + 2 * kReach + 1);
   }
-  std::ranges::fill(mask, uint8_t{0});
   for (size_t y = 0; y < height; ++y) {
-    for (size_t from = y < kReach ? 0 : y - kReach; from < std::min(height, y + kReach + 1); ++from) {
-      for (size_t x = 0; x < width; ++x) mask[y * width + x] |= across[from * width + x];
+    for (size_t from = y < reach ? 0 : y - reach; from < std::min(height, y + reach + 1); ++from) {
+      for (size_t x = 0; x < width; ++x) result[y * width + x] |= across[from * width + x];
     }
   }
+  return result;
 }
 
-size_t blocks_of(size_t pixels) {
-  return (pixels + kBlock - 1) / kBlock;
+size_t cells_of(size_t pixels) {
+  return (pixels + kCell - 1) / kCell;
 }
 
 /// Returns a count in units of fused counts, limited to their range.
@@ -113,25 +100,11 @@ int units_of(int16_t count) {
   return std::clamp<int>(count, INT16_MIN / kUnits, INT16_MAX / kUnits) * kUnits;
 }
 
-/// Returns the sum over the columns of a block of sums over its rows.
-int sum_of_block(const std::vector<int>& columns, size_t block) {
-  const size_t left = block * kBlock;
-  return columns[left] + (left + 1 < columns.size() ? columns[left + 1] : 0);
-}
-
 }  // namespace
 
 CycleFusion::CycleFusion(const capture::SensorProfile& camera, size_t most_cycles)
-    : most_cycles_(most_cycles), reference_variance_(reference_variance(camera)) {
+    : most_cycles_(most_cycles), noise_(camera) {
   E2LF_REQUIRE(most_cycles >= 1 && most_cycles <= kMostFusedCycles, "the number of fused cycles is out of range");
-  const bool is_pixel = camera.is_pixel();
-  threshold_on_ = is_pixel ? camera.pixel[PixelConstant::kThresholdOn] : camera.constants.tau;
-  threshold_off_ = is_pixel ? camera.pixel[PixelConstant::kThresholdOff] : camera.constants.tau;
-  rounding_ = is_pixel ? kRoundingOfPixels : kRounding;
-  threshold_spread_ = is_pixel ? 0 : camera.constants.sigma_z / camera.constants.tau;
-  for (int level = 0; level <= kMostLevel * kLevelsPerEvent; ++level) {
-    variances_.push_back(level_variance(camera, threshold_on_ * static_cast<float>(level) / kLevelsPerEvent));
-  }
   // The weight w of a new cycle changes the relative variance v to (1 - w)^2 v + w^2.
   double variance = 1;
   effective_ = {1, 1};
@@ -142,124 +115,132 @@ CycleFusion::CycleFusion(const capture::SensorProfile& camera, size_t most_cycle
   }
 }
 
-float CycleFusion::count_variance(int level, int count) const {
-  const int at = std::max(level, 0) * kLevelsPerEvent / kUnits;
-  const float threshold = count < 0 ? threshold_off_ : threshold_on_;
-  const float spread = threshold_spread_ * static_cast<float>(count) / kUnits;
-  return variances_[static_cast<size_t>(std::min(at, kMostLevel * kLevelsPerEvent))] / (threshold * threshold) +
-         spread * spread + rounding_;
-}
-
 void CycleFusion::restart(const PlanesView<const int16_t>& cycle) {
   const auto [count, height, width] = cycle.extents;
-  const size_t blocks_y = blocks_of(height), blocks_x = blocks_of(width);
+  cells_y_ = cells_of(height);
+  cells_x_ = cells_of(width);
+  const size_t cells = cells_y_ * cells_x_;
   fused_.counts.resize(count, height, width);
   fused_.cycles.resize(1, height, width);
-  residuals_.resize(count, blocks_y, blocks_x);
-  expected_.resize(count, blocks_y, blocks_x);
-  added_.assign(blocks_y * blocks_x, 0);
-  of_blocks_.resize(blocks_y * blocks_x);
-  of_sums_.resize(blocks_y * blocks_x);
-  is_changed_.assign(blocks_y * blocks_x, 1);
+  added_.assign(cells, 0);
+  of_blocks_.resize(cells);
+  of_cells_.resize(cells);
+  expected_.resize(cells);
+  is_changed_.assign(cells, 1);
+  is_near_change_.assign(cells, 0);
 }
 
 void CycleFusion::add(const PlanesView<const int16_t>& cycle) {
   const std::array<size_t, 3> extents = {fused_.counts.count, fused_.counts.height, fused_.counts.width};
-  if (cycle.extents != extents) {
+  const bool is_first = cycle.extents != extents;
+  if (is_first) {
     restart(cycle);
   } else if (most_cycles_ > 1) {
     compare(cycle);
     find_changes();
   }
   update(cycle);
+  if (!is_first) is_near_change_ = dilated(is_changed_, cells_y_, cells_x_, kNear);
+  std::ranges::fill(is_changed_, uint8_t{0});
 }
 
 void CycleFusion::compare(const PlanesView<const int16_t>& cycle) {
-  parallel_for(residuals_.height, 8, [&](size_t begin, size_t end) {
-    for (size_t block_y = begin; block_y < end; ++block_y) compare_row(cycle, block_y);
+  parallel_for(cells_y_, 8, [&](size_t begin, size_t end) {
+    for (size_t cell_y = begin; cell_y < end; ++cell_y) compare_row(cycle, cell_y);
   });
 }
 
-void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t block_y) {
-  const size_t blocks_x = residuals_.width, width = fused_.counts.width, first = block_y * kBlock;
-  const size_t rows = std::min(kBlock, fused_.counts.height - first);
-  const uint16_t* const added = added_.data() + block_y * blocks_x;
+void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t cell_y) {
+  const size_t width = fused_.counts.width, first = cell_y * kCell;
+  const size_t rows = std::min(kCell, fused_.counts.height - first), padded = cells_x_ * kCell;
+  const size_t begin = cell_y * cells_x_;
+  std::fill_n(of_blocks_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
+  std::fill_n(of_cells_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
+  std::fill_n(expected_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
   std::vector<int16_t> scratch;
-  std::vector<int> level(blocks_x);
-  std::vector<float> before(blocks_x, reference_variance_ / (threshold_on_ * threshold_on_) + rounding_);
+  std::vector<CountNoise::State> states(cells_x_);
+  std::vector<float> sums(cells_x_);
+  std::vector<int> residual(padded), mean(padded);  // sums over rows, which are 0 beside the image
   for (size_t k = 0; k < fused_.counts.count; ++k) {
-    std::vector<int> residual(width), mean(width);  // sums over the rows of the blocks
+    std::ranges::fill(mean, 0);
+    std::ranges::fill(sums, 0.0F);
     for (size_t y = first; y < first + rows; ++y) {
       const auto counts = cycle[k][y].values(scratch);
       const int16_t* const means = fused_.counts.image(k).data() + y * width;
+      if ((y - first) % kBlock == 0) std::ranges::fill(residual, 0);
       for (size_t x = 0; x < width; ++x) {
         residual[x] += units_of(counts[x]) - means[x];
         mean[x] += means[x];
       }
+      if ((y - first) % kBlock + 1 < kBlock && y + 1 < first + rows) continue;
+      for (size_t x = 0; x < cells_x_; ++x) {
+        const int* const columns = residual.data() + x * kCell;
+        const auto left = static_cast<float>(columns[0] + columns[1]),
+                   right = static_cast<float>(columns[2] + columns[3]);
+        of_blocks_[begin + x] += left * left + right * right;
+        sums[x] += left + right;
+      }
     }
-    float* const sums = residuals_.image(k).data() + block_y * blocks_x;
-    float* const expected = expected_.image(k).data() + block_y * blocks_x;
-    for (size_t x = 0; x < blocks_x; ++x) {
-      const auto pixels = static_cast<int>(rows * std::min(kBlock, width - x * kBlock));
-      const int count = sum_of_block(mean, x) / pixels;
-      level[x] += count;
-      const float variance = count_variance(level[x], count);
-      sums[x] = static_cast<float>(sum_of_block(residual, x)) / kUnits;
-      // The noise of the level before a transition is in its count, too, and noisy thresholds are made up for.
-      expected[x] = static_cast<float>(pixels) * (1 + 1 / effective_[added[x]]) * (before[x] + variance);
-      before[x] = variance;
+    for (size_t x = 0; x < cells_x_; ++x) {
+      const int* const columns = mean.data() + x * kCell;
+      const size_t pixels = rows * std::min(kCell, width - x * kCell);
+      const auto sum = static_cast<float>(columns[0] + columns[1] + columns[2] + columns[3]);
+      const float count = sum / static_cast<float>(pixels * kUnits);
+      expected_[begin + x] += static_cast<float>(pixels) * noise_.next(count, states[x]);
+      of_cells_[begin + x] += sums[x] * sums[x];
     }
+  }
+  for (size_t x = 0; x < cells_x_; ++x) {
+    constexpr auto kSquaredUnits = static_cast<float>(kUnits * kUnits);
+    expected_[begin + x] *= kSquaredUnits * (1 + 1 / effective_[added_[begin + x]]);
   }
 }
 
 void CycleFusion::find_changes() {
-  const size_t height = residuals_.height, width = residuals_.width, transitions = residuals_.count;
-  std::ranges::fill(of_blocks_, 0.0F);
-  std::ranges::fill(of_sums_, 0.0F);
-  const auto add_squares = [&](size_t k, std::vector<float>& to) {
-    const auto sums = residuals_.image(k), expected = expected_.image(k);
-    for (size_t i = 0; i < to.size(); ++i) to[i] += sums[i] * sums[i] / expected[i];
-  };
-  for (size_t k = 0; k < transitions; ++k) {
-    add_squares(k, of_blocks_);
-    sum_windows(residuals_.image(k), height, width);
-    sum_windows(expected_.image(k), height, width);
-    add_squares(k, of_sums_);
+  const size_t transitions = fused_.counts.count;
+  constexpr size_t kBlocks = kCell * kCell / kBlock / kBlock;  // of a cell
+  for (const Window& window : kWindows) {
+    const auto sum = [&](const std::vector<float>& plane) {
+      return sum_windows(plane, cells_y_, cells_x_, window.reach);
+    };
+    const std::vector<float> blocks = sum(of_blocks_), cells = sum(of_cells_), expected = sum(expected_);
+    const auto side = static_cast<double>(2 * window.reach + 1);
+    const double of_cells = freedom_of(transitions, side * side), of_blocks = kBlocks * of_cells;
+    const float limits[2][2] = {
+        {limit_of(of_blocks, window.deviations), limit_of(of_cells, window.deviations)},
+        {limit_of(of_blocks, window.deviations_near), limit_of(of_cells, window.deviations_near)}};
+    for (size_t i = 0; i < is_changed_.size(); ++i) {
+      const float* const limit = limits[is_near_change_[i]];
+      is_changed_[i] |= blocks[i] > limit[0] * expected[i] || cells[i] > limit[1] * expected[i];
+    }
   }
-  sum_windows(of_blocks_, height, width);
-  sum_windows(of_sums_, height, width);
-  const float scale = static_cast<float>(kBlocks) * static_cast<float>(transitions);
-  const float most_of_blocks = scale * limit_of(freedom_of(transitions, kBlocks));
-  const float most_of_sums = scale * limit_of(freedom_of(transitions, kSums));
-  for (size_t i = 0; i < is_changed_.size(); ++i) {
-    is_changed_[i] = of_blocks_[i] > most_of_blocks || of_sums_[i] > most_of_sums;
-  }
-  dilate(is_changed_, height, width);
+  is_changed_ = dilated(is_changed_, cells_y_, cells_x_, kDilation);
 }
 
 void CycleFusion::update(const PlanesView<const int16_t>& cycle) {
-  parallel_for(blocks_of(fused_.counts.height), 8, [&](size_t begin, size_t end) {
-    for (size_t block_y = begin; block_y < end; ++block_y) update_row(cycle, block_y);
+  parallel_for(cells_y_, 8, [&](size_t begin, size_t end) {
+    for (size_t cell_y = begin; cell_y < end; ++cell_y) update_row(cycle, cell_y);
   });
   const auto restarted = std::ranges::count(is_changed_, uint8_t{1});
   changed_ = static_cast<double>(restarted) / static_cast<double>(is_changed_.size());
-  std::ranges::fill(is_changed_, uint8_t{0});
 }
 
-void CycleFusion::update_row(const PlanesView<const int16_t>& cycle, size_t block_y) {
-  const size_t blocks_x = residuals_.width, width = fused_.counts.width, first = block_y * kBlock;
-  uint16_t* const added = added_.data() + block_y * blocks_x;
-  std::vector<int> weights(blocks_x * kBlock);
-  for (size_t x = 0; x < blocks_x; ++x) {
-    if (is_changed_[block_y * blocks_x + x] != 0) added[x] = 0;
+void CycleFusion::update_row(const PlanesView<const int16_t>& cycle, size_t cell_y) {
+  const size_t width = fused_.counts.width, first = cell_y * kCell;
+  uint16_t* const added = added_.data() + cell_y * cells_x_;
+  std::vector<int> weights(cells_x_ * kCell);
+  std::vector<float> numbers(cells_x_ * kCell);
+  for (size_t x = 0; x < cells_x_; ++x) {
+    if (is_changed_[cell_y * cells_x_ + x] != 0) added[x] = 0;
     added[x] = static_cast<uint16_t>(std::min<size_t>(added[x] + 1U, effective_.size() - 1));
-    std::fill_n(weights.begin() + static_cast<ptrdiff_t>(x * kBlock), kBlock,
+    const auto at = static_cast<ptrdiff_t>(x * kCell);
+    std::fill_n(weights.begin() + at, kCell,
                 (1 << kWeightBits) / static_cast<int>(std::min<size_t>(added[x], most_cycles_)));
+    std::fill_n(numbers.begin() + at, kCell, effective_[added[x]]);
   }
   std::vector<int16_t> scratch;
-  for (size_t y = first; y < std::min(fused_.counts.height, first + kBlock); ++y) {
-    float* const cycles = fused_.cycles.values.data() + y * width;
-    for (size_t x = 0; x < width; ++x) cycles[x] = effective_[added[x / kBlock]];
+  for (size_t y = first; y < std::min(fused_.counts.height, first + kCell); ++y) {
+    std::copy_n(numbers.begin(), width, fused_.cycles.values.begin() + static_cast<ptrdiff_t>(y * width));
     for (size_t k = 0; k < fused_.counts.count; ++k) {
       const auto counts = cycle[k][y].values(scratch);
       int16_t* const means = fused_.counts.image(k).data() + y * width;

@@ -7,12 +7,13 @@
 #include "e2lf/base/strided_view.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/capture/profile/sensor_profile.h"
+#include "e2lf/recon/count_noise.h"
 
 namespace e2lf::recon {
 
-/// The largest share of the windows of a still scene in which a new cycle seems to show a change, with the sensors
-/// `paper` and `evk4-lcos`. Each false alarm makes 14x14 px start again.
-inline constexpr double kFalseAlarmRate = 1e-3;
+/// The largest share of the pixels of a still scene that start again with a cycle because its noise looks like a
+/// change, with the sensors `paper` and `evk4-lcos`.
+inline constexpr double kFalseAlarmRate = 0.05;
 
 /// The largest number of cycles in a mean.
 inline constexpr size_t kMostFusedCycles = 64;
@@ -21,10 +22,10 @@ inline constexpr size_t kMostFusedCycles = 64;
 /// changed there.
 ///
 /// A change is found by the residuals of the counts of the new cycle from the means, summed over blocks of 2x2 px,
-/// which show fine texture that moved, and over windows of 6x6 px, which show weak texture. If nothing moved, the
-/// squares of these sums, in units of the variance that the sensor profile predicts for the level there, have a mean of
-/// 1 over the transitions and over 6x6 px, and approximately a chi-squared distribution. Where one of the means is too
-/// large for it, and within the reach of the windows, the pixels start again with the new cycle.
+/// which show fine texture that moved, and over cells of 4x4 px, which show weak texture. In windows of 12x12 and 20x20
+/// px, the sums of their squares over all transitions are compared with those that the noise of the sensor makes
+/// (CountNoise). Where one of them is larger, by more than chance allows, the cells around the middle of the window
+/// start again with the new cycle. Near what changed with the last cycle, a smaller difference suffices.
 class CycleFusion {
  public:
   /// Prepares the fusion of event images, [transition, y, x], of lit transitions or of a whole cycle, from a camera
@@ -45,27 +46,22 @@ class CycleFusion {
  private:
   void restart(const PlanesView<const int16_t>& cycle);
   void compare(const PlanesView<const int16_t>& cycle);
-  void compare_row(const PlanesView<const int16_t>& cycle, size_t block_y);
+  void compare_row(const PlanesView<const int16_t>& cycle, size_t cell_y);
   void find_changes();
   void update(const PlanesView<const int16_t>& cycle);
-  void update_row(const PlanesView<const int16_t>& cycle, size_t block_y);
-  /// Returns what the noise at the end of a transition adds to the variance of its count, in squared events; the level
-  /// above black and the count are in capture::kFusedUnits.
-  [[nodiscard]] float count_variance(int level, int count) const;
+  void update_row(const PlanesView<const int16_t>& cycle, size_t cell_y);
 
   size_t most_cycles_;
-  float threshold_on_ = 0, threshold_off_ = 0;  ///< natural logarithm
-  float threshold_spread_ = 0;                  ///< relative standard deviation from one transition to the next
-  float rounding_ = 0;                          ///< variance of a rounded count
-  float reference_variance_;                    ///< of the reference at the beginning of a cycle
-  std::vector<float> variances_;                ///< of the log intensity, by the level in quarters of an event
-  std::vector<float> effective_;                ///< number of cycles, by the number of cycles added
+  CountNoise noise_;
+  std::vector<float> effective_;  ///< number of cycles, by the number of cycles added
   capture::FusedCycles fused_;
-  std::vector<uint16_t> added_;  ///< number of cycles since the last change, up to a limit; [block_y, block_x]
-  Planes<float> residuals_,
-      expected_;  ///< sums of the residuals and of their variances, [transition, block_y, block_x]
-  std::vector<float> of_blocks_, of_sums_;  ///< both statistics, [block_y, block_x]
-  std::vector<uint8_t> is_changed_;         ///< [block_y, block_x]
+  size_t cells_y_ = 0, cells_x_ = 0;
+  // Of each cell, [cell_y, cell_x].
+  std::vector<uint16_t> added_;  ///< number of cycles since the last change, up to a limit
+  /// Sums of the squares of the residuals of its blocks, and of the cell, over the transitions, and what noise makes of
+  /// either, in squared capture::kFusedUnits.
+  std::vector<float> of_blocks_, of_cells_, expected_;
+  std::vector<uint8_t> is_changed_, is_near_change_;
   double changed_ = 0;
 };
 
