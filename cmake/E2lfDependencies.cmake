@@ -29,13 +29,12 @@ set(of_lightfield lightfield streams depth eval pipeline diagnose)
 set(of_recordings recordings formats cameras cycles streams pipeline diagnose)
 
 find_package(Threads REQUIRED)
-if(E2LF_FUZZ)
-  # One thread, so that runs are repeatable and clang's OpenMP package is not needed.
+if(E2LF_FUZZ OR E2LF_STATIC_LIBRARIES)  # clang's OpenMP is a package of its own, and GCC has no static one for shared objects
   add_library(OpenMP::OpenMP_CXX INTERFACE IMPORTED)
 else()
   find_package(OpenMP REQUIRED COMPONENTS CXX)
 endif()
-if(E2LF_STATIC_LIBRARIES)  # GCC has no static OpenMP for shared objects
+if(E2LF_STATIC_LIBRARIES)
   list(PREPEND CMAKE_FIND_LIBRARY_SUFFIXES .a)
 endif()
 find_package(PkgConfig REQUIRED)
@@ -53,8 +52,10 @@ e2lf_require(JPEG_FOUND libjpeg62-turbo-dev ${of_lightfield})
 pkg_check_modules(HDF5 QUIET IMPORTED_TARGET GLOBAL hdf5)
 e2lf_require(HDF5_FOUND libhdf5-dev hdf5 ${of_lightfield} ${of_recordings})
 if(E2LF_STATIC_LIBRARIES AND HDF5_FOUND)
-  # Its own libraries, without those of remote files (curl, OpenSSL), which e2lf does not open.
-  set_property(TARGET PkgConfig::HDF5 APPEND PROPERTY INTERFACE_LINK_LIBRARIES libsz.a libaec.a ZLIB::ZLIB ${CMAKE_DL_LIBS})
+  # Its pkg-config file names the static library as a private one.
+  find_library(E2LF_HDF5 hdf5 HINTS ${HDF5_LIBDIR} REQUIRED)
+  mark_as_advanced(E2LF_HDF5)
+  set_property(TARGET PkgConfig::HDF5 APPEND PROPERTY INTERFACE_LINK_LIBRARIES ${E2LF_HDF5} ZLIB::ZLIB ${CMAKE_DL_LIBS})
 endif()
 pkg_check_modules(LZ4 QUIET IMPORTED_TARGET GLOBAL liblz4)
 e2lf_require(LZ4_FOUND liblz4-dev ${of_recordings})

@@ -8,6 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 seconds=$1 jobs=$2
 shift 2
 build=build/fuzz
+export OMP_NUM_THREADS=1  # runs are repeatable
 
 # Files are in memory if possible, because many readers require a file.
 [ ! -w /dev/shm ] || export TMPDIR=/dev/shm

@@ -1,9 +1,9 @@
 """What `pip install .` runs (PEP 517): CMake builds the module, and this packs it as a wheel with three networks and the cameras.
 
 Nothing but Python's own library is needed, so pip downloads nothing; Debian 12 packages no backend for CMake, such as
-scikit-build-core. A build tree of this checkout that was configured for
-the same Python is built further; without one build/wheel is made. --config-settings build-dir=FOLDER takes the module that a
-CMake build folder of e2lf holds already, and builds nothing; platform=TAG names for which systems it is
+scikit-build-core. A build tree of this checkout that was configured for the same Python is built further; without one
+build/wheel is made. --config-settings build-dir=FOLDER takes the module that a CMake build folder of e2lf holds already, and
+builds nothing; platform=TAG names for which systems it is, and licences=FOLDER holds the licences of libraries in the module
 (build_portable_wheel.sh).
 """
 import base64
@@ -140,7 +140,7 @@ def metadata():
             "License: MIT\nRequires-Python: >=3.9\nRequires-Dist: numpy\n\n" + DESCRIPTION)
 
 
-def contents(package_folder, tag):
+def contents(package_folder, tag, licences):
     """(name in the wheel, bytes, mode) of all but the list of files."""
     data = f"e2lf-{version()}.data/data/share/e2lf"
     info = f"e2lf-{version()}.dist-info"
@@ -150,6 +150,8 @@ def contents(package_folder, tag):
         for file in sorted(file for pattern in patterns for file in (ROOT / folder).glob(pattern)):
             yield f"{data}/{folder}/{file.name}", file.read_bytes(), 0o644
     yield f"{info}/LICENSE", (ROOT / "LICENSE").read_bytes(), 0o644
+    for file in sorted(Path(licences).iterdir()) if licences else []:
+        yield f"{info}/licenses/{file.name}", file.read_bytes(), 0o644
     yield f"{info}/METADATA", metadata().encode(), 0o644
     yield f"{info}/WHEEL", f"Wheel-Version: 1.0\nGenerator: e2lf\nRoot-Is-Purelib: false\nTag: {tag}\n".encode(), 0o644
 
@@ -167,7 +169,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     folder = Path(settings["build-dir"]).absolute() if "build-dir" in settings else build()
     lines = []
     with tempfile.TemporaryDirectory() as prefix, zipfile.ZipFile(Path(wheel_directory) / name, "w") as wheel:
-        for path, data, mode in contents(package(folder, prefix), tag):
+        for path, data, mode in contents(package(folder, prefix), tag, settings.get("licences")):
             entry = zipfile.ZipInfo(path)
             entry.external_attr = mode << 16
             wheel.writestr(entry, data, zipfile.ZIP_DEFLATED)

@@ -17,23 +17,51 @@
 
 #ifdef _OPENMP
 #include <omp.h>
+#else
+#include <cstdlib>
+#include <sched.h>
 #endif
 
 namespace e2lf {
 
-int num_threads() {
-#ifdef _OPENMP
-  return omp_get_max_threads();
-#else
-  return 1;  // the fuzzing build has no OpenMP
+#ifndef _OPENMP
+namespace {
+
+// Builds without OpenMP, such as the wheel for other distributions, count as it does.
+
+int omp_get_num_procs() {
+  cpu_set_t cpus;
+  if (::sched_getaffinity(0, sizeof(cpus), &cpus) != 0) return 1;
+  return CPU_COUNT(&cpus);
+}
+
+std::atomic<int>& threads_in_use() {
+  static std::atomic<int> threads = [] {
+    const char* const wanted = std::getenv("OMP_NUM_THREADS");
+    const int number = wanted == nullptr ? 0 : std::atoi(wanted);
+    return number > 0 ? number : omp_get_num_procs();
+  }();
+  return threads;
+}
+
+int omp_get_max_threads() {
+  return threads_in_use();
+}
+
+void omp_set_num_threads(int threads) {
+  threads_in_use() = threads;
+}
+
+}  // namespace
 #endif
+
+int num_threads() {
+  return omp_get_max_threads();
 }
 
 void set_num_threads(int threads) {
   E2LF_REQUIRE(threads >= 0, "the number of threads cannot be negative");
-#ifdef _OPENMP
   omp_set_num_threads(threads == 0 ? omp_get_num_procs() : threads);
-#endif
 }
 
 void parallel_for(size_t count, size_t min_chunk, const std::function<void(size_t, size_t)>& body) {
