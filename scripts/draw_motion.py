@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws docs/experiments/motion.svg from the first table in motion.md, which `e2lf-bench motion` produces.
+"""Draws docs/experiments/motion.svg from the table in motion.md that `e2lf-bench motion` produces.
 
     python3 scripts/draw_motion.py
 """
@@ -36,7 +36,7 @@ def panel(points: list, label: str, left: int) -> list:
 
 
 def main() -> None:
-    rows = ROW.findall((FOLDER / "motion.md").read_text().split("## A network")[0])
+    rows = ROW.findall((FOLDER / "motion.md").read_text())
     width = LEFT + 2 * WIDTH + GAP + 20
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {TOP + HEIGHT + 44}" width="{width}" '
              'font-family="sans-serif" font-size="12">', '<rect width="100%" height="100%" fill="white"/>',
