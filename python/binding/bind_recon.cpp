@@ -157,7 +157,7 @@ class Network {
           const std::string& device) {
     pipeline::MethodChoice choice{.model = model_of(model), .precision = precision, .device = device};
     choice.measurement = choice.model->measurement();
-    if (model::is_depth_network(*choice.model)) choice.algorithm = "depth";
+    if (model::is_depth_network(*choice.model)) choice.algorithm = pipeline::Algorithm::kDepth;
     if (camera != nullptr) choice.camera = *camera;
     method_ = without_gil([&] { return pipeline::open_method(std::move(choice)); });
   }
@@ -222,7 +222,7 @@ py::array invert(const py::array& images, const py::array& codes,
                  E2LF_ORIENTATION_PARAMETERS) {
   const pipeline::Tone tone = tone_of(gain);
   const auto counts = event_images_of(images, "images");
-  const auto method = take(pipeline::open_method({.algorithm = "inversion",
+  const auto method = take(pipeline::open_method({.algorithm = pipeline::Algorithm::kInversion,
                                                   .codes = codes_of(codes, "codes"),
                                                   .constants = constants.value_or(capture::SensorConstants())}));
   return to_array(without_gil([&] { return reconstruct_once(method, {}, tone, *counts, E2LF_ORIENTATION_VALUE, {}); }));

@@ -163,15 +163,17 @@ Result<const pipeline::OpenedMethod*> JobRunner::method_of(const Job& job) {
   if (const auto known = methods_.find(key); known != methods_.end()) return &known->second;
   const ComparedMethod& method = plan_.methods[job.method];
   const capture::SensorProfile& camera = plan_.sensors[job.sensor].camera;
-  pipeline::MethodChoice choice{.algorithm = method.config.algorithm,
-                                .codes = method.codes,
-                                .camera = method.network_camera,
-                                .constants = camera.constants,
-                                .events = {.camera = camera},
-                                .measurement = method.measurement,
-                                .precision = method.config.precision,
-                                .device = plan_.device};
-  if (choice.algorithm == "network") {
+  const bool is_inversion = method.config.algorithm == "inversion";
+  pipeline::MethodChoice choice{
+      .algorithm = is_inversion ? pipeline::Algorithm::kInversion : pipeline::Algorithm::kNetwork,
+      .codes = method.codes,
+      .camera = method.network_camera,
+      .constants = camera.constants,
+      .events = {.camera = camera},
+      .measurement = method.measurement,
+      .precision = method.config.precision,
+      .device = plan_.device};
+  if (!is_inversion) {
     E2LF_ASSIGN_OR_RETURN(choice.model, pipeline::read_network(method.model));
   }
   E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod opened, pipeline::open_method(std::move(choice)));

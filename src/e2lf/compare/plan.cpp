@@ -52,13 +52,13 @@ Json scan_identity(const Sensor& sensor) {
 
 class Planner {
  public:
-  Planner(const Config& config, const Surroundings& surroundings) : config_(config), surroundings_(surroundings) {}
+  Planner(const Config& config, const Environment& environment) : config_(config), environment_(environment) {}
 
   Result<Plan> make() {
     plan_.name = config_.name.empty() ? "comparison" : config_.name;
     plan_.metrics = config_.metrics;
     plan_.pictures = config_.pictures;
-    plan_.device = surroundings_.device;
+    plan_.device = environment_.device;
     for (const MethodConfig& method : config_.methods) {
       if (const auto added = add_method(method); !added && !is_left_out(method, added.error())) return added.error();
     }
@@ -83,7 +83,7 @@ class Planner {
   }
 
   Result<fs::path> locate(const std::string& name) {
-    E2LF_ASSIGN_OR_RETURN(const fs::path path, surroundings_.locate(name));
+    E2LF_ASSIGN_OR_RETURN(const fs::path path, environment_.locate(name));
     plan_.files.push_back(path);
     return path;
   }
@@ -92,13 +92,13 @@ class Planner {
   Result<std::string> hash_of(const fs::path& path) {
     std::string& hash = hashes_[path];
     if (hash.empty()) {
-      E2LF_ASSIGN_OR_RETURN(hash, surroundings_.hash(path));
+      E2LF_ASSIGN_OR_RETURN(hash, environment_.hash(path));
     }
     return hash;
   }
 
   Result<capture::SensorProfile> read_camera(const std::string& name) {
-    E2LF_ASSIGN_OR_RETURN(const fs::path path, surroundings_.locate_camera(name));
+    E2LF_ASSIGN_OR_RETURN(const fs::path path, environment_.locate_camera(name));
     plan_.files.push_back(path);
     return capture::read_camera(path);
   }
@@ -145,8 +145,7 @@ class Planner {
                        {"passes", config.passes},
                        {"gain", config.fit_gain ? Json("fitted") : json_number(config.gain)},
                        {"precision", config.precision}};
-    if (surroundings_.device != "cpu" && config.algorithm == "network")
-      method.identity["device"] = surroundings_.device;
+    if (environment_.device != "cpu" && config.algorithm == "network") method.identity["device"] = environment_.device;
     plan_.methods.push_back(std::move(method));
     return {};
   }
@@ -169,7 +168,7 @@ class Planner {
       scenes.push_back({stem, found, {}, group, {}});
       return scenes;
     }
-    E2LF_ASSIGN_OR_RETURN(const fs::path folder, surroundings_.locate(path.parent_path().string()));
+    E2LF_ASSIGN_OR_RETURN(const fs::path folder, environment_.locate(path.parent_path().string()));
     std::vector<fs::path> found;
     std::error_code error;
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
@@ -263,7 +262,7 @@ class Planner {
           for (const uint64_t seed : config_.seeds) {
             Job job{method, scene, sensor, seed, {}, {}};
             job.inputs = {{"computation", kComputation},
-                          {"version", surroundings_.version},
+                          {"version", environment_.version},
                           {"method", plan_.methods[method].identity},
                           {"scene", plan_.scenes[scene].identity},
                           {"sensor", is_scan(plan_.methods[method]) ? scan_identity(plan_.sensors[sensor])
@@ -278,15 +277,15 @@ class Planner {
   }
 
   const Config& config_;
-  const Surroundings& surroundings_;
+  const Environment& environment_;
   std::map<fs::path, std::string> hashes_;
   Plan plan_;
 };
 
 }  // namespace
 
-Result<Plan> make_plan(const Config& config, const Surroundings& surroundings) {
-  return Planner(config, surroundings).make();
+Result<Plan> make_plan(const Config& config, const Environment& environment) {
+  return Planner(config, environment).make();
 }
 
 }  // namespace e2lf::compare

@@ -67,7 +67,7 @@ struct Plan {
 };
 
 /// The services that making a plan needs from the system.
-struct Surroundings {
+struct Environment {
   /// Returns the path of a file of this name. Fails with kNotFound.
   std::function<Result<std::filesystem::path>(const std::string& name)> locate;
   /// Returns the path of a camera of this name.
@@ -81,6 +81,6 @@ struct Surroundings {
 /// Locates and hashes all files and lists the jobs. Optional methods and groups whose files are missing are omitted
 /// with a warning. Fails with kNotFound if other files are missing or if nothing remains, and as reading models,
 /// cameras and patterns does.
-[[nodiscard]] Result<Plan> make_plan(const Config& config, const Surroundings& surroundings);
+[[nodiscard]] Result<Plan> make_plan(const Config& config, const Environment& environment);
 
 }  // namespace e2lf::compare

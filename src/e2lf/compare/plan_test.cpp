@@ -26,15 +26,15 @@ class PlanTest : public testing::Test {
     for (const char* scene : {"a", "b", "c"}) fs::create_directories(folder_ / "set" / scene);
     std::ofstream(folder_ / "paper.json") << R"({"name": "paper", "event_model": "reference-aware", "constants": {
       "eps": {"value": 0.01}, "tau": {"value": 0.3}, "sigma_w": {"value": 0.175}, "sigma_z": {"value": 0.04}}})";
-    surroundings_.locate = [this](const std::string& name) -> Result<fs::path> {
+    environment_.locate = [this](const std::string& name) -> Result<fs::path> {
       if (fs::exists(folder_ / name)) return folder_ / name;
       return Error{ErrorCode::kNotFound, "it is not there; correct the name", name};
     };
-    surroundings_.locate_camera = [this](const std::string&) -> Result<fs::path> { return folder_ / "paper.json"; };
-    surroundings_.hash = [this](const fs::path& path) -> Result<std::string> {
+    environment_.locate_camera = [this](const std::string&) -> Result<fs::path> { return folder_ / "paper.json"; };
+    environment_.hash = [this](const fs::path& path) -> Result<std::string> {
       return path.filename().string() + salt_;
     };
-    surroundings_.version = "1";
+    environment_.version = "1";
   }
   ~PlanTest() override { fs::remove_all(folder_); }
 
@@ -51,7 +51,7 @@ class PlanTest : public testing::Test {
 
   std::set<std::string> keys_of(const Config& config) {
     std::set<std::string> keys;
-    const auto plan = make_plan(config, surroundings_);
+    const auto plan = make_plan(config, environment_);
     EXPECT_TRUE(plan) << plan.error().text();
     for (const Job& job : plan->jobs) keys.insert(job.key);
     return keys;
@@ -60,7 +60,7 @@ class PlanTest : public testing::Test {
   fs::path folder_ = fs::path(testing::TempDir()) /
                      (std::string("e2lf_plan_") + testing::UnitTest::GetInstance()->current_test_info()->name());
   std::string salt_;
-  Surroundings surroundings_;
+  Environment environment_;
 };
 
 TEST_F(PlanTest, ListsEveryJobOnceSceneByScene) {
@@ -69,7 +69,7 @@ TEST_F(PlanTest, ListsEveryJobOnceSceneByScene) {
   two.sensors.push_back(two.sensors[0]);
   two.sensors[1].name = "dim";
   two.sensors[1].gain = 0.5F;
-  const auto plan = make_plan(two, surroundings_);
+  const auto plan = make_plan(two, environment_);
   ASSERT_TRUE(plan) << plan.error().text();
   EXPECT_THAT(plan->scenes, ElementsAre(testing::Field(&Scene::name, "a"), testing::Field(&Scene::name, "b"),
                                         testing::Field(&Scene::name, "c")));
@@ -109,7 +109,7 @@ TEST_F(PlanTest, EverySettingThatMattersChangesTheKeys) {
     all.merge(keys_of(each));
     EXPECT_EQ(all.size(), before + 3) << "setting " << &each - changed.data();
   }
-  surroundings_.version = "2";
+  environment_.version = "2";
   const size_t before = all.size();
   all.merge(keys_of(config()));
   EXPECT_EQ(all.size(), before + 3);
@@ -135,9 +135,9 @@ TEST_F(PlanTest, OthersStandInForAGroupThatIsNotThere) {
   missing.scenes.push_back(missing.scenes[1]);
   missing.scenes[2].name = "left out";
   missing.scenes[2].stand_in = {"set/none"};
-  EXPECT_EQ(make_plan(missing, surroundings_).error().location, "none");
+  EXPECT_EQ(make_plan(missing, environment_).error().location, "none");
   missing.scenes[2].optional = true;
-  const auto plan = make_plan(missing, surroundings_);
+  const auto plan = make_plan(missing, environment_);
   ASSERT_TRUE(plan) << plan.error().text();
   EXPECT_THAT(plan->groups, ElementsAre("group", "standing in"));
   ASSERT_EQ(plan->scenes.size(), 4U);
@@ -147,18 +147,18 @@ TEST_F(PlanTest, OthersStandInForAGroupThatIsNotThere) {
 TEST_F(PlanTest, WhatIsNotOptionalMustBeThere) {
   Config missing = config();
   missing.scenes[0].scenes = {"set/a", "set/none"};
-  EXPECT_EQ(make_plan(missing, surroundings_).error().location, "set/none");
+  EXPECT_EQ(make_plan(missing, environment_).error().location, "set/none");
   missing = config();
   missing.methods[0] = {.name = "net", .model = "none.safetensors"};
-  EXPECT_EQ(make_plan(missing, surroundings_).error().location, "none.safetensors");
+  EXPECT_EQ(make_plan(missing, environment_).error().location, "none.safetensors");
   missing.methods[0].optional = true;
   missing.methods.push_back(config().methods[0]);
-  EXPECT_THAT(make_plan(missing, surroundings_).value().left_out, ElementsAre("net"));
+  EXPECT_THAT(make_plan(missing, environment_).value().left_out, ElementsAre("net"));
   missing.methods.pop_back();
-  EXPECT_THAT(make_plan(missing, surroundings_).error().message, HasSubstr("nothing"));
+  EXPECT_THAT(make_plan(missing, environment_).error().message, HasSubstr("nothing"));
   missing = config();
   missing.scenes[0].scenes = {"demo:x"};
-  EXPECT_THAT(make_plan(missing, surroundings_).error().message, HasSubstr("number"));
+  EXPECT_THAT(make_plan(missing, environment_).error().message, HasSubstr("number"));
 }
 
 TEST_F(PlanTest, AScanDependsOnTheThresholdAndNoOtherConstant) {
@@ -170,7 +170,7 @@ TEST_F(PlanTest, AScanDependsOnTheThresholdAndNoOtherConstant) {
   scan.sensors.resize(3);
   scan.sensors[1].sigma_w = 0.0F;
   scan.sensors[2].tau = 0.2F;
-  const auto plan = make_plan(scan, surroundings_);
+  const auto plan = make_plan(scan, environment_);
   ASSERT_TRUE(plan) << plan.error().text();
   ASSERT_EQ(plan->jobs.size(), 9U);
   EXPECT_EQ(plan->jobs[0].key, plan->jobs[1].key);
@@ -179,7 +179,7 @@ TEST_F(PlanTest, AScanDependsOnTheThresholdAndNoOtherConstant) {
 }
 
 TEST_F(PlanTest, TheStoreFindsWhatWasMadeOfTheSameAlone) {
-  const auto plan = make_plan(config(), surroundings_);
+  const auto plan = make_plan(config(), environment_);
   ASSERT_TRUE(plan);
   const ResultStore store(folder_ / "out"), other(folder_ / "other");
   const Job& job = plan->jobs[1];
@@ -200,7 +200,7 @@ TEST_F(PlanTest, TheStoreFindsWhatWasMadeOfTheSameAlone) {
 }
 
 TEST_F(PlanTest, AResultThatWasChangedIsNoResult) {
-  const auto plan = make_plan(config(), surroundings_);
+  const auto plan = make_plan(config(), environment_);
   ASSERT_TRUE(plan);
   const ResultStore store(folder_ / "out");
   const Job& job = plan->jobs[0];

@@ -166,7 +166,7 @@ Result<FileKind> file_kind(const fs::path& path) {
   return lightfield::detect_kind(path) ? FileKind::kLightField : FileKind::kRecording;
 }
 
-fs::path thing_named(const fs::path& path) {
+fs::path file_or_bundled_model(const fs::path& path) {
   std::error_code error;
   if (fs::exists(path, error)) return path;
   return bundled_file_named(kBundledModels, path.string()).value_or(path);

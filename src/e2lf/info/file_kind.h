@@ -35,6 +35,6 @@ enum class FileKind {
 
 /// Returns the path of the bundled model with this name if no such file or folder exists; otherwise returns `path`
 /// unchanged.
-[[nodiscard]] std::filesystem::path thing_named(const std::filesystem::path& path);
+[[nodiscard]] std::filesystem::path file_or_bundled_model(const std::filesystem::path& path);
 
 }  // namespace e2lf::info

@@ -75,7 +75,7 @@ void LiveLog::finish(const cycles::CycleReport& report) const {
       formatted("%.1f ms on average, %.1f ms at most", 1e3 * sum_s_ / static_cast<double>(cycles_), 1e3 * most_s_)));
 }
 
-void say_assumptions(const recordings::RecordingReader& reader) {
+void log_assumptions(const recordings::RecordingReader& reader) {
   for (const recordings::Assumption& assumption : reader.info().assumptions) {
     log_info(cat(reader.name(), ": ", assumption_text(assumption)));
   }

@@ -51,7 +51,7 @@ class LiveLog {
 namespace e2lf::info {
 
 /// Logs what the recording does not state and was therefore assumed.
-void say_assumptions(const recordings::RecordingReader& reader);
+void log_assumptions(const recordings::RecordingReader& reader);
 
 /// Returns the text of an assumption with the setting that overrides it.
 [[nodiscard]] std::string assumption_text(const recordings::Assumption& assumption);

@@ -95,7 +95,7 @@ Result<LightField> read_npz_light_field(const fs::path& path, const ReadOptions&
 void tell_unused(LightFieldKind kind, const fs::path& path, const ReadOptions& options) {
   const bool may_be_one_picture = kind == LightFieldKind::kLenslet || kind == LightFieldKind::kHdf5;
   const bool is_array = kind == LightFieldKind::kArrayFolder;  // its array is asked again
-  if (options.lenslet_views > 0 && !may_be_one_picture && !is_array) tell_unused_grid(path.string());
+  if (options.lenslet_views > 0 && !may_be_one_picture && !is_array) log_unused_grid(path.string());
   if (options.view_columns > 0 && kind != LightFieldKind::kHciFolder && !is_array) {
     log_warning(cat(path.string(),
                     ": the number of view columns has no effect, since the views are not numbered consecutively"));
@@ -131,7 +131,7 @@ Result<LightField> read_stored(const fs::path& path, const ReadOptions& options,
 
 }  // namespace
 
-void tell_unused_grid(const std::string& location) {
+void log_unused_grid(const std::string& location) {
   log_warning(
       cat(location, ": the number of views per axis of one picture has no effect, since the views are separate"));
 }

@@ -26,9 +26,9 @@ void append(const lightfield::ByteImage& image, std::string& body) {
   body.append(reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size());
 }
 
-Answer framed(const Json& header, std::initializer_list<const lightfield::ByteImage*> images) {
+Response framed(const Json& header, std::initializer_list<const lightfield::ByteImage*> images) {
   const std::string text = header.dump();
-  Answer answer{200, "application/octet-stream", {}};
+  Response answer{200, "application/octet-stream", {}};
   for (int byte = 0; byte < 4; ++byte) answer.body += static_cast<char>(text.size() >> (8 * byte) & 0xFFU);
   answer.body += text;
   for (const lightfield::ByteImage* image : images) append(*image, answer.body);
@@ -47,7 +47,7 @@ RenderSettings settings_of(const Parameters& parameters) {
 }
 
 /// Adds to the header of a picture or a map of which cycle it is, and sends it with the images.
-Answer framed(Json header, const FieldReport& field, std::initializer_list<const lightfield::ByteImage*> images) {
+Response framed(Json header, const FieldReport& field, std::initializer_list<const lightfield::ByteImage*> images) {
   header.update({{"cycle", field.cycle},
                  {"cycles", field.cycles},
                  {"fused_cycles", field.fused_cycles},
@@ -57,7 +57,7 @@ Answer framed(Json header, const FieldReport& field, std::initializer_list<const
   return framed(header, images);
 }
 
-Answer picture(Session& session, const Parameters& parameters) {
+Response picture(Session& session, const Parameters& parameters) {
   constexpr std::chrono::milliseconds kPatience{250};
   const auto shown =
       session.picture(settings_of(parameters), number<uint64_t>(parameters, "after").value_or(0), kPatience);
@@ -83,24 +83,24 @@ void append_disparities(const lightfield::Image& disparity, std::string& body) {
   }
 }
 
-Answer depth_map(Session& session, const Parameters& parameters) {
+Response depth_map(Session& session, const Parameters& parameters) {
   constexpr std::chrono::milliseconds kPatience{250};
   const auto shown = session.depth(number<uint64_t>(parameters, "after").value_or(0), kPatience);
   if (!shown) return {204, "text/plain", ""};
   const depth::DisparityRange range = depth::shown_range(shown->disparity, shown->confidence);
-  Answer answer = framed({{"serial", shown->field.serial},
-                          {"width", shown->disparity.width},
-                          {"height", shown->disparity.height},
-                          {"range", {range.least, range.most}},
-                          {"view", {session.model().views_y / 2, session.model().views_x / 2}}},
-                         shown->field, {});
+  Response answer = framed({{"serial", shown->field.serial},
+                            {"width", shown->disparity.width},
+                            {"height", shown->disparity.height},
+                            {"range", {range.least, range.most}},
+                            {"view", {session.model().views_y / 2, session.model().views_x / 2}}},
+                           shown->field, {});
   append_disparities(shown->disparity, answer.body);
   append(lightfield::to_bytes(shown->confidence), answer.body);
   append(lightfield::to_bytes(shown->picture), answer.body);
   return answer;
 }
 
-Answer fused(Session& session) {
+Response fused(Session& session) {
   const auto cycles = session.fused_cycles();
   if (!cycles) return {204, "text/plain", ""};
   // The number of an exponential mean reaches almost twice that of a mean over as many cycles.
@@ -108,7 +108,7 @@ Answer fused(Session& session) {
   return framed({{"width", cycles->width}, {"height", cycles->height}, {"most", most}}, {&*cycles});
 }
 
-Answer events(Session& session) {
+Response events(Session& session) {
   const auto seen = session.reader().preview().take();
   if (!seen) return {204, "text/plain", ""};
   Json header = {{"width", seen->image.width},
@@ -122,18 +122,18 @@ Answer events(Session& session) {
   return framed(header, {&seen->image});
 }
 
-Answer disparity(Session& session, const Parameters& parameters) {
+Response disparity(Session& session, const Parameters& parameters) {
   const auto place = [&](const char* name) { return number<float>(parameters, name).value_or(0.0F); };
   const auto found = session.disparity_at(place("x"), place("y"));
   if (!found) return {204, "text/plain", ""};
   return {200, "application/json", Json{{"disparity", *found}}.dump()};
 }
 
-Answer refuse(const Error& error) {
+Response refuse(const Error& error) {
   return {409, "text/plain", error.text()};
 }
 
-std::optional<Answer> command(Session& session, const std::string& name, const Parameters& parameters) {
+std::optional<Response> command(Session& session, const std::string& name, const Parameters& parameters) {
   if (name == "record") {
     Recorder& recorder = session.reader().recorder();
     const bool is_on = number<int>(parameters, "on").value_or(0) != 0;
@@ -153,12 +153,13 @@ std::optional<Answer> command(Session& session, const std::string& name, const P
   } else {
     return std::nullopt;
   }
-  return Answer();
+  return Response();
 }
 
 }  // namespace
 
-std::optional<Answer> answer(Session& session, bool is_command, const std::string& name, const Parameters& parameters) {
+std::optional<Response> answer(Session& session, bool is_command, const std::string& name,
+                               const Parameters& parameters) {
   if (is_command) return command(session, name, parameters);
   if (name == "picture") return picture(session, parameters);
   if (name == "depth") return depth_map(session, parameters);

@@ -10,7 +10,7 @@
 namespace e2lf::live {
 
 /// The answer to a request of the page.
-struct Answer {
+struct Response {
   int status = 200;  ///< HTTP status code
   std::string type = "application/json", body = "{}";
 };
@@ -34,8 +34,8 @@ using Parameters = std::map<std::string, std::string>;
 ///   disparity?x=&y=                                     {"disparity"}: Session::disparity_at(), or 204
 /// The commands (POST) are record?on=1|0, average?cycles=K, fuse?on=1|0, size?to=auto|full|half|quarter, and
 /// brightness. Returns nothing for any other request.
-[[nodiscard]] std::optional<Answer> answer(Session& session, bool is_command, const std::string& name,
-                                           const Parameters& parameters);
+[[nodiscard]] std::optional<Response> answer(Session& session, bool is_command, const std::string& name,
+                                             const Parameters& parameters);
 
 /// Returns all figures of the page: Session::json(), and "recording": Recorder::json().
 [[nodiscard]] Json statistics(Session& session);

@@ -26,7 +26,7 @@ struct EventDepth {
                                                   const capture::Orientation& views);
 
 /// Estimates the disparity of each pixel from the events of one cycle, or from sums over `cycles` of a static scene.
-/// `method` was opened with the algorithm "depth". `views` is the orientation of the views: turned by 180 degrees, each
+/// `method` was opened with Algorithm::kDepth. `views` is the orientation of the views: turned by 180 degrees, each
 /// disparity has the other sign. Fails with kUnsupported if they are flipped along one axis, since no depth fits the
 /// events then, and as Reconstructor::reconstruct() does.
 [[nodiscard]] Result<EventDepth> depth_of_events(const OpenedMethod& method, const capture::Measurement& measurement,

@@ -28,7 +28,7 @@ capture::EventImages counts() {
 }
 
 OpenedMethod opened() {
-  return open_method({.algorithm = "depth", .model = known_network()}).value();
+  return open_method({.algorithm = Algorithm::kDepth, .model = known_network()}).value();
 }
 
 TEST(DepthOfEvents, IsTheLocationWithTheConfidenceOfTheScale) {
@@ -76,7 +76,7 @@ TEST(DepthOfEvents, NetworksForTheOtherOutputAreRefused) {
   model::Model of_views = known_network();
   of_views.network.layers[0].out_channels = 64;
   of_views.weights = {{"out.weight", std::vector<float>(64 * 3)}, {"out.bias", std::vector<float>(64)}};
-  EXPECT_EQ(open_method({.algorithm = "depth", .model = of_views}).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(open_method({.algorithm = Algorithm::kDepth, .model = of_views}).error().code, ErrorCode::kUnsupported);
 }
 
 }  // namespace

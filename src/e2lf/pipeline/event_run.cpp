@@ -72,7 +72,7 @@ Result<void> EventRun::open_method_of_input() {
   MethodChoice choice = options_.method;
   choice.measurement = input_.measurement();
   choice.transitions = input_.transitions();
-  choice.lit_where_moving = choice.algorithm != "depth" && options_.events.schedule.transitions == "auto";
+  choice.lit_where_moving = choice.algorithm != Algorithm::kDepth && options_.events.schedule.transitions == "auto";
   E2LF_ASSIGN_OR_RETURN(choice.events, input_.setup());
   E2LF_ASSIGN_OR_RETURN(
       chosen_, choose_method(std::move(choice), options_.use, is_recording() ? &reader().schedule() : nullptr));

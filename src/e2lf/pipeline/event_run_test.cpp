@@ -39,7 +39,7 @@ EventRunOptions light_fields(MethodUse use = {}) {
 }
 
 EventRunOptions maps() {
-  return {.method = {.algorithm = "depth", .model = half_of_first_count(2)}};
+  return {.method = {.algorithm = Algorithm::kDepth, .model = half_of_first_count(2)}};
 }
 
 std::vector<std::string> codes_of(const diagnose::Findings& findings) {

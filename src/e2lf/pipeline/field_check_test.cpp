@@ -70,8 +70,9 @@ TEST_F(FieldChecks, JudgeOnlyMethodsThatUseTheCamera) {
     const auto made = FieldCheck::create(method, {}).value();
     return made && made->judge(truth_, capture::Measurement(simulate(truth_)), false).value().has_value();
   };
-  EXPECT_FALSE(is_judged(opened({.algorithm = "inversion", .codes = network_.codes})));
-  EXPECT_FALSE(is_judged(opened({.algorithm = "inversion", .codes = network_.codes, .camera = network_.camera})));
+  EXPECT_FALSE(is_judged(opened({.algorithm = Algorithm::kInversion, .codes = network_.codes})));
+  EXPECT_FALSE(
+      is_judged(opened({.algorithm = Algorithm::kInversion, .codes = network_.codes, .camera = network_.camera})));
   EXPECT_TRUE(is_judged(opened({.model = network_, .codes = network_.codes})));
 }
 

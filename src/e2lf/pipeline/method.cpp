@@ -17,8 +17,6 @@ namespace e2lf::pipeline {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kDepth = "depth";
-
 /// The operation of networks whose views follow a geometry.
 constexpr const char* kRenderLayers = "render-layers";
 
@@ -46,11 +44,12 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
                 "the patterns that the camera showed are unknown; give them as `codes`, or give the model that was "
                 "trained for them");
   }
-  E2LF_ASSIGN_OR_RETURN(std::optional<BundledModel> network, network_for({.codes = known->codes,
-                                                                          .gives_disparity = choice.algorithm == kDepth,
-                                                                          .is_conditioned = choice.prefers_conditioned,
-                                                                          .is_fast = choice.prefers_fast},
-                                                                         opened.camera));
+  E2LF_ASSIGN_OR_RETURN(std::optional<BundledModel> network,
+                        network_for({.codes = known->codes,
+                                     .gives_disparity = choice.algorithm == Algorithm::kDepth,
+                                     .is_conditioned = choice.prefers_conditioned,
+                                     .is_fast = choice.prefers_fast},
+                                    opened.camera));
   if (!network && bundled_names(kBundledModels).empty()) {
     return fail(ErrorCode::kNotFound, "",
                 "the models of e2lf were not found; name their folder in the environment variable E2LF_MODELS, or give "
@@ -107,9 +106,9 @@ Result<void> check_transitions(size_t transitions, const model::Model& model) {
                            : "; use the model that belongs to the patterns of the recording");
 }
 
-Result<void> check_output(const std::string& algorithm, const model::Model& model) {
+Result<void> check_output(Algorithm algorithm, const model::Model& model) {
   const bool is_depth = model::is_depth_network(model);
-  if (is_depth == (algorithm == kDepth)) return {};
+  if (is_depth == (algorithm == Algorithm::kDepth)) return {};
   return fail(ErrorCode::kUnsupported, "", model.name,
               is_depth ? " gives disparities and no light field; use `e2lf depth`, or another model"
                        : " gives light fields and no disparities; give a depth network, or estimate "
@@ -169,7 +168,7 @@ Result<model::Model> read_network(const fs::path& path) {
 }
 
 Result<OpenedMethod> open_method(MethodChoice choice) {
-  const bool is_network = choice.algorithm == "network" || choice.algorithm == kDepth;
+  const bool is_network = choice.algorithm != Algorithm::kInversion;
   if (choice.measurement != capture::MeasurementKind::kEventImages && !(is_network && choice.model)) {
     return fail(ErrorCode::kInvalidValue, "", "this is the measurement ", capture::measurement_name(choice.measurement),
                 "; give a network that was trained for it");
@@ -204,7 +203,7 @@ Tone OpenedMethod::complete(Tone tone) const {
 
 Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   if (!network && use.passes > 1) {
-    return fail(ErrorCode::kInvalidValue, "passes", "the method ", algorithm,
+    return fail(ErrorCode::kInvalidValue, "passes", "the method ", word_of(algorithm, kAlgorithms),
                 " supports a single pass; omit the number of passes");
   }
   if ((use.cycles > 1 || use.fused_cycles > 1) && !takes_sums()) {
@@ -214,7 +213,7 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
             ? cat(network->model().name, gives_disparities() ? " estimates each map" : " reconstructs each light field",
                   " from one cycle; omit the number of cycles, or use a model that is conditioned on the sensor ",
                   "profile, such as e2lf-n4-camera")
-            : cat("the method ", algorithm,
+            : cat("the method ", word_of(algorithm, kAlgorithms),
                   " reconstructs each light field from one cycle; omit the number of cycles"));
   }
   if (network) return method_of(network, use);

@@ -6,14 +6,24 @@
 #include <optional>
 #include <string>
 
+#include "e2lf/base/choice.h"
 #include "e2lf/pipeline/field_sequence.h"
 #include "e2lf/pipeline/recorded_setup.h"
 
 namespace e2lf::pipeline {
 
+/// How events are converted.
+enum class Algorithm {
+  kNetwork,    ///< to light fields, by a network
+  kDepth,      ///< to disparity maps, by a network
+  kInversion,  ///< to light fields, in closed form, which needs only the patterns
+};
+inline constexpr Choice<Algorithm> kAlgorithms[] = {
+    {"network", Algorithm::kNetwork}, {"depth", Algorithm::kDepth}, {"inversion", Algorithm::kInversion}};
+
 /// The choice of a method that reconstructs light fields from measurements.
 struct MethodChoice {
-  std::string algorithm = "network";  ///< or "depth" (a network), or "inversion" (patterns)
+  Algorithm algorithm = Algorithm::kNetwork;
   /// The network; empty = the bundled one for the patterns and the sensor, as choose_bundled_model() chooses it. If the
   /// sensor is unknown, it is one for physical pixels with their default profile.
   std::optional<model::Model> model = {};
@@ -40,7 +50,7 @@ struct MethodUse {
 /// A method that is ready for any number of measurements, and the decisions that led to it, which callers log and
 /// record.
 struct OpenedMethod {
-  std::string algorithm;
+  Algorithm algorithm = Algorithm::kNetwork;
   std::shared_ptr<const recon::Reconstructor> network;  ///< null for the other algorithms
   std::shared_ptr<const recon::Reconstructor> lit;  ///< bundled network of the lit transitions, for cycles with motion
   std::optional<std::filesystem::path> bundled;     ///< file of the bundled network that was chosen by default

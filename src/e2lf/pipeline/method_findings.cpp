@@ -74,7 +74,7 @@ Findings classical_findings(const OpenedMethod& method) {
   if (method.camera && method.camera->is_pixel()) {
     findings.push_back({"pixels-foreign", Severity::kWarning,
                         cat("the events are those of physical pixels (", method.camera->name, "); the method ",
-                            method.algorithm, " only supports the paper's event model"),
+                            word_of(method.algorithm, kAlgorithms), " only supports the paper's event model"),
                         "use a network conditioned on the sensor profile, such as e2lf-n4-camera"});
   }
   return findings;

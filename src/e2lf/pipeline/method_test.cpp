@@ -77,8 +77,8 @@ TEST(OpenMethod, ChoosesAmongTheBundledModelsByWhatTheyState) {
   EXPECT_EQ(name_for(eight, pixels, {}), "e2lf-n8-geometry-camera");
   for (const auto& camera : {paper, pixels}) {
     EXPECT_EQ(name_for(four, camera, {.prefers_fast = true}), "e2lf-n4-live");
-    EXPECT_EQ(name_for(four, camera, {.algorithm = "depth"}), "e2lf-n4-depth");
-    EXPECT_EQ(name_for(cycle, camera, {.algorithm = "depth"}), "e2lf-n4-cycle-depth");
+    EXPECT_EQ(name_for(four, camera, {.algorithm = Algorithm::kDepth}), "e2lf-n4-depth");
+    EXPECT_EQ(name_for(cycle, camera, {.algorithm = Algorithm::kDepth}), "e2lf-n4-cycle-depth");
   }
   EXPECT_EQ(name_for(eight, paper, {.prefers_fast = true}), "e2lf-n8");
   EXPECT_EQ(name_for(eight, pixels, {.prefers_fast = true}), "e2lf-n8-camera");
@@ -118,14 +118,15 @@ TEST(OpenMethod, OpensTheNetworkOfTheLitTransitionsBesideThatOfTheWholeCycle) {
 }
 
 TEST(OpenMethod, RefusesMeasurementsThatNeedANetworkOfTheirOwn) {
-  const auto failed = open_method({.algorithm = "inversion", .measurement = capture::MeasurementKind::kCodedImages});
+  const auto failed =
+      open_method({.algorithm = Algorithm::kInversion, .measurement = capture::MeasurementKind::kCodedImages});
   EXPECT_THAT(failed.error().message, HasSubstr("measurement"));
 }
 
 TEST(OpenMethod, TheInversionIsThatOfReconAndTakesOneCycleAndPass) {
   const capture::EventImages images = some_events();
   const capture::Codes codes = capture::default_codes();
-  const auto opened = open_method({.algorithm = "inversion", .codes = codes});
+  const auto opened = open_method({.algorithm = Algorithm::kInversion, .codes = codes});
   ASSERT_TRUE(opened) << opened.error().text();
   const auto field = opened->ready().value()(images, {});
   const auto expected = recon::reconstruct_by_inversion(images, codes, {});
@@ -135,7 +136,7 @@ TEST(OpenMethod, TheInversionIsThatOfReconAndTakesOneCycleAndPass) {
 }
 
 TEST(OpenMethod, PatternsOfNobodyAreTheUsualOnes) {
-  const auto opened = open_method({.algorithm = "inversion"});
+  const auto opened = open_method({.algorithm = Algorithm::kInversion});
   ASSERT_TRUE(opened) << opened.error().text();
   EXPECT_EQ(opened->codes->stated_by, StatedBy::kNone);
   EXPECT_EQ(opened->codes->codes, usual_patterns().value());
@@ -143,7 +144,7 @@ TEST(OpenMethod, PatternsOfNobodyAreTheUsualOnes) {
 
 TEST(OpenSequence, FindsBlackOfPhysicalPixelsUnlessBrightnessIsMeasured) {
   const capture::Codes codes = *bundled("e2lf-n4").codes;
-  const auto pixels = open_method({.algorithm = "inversion", .codes = codes, .camera = pixel_camera()});
+  const auto pixels = open_method({.algorithm = Algorithm::kInversion, .codes = codes, .camera = pixel_camera()});
   EXPECT_FALSE(open_sequence(*pixels, {}, {.black = std::nullopt})->tone().black);
   EXPECT_EQ(open_sequence(*pixels, {}, {.gain = 1.0F, .black = std::nullopt})->tone().black, 0.0F);
 }

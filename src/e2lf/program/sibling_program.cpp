@@ -40,7 +40,7 @@ Error continue_as(const std::string& name, std::vector<std::string> arguments, c
   return fail(ErrorCode::kMissingDependency, program, "cannot start it (", std::strerror(errno), "); ", remedy);
 }
 
-Result<void> find_device(const std::string& device) {
+Result<void> require_device(const std::string& device) {
   if (engine::is_known_device(device) || self().filename() == kWithTorch) return engine::check_device(device);
   return continue_as(kWithTorch, own_arguments(),
                      "the device cpu needs no torch; for others, install libtorch-dev or a torch with CUDA, configure "

@@ -17,6 +17,6 @@ namespace e2lf::program {
 
 /// Fails with kMissingDependency if this machine does not have the device, see engine::EngineOptions. The program with
 /// torch continues with the arguments of this process if only it knows the kind of the device.
-[[nodiscard]] Result<void> find_device(const std::string& device);
+[[nodiscard]] Result<void> require_device(const std::string& device);
 
 }  // namespace e2lf::program

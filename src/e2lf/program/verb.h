@@ -68,7 +68,7 @@ class Verb {
 
   /// Notes the failure that ended live input early (LiveBacklog::failure, empty if there was none). If the work
   /// succeeds, run() then reports the failure and returns 3, because the result contains only what came before it.
-  void note_failed_input(const std::string& failure) const { failed_input_ = failure; }
+  void set_failed_input(const std::string& failure) const { failed_input_ = failure; }
 
   /// Fails with kInvalidValue if an option of these help groups differs from its default although it has no effect,
   /// because the input is `what` ("a light field").

@@ -76,7 +76,7 @@ TEST(Verb, ReturnsTheExitCodeOfTheOutcome) {
   EXPECT_EQ(TestVerb().run({"--tau", "nan"}), 2);
   EXPECT_EQ(TestVerb().run({"--seed", "-1"}), 2);
   TestVerb live;
-  live.verb.note_failed_input("the camera was unplugged");
+  live.verb.set_failed_input("the camera was unplugged");
   EXPECT_EQ(live.run({}), 3);
 }
 

@@ -141,7 +141,8 @@ Result<Reconstructor> Reconstructor::rounded(const engine::EngineOptions& option
 }
 
 Result<Reconstructor> Reconstructor::prepared_for(size_t cycles) const {
-  E2LF_REQUIRE(!constant_cycles_ && beside_cycles_.empty(), "it is prepared only once");
+  E2LF_REQUIRE(!constant_cycles_ && beside_cycles_.empty(),
+               "prepared_for() of a network that was already prepared for a number of cycles");
   const engine::EngineOptions options = options_of_prepared();
   const auto camera = conditioned_input(cycles);
   if (!camera) return rounded(options);
@@ -156,7 +157,8 @@ Result<Reconstructor> Reconstructor::prepared_for(size_t cycles) const {
 }
 
 Result<Reconstructor> Reconstructor::prepared_for_fused() const {
-  E2LF_REQUIRE(!constant_cycles_ && beside_cycles_.empty(), "it is prepared only once");
+  E2LF_REQUIRE(!constant_cycles_ && beside_cycles_.empty(),
+               "prepared_for() of a network that was already prepared for a number of cycles");
   const auto camera = conditioned_input(/*cycles=*/1);
   E2LF_REQUIRE(camera, "the network is not told the number of cycles");
   const engine::EngineOptions options = options_of_prepared();

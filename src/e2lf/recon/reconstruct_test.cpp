@@ -67,7 +67,7 @@ TEST(Reconstructor, ReadsAndWritesMemoryWithStrides) {
 
 /// View 0 is the intensity that the camera's threshold gives a count, view 1 the trait that tells it from the paper's,
 /// view 2 the one of several cycles.
-model::Model told_model() {
+model::Model conditioned_model() {
   model::Model model = toy_model();
   model.input = {{model::InputKind::kIntensity, 1.0F}, {model::InputKind::kCamera, 1.0F}};
   const size_t channels = model::num_input_channels(model.input, 2);
@@ -81,7 +81,7 @@ model::Model told_model() {
 }
 
 TEST(Reconstructor, TellsTheNetworkTheCameraAndTheCycles) {
-  model::Model model = told_model();
+  model::Model model = conditioned_model();
   capture::SensorProfile& camera = model.camera.emplace();
   camera.event_model = "pixel";
   camera.constants = {.eps = 0.02F, .tau = 0.4F};
@@ -114,10 +114,10 @@ model::Model uneven_model() {
 TEST(Reconstructor, SharesItsEngineWithTheSameNetworkToldAnotherCamera) {
   capture::SensorProfile camera;
   camera.constants.tau = 0.5F;
-  model::Model told = told_model();
+  model::Model told = conditioned_model();
   told.camera = camera;
   const auto expected = Reconstructor::create(told)->reconstruct(numbered_images());
-  const Reconstructor first = Reconstructor::create(told_model()).value(), second = first.with_camera(camera);
+  const Reconstructor first = Reconstructor::create(conditioned_model()).value(), second = first.with_camera(camera);
   EXPECT_EQ(&second.engine(), &first.engine());
   EXPECT_TRUE(std::ranges::equal(second.reconstruct(numbered_images())->data(), expected->data()));
   EXPECT_FALSE(std::ranges::equal(first.reconstruct(numbered_images())->data(), expected->data()));

@@ -44,14 +44,14 @@ class LightFieldCycles {
   LightFieldCycles(std::vector<std::filesystem::path> paths, const lightfield::ReadOptions& options)
       : paths_(std::move(paths)), options_(options) {}
 
-  using Kept = std::shared_ptr<const lightfield::LightField>;
+  using SharedLightField = std::shared_ptr<const lightfield::LightField>;
 
   std::vector<std::filesystem::path> paths_;
   lightfield::ReadOptions options_;
   lightfield::Shape shape_;
-  std::vector<Kept> added_;  ///< all cycles, if they were added
-  std::mutex mutex_;         ///< of the following
-  Kept kept_;                ///< the cycle read last
+  std::vector<SharedLightField> added_;  ///< all cycles, if they were added
+  std::mutex mutex_;                     ///< of the following
+  SharedLightField kept_;                ///< the cycle read last
   size_t kept_cycle_ = 0;
 };
 

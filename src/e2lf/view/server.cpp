@@ -197,7 +197,7 @@ void refuse(httplib::Response& response, int status, const char* text) {
 
 class DocumentServer : public Server {
  public:
-  DocumentServer(Document document, Answerer answerer) : answerer_(std::move(answerer)) {
+  DocumentServer(Document document, Handler handler) : handler_(std::move(handler)) {
     replace(std::move(document));
     server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       answer(request, response);
@@ -225,7 +225,8 @@ class DocumentServer : public Server {
     std::string description = document.description();
     const std::lock_guard lock(mutex_);
     const uint64_t version = shown_ ? shown_->version + 1 : 0;
-    shown_ = std::make_shared<const Shown>(Shown{version, std::move(description), std::move(document)});
+    shown_ =
+        std::make_shared<const ServedDocument>(ServedDocument{version, std::move(description), std::move(document)});
   }
 
   void end() override { has_ended_ = true; }
@@ -261,7 +262,7 @@ class DocumentServer : public Server {
   void answer(const httplib::Request& request, httplib::Response& response) const {
     set_headers(response);
     if (!is_from_own_page(request)) return refuse(response, 403, "only pages of this server may ask");
-    const bool is_command = request.method == "POST" && answerer_;
+    const bool is_command = request.method == "POST" && handler_;
     if (!is_command && request.method != "GET" && request.method != "HEAD") return refuse(response, 405, "only GET");
     const std::string& path = request.path;
     const size_t end = path.find('/', 1);
@@ -270,20 +271,20 @@ class DocumentServer : public Server {
     }
     const std::string name = path.substr(end + 1);
     if (!is_command && send(name, response)) return;
-    const auto other = answerer_ ? answerer_({is_command, name, {request.params.begin(), request.params.end()}})
-                                 : std::optional<Answer>();
+    const auto other = handler_ ? handler_({is_command, name, {request.params.begin(), request.params.end()}})
+                                : std::optional<Response>();
     if (!other) return refuse(response, 404, "there is no such part");
     response.status = other->status;
     response.set_content(other->body, other->type);
   }
 
-  struct Shown {
+  struct ServedDocument {
     uint64_t version;
     std::string description;
     Document document;
   };
 
-  [[nodiscard]] std::shared_ptr<const Shown> shown() const {
+  [[nodiscard]] std::shared_ptr<const ServedDocument> shown() const {
     const std::lock_guard lock(mutex_);
     return shown_;
   }
@@ -311,9 +312,9 @@ class DocumentServer : public Server {
   }
 
   const std::string secret_ = random_secret();
-  Answerer answerer_;
+  Handler handler_;
   mutable std::mutex mutex_;
-  std::shared_ptr<const Shown> shown_;
+  std::shared_ptr<const ServedDocument> shown_;
   int port_ = 0;
   std::atomic<bool> has_ended_ = false;
   ConnectionServer server_;
@@ -321,8 +322,8 @@ class DocumentServer : public Server {
 
 }  // namespace
 
-Result<std::unique_ptr<Server>> Server::create(Document document, uint16_t port, Answerer answerer) {
-  auto server = std::make_unique<DocumentServer>(std::move(document), std::move(answerer));
+Result<std::unique_ptr<Server>> Server::create(Document document, uint16_t port, Handler handler) {
+  auto server = std::make_unique<DocumentServer>(std::move(document), std::move(handler));
   E2LF_RETURN_IF_ERROR(server->bind(port));
   return std::unique_ptr<Server>(std::move(server));
 }

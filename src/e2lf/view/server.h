@@ -14,18 +14,18 @@
 namespace e2lf::view {
 
 /// A request that the server passes to the calling code.
-struct Question {
+struct Request {
   bool is_command = false;  ///< POST instead of GET
   std::string name;         ///< path after the secret
   std::map<std::string, std::string> parameters;
 };
-/// The reply to a Question.
-struct Answer {
+/// The reply to a Request.
+struct Response {
   int status = 200;  ///< HTTP status code
   std::string type, body;
 };
 /// Answers a request, or returns nothing if it is unknown. Called by several threads at a time.
-using Answerer = std::function<std::optional<Answer>(const Question&)>;
+using Handler = std::function<std::optional<Response>(const Request&)>;
 
 /// Serves a document and its page to browsers on this computer, and nothing else: it never opens a file named by a
 /// request. It listens on 127.0.0.1 only. Every address contains a secret of 128 random bits. A request is refused
@@ -34,9 +34,9 @@ using Answerer = std::function<std::optional<Answer>(const Question&)>;
 /// are not read: the connection ends after the answer to a request that has one.
 class Server {
  public:
-  /// Binds the port; 0 selects any free one. `answerer` receives commands and the requests that the document does not
+  /// Binds the port; 0 selects any free one. `handler` receives commands and the requests that the document does not
   /// answer; without it, commands are refused. Fails with kIo if the port is in use.
-  [[nodiscard]] static Result<std::unique_ptr<Server>> create(Document document, uint16_t port, Answerer answerer = {});
+  [[nodiscard]] static Result<std::unique_ptr<Server>> create(Document document, uint16_t port, Handler handler = {});
   virtual ~Server() = default;
 
   /// Shows another document from now on. Requests for parts of the previous one that have already begun are

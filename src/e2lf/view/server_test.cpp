@@ -65,9 +65,9 @@ TEST(Server, RequestsThatNeverEndNeitherBlockThePageNorTheStop) {
 
 TEST(Server, WhatFollowsARequestWithABodyIsNotExecuted) {
   size_t commands = 0;
-  const std::unique_ptr<Server> server = Server::create(Document(), 0, [&](const Question& question) {
-                                           commands += question.is_command;
-                                           return std::optional<Answer>({200, "text/plain", "done"});
+  const std::unique_ptr<Server> server = Server::create(Document(), 0, [&](const Request& request) {
+                                           commands += request.is_command;
+                                           return std::optional<Response>({200, "text/plain", "done"});
                                          }).value();
   const std::string url = server->url(), port = url.substr(17, url.find('/', 17) - 17);
   const std::string path = url.substr(17 + port.size()), host = " HTTP/1.1\r\nHost: 127.0.0.1:" + port + "\r\n";

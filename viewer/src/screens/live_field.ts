@@ -85,7 +85,7 @@ export class LiveFieldScreen implements Screen {
     const size = element('select', { name: 'resolution' }, ...['auto', 'full', 'half', 'quarter'].map((name) => element('option', { value: name }, name)));
     this.size = new SettingControl(size, (to) => this.tell(`size?to=${to}`));
     panel.group('Light field', this.figures.root, this.findings.root, this.problem,
-      panel.button('Freeze', () => this.tell('freeze')), this.fineButton, panel.button('Brightness anew', () => this.tell('brightness')));
+      panel.button('Freeze', () => this.tell('freeze')), this.fineButton, panel.button('Adjust brightness', () => this.tell('brightness')));
     this.ofRelief = element('div', {}, panel.slider('overlay', 'Colours on the relief', { low: 0, high: 1, step: 0.05 }),
       panel.slider('depth', 'Depth of the relief', { low: 0, high: 1.5, step: 0.05 }), panel.button('Save GLB', () => this.saveRelief()));
     this.ofDepth = element('div', {}, sureSlider(panel), this.ofRelief, this.depth.legend.root);

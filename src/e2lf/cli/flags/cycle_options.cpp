@@ -150,7 +150,7 @@ Result<std::unique_ptr<recordings::RecordingReader>> open_recording(const fs::pa
                                                                     const RecordingFlags& flags) {
   E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags));
   E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(input.string(), open));
-  say_assumptions(*reader);
+  log_assumptions(*reader);
   return reader;
 }
 

@@ -88,7 +88,7 @@ const char* stated_by_name(StatedBy stated_by, const char* flag) {
 }
 
 /// States which bundled network was chosen, and for which sensor.
-void say_taken(const OpenedMethod& method) {
+void log_chosen_network(const OpenedMethod& method) {
   const std::string chosen = cat("no model was given; using ", method.network->model().name);
   if (method.camera && method.camera_stated_by == StatedBy::kModel) {
     log_info(cat(chosen, " with the profile of ", method.camera->name,
@@ -127,7 +127,7 @@ void record_method(const OpenedMethod& method, size_t passes, RunRecord& record)
     record.resolve(method.network ? "model" : "codes", method.bundled->stem().string());
   }
   if (method.network) {
-    if (method.bundled) say_taken(method);
+    if (method.bundled) log_chosen_network(method);
     record_network(method, passes, record);
   }
   if (!method.codes) return;

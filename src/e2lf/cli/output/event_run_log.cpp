@@ -37,7 +37,7 @@ void log_motion(const fs::path& input, const pipeline::EventRunReport& report, c
 
 Result<pipeline::EventRun> open_event_run(const fs::path& input, const CycleFlags& cycles, const MethodFlags& method,
                                           pipeline::EventRunOptions options, const Verb& verb, RunRecord& record) {
-  const std::string algorithm = options.method.algorithm;
+  const pipeline::Algorithm algorithm = options.method.algorithm;
   E2LF_ASSIGN_OR_RETURN(options.method, named_choice(method, record));
   options.method.algorithm = algorithm;
   E2LF_ASSIGN_OR_RETURN(options.tone, tone_of(method));
@@ -75,7 +75,7 @@ Result<Json> EventRunLog::finish(const Verb& verb, RunRecord& record) {
   hide_progress();
   const pipeline::EventRunReport report = run_.report();
   warn_of_losses(input_, report.left_out);
-  verb.note_failed_input(report.left_out.live.failure);
+  verb.set_failed_input(report.left_out.live.failure);
   log_motion(input_, report, run_.method());
   if (run_.is_recording()) {
     const cycles::CycleReader& reader = run_.reader();

@@ -30,7 +30,8 @@ lightfield::LightField limited(const lightfield::LightField& light_field) {
 
 }  // namespace
 
-Result<void> write_comparison_page(const std::filesystem::path& path, const Shown& truth, const Shown& reconstruction,
+Result<void> write_comparison_page(const std::filesystem::path& path, const ComparedLightField& truth,
+                                   const ComparedLightField& reconstruction,
                                    const std::optional<depth::DisparityError>& error) {
   view::Document document;
   for (const auto& [name, shown] : {std::pair("scene", &truth), std::pair("reconstruction", &reconstruction)}) {
@@ -51,14 +52,14 @@ Result<void> write_comparison_page(const std::filesystem::path& path, const Show
 
 namespace {
 
-using view::Answer;
-using Kept = std::shared_ptr<view::LightFieldCycles>;
+using view::Response;
+using FrozenField = std::shared_ptr<view::LightFieldCycles>;
 
-Answer refusal(const std::string& text) {
+Response refusal(const std::string& text) {
   return {409, "text/plain", text};
 }
 
-Kept keep(lightfield::LightField light_field) {
+FrozenField keep(lightfield::LightField light_field) {
   auto kept = std::make_shared<view::LightFieldCycles>();
   kept->add("cycle", std::move(light_field));
   return kept;
@@ -78,8 +79,8 @@ class ServedLivePage {
   }
 
   Result<void> start(uint16_t port) {
-    E2LF_ASSIGN_OR_RETURN(server_, view::Server::create(document(), port, [this](const auto& question) {
-                            return guarded_answer(question);
+    E2LF_ASSIGN_OR_RETURN(server_, view::Server::create(document(), port, [this](const auto& request) {
+                            return guarded_answer(request);
                           }));
     serving_ = guarded_thread([this] { return result_ = server_->run(); },
                               [this](const Error& error) { result_ = error; }, [] {});
@@ -100,22 +101,22 @@ class ServedLivePage {
 
  private:
   /// An exception must not leave the thread of a connection, because it would end the recording.
-  std::optional<Answer> guarded_answer(const view::Question& question) {
-    auto answered = guarded([&]() -> Result<std::optional<Answer>> { return answer(question); });
+  std::optional<Response> guarded_answer(const view::Request& request) {
+    auto answered = guarded([&]() -> Result<std::optional<Response>> { return answer(request); });
     return answered ? *std::move(answered) : refusal(answered.error().message);
   }
 
-  std::optional<Answer> answer(const view::Question& question) {
-    if (question.is_command && question.name == "freeze") return freeze();
-    if (question.is_command && question.name == "fine") return refine();
-    if (question.is_command && question.name == "camera") return change_camera(question.parameters);
-    if (!question.is_command && question.name == "statistics") return statistics();
-    auto answered = live::answer(session_, question.is_command, question.name, question.parameters);
+  std::optional<Response> answer(const view::Request& request) {
+    if (request.is_command && request.name == "freeze") return freeze();
+    if (request.is_command && request.name == "fine") return refine();
+    if (request.is_command && request.name == "camera") return change_camera(request.parameters);
+    if (!request.is_command && request.name == "statistics") return statistics();
+    auto answered = live::answer(session_, request.is_command, request.name, request.parameters);
     if (!answered) return std::nullopt;
-    return Answer{answered->status, std::move(answered->type), std::move(answered->body)};
+    return Response{answered->status, std::move(answered->type), std::move(answered->body)};
   }
 
-  Answer change_camera(const std::map<std::string, std::string>& parameters) {
+  Response change_camera(const std::map<std::string, std::string>& parameters) {
     const auto text = [&](const char* name) {
       const auto found = parameters.find(name);
       return found == parameters.end() ? std::string() : found->second;
@@ -124,7 +125,7 @@ class ServedLivePage {
     return changed ? made(Json::object()) : refusal(changed.error().message);
   }
 
-  Answer statistics() {
+  Response statistics() {
     Json json = live::statistics(session_);
     json["camera"] = Json::array();
     for (const recordings::CameraControl& control : camera_->controls()) {
@@ -137,17 +138,17 @@ class ServedLivePage {
     return made(json);
   }
 
-  static Answer made(const Json& json) {
+  static Response made(const Json& json) {
     return {200, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace)};
   }
 
-  Answer freeze() {
+  Response freeze() {
     auto now = session_.freeze();
     if (!now) return refusal("there is no light field yet");
     if (const auto fits = view::check_browser_memory(now->light_field.shape(), "frozen"); !fits) {
       return refusal(fits.error().message);
     }
-    Kept kept = keep(std::move(now->light_field));
+    FrozenField kept = keep(std::move(now->light_field));
     now->light_field = {};
     const std::lock_guard lock(mutex_);
     frozen_ = std::move(*now);
@@ -158,7 +159,7 @@ class ServedLivePage {
   }
 
   /// Reconstructs the frozen cycle again in a separate thread.
-  Answer refine() {
+  Response refine() {
     std::string name;
     {
       const std::lock_guard lock(mutex_);
@@ -235,7 +236,7 @@ class ServedLivePage {
   std::shared_ptr<recordings::RunningCamera> camera_;
   std::mutex mutex_;
   live::LiveField frozen_;  ///< without its views
-  Kept quick_, fine_;
+  FrozenField quick_, fine_;
   bool is_refining_ = false;
   std::string refining_error_;
   std::unique_ptr<view::Server> server_;

@@ -28,15 +28,15 @@ inline constexpr bool kHasViewer = true;
 [[nodiscard]] Error no_viewer_error();
 
 /// A light field, with the disparities of its middle view.
-struct Shown {
+struct ComparedLightField {
   const lightfield::LightField& light_field;  ///< limited to [0, 1] for the figures, as its files are
   const lightfield::Image& disparity;
 };
 
 /// Writes a self-contained HTML file in which the viewer shows a scene beside its reconstruction, whose disparities
 /// have this error. Fails with kIo, and with kUnsupported (a browser would not have enough memory for the views).
-[[nodiscard]] Result<void> write_comparison_page(const std::filesystem::path& path, const Shown& truth,
-                                                 const Shown& reconstruction,
+[[nodiscard]] Result<void> write_comparison_page(const std::filesystem::path& path, const ComparedLightField& truth,
+                                                 const ComparedLightField& reconstruction,
                                                  const std::optional<depth::DisparityError>& error);
 
 /// Reconstructs the cycle of a frozen light field again in the best quality. The result is upright and has the same

@@ -221,7 +221,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   live_log.finish(report);
   const recordings::DecodeSummary summary = reader.summary();
   warn_of_losses(arguments.input, summary);
-  verb.note_failed_input(summary.live.failure);
+  verb.set_failed_input(summary.live.failure);
   // The report is written first, because it shows why no cycle was found.
   if (reports.is_wanted()) {
     const std::vector<recordings::Loss> losses = recordings::losses(summary);

@@ -143,7 +143,7 @@ Result<void> check_camera(const CheckArguments& arguments, const Verb& verb) {
   json["findings"] = diagnose::to_json(findings);
   std::printf("%s", verb.common().json ? json_text(json).c_str() : printable(check.text(json, summary)).c_str());
   warn_of_losses(arguments.input, summary);
-  verb.note_failed_input(summary.live.failure);
+  verb.set_failed_input(summary.live.failure);
   if (findings.empty()) return {};
   const diagnose::Finding first = findings.front();
   findings.erase(findings.begin());
@@ -284,7 +284,7 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
                     summary.live.num_gaps == 1 ? " place" : " places",
                     output.is_stream() ? "" : "; its record lists them"));
   }
-  verb.note_failed_input(summary.live.failure);
+  verb.set_failed_input(summary.live.failure);
   print_result(verb.common(),
                {{"file", arguments.output.string()},
                 {"bytes", copied.bytes},

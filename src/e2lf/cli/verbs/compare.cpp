@@ -60,18 +60,18 @@ Result<fs::path> locate(const CompareArguments& arguments, const std::string& na
               "; correct the name");
 }
 
-compare::Surroundings surroundings_of(const CompareArguments& arguments) {
-  compare::Surroundings surroundings;
-  surroundings.locate = [&](const std::string& name) { return locate(arguments, name); };
-  surroundings.locate_camera = [&](const std::string& name) -> Result<fs::path> {
+compare::Environment environment_of(const CompareArguments& arguments) {
+  compare::Environment environment;
+  environment.locate = [&](const std::string& name) { return locate(arguments, name); };
+  environment.locate_camera = [&](const std::string& name) -> Result<fs::path> {
     std::error_code error;
     const auto camera = locate(arguments, name);
     return camera && fs::is_regular_file(*camera, error) ? camera : find_camera(name);
   };
-  surroundings.hash = [](const fs::path& path) { return sha256_of(path); };
-  surroundings.version = kVersion;
-  surroundings.device = arguments.device;
-  return surroundings;
+  environment.hash = [](const fs::path& path) { return sha256_of(path); };
+  environment.version = kVersion;
+  environment.device = arguments.device;
+  return environment;
 }
 
 Result<compare::Config> configuration(const CompareArguments& arguments, const Verb& verb) {
@@ -128,11 +128,11 @@ void tell(const CompareArguments& arguments, const compare::Plan& plan, const co
 Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
   const char* const data = std::getenv("E2LF_DATA");
   if (arguments.data.empty() && data != nullptr) arguments.data = data;
-  E2LF_RETURN_IF_ERROR(find_device(arguments.device));
+  E2LF_RETURN_IF_ERROR(require_device(arguments.device));
   E2LF_ASSIGN_OR_RETURN(const compare::Shard shard, parse_shard(arguments.shard));
   E2LF_ASSIGN_OR_RETURN(const compare::Config config, configuration(arguments, verb));
   RunRecord record(verb);
-  E2LF_ASSIGN_OR_RETURN(const compare::Plan plan, compare::make_plan(config, surroundings_of(arguments)));
+  E2LF_ASSIGN_OR_RETURN(const compare::Plan plan, compare::make_plan(config, environment_of(arguments)));
   std::vector<fs::path> inputs = plan.files;
   inputs.push_back(arguments.config);
   inputs.insert(inputs.end(), arguments.merged.begin(), arguments.merged.end());

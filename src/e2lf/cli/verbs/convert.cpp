@@ -157,7 +157,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   open.counts_reports = true;
   open.time = arguments.shift_time ? recordings::TimeOrigin::kZero : recordings::TimeOrigin::kAbsolute;
   E2LF_ASSIGN_OR_RETURN(const auto reader, recordings::open_named_recording(arguments.input.string(), open));
-  say_assumptions(*reader);
+  log_assumptions(*reader);
   for (bool more = true; more;) {
     E2LF_RETURN_IF_ERROR(convert_part(arguments, *reader, parts.back(), verb));
     E2LF_ASSIGN_OR_RETURN(more, reader->next_part());
@@ -169,7 +169,7 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
   for (ConvertedPart& part : parts) {
     E2LF_RETURN_IF_ERROR(part.output.commit());
     warn_of_losses(arguments.input, part.report.summary);
-    verb.note_failed_input(part.report.summary.live.failure);
+    verb.set_failed_input(part.report.summary.live.failure);
     if (!common.json) print_result(common, {}, part_text(part), part.output.text());
     json["parts"].push_back(part_json(part));
   }

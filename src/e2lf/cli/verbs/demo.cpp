@@ -35,7 +35,8 @@ struct DemoArguments {
 
 /// Opens the network of the given or bundled model, or the closed form with the built-in patterns if there is none.
 Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, RunRecord& record) {
-  if (!path) return pipeline::open_method({.algorithm = "inversion", .codes = capture::default_codes()});
+  if (!path)
+    return pipeline::open_method({.algorithm = pipeline::Algorithm::kInversion, .codes = capture::default_codes()});
   record.add_input(*path);
   pipeline::MethodChoice choice;
   E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(*path));
@@ -97,7 +98,10 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(light_field, reconstruct(measured, bar.callback()));
   }
   record.end_step("reconstruct");
-  eval::EvalRow row{method.network ? method.network->model().name : method.algorithm, "demo scene", {}, {}};
+  eval::EvalRow row{method.network ? method.network->model().name : word_of(method.algorithm, pipeline::kAlgorithms),
+                    "demo scene",
+                    {},
+                    {}};
   E2LF_ASSIGN_OR_RETURN(row.quality, eval::compare(scene, light_field));
   row.events = eval::event_statistics(images);
   lightfield::Image found;

@@ -255,13 +255,14 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
                                          "--white",         "--view-columns", "--lenslet-views"};
   E2LF_RETURN_IF_ERROR(refuse(verb, kOfLightFields, "only applies to light fields, not to events; leave it out"));
   // Before there is an output, because the program that continues would find it unfinished.
-  E2LF_RETURN_IF_ERROR(find_device(arguments.method.device));
+  E2LF_RETURN_IF_ERROR(require_device(arguments.method.device));
   const fs::path& path = arguments.output.input;
   RunRecord record(verb);
-  auto opened = open_event_run(
-      path, arguments.cycles, arguments.method,
-      {.method = {.algorithm = "depth"}, .use = arguments.use, .turned = arguments.light_field.orientation.value()},
-      verb, record);
+  auto opened = open_event_run(path, arguments.cycles, arguments.method,
+                               {.method = {.algorithm = pipeline::Algorithm::kDepth},
+                                .use = arguments.use,
+                                .turned = arguments.light_field.orientation.value()},
+                               verb, record);
   if (!opened) return of_maps(opened.error());
   pipeline::EventRun run = *std::move(opened);
   EventRunLog log(run, path, record);

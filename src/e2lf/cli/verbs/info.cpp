@@ -44,7 +44,7 @@ Result<void> print_recording(const InfoArguments& arguments, ReportOutput& repor
   options.progress = bar.callback();
   E2LF_ASSIGN_OR_RETURN(const Description found, describe_recording(arguments.path, options));
   hide_progress();
-  verb.note_failed_input(found.failure);
+  verb.set_failed_input(found.failure);
   print(found, common);
   if (!reports.is_wanted()) return {};
   report::Page page = verb_page(arguments.path.string());
@@ -54,7 +54,7 @@ Result<void> print_recording(const InfoArguments& arguments, ReportOutput& repor
 }
 
 Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
-  arguments.path = thing_named(arguments.path);
+  arguments.path = file_or_bundled_model(arguments.path);
   const fs::path& path = arguments.path;
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(path));
   if (kind != FileKind::kLightField && kind != FileKind::kCycles) {

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf live: shows the light fields of a live source in a browser, at the rate of its pattern cycles
-#include <condition_variable>
-#include <csignal>
 #include <cstdio>
-#include <mutex>
-#include <thread>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
@@ -12,6 +8,7 @@
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/method_flags.h"
+#include "e2lf/cli/output/deadline.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/event_images.h"
@@ -43,35 +40,7 @@ struct LiveArguments {
   OrientationFlags orientation;
 };
 
-/// Requests a stop after the given number of seconds. The destructor withdraws the request, so that the exit code does
-/// not report a signal.
-class Deadline {
- public:
-  explicit Deadline(double seconds) {
-    if (seconds <= 0) return;
-    thread_ = std::jthread([this, seconds](const std::stop_token& is_over) {
-      std::mutex mutex;
-      std::unique_lock lock(mutex);
-      std::condition_variable_any().wait_for(lock, is_over, std::chrono::duration<double>(seconds),
-                                             [] { return false; });
-      if (is_over.stop_requested() || stop_requested()) return;
-      has_passed_ = true;
-      request_stop(SIGTERM);
-    });
-  }
-  Deadline(const Deadline&) = delete;
-  Deadline& operator=(const Deadline&) = delete;
-  ~Deadline() {
-    thread_ = {};
-    if (has_passed_) request_stop(0);
-  }
-
- private:
-  bool has_passed_ = false;
-  std::jthread thread_;
-};
-
-struct Instrument {
+struct LiveSetup {
   std::unique_ptr<live::LiveReader> reader;
   std::vector<live::FieldMaker> makers;  ///< from the best network to the fastest
   FineMethod fine;
@@ -117,7 +86,7 @@ Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& argu
                                                        const cycles::CycleReader& cycles, pipeline::MethodChoice choice,
                                                        const std::optional<pipeline::KnownCodes>& codes,
                                                        RunRecord& record) {
-  choice.algorithm = "depth";
+  choice.algorithm = pipeline::Algorithm::kDepth;
   choice.model.reset();
   if (codes) choice.codes = codes->codes;
   const bool is_named = !arguments.depth_model.empty();
@@ -132,16 +101,16 @@ Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& argu
 }
 
 /// Lets the reader fuse cycles, or says why it does not.
-void prepare_fusion(const LiveArguments& arguments, const pipeline::OpenedMethod& method, Instrument& instrument) {
+void prepare_fusion(const LiveArguments& arguments, const pipeline::OpenedMethod& method, LiveSetup& setup) {
   if (arguments.fuse == 1) {
-    instrument.options.fuse_obstacle = "--fuse 1 was given";
+    setup.options.fuse_obstacle = "--fuse 1 was given";
   } else if (!method.takes_sums()) {
-    instrument.options.fuse_obstacle = cat(method.network->model().name,
-                                           " is not conditioned on the sensor profile; use a network that is, such as "
-                                           "e2lf-n4-live");
-    log_info(cat("cycles are not fused: ", instrument.options.fuse_obstacle));
+    setup.options.fuse_obstacle = cat(method.network->model().name,
+                                      " is not conditioned on the sensor profile; use a network that is, such as "
+                                      "e2lf-n4-live");
+    log_info(cat("cycles are not fused: ", setup.options.fuse_obstacle));
   } else {
-    instrument.reader->prepare_fusion(method.sensor(), arguments.fuse);
+    setup.reader->prepare_fusion(method.sensor(), arguments.fuse);
   }
 }
 
@@ -155,8 +124,8 @@ Result<bool> wants_fusion(const LiveArguments& arguments) {
   return is_fused && arguments.average == 1;
 }
 
-Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
-  Instrument instrument;
+Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path& recordings, RunRecord& record) {
+  LiveSetup setup;
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
   E2LF_ASSIGN_OR_RETURN(choice.prefers_conditioned, wants_fusion(arguments));
   const pipeline::MethodUse use{.fused_cycles = arguments.is_fuse_named ? arguments.fuse : 1};
@@ -168,7 +137,7 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
     return open_cycles(arguments.source, flags);
   };
   E2LF_ASSIGN_OR_RETURN(
-      instrument.reader,
+      setup.reader,
       live::LiveReader::open(open, {.recordings = recordings,
                                     .is_inverted = flags.options.invert_polarity,
                                     .max_cycles = flags.max_cycles,
@@ -176,7 +145,7 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
                                     .on_finding = [source = arguments.source.string()](const auto& finding) {
                                       diagnose::log_findings(source, {finding});
                                     }}));
-  const cycles::CycleReader& cycles = instrument.reader->cycles();
+  const cycles::CycleReader& cycles = setup.reader->cycles();
   E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
   choice.transitions = cycles.schedule().num_images();
   E2LF_ASSIGN_OR_RETURN(const pipeline::ChosenMethod chosen,
@@ -184,8 +153,8 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
   const pipeline::OpenedMethod& method = chosen.method;
   E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
   record_method(method, 1, record);
-  instrument.reader->add_findings(chosen.findings);
-  E2LF_ASSIGN_OR_RETURN(instrument.options.depth, open_depth(arguments, cycles, choice, method.codes, record));
+  setup.reader->add_findings(chosen.findings);
+  E2LF_ASSIGN_OR_RETURN(setup.options.depth, open_depth(arguments, cycles, choice, method.codes, record));
   pipeline::OpenedMethod best = method;
   choice.prefers_fast = false;
   if (!arguments.fine_model.empty()) {
@@ -196,16 +165,16 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
     E2LF_ASSIGN_OR_RETURN(best, open_network(arguments, cycles, std::move(choice)));
   }
   E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(arguments.method));
-  instrument.options.tone = method.complete(tone);
-  instrument.options.size = arguments.size;
-  instrument.options.views = arguments.orientation.after(method.views).value_or(capture::Orientation{});
-  instrument.reader->set_average(arguments.average);
-  prepare_fusion(arguments, method, instrument);
+  setup.options.tone = method.complete(tone);
+  setup.options.size = arguments.size;
+  setup.options.views = arguments.orientation.after(method.views).value_or(capture::Orientation{});
+  setup.reader->set_average(arguments.average);
+  prepare_fusion(arguments, method, setup);
   if (arguments.method.codes.model.empty() && best.network->model().name != method.network->model().name) {
-    instrument.makers.emplace_back(*best.network);
+    setup.makers.emplace_back(*best.network);
   }
-  instrument.makers.emplace_back(*method.network);
-  instrument.options.check = [method](const capture::EventImages& events, size_t summed, bool is_confirmed) {
+  setup.makers.emplace_back(*method.network);
+  setup.options.check = [method](const capture::EventImages& events, size_t summed, bool is_confirmed) {
     const auto codes = method.codes_of_signs();
     diagnose::Findings findings = diagnose::check_event_images(events, codes ? &*codes : nullptr, summed);
     if (!findings.empty() || !is_confirmed) return findings;
@@ -214,8 +183,8 @@ Result<Instrument> make_instrument(const LiveArguments& arguments, const fs::pat
     const auto explained = (*check)->judge_events(events);
     return explained && *explained ? (*explained)->findings : findings;
   };
-  instrument.fine = fine_method(*best.network, instrument.options.views);
-  return instrument;
+  setup.fine = fine_method(*best.network, setup.options.views);
+  return setup;
 }
 
 Json field_json(const live::FieldReport& field) {
@@ -269,22 +238,22 @@ Result<void> write_last(live::Session& session, OutputFile& output, const RunRec
   return output.commit();
 }
 
-Result<void> run_session(const LiveArguments& arguments, Instrument instrument, const Verb& verb, RunRecord& record,
+Result<void> run_session(const LiveArguments& arguments, LiveSetup setup, const Verb& verb, RunRecord& record,
                          OutputFile* last) {
   const CommonOptions& common = verb.common();
   std::vector<std::string> networks;
-  for (const live::FieldMaker& maker : instrument.makers) networks.push_back(maker.reconstructor().model().name);
-  instrument.options.on_level = [networks](const live::QualityLevel& level) {
+  for (const live::FieldMaker& maker : setup.makers) networks.push_back(maker.reconstructor().model().name);
+  setup.options.on_level = [networks](const live::QualityLevel& level) {
     log_info(cat("the light fields now have ", live::size_name(level.size), " size and are reconstructed by ",
                  networks[level.network], ", to keep pace with the cycles"));
   };
   if (arguments.has_no_page || common.json) {
-    instrument.options.on_field = [&common](const live::FieldReport& field) { print_field(field, common); };
+    setup.options.on_field = [&common](const live::FieldReport& field) { print_field(field, common); };
   }
-  live::Session session(std::move(instrument.reader), std::move(instrument.makers), std::move(instrument.options));
+  live::Session session(std::move(setup.reader), std::move(setup.makers), std::move(setup.options));
   std::optional<LivePage> page;
   if (!arguments.has_no_page) {
-    E2LF_ASSIGN_OR_RETURN(page, start_live_page(session, std::move(instrument.fine),
+    E2LF_ASSIGN_OR_RETURN(page, start_live_page(session, std::move(setup.fine),
                                                 arguments.cycles.recording.open.camera.running, arguments.port));
     if (common.json) {
       std::printf("%s\n", Json{{"url", page->url}}.dump().c_str());
@@ -299,7 +268,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
   if (page) E2LF_RETURN_IF_ERROR(page->finish());
   const cycles::CycleReader& cycles = session.reader().cycles();
   warn_of_losses(arguments.source, cycles.summary());
-  verb.note_failed_input(cycles.summary().live.failure);
+  verb.set_failed_input(cycles.summary().live.failure);
   const Json totals = session.json();
   record.note("totals", totals);
   print_totals(totals, common);
@@ -316,7 +285,7 @@ Result<void> run_session(const LiveArguments& arguments, Instrument instrument, 
 
 Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
   if (!arguments.has_no_page && !kHasViewer) return no_viewer_error();
-  E2LF_RETURN_IF_ERROR(find_device(arguments.method.device));
+  E2LF_RETURN_IF_ERROR(require_device(arguments.method.device));
   if (!is_live(arguments.source)) {
     return fail(ErrorCode::kInvalidValue, arguments.source,
                 "a file is not a live source; give replay:FILE to play it at its own speed");
@@ -335,12 +304,12 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
     E2LF_ASSIGN_OR_RETURN(last, open_output(arguments.last, verb, inputs, ".npy"));
   }
   Result<void> ran;
-  auto instrument = make_instrument(arguments, folder.path(), record);
-  if (!instrument) {
-    ran = instrument.error();
+  auto setup = make_live_setup(arguments, folder.path(), record);
+  if (!setup) {
+    ran = setup.error();
   } else {
     const Deadline deadline(arguments.seconds);
-    ran = run_session(arguments, std::move(*instrument), verb, record, last ? &*last : nullptr);
+    ran = run_session(arguments, std::move(*setup), verb, record, last ? &*last : nullptr);
   }
   if (arguments.output.empty()) return ran;
   E2LF_ASSIGN_OR_RETURN(Json about, record.json());

@@ -12,8 +12,8 @@ Error no_viewer_error() {
 }
 
 #ifdef E2LF_NO_VIEWER
-Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const Shown& /*truth*/,
-                                   const Shown& /*reconstruction*/,
+Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const ComparedLightField& /*truth*/,
+                                   const ComparedLightField& /*reconstruction*/,
                                    const std::optional<depth::DisparityError>& /*error*/) {
   return no_viewer_error();
 }

@@ -24,10 +24,14 @@ namespace e2lf::cli {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr Choice<pipeline::Algorithm> kMethods[] = {{"network", pipeline::Algorithm::kNetwork},
+                                                    {"inversion", pipeline::Algorithm::kInversion}};
+
 struct ReconstructArguments {
   fs::path input, output;
   MethodFlags method;
-  std::string algorithm = "network", format = "png";
+  pipeline::Algorithm algorithm = pipeline::Algorithm::kNetwork;
+  std::string format = "png";
   pipeline::MethodUse use;
   CycleFlags cycles;
   OrientationFlags orientation;
@@ -53,7 +57,7 @@ std::string result_text(const ReconstructArguments& arguments, bool is_one, size
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
   // Before there is an output, because the program that continues would find it unfinished.
-  E2LF_RETURN_IF_ERROR(find_device(arguments.method.device));
+  E2LF_RETURN_IF_ERROR(require_device(arguments.method.device));
   E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {arguments.input}));
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(pipeline::EventRun run, open_event_run(arguments.input, arguments.cycles, arguments.method,
@@ -112,7 +116,7 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   app.add_option("-o,--output", reconstruction.output, "folder to write")->required();
   add_method_options(app, reconstruction.method, "the file of the events");
   add_tone_options(app, reconstruction.method);
-  add_choice(app, "--method", reconstruction.algorithm, {"network", "inversion"},
+  add_choice(app, "--method", reconstruction.algorithm, kMethods,
              "network, or inversion in closed form, which needs no model, only patterns");
   add_count(app, "--passes", reconstruction.use.passes, 1, 64,
             "number of runs of the network at shifted positions whose results are averaged: better quality, but "

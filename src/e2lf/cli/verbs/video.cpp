@@ -143,7 +143,7 @@ Result<std::unique_ptr<recordings::RecordingReader>> open_input(const VideoArgum
   }
   E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(arguments.input, arguments.recording));
   E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(arguments.input.string(), open));
-  say_assumptions(*reader);
+  log_assumptions(*reader);
   if (reader->info().width == 0 || reader->info().height == 0) {
     Error error{ErrorCode::kInvalidValue, "the recording does not state the sensor size; give its width and height",
                 arguments.input.string()};
@@ -182,7 +182,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const VideoReport report, write_frames(windows, maker, output.path(), bar));
   hide_progress();
   warn_of_losses(arguments.input, windows.recording().summary());
-  verb.note_failed_input(windows.recording().summary().live.failure);
+  verb.set_failed_input(windows.recording().summary().live.failure);
   if (report.frames == 0) return no_frame_error(arguments, windows);
   E2LF_RETURN_IF_ERROR(write_file(output.path() / "frames.csv", report.table));
   record.end_step("frames");

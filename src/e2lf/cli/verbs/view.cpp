@@ -342,7 +342,7 @@ int run_view(const std::vector<std::string>& arguments) {
   add_cycle_options(app, view_arguments.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] {
-    std::ranges::transform(view_arguments.things, view_arguments.things.begin(), thing_named);
+    std::ranges::transform(view_arguments.things, view_arguments.things.begin(), file_or_bundled_model);
     return view_arguments.page.empty() ? serve(view_arguments, verb) : export_page(view_arguments, verb);
   });
 }

@@ -312,7 +312,7 @@ Result<LightField> read_hdf5(const std::filesystem::path& path, const ReadOption
   if (opened.name == kPatchName) {
     E2LF_RETURN_IF_ERROR(find_views(options, opened.storage.extents, location, array));
   } else if (options.lenslet_views > 0) {
-    tell_unused_grid(location);
+    log_unused_grid(location);
   }
   return from_stored(array, options, location);
 }

@@ -169,7 +169,7 @@ struct ViewFiles {
 [[nodiscard]] Result<void> write_hdf5(const std::filesystem::path& path, const LightFieldView& light_field);
 
 /// Warns that ReadOptions::lenslet_views has no effect on a light field whose views are separate.
-void tell_unused_grid(const std::string& location);
+void log_unused_grid(const std::string& location);
 
 [[nodiscard]] Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOptions& options);
 

@@ -177,7 +177,11 @@ class CameraSource final : public LiveSource {
     const auto has_ended = [this] { return intake_->has_ended; };
     const bool returns = !has_hung_ && intake_->changed.wait_until(lock, last_end(), has_ended);
     lock.unlock();
-    returns ? thread_.join() : thread_.detach();
+    if (returns) {
+      thread_.join();
+    } else {
+      thread_.detach();
+    }
   }
 
   Result<std::span<const uint8_t>> fetch(size_t wanted) override {
