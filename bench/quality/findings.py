@@ -71,15 +71,15 @@ def middle_of(file: Path) -> dict:
 
 def check_images(way: str, light: float, arrays: dict, folder: Path, found: Counter) -> None:
     np.savez(folder / "events.npz", **arrays)
-    result = run("reconstruct", folder / "events.npz", "-m", MODEL, "-o", folder / "out", "--json", "--overwrite", "--quiet")
-    check = json.loads(result.stdout)["cycles"][0]["check"]
+    check = json.loads(run("check", folder / "events.npz", "-m", MODEL, "--codes", MODEL, "--json").stdout)
     codes = [finding["code"] for finding in check["findings"]]
     for row in (way, f"{way}, light {light}"):
         found[row, "runs"] += 1
         found[row, "warned"] += check["verdict"] == "doubtful"
         found[row, "named"] += EXPECTED.get(way) in codes
         found[row, "stated"] += "patterns-undecided" in codes
-    print(f"{way}, light {light}: ratio {check['ratio']:.3f}, contrast {check['contrast']:.2f}, {codes}", file=sys.stderr, flush=True)
+    fit = check["fits"][0]
+    print(f"{way}, light {light}: ratio {fit['ratio']:.3f}, contrast {fit['contrast']:.2f}, {codes}", file=sys.stderr, flush=True)
 
 
 def check_triggers(recording: Path, folder: Path, found: Counter) -> None:

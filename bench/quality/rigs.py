@@ -116,6 +116,9 @@ def said(result: subprocess.CompletedProcess, is_json: bool = True) -> tuple[str
             text.append(f"confidence {answer['least_confidence']:.2f}")
         check = next((c["check"] for c in answer.get("cycles", []) if isinstance(c, dict) and c.get("check")), None) \
             if isinstance(answer.get("cycles"), list) else None
+        if "fits" in answer:
+            check = {"verdict": answer["verdict"], "ratio": answer["fits"][0]["ratio"]} if answer["fits"] else None
+            codes += [finding["code"] for finding in answer["findings"]]
         if check:
             text.append(f"{check['verdict']} ({check['ratio']:.2f})" if "verdict" in check else str(check))
     return ", ".join([*text, *dict.fromkeys(codes)]) or "none", lines
@@ -127,7 +130,7 @@ def main() -> None:
     parser.add_argument("--model", default="e2lf-n4-camera")
     parser.add_argument("--light", type=float, default=1.0, help="brightness of the scene")
     parser.add_argument("--ways", help="only these, comma-separated")
-    parser.add_argument("--commands", default="accumulate,reconstruct .npz,reconstruct,live")
+    parser.add_argument("--commands", default="check,accumulate,reconstruct .npz,reconstruct,live")
     parser.add_argument("--words", action="store_true", help="print the messages as well")
     arguments = parser.parse_args()
     model = arguments.model
@@ -144,6 +147,8 @@ def main() -> None:
                 images = folder / "events.npz"
                 images.unlink(missing_ok=True)
                 results = {"accumulate": run("accumulate", recording, "--codes", model, "-o", images, "--json", check=False)}
+                if "check" in arguments.commands:
+                    results["check"] = run("check", recording, "--codes", model, "-m", model, "--json", check=False)
                 if images.exists() and "reconstruct .npz" in arguments.commands:
                     results["reconstruct .npz"] = run("reconstruct", images, "-m", model, "-o", folder / "from_images",
                                                       "--max-cycles", 1, "--json", "--overwrite", check=False)

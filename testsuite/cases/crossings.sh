@@ -35,7 +35,7 @@ VERBS = {
     "live": (["-m", NETWORK, "--no-page", "--json", "--size", "full"], "out", {AVERAGED: ["--average", "4"], "unfused": ["--fuse", "1"], TURNED: ["--turn-views"]}),
 }
 # An input and the options that make it what it is: the exit code, findings of which one must be told, whether data are left out.
-POLARITY = {"polarity-inverted", "polarity-better-inverted", "half-cycle-off"}
+POLARITY = {"polarity-inverted", "half-cycle-off"}
 DARK = {"events-absent", "events-few", "event-image-empty", "cycles-unconfirmed", "contrast-absent", "events-unexplained"}
 INPUTS = {
     "right": ("right.raw", [], 0, set(), False),

@@ -101,8 +101,9 @@ arrays = dict(n.load("right.npz"))
 arrays["events"] = -arrays["events"]
 n.savez("negative.npz", **arrays)
 PY
-"$E2LF" reconstruct negative.npz -m "$network" -o negative --format npy --quiet 2>err.txt
-grep -q "with inverted polarity.*--invert-polarity" err.txt || fail "$(cat err.txt)"
+"$E2LF" check negative.npz -m "$network" --json >negative.json 2>err.txt
+[ "$(json negative.json "'polarity-better-inverted' in [f['code'] for f in j['findings']]")" = True ] || fail "$(cat negative.json)"
+[ "$(json negative.json "j['verdict']")" = doubtful ] || fail "$(cat negative.json)"
 "$E2LF" reconstruct negative.npz -m "$network" -o turned --invert-polarity --format npy --quiet 2>err.txt
 if grep -q inverted err.txt; then fail "$(cat err.txt)"; fi
 "$E2LF" reconstruct right.npz -m e2lf-n4-camera -o plain --format npy --quiet 2>err.txt
@@ -154,6 +155,8 @@ for way in right_codes: exchanged:order-better-changed mirrored:orientation-bett
   "$E2LF" simulate scene/scene --codes "${way%%:*}.npy" --camera evk4-lcos --cycles 2 --seed 3 -o shown.raw --quiet --overwrite
   "$E2LF" accumulate shown.raw --codes e2lf-n4 -o shown.npz --overwrite --json >shown.json 2>err.txt
   [ "$(json shown.json "[f['code'] for f in j['findings']]" | tr -d "[]'")" = "${way#*:}" ] || fail "$way: $(cat err.txt)"
+  "$E2LF" check shown.raw --codes e2lf-n4 --json >page.json 2>err.txt
+  [ "$(json page.json "[f['code'] for f in j['findings'] if f['code'].endswith('changed')]" | tr -d "[]'")" = "${way#*:}" ] || fail "check, $way: $(cat page.json)"
 done
 # A time that the recording does not contain.
 fails 1 "recording-empty" "$E2LF" accumulate rig.raw -o none.npz --from-us 999999999

@@ -29,6 +29,7 @@ int run_verb(const std::vector<std::string>& arguments) {
       {"reconstruct", "event images or a recording -> light field", run_reconstruct},
       {"record", "live camera, pipe or socket -> recording, byte for byte", run_record},
       {"camera", "list and check live cameras", run_camera},
+      {"check", "recording or camera -> one page on the rig: light, pixels, triggers, patterns", run_check},
       {"video", "recording -> grey frames", run_video},
       {"calibrate", "event images of static scenes -> constants of a camera", run_calibrate},
       {"eval", "compare a reconstruction with the ground truth", run_eval},

@@ -17,6 +17,7 @@ int run_accumulate(const std::vector<std::string>& arguments);
 int run_animate(const std::vector<std::string>& arguments);
 int run_calibrate(const std::vector<std::string>& arguments);
 int run_camera(const std::vector<std::string>& arguments);
+int run_check(const std::vector<std::string>& arguments);
 int run_codes(const std::vector<std::string>& arguments);
 int run_codes_play(const std::vector<std::string>& arguments);
 int run_compare(const std::vector<std::string>& arguments);

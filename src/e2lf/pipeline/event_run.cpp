@@ -114,7 +114,7 @@ Result<void> EventRun::make_light_field(EventResult& result, const ProgressFn& p
     if (!check_ || !capture::has_events(used.kind)) return {};
     E2LF_ASSIGN_OR_RETURN(result.error, check_->compare(unprocessed, used.events, is_of_lit));
     if (made_ > 0) return {};
-    E2LF_ASSIGN_OR_RETURN(result.check, check_->judge(unprocessed, used, is_of_lit, result.is_confirmed));
+    E2LF_ASSIGN_OR_RETURN(result.check, check_->judge(unprocessed, used.events, is_of_lit));
     // Light fields for other patterns can explain the events as well.
     result.is_confirmed = result.is_confirmed && are_patterns_stated(method().codes);
     return {};

@@ -3,11 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <memory>
-#include <numeric>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/diagnose/event_images.h"
 #include "e2lf/lightfield/views.h"
@@ -15,9 +11,7 @@
 #include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::pipeline {
-using diagnose::Finding;
 using diagnose::middle_of;
-using diagnose::OtherOrientation;
 using diagnose::Severity;
 namespace {
 
@@ -26,22 +20,10 @@ constexpr double kGoodRatio = 1.15;
 constexpr double kWrongRatio = 1.5;
 constexpr double kLeastRatio = 0.7;
 constexpr double kLeastContrast = 0.1;
-constexpr double kCameraRatio = 1.2;       // ratio of the error to that with the network's camera
 constexpr double kLeastNoiseError = 0.05;  // in counts, because a camera without noise still rounds
-constexpr double kChangedRatio = 0.97;     // ratio of the error of changed events to that of the given ones
-constexpr double kClearRatio = 0.8;        // the same if the given events are explained as well as noise permits
-constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `ratio` for correct events
-constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
+constexpr size_t kMostSide = 512;          // px
 constexpr uint64_t kSeed = 1;
-
-/// Returns the same camera for a window in the middle of the image.
-recon::EventCheck in_window(recon::EventCheck check, double share_of_width) {
-  if (!check.pixels) return check;
-  for (auto* slopes : {&check.pixels->transmission_slope_x, &check.pixels->transmission_slope_y}) {
-    for (float& slope : *slopes) slope *= static_cast<float>(share_of_width);
-  }
-  return check;
-}
+constexpr char kSearch[] = "run `e2lf check`, which searches for another polarity, order, orientation and camera";
 
 /// Returns the error that the noise of the camera alone causes, for the sum of as many cycles as are compared.
 Result<double> noise_error(const recon::EventCheck& check, const lightfield::LightField& light_field) {
@@ -84,142 +66,38 @@ double contrast_of(const lightfield::LightField& light_field) {
   return bright <= 0 ? 0 : (bright - dark) / (bright + dark);
 }
 
-/// Turns or mirrors square images as patterns would: a pattern that is mirrored on the aperture has the same effect as
-/// an unmirrored one on the mirrored scene.
-capture::EventImages oriented(const capture::EventImages& events, const OtherOrientation& to) {
-  const size_t side = events.width;
-  const auto along = [side](int of_y, int of_x, size_t y, size_t x) {
-    const size_t place = of_y != 0 ? y : x;
-    return of_y + of_x > 0 ? place : side - 1 - place;
-  };
-  capture::EventImages result(events.count, side, side);
-  for (size_t k = 0; k < events.count; ++k) {
-    for (size_t i = 0; i < events.image_size(); ++i) {
-      const size_t y = along(to.y_of_y, to.y_of_x, i / side, i % side);
-      const size_t x = along(to.x_of_y, to.x_of_x, i / side, i % side);
-      result.image(k)[i] = events.image(k)[y * side + x];
-    }
-  }
-  return result;
-}
-
-capture::EventImages reordered(const capture::EventImages& events, const std::vector<size_t>& order) {
-  capture::EventImages result(events.count, events.height, events.width);
-  for (size_t k = 0; k < events.count; ++k) std::ranges::copy(events.image(order[k]), result.image(k).begin());
-  return result;
-}
-
-/// A possible mistake of the rig, as the change of the events that undoes it.
-struct Change {
-  const char* code;
-  std::string name, remedy;
-  std::function<capture::EventImages(const capture::EventImages&)> apply;
-};
-
-Change inversion() {
-  return {"polarity-better-inverted", "with inverted polarity", "give `invert-polarity`, or omit it if it was given",
-          [](capture::EventImages events) {
-            for (int16_t& count : events.values) count = capture::saturated(-count);
-            return events;
-          }};
-}
-
-std::vector<Change> other_orders(size_t transitions) {
-  std::vector<size_t> order(transitions);
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::vector<Change> changes;
-  const auto add = [&](const std::vector<size_t>& changed) {
-    std::vector<std::string> numbers;
-    for (const size_t number : changed) numbers.push_back(std::to_string(number));
-    changes.push_back({"order-better-changed", cat("with the event images in the order ", join(numbers)),
-                       "check the order of the patterns in `codes` and on the display, and `first-pattern`",
-                       [changed](const capture::EventImages& events) { return reordered(events, changed); }});
-  };
-  for (size_t shift = 1; shift < transitions; ++shift) {
-    std::vector<size_t> rotated = order;
-    std::rotate(rotated.begin(), rotated.begin() + static_cast<std::ptrdiff_t>(shift), rotated.end());
-    add(rotated);
-  }
-  for (size_t i = 0; i + 1 < transitions && transitions > 2; ++i) {
-    std::vector<size_t> swapped = order;
-    std::swap(swapped[i], swapped[i + 1]);
-    add(swapped);
-  }
-  if (transitions > 3) add({order.rbegin(), order.rend()});
-  return changes;
-}
-
-Result<double> error_of(const recon::Method& method, const recon::EventCheck& check,
-                        const capture::EventImages& events) {
-  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(events, {}));
-  E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
-  return error.least;
-}
-
-/// Returns the change that lets the method explain the events better than the given ones, if there is one. One correct
-/// scene in twenty is explained slightly better in another order, so that a clear difference is required if the events
-/// are explained as well as their noise allows.
-Result<std::optional<Finding>> better_change(const recon::Method& method, const recon::EventCheck& check,
-                                             const capture::EventImages& events, double ratio, Json& tried) {
-  const size_t side = std::min({events.height, events.width, kMostSideOfChanged});
-  const recon::EventCheck own = in_window(check, static_cast<double>(side) / static_cast<double>(events.width));
-  const capture::EventImages given = middle_of(events, side, side);
-  E2LF_ASSIGN_OR_RETURN(const double unchanged, error_of(method, own, given));
-  std::vector<Change> changes = other_orders(events.count);
-  changes.push_back(inversion());
-  for (const OtherOrientation& other : diagnose::kOtherOrientations) {
-    changes.push_back({"orientation-better-changed", other.name, other.remedy,
-                       [&other](const capture::EventImages& images) { return oriented(images, other); }});
-  }
-  const Change* best = nullptr;
-  double least = 0;
-  for (const Change& change : changes) {
-    if (stop_requested()) return std::optional<Finding>();
-    E2LF_ASSIGN_OR_RETURN(const double error, error_of(method, own, change.apply(given)));
-    tried[change.name] = error / unchanged;
-    if (best != nullptr && error >= least) continue;
-    best = &change;
-    least = error;
-  }
-  const bool is_explained = ratio >= kLeastExplained && ratio <= kMostExplained;
-  if (best == nullptr || least >= (is_explained ? kClearRatio : kChangedRatio) * unchanged) {
-    return std::optional<Finding>();
-  }
-  const auto rounded = [](double value) { return std::round(1000 * value) / 1000; };
-  return std::optional(
-      Finding{best->code,
-              Severity::kError,
-              cat("the events are explained better ", best->name, ": the light field differs from them by ",
-                  rounded(least), " instead of ", rounded(unchanged)),
-              best->remedy,
-              {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}}});
-}
-
 void add_ratio(Explanation& explained) {
   const double tenths = std::round(10 * explained.ratio) / 10;
   const Json figures = {{"ratio", explained.ratio}, {"contrast", explained.contrast}};
   if (explained.ratio > kWrongRatio) {
     explained.findings.push_back(
         {"events-unexplained", Severity::kError,
-         cat("the light field differs from its events by ", tenths, " times the difference that noise causes"),
-         "check the polarity of the events, the order of the patterns and the `camera`", figures});
+         cat("the light field differs from its events by ", tenths, " times the difference that noise causes"), kSearch,
+         figures});
   } else if (explained.ratio < kLeastRatio) {
     explained.findings.push_back(
         {"noise-explained", Severity::kWarning,
          cat("the light field differs from its events by only ", std::round(100 * explained.ratio) / 100,
              " times the difference that noise causes, as one that shows noise or fog does"),
-         "check the polarity of the events, the order of the patterns and the `camera`", figures});
+         kSearch, figures});
   }
   if (explained.contrast < kLeastContrast) {
     explained.findings.push_back({"contrast-absent", Severity::kWarning,
                                   cat("the light field has hardly any contrast (", std::round(100 * explained.contrast),
                                       " %), so that its events confirm nothing"),
-                                  "record a scene with edges, or check the polarity and the order of the patterns",
-                                  figures});
+                                  cat("record a scene with edges, or ", kSearch), figures});
   }
 }
 
 }  // namespace
+
+recon::EventCheck in_window(recon::EventCheck check, double share_of_width) {
+  if (!check.pixels) return check;
+  for (auto* slopes : {&check.pixels->transmission_slope_x, &check.pixels->transmission_slope_y}) {
+    for (float& slope : *slopes) slope *= static_cast<float>(share_of_width);
+  }
+  return check;
+}
 
 std::string Explanation::verdict(bool is_confirmed) const {
   if (diagnose::has_doubt(findings)) return "doubtful";
@@ -233,7 +111,6 @@ Json Explanation::json(bool is_confirmed) const {
           {"noise_error", noise_error},
           {"ratio", ratio},
           {"contrast", contrast},
-          {"changes", tried},
           {"findings", diagnose::to_json(findings)}};
 }
 
@@ -253,12 +130,6 @@ Result<std::optional<FieldCheck>> FieldCheck::create(const OpenedMethod& method,
     check.lit_ = {method_of(method.lit, once), check.own_.check};
     check.lit_->check.codes = *method.lit->model().codes;
   }
-  if (method.models_camera) {
-    const auto network =
-        std::make_shared<const recon::Reconstructor>(method.network->with_camera(*method.models_camera));
-    check.of_models_camera_ = {method_of(network, once), check.own_.check};
-    check.of_models_camera_->check.pixels = method.models_camera;
-  }
   // The error of a method that does not use the sensor profile does not depend on the polarity or the order of the
   // events. If the camera of the events is unknown, a network is judged by its own profile.
   if (method.camera ? !is_pixel || method.takes_sums() : method.network != nullptr) {
@@ -273,11 +144,9 @@ Result<recon::EventError> FieldCheck::compare(const lightfield::LightField& ligh
 }
 
 Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightField& light_field,
-                                                     const capture::Measurement& measurement, bool is_of_lit,
-                                                     bool is_confirmed) const {
+                                                     const capture::EventImages& events, bool is_of_lit) const {
   if (!is_judged_) return std::optional<Explanation>();
   const Candidate& own = candidate(is_of_lit);
-  const capture::EventImages& events = measurement.events;
   const capture::EventImages given = middle_of(events, kMostSide, kMostSide);
   const double share_of_width = static_cast<double>(given.width) / static_cast<double>(events.width);
   const recon::EventCheck check = in_window(own.check, share_of_width);
@@ -288,47 +157,17 @@ Result<std::optional<Explanation>> FieldCheck::judge(const lightfield::LightFiel
   Explanation explained{.error = error.least, .contrast = contrast_of(part)};
   E2LF_ASSIGN_OR_RETURN(explained.noise_error, noise_error(check, part));
   explained.ratio = explained.error / std::max(explained.noise_error, kLeastNoiseError);
-  if (of_models_camera_ && !is_of_lit) {
-    E2LF_ASSIGN_OR_RETURN(const double other, error_of(of_models_camera_->method,
-                                                       in_window(of_models_camera_->check, share_of_width), given));
-    if (explained.error > kCameraRatio * other) {
-      explained.findings.push_back({"camera-worse",
-                                    Severity::kError,
-                                    cat("the camera that was given explains the events much worse than the one for "
-                                        "which the network was trained: "
-                                        "the light field differs from them by ",
-                                        explained.error, " instead of ", other),
-                                    "omit `camera`, or calibrate again",
-                                    {{"error", explained.error}, {"error_with_the_models_camera", other}}});
-      return std::optional(std::move(explained));
-    }
-  }
-  // Intensity images have no signs.
-  if (is_confirmed && measurement.kind == capture::MeasurementKind::kEventImages && !stop_requested()) {
-    E2LF_ASSIGN_OR_RETURN(auto change, better_change(own.method, own.check, events, explained.ratio, explained.tried));
-    auto places = diagnose::check_places(given, check.codes, check.pixels);
-    // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.
-    const bool is_clear =
-        change && (change->code == "polarity-better-inverted" ||
-                   change->figures["error"] < kClearRatio * change->figures["unchanged_error"].get<double>());
-    const bool is_of_places = places && !is_clear && (places->severity != Severity::kNote || !change);
-    if (is_of_places) explained.findings.push_back(std::move(*places));
-    if (change && !is_of_places) explained.findings.push_back(std::move(*change));
-  }
-  if (!diagnose::has_doubt(explained.findings)) add_ratio(explained);
+  add_ratio(explained);
   return std::optional(std::move(explained));
 }
 
 Result<std::optional<Explanation>> FieldCheck::judge_events(const capture::EventImages& events) const {
-  const capture::Measurement given(middle_of(events, kMostSide, kMostSide));
+  const capture::EventImages given = middle_of(events, kMostSide, kMostSide);
   FieldCheck middle = *this;
-  const double share_of_width = static_cast<double>(given.events.width) / static_cast<double>(events.width);
+  const double share_of_width = static_cast<double>(given.width) / static_cast<double>(events.width);
   middle.own_.check = in_window(own_.check, share_of_width);
-  if (middle.of_models_camera_) {
-    middle.of_models_camera_->check = in_window(of_models_camera_->check, share_of_width);
-  }
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, own_.method(given, {}));
-  return middle.judge(light_field, given, false, true);
+  return middle.judge(light_field, given, false);
 }
 
 }  // namespace e2lf::pipeline

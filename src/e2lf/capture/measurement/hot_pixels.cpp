@@ -80,6 +80,21 @@ std::vector<size_t> hot_pixels(const CountSums& sums, float beyond_range) {
   return hot;
 }
 
+size_t count_silent_pixels(const CountSums& sums) {
+  constexpr int32_t kLeastAround = 20;
+  const size_t height = sums.counts.height, width = sums.counts.width;
+  std::vector<int32_t> events(height * width);
+  for (size_t i = 0; i < sums.counts.values.size(); ++i) events[i % events.size()] += std::abs(sums.counts.values[i]);
+  size_t silent = 0;
+  for (size_t pixel = 0; pixel < events.size(); ++pixel) {
+    if (events[pixel] != 0) continue;
+    std::vector<int32_t> around;
+    each_neighbour(height, width, pixel, [&](size_t neighbour) { around.push_back(events[neighbour]); });
+    silent += !around.empty() && median(std::move(around)) >= kLeastAround;
+  }
+  return silent;
+}
+
 void replace_by_neighbours(const std::vector<size_t>& pixels, EventImages& images) {
   for (const size_t pixel : pixels) {
     for (size_t n = 0; n < images.count; ++n) {

@@ -38,6 +38,10 @@ void each_neighbour(size_t height, size_t width, size_t pixel, const Visit& visi
 /// thirds of an event per cycle and transition, and by two events in a single cycle.
 [[nodiscard]] std::vector<size_t> hot_pixels(const CountSums& sums, float beyond_range = 1.0F);
 
+/// Returns the number of pixels without any events among neighbours that have some: whose median is at least 20 events
+/// over all cycles and transitions.
+[[nodiscard]] size_t count_silent_pixels(const CountSums& sums);
+
 /// Replaces the counts of pixels by the median of their neighbours that are not among them. `pixels` are in ascending
 /// order.
 void replace_by_neighbours(const std::vector<size_t>& pixels, EventImages& images);

@@ -59,6 +59,19 @@ TEST(HotPixels, DarkOrDeadOnesAreNotHot) {
   EXPECT_EQ(hot_pixels(sums), std::vector<size_t>());
 }
 
+TEST(SilentPixels, HaveNoEventsAmongNeighboursThatHaveSome) {
+  EventImages images(2, kSide, kSide);
+  std::ranges::fill(images.image(0), int16_t{9});
+  images.image(0)[0] = images.image(0)[1000] = images.image(0)[1001] = 0;
+  images.image(1)[1001] = -1;  // it has an event
+  CountSums sums;
+  sums.add(images);
+  sums.add(images);
+  EXPECT_EQ(count_silent_pixels(sums), 0U);  // 18 events per neighbour are too few to tell
+  sums.add(images);
+  EXPECT_EQ(count_silent_pixels(sums), 2U);
+}
+
 TEST(HotPixels, GetTheMedianOfTheirNeighbours) {
   EventImages images(2, 8, 8);
   std::ranges::fill(images.image(0), int16_t{2});

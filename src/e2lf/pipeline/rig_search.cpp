@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/pipeline/rig_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numeric>
+
+#include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
+#include "e2lf/diagnose/event_images.h"
+
+namespace e2lf::pipeline {
+using diagnose::Finding;
+using diagnose::middle_of;
+using diagnose::OtherOrientation;
+using diagnose::Severity;
+namespace {
+
+// docs/experiments/findings.md states how often these thresholds are wrong.
+constexpr double kCameraRatio = 1.2;    // ratio of the error to that with the network's camera
+constexpr double kChangedRatio = 0.97;  // ratio of the error of changed events to that of the given ones
+constexpr double kClearRatio = 0.8;     // the same if the given events are explained as well as noise permits
+constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `ratio` for correct events
+constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
+
+/// Turns or mirrors square images as patterns would: a pattern that is mirrored on the aperture has the same effect as
+/// an unmirrored one on the mirrored scene.
+capture::EventImages oriented(const capture::EventImages& events, const OtherOrientation& to) {
+  const size_t side = events.width;
+  const auto along = [side](int of_y, int of_x, size_t y, size_t x) {
+    const size_t place = of_y != 0 ? y : x;
+    return of_y + of_x > 0 ? place : side - 1 - place;
+  };
+  capture::EventImages result(events.count, side, side);
+  for (size_t k = 0; k < events.count; ++k) {
+    for (size_t i = 0; i < events.image_size(); ++i) {
+      const size_t y = along(to.y_of_y, to.y_of_x, i / side, i % side);
+      const size_t x = along(to.x_of_y, to.x_of_x, i / side, i % side);
+      result.image(k)[i] = events.image(k)[y * side + x];
+    }
+  }
+  return result;
+}
+
+capture::EventImages reordered(const capture::EventImages& events, const std::vector<size_t>& order) {
+  capture::EventImages result(events.count, events.height, events.width);
+  for (size_t k = 0; k < events.count; ++k) std::ranges::copy(events.image(order[k]), result.image(k).begin());
+  return result;
+}
+
+/// A possible mistake of the rig, as the change of the events that undoes it.
+struct Change {
+  const char* code;
+  std::string name, remedy;
+  std::function<capture::EventImages(const capture::EventImages&)> apply;
+};
+
+Change inversion() {
+  return {"polarity-better-inverted", "with inverted polarity", "give `invert-polarity`, or omit it if it was given",
+          [](capture::EventImages events) {
+            for (int16_t& count : events.values) count = capture::saturated(-count);
+            return events;
+          }};
+}
+
+std::vector<Change> other_orders(size_t transitions) {
+  std::vector<size_t> order(transitions);
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::vector<Change> changes;
+  const auto add = [&](const std::vector<size_t>& changed) {
+    std::vector<std::string> numbers;
+    for (const size_t number : changed) numbers.push_back(std::to_string(number));
+    changes.push_back({"order-better-changed", cat("with the event images in the order ", join(numbers)),
+                       "check the order of the patterns in `codes` and on the display, and `first-pattern`",
+                       [changed](const capture::EventImages& events) { return reordered(events, changed); }});
+  };
+  for (size_t shift = 1; shift < transitions; ++shift) {
+    std::vector<size_t> rotated = order;
+    std::rotate(rotated.begin(), rotated.begin() + static_cast<std::ptrdiff_t>(shift), rotated.end());
+    add(rotated);
+  }
+  for (size_t i = 0; i + 1 < transitions && transitions > 2; ++i) {
+    std::vector<size_t> swapped = order;
+    std::swap(swapped[i], swapped[i + 1]);
+    add(swapped);
+  }
+  if (transitions > 3) add({order.rbegin(), order.rend()});
+  return changes;
+}
+
+Result<double> error_of(const recon::Method& method, const recon::EventCheck& check,
+                        const capture::EventImages& events) {
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(events, {}));
+  E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
+  return error.least;
+}
+
+/// Returns the mistake that would explain the events better than none, if there is one, and adds what was tried. One
+/// correct scene in twenty is explained slightly better in another order, so that a clear difference is required if the
+/// events are explained as well as their noise allows.
+Result<std::optional<Finding>> better_change(const FieldCheck& check, const Explanation& explained,
+                                             const capture::EventImages& events, Json& tried) {
+  const size_t side = std::min({events.height, events.width, kMostSideOfChanged});
+  const recon::EventCheck own =
+      in_window(check.camera(), static_cast<double>(side) / static_cast<double>(events.width));
+  const capture::EventImages given = middle_of(events, side, side);
+  E2LF_ASSIGN_OR_RETURN(const double unchanged, error_of(check.method(), own, given));
+  std::vector<Change> changes = other_orders(events.count);
+  changes.push_back(inversion());
+  for (const OtherOrientation& other : diagnose::kOtherOrientations) {
+    changes.push_back({"orientation-better-changed", other.name, other.remedy,
+                       [&other](const capture::EventImages& images) { return oriented(images, other); }});
+  }
+  const Change* best = nullptr;
+  double least = 0;
+  for (const Change& change : changes) {
+    if (stop_requested()) return std::optional<Finding>();
+    E2LF_ASSIGN_OR_RETURN(const double error, error_of(check.method(), own, change.apply(given)));
+    tried[change.name] = error / unchanged;
+    if (best != nullptr && error >= least) continue;
+    best = &change;
+    least = error;
+  }
+  const bool is_explained = explained.ratio >= kLeastExplained && explained.ratio <= kMostExplained;
+  if (best == nullptr || least >= (is_explained ? kClearRatio : kChangedRatio) * unchanged) {
+    return std::optional<Finding>();
+  }
+  const auto rounded = [](double value) { return std::round(1000 * value) / 1000; };
+  return std::optional(
+      Finding{best->code,
+              Severity::kError,
+              cat("the events are explained better ", best->name, ": the light field differs from them by ",
+                  rounded(least), " instead of ", rounded(unchanged)),
+              best->remedy,
+              {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}}});
+}
+
+/// Returns the finding that the camera of the network explains the events much better than the one that was given.
+Result<std::optional<Finding>> worse_camera(const OpenedMethod& method, const FieldCheck& check,
+                                            const Explanation& explained, const capture::EventImages& events) {
+  if (!method.models_camera) return std::optional<Finding>();
+  const capture::EventImages given = middle_of(events, kMostSide, kMostSide);
+  recon::EventCheck models = check.camera();
+  models.pixels = method.models_camera;
+  const auto network = std::make_shared<const recon::Reconstructor>(method.network->with_camera(*method.models_camera));
+  const double share_of_width = static_cast<double>(given.width) / static_cast<double>(events.width);
+  E2LF_ASSIGN_OR_RETURN(const double other, error_of(method_of(network, {.cycles = models.cycles}),
+                                                     in_window(models, share_of_width), given));
+  if (explained.error <= kCameraRatio * other) return std::optional<Finding>();
+  return std::optional(Finding{"camera-worse",
+                               Severity::kError,
+                               cat("the camera that was given explains the events much worse than the one for which "
+                                   "the network was trained: the light field differs from them by ",
+                                   explained.error, " instead of ", other),
+                               "omit `camera`, or calibrate again",
+                               {{"error", explained.error}, {"error_with_the_models_camera", other}}});
+}
+
+}  // namespace
+
+Result<RigSearch> search_rig(const OpenedMethod& method, const FieldCheck& check, const Explanation& explained,
+                             const capture::EventImages& cycle, const capture::EventImages& sum) {
+  RigSearch found;
+  E2LF_ASSIGN_OR_RETURN(auto camera, worse_camera(method, check, explained, cycle));
+  if (camera) {
+    found.findings.push_back(std::move(*camera));
+    return found;
+  }
+  E2LF_ASSIGN_OR_RETURN(auto change, better_change(check, explained, cycle, found.changes));
+  auto places = diagnose::check_places(sum, check.camera().codes, check.camera().pixels);
+  // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.
+  const bool is_clear =
+      change && (change->code == "polarity-better-inverted" ||
+                 change->figures["error"] < kClearRatio * change->figures["unchanged_error"].get<double>());
+  const bool is_of_places = places && !is_clear && (places->severity != Severity::kNote || !change);
+  if (is_of_places) found.findings.push_back(std::move(*places));
+  if (change && !is_of_places) found.findings.push_back(std::move(*change));
+  return found;
+}
+
+}  // namespace e2lf::pipeline
