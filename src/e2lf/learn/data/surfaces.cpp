@@ -24,27 +24,50 @@ Coordinates centred_coordinates(int64_t side, torch::Device device) {
   return {axis.unsqueeze(1), axis.unsqueeze(0)};
 }
 
-/// Returns the points where the rays meet a plane, as sampling positions [64, size, size, 2] (x, y) of grid_sample in a
-/// map of `side` px.
-torch::Tensor ray_positions(const Plane& plane, int64_t size, int64_t side, torch::Device device) {
-  const Coordinates pixel = centred_coordinates(size, device);
-  const auto view = torch::arange(kViewsPerSide, torch::device(device).dtype(torch::kFloat)) - kCentralView;
-  const auto y = pixel.y - plane.offset_y, x = pixel.x - plane.offset_x;
-  const auto view_y = view.view({kViewsPerSide, 1, 1, 1}), view_x = view.view({1, kViewsPerSide, 1, 1});
-  // A point q of the central view appears at p = q + view * d(q) with d(q) = centre + slope . q; solved for d.
-  const auto tilt = plane.slope_y * view_y + plane.slope_x * view_x;
-  const auto disparity = (plane.centre + plane.slope_y * y + plane.slope_x * x) / (1.0 + tilt);
-  const double unit = 2.0 / static_cast<double>(side);
-  const auto shape = {kViewsPerSide, kViewsPerSide, size, size};
-  return torch::stack(
-             {((x - view_x * disparity) * unit).expand(shape), ((y - view_y * disparity) * unit).expand(shape)}, -1)
-      .flatten(0, 1);
+/// The viewpoints of views in one dimension, each coordinate [views, 1, 1].
+struct ViewPoints {
+  torch::Tensor y, x;
+};
+
+ViewPoints all_views(torch::Device device) {
+  const auto axis = torch::arange(kViewsPerSide, torch::device(device).dtype(torch::kFloat)) - kCentralView;
+  return {axis.repeat_interleave(kViewsPerSide).view({-1, 1, 1}), axis.repeat({kViewsPerSide}).view({-1, 1, 1})};
 }
 
-/// Samples maps [channels, side, side] for all views: [64, channels, size, size].
-torch::Tensor project(const torch::Tensor& maps, const torch::Tensor& positions) {
+/// Samples maps [channels, side, side] at positions [views, size, size, 2]: [views, channels, size, size].
+torch::Tensor project(const torch::Tensor& maps, const torch::Tensor& positions, bool is_cubic = true) {
   return at::grid_sampler_2d(maps.unsqueeze(0).expand({positions.size(0), -1, -1, -1}), positions,
-                             /*interpolation_mode=bicubic*/ 2, /*padding_mode=border*/ 1, /*align_corners=*/false);
+                             /*interpolation_mode=bicubic or bilinear*/ is_cubic ? 2 : 0, /*padding_mode=border*/ 1,
+                             /*align_corners=*/false);
+}
+
+/// The points where rays meet a surface, as sampling positions [views, size, size, 2] (x, y) of grid_sample in its
+/// maps, and the disparity there, [views, size, size].
+struct Hits {
+  torch::Tensor positions, disparity;
+};
+
+Hits trace(const Surface& surface, int64_t size, const ViewPoints& from) {
+  const Plane& plane = surface.plane;
+  const Coordinates pixel = centred_coordinates(size, from.y.device());
+  const auto y = pixel.y - plane.offset_y, x = pixel.x - plane.offset_x;
+  // A point q of the central view appears at p = q + view * d(q) with d(q) = centre + slope . q; solved for d.
+  const auto tilt = plane.slope_y * from.y + plane.slope_x * from.x;
+  const auto of_plane = (plane.centre + plane.slope_y * y + plane.slope_x * x) / (1.0 + tilt);
+  const double unit = 2.0 / static_cast<double>(surface.brightness.size(0));
+  const std::vector<int64_t> shape = {from.y.size(0), size, size};
+  const auto positions_at = [&](const torch::Tensor& disparity) {
+    return torch::stack(
+        {((x - from.x * disparity) * unit).expand(shape), ((y - from.y * disparity) * unit).expand(shape)}, -1);
+  };
+  Hits hits{positions_at(of_plane), of_plane.expand(shape)};
+  if (!surface.relief.defined()) return hits;
+  for (int step = 0; step < kReliefSteps; ++step) {
+    const auto relief = project(surface.relief.unsqueeze(0), hits.positions, /*is_cubic=*/false).squeeze(1);
+    hits.disparity = of_plane + relief;
+    hits.positions = positions_at(hits.disparity);
+  }
+  return hits;
 }
 
 void require_surfaces(const std::vector<Surface>& surfaces) {
@@ -71,7 +94,9 @@ torch::Tensor render_views(const std::vector<Surface>& surfaces, int64_t size) {
   std::vector<torch::Tensor> maps;
   std::vector<MappedPlane> planes;
   for (const Surface& surface : surfaces) {
-    planes.push_back({surface.plane, maps.emplace_back(interleave(surface)).data_ptr<float>()});
+    E2LF_REQUIRE(!surface.relief.defined() || surface.relief.is_contiguous(), "reliefs are contiguous");
+    planes.push_back({surface.plane, maps.emplace_back(interleave(surface)).data_ptr<float>(),
+                      surface.relief.defined() ? surface.relief.data_ptr<float>() : nullptr});
   }
   const auto side = static_cast<size_t>(surfaces.front().brightness.size(0)), pixels = static_cast<size_t>(size);
   auto views = torch::empty({kViewsPerSide * kViewsPerSide, size, size});
@@ -85,14 +110,6 @@ torch::Tensor render_views(const std::vector<Surface>& surfaces, int64_t size) {
   return views;
 }
 #endif
-
-/// Smooth noise of unit variance with features of about `feature_px`.
-torch::Tensor smooth_noise(int64_t side, double feature_px, torch::Device device) {
-  const auto cells = std::max<int64_t>(2, static_cast<int64_t>(static_cast<double>(side) / feature_px) + 1);
-  const auto noise = torch::randn({1, 1, cells, cells}, torch::device(device));
-  const auto map = at::upsample_bicubic2d(noise, {side, side}, /*align_corners=*/true)[0][0];
-  return map / (map.std() + 1e-3);
-}
 
 /// Returns the signed distance of each pixel from a line of random direction, px.
 torch::Tensor distance_from_line(const Coordinates& at, double offset_px, Draws& draws) {
@@ -118,20 +135,30 @@ torch::Tensor random_tone(const torch::Tensor& texture, Draws& draws) {
 
 /// Returns a tone that varies slowly over the surface. Without noise, such surfaces cause bands of equal counts, whose
 /// edges determine the tone between them. Photographs are too rough to teach this.
-torch::Tensor smooth_shading(int64_t side, Draws& draws, torch::Device device) {
+torch::Tensor smooth_shading(int64_t side, Draws& draws, torch::Device device,
+                             const std::optional<at::Generator>& generator) {
   const double tone = draws.log_uniform(0.05, 0.8);
-  const auto shape = smooth_noise(side, draws.log_uniform(20, 200), device);
+  const auto shape = smooth_noise(side, draws.log_uniform(20, 200), device, generator);
   return (tone * torch::exp(draws.log_uniform(0.05, 0.5) * shape)).clamp(0.0, 1.0);
 }
 
 }  // namespace
+
+torch::Tensor smooth_noise(int64_t side, double feature_px, torch::Device device,
+                           const std::optional<at::Generator>& generator) {
+  const auto cells = std::max<int64_t>(2, static_cast<int64_t>(static_cast<double>(side) / feature_px) + 1);
+  const auto noise = generator ? torch::randn({1, 1, cells, cells}, *generator).to(device)
+                               : torch::randn({1, 1, cells, cells}, torch::device(device));
+  const auto map = at::upsample_bicubic2d(noise, {side, side}, /*align_corners=*/true)[0][0];
+  return map / (map.std() + 1e-3);
+}
 
 torch::Tensor views_of_reference(const std::vector<Surface>& surfaces, int64_t size) {
   require_surfaces(surfaces);
   torch::Tensor picture;
   for (const Surface& surface : surfaces) {
     const auto& brightness = surface.brightness;
-    const auto positions = ray_positions(surface.plane, size, brightness.size(0), brightness.device());
+    const auto positions = trace(surface, size, all_views(brightness.device())).positions;
     if (!picture.defined()) {
       picture = project(brightness.unsqueeze(0), positions).squeeze(1);
       continue;
@@ -140,6 +167,19 @@ torch::Tensor views_of_reference(const std::vector<Surface>& surfaces, int64_t s
     picture = torch::lerp(picture, layer.select(1, 0), layer.select(1, 1).clamp(0.0, 1.0));
   }
   return picture;
+}
+
+torch::Tensor disparity_of(const std::vector<Surface>& surfaces, int64_t size, const ViewPoint& from) {
+  require_surfaces(surfaces);
+  const auto one = torch::ones({1, 1, 1}, torch::device(surfaces.front().brightness.device()));
+  torch::Tensor seen;
+  for (const Surface& surface : surfaces) {
+    const Hits hits = trace(surface, size, {one * from.y, one * from.x});
+    seen = seen.defined()
+               ? torch::where(project(surface.coverage.unsqueeze(0), hits.positions)[0] > 0.5, hits.disparity, seen)
+               : hits.disparity;
+  }
+  return seen[0];
 }
 
 torch::Tensor views_of(const std::vector<Surface>& surfaces, int64_t size) {
@@ -165,15 +205,16 @@ torch::Tensor photo_texture(const std::vector<torch::Tensor>& photos, int64_t si
   return random_tone(at::_upsample_bilinear2d_aa(batch, {side, side}, /*align_corners=*/false)[0][0], draws);
 }
 
-torch::Tensor procedural_texture(int64_t side, Draws& draws, torch::Device device) {
+torch::Tensor procedural_texture(int64_t side, Draws& draws, torch::Device device,
+                                 const std::optional<at::Generator>& generator) {
   const auto kind = draws.below(6);
   if (kind == 0) return torch::full({side, side}, draws.uniform(0.02, 1.0), torch::device(device));
-  if (kind >= 4) return smooth_shading(side, draws, device);
+  if (kind >= 4) return smooth_shading(side, draws, device, generator);
   if (kind == 1) {
     auto sum = torch::zeros({side, side}, torch::device(device));
     double amplitude = 0.25;
     for (double feature_px = draws.log_uniform(8, 64); feature_px > 1.5; feature_px /= 2.0) {
-      sum = sum + amplitude * smooth_noise(side, feature_px, device);
+      sum = sum + amplitude * smooth_noise(side, feature_px, device, generator);
       amplitude *= draws.uniform(0.5, 0.8);
     }
     return random_tone(0.5 + sum, draws);
@@ -188,7 +229,7 @@ torch::Tensor procedural_texture(int64_t side, Draws& draws, torch::Device devic
   return dark + (bright - dark) * (inside + 0.5).clamp(0.0, 1.0);
 }
 
-torch::Tensor coverage(const torch::Tensor& texture, Draws& draws) {
+torch::Tensor coverage(const torch::Tensor& texture, Draws& draws, const std::optional<at::Generator>& generator) {
   const auto side = texture.size(0);
   const auto device = texture.device();
   const auto at = centred_coordinates(side, device);
@@ -211,7 +252,7 @@ torch::Tensor coverage(const torch::Tensor& texture, Draws& draws) {
       inside = stripes(at, draws.log_uniform(8, 60), draws.uniform(0.1, 0.6), draws);
       break;
     case 3:
-      inside = in_px(smooth_noise(side, draws.log_uniform(6, 50), device) - draws.uniform(-0.3, 1.2));
+      inside = in_px(smooth_noise(side, draws.log_uniform(6, 50), device, generator) - draws.uniform(-0.3, 1.2));
       break;
     default:
       inside = in_px(texture - texture.mean() - draws.uniform(-0.3, 0.8) * texture.std());

@@ -56,6 +56,32 @@ inline RowOfRays row_of_rays(const Plane& plane, const ViewPoint& from, size_t r
           static_cast<float>(-from.y * step), static_cast<float>(1.0 - from.x * step)};
 }
 
+/// A position in the maps, px.
+struct Position {
+  float y, x;
+};
+
+/// Returns the relief at a position, linearly and with edges repeated.
+inline float relief_at(const float* relief, size_t side, const Position& at) {
+  const float last = static_cast<float>(side) - 1.001F;
+  const float y = std::clamp(at.y, 0.0F, last), x = std::clamp(at.x, 0.0F, last);
+  const auto row = static_cast<uint32_t>(y), column = static_cast<uint32_t>(x);
+  const float below = y - static_cast<float>(row), right = x - static_cast<float>(column);
+  const float* p = relief + row * side + column;
+  return (1 - below) * ((1 - right) * p[0] + right * p[1]) + below * ((1 - right) * p[side] + right * p[side + 1]);
+}
+
+/// Returns where a ray meets a relief, from where it meets the plane.
+inline Position meet_relief(const float* relief, size_t side, const ViewPoint& from, const Position& on_plane) {
+  const auto view_y = static_cast<float>(from.y), view_x = static_cast<float>(from.x);
+  Position at = on_plane;
+  for (int step = 0; step < kReliefSteps; ++step) {
+    const float deviation = relief_at(relief, side, at);
+    at = {on_plane.y - view_y * deviation, on_plane.x - view_x * deviation};
+  }
+  return at;
+}
+
 struct Sample {
   float brightness, coverage;
 };
@@ -101,7 +127,9 @@ void RenderView(std::span<const MappedPlane> planes, size_t side, const ViewPoin
       float light = 0, through = 1;
       for (size_t i = planes.size(); i-- > 0 && through > kHidden;) {
         const RowOfRays& ray = rays[i];
-        const Sample seen = sample(planes[i].maps, side, table, ray.y + at * ray.step_y, ray.x + at * ray.step_x);
+        Position met{ray.y + at * ray.step_y, ray.x + at * ray.step_x};
+        if (planes[i].relief != nullptr) met = meet_relief(planes[i].relief, side, from, met);
+        const Sample seen = sample(planes[i].maps, side, table, met.y, met.x);
         const float coverage = std::clamp(seen.coverage, 0.0F, 1.0F);
         light += through * coverage * seen.brightness;
         through *= 1.0F - coverage;
