@@ -5,6 +5,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/learn/data/conditions.h"
 
 namespace e2lf::learn {
 namespace {
@@ -44,49 +45,6 @@ MovingSamples moving_samples(const std::vector<torch::Tensor>& at_times, const t
   if (moving.empty()) return {};
   const auto which = torch::tensor(at::ArrayRef<int64_t>(places)).to(gain.device());
   return {which, torch::stack(moving), gain.index_select(0, which) / 255.0};
-}
-
-/// Draws each constant of the camera from its uncertainty, and sets a transmission for every active pattern.
-capture::SensorProfile draw_camera(capture::SensorProfile camera, const SensorConfig& sensor, size_t num_codes,
-                                   Draws& draws) {
-  const double spread = draws.chance(sensor.camera_nominal_share) ? 0.0 : sensor.camera_spread;
-  const auto vary = [&](float value, float uncertainty) {
-    return value * static_cast<float>(std::exp(draws.uniform(-1.0, 1.0) * spread * uncertainty));
-  };
-  for (size_t i = 0; i < camera.pixel.values.size(); ++i) {
-    camera.pixel.values[i] = vary(camera.pixel.values[i], camera.uncertainty.values[i]);
-  }
-  camera.transmission.resize(num_codes - 1, 1.0F);
-  for (size_t k = 1; k < camera.transmission.size(); ++k) {
-    camera.transmission[k] = vary(camera.transmission[k], camera.transmission_uncertainty);
-  }
-  using enum capture::PixelConstant;
-  camera.constants.eps = camera.pixel[kEps];
-  camera.constants.tau = 0.5F * (camera.pixel[kThresholdOn] + camera.pixel[kThresholdOff]);
-  return camera;
-}
-
-/// Draws a camera that is better than the stated one: each group of its imperfections is unchanged with probability
-/// 1/2, and is otherwise reduced, down to none. Rates increase by a factor of up to 1000, which leaves no lag.
-capture::SensorProfile draw_wide(capture::SensorProfile camera, Draws& draws) {
-  using enum capture::PixelConstant;
-  const auto scale = [&](std::initializer_list<capture::PixelConstant> names, double factor) {
-    for (const auto name : names) camera.pixel[name] *= static_cast<float>(factor);
-  };
-  if (draws.chance(0.5)) scale({kReceptorRate, kAmplifierRate}, draws.log_uniform(1.0, 1000.0));
-  if (draws.chance(0.5)) scale({kMismatch, kMismatchEach}, draws.uniform(0.0, 1.0));
-  if (draws.chance(0.5)) scale({kNoise, kShotNoise, kDarkOff, kDarkOn}, draws.uniform(0.0, 1.0));
-  if (draws.chance(0.5)) scale({kLeak}, draws.uniform(0.0, 1.0));
-  return camera;
-}
-
-/// Draws the transmissions of black and of the active patterns at one position of the image; they deviate from those
-/// that the network receives.
-std::vector<float> draw_field(const std::vector<float>& stated, double spread, Draws& draws) {
-  std::vector<float> passed = {1.0F};
-  for (const float share : stated)
-    passed.push_back(share * static_cast<float>(std::exp(spread * draws.uniform(-1.0, 1.0))));
-  return passed;
 }
 
 }  // namespace
@@ -186,84 +144,6 @@ MovingScene Batches::random_patch(Draws& draws) const {
   return {transform_views(crop.views, symmetry), at_times.empty() ? torch::Tensor() : torch::stack(at_times)};
 }
 
-Batches::Conditions Batches::random_conditions(Draws& draws) const {
-  const SensorConfig& sensor = config_.sensor;
-  std::vector<float> gain, residue, tau, sigma_w, sigma_z;
-  for (uint64_t i = 0; i < config_.train.batch; ++i) {
-    const bool nominal = draws.chance(sensor.nominal_share);
-    const bool noise_free = draws.chance(sensor.noise_free_share) && !nominal;
-    const auto pick = [&](float usual, const std::array<double, 2>& range) {
-      const auto drawn = static_cast<float>(draws.uniform(range[0], range[1]));
-      return nominal ? usual : drawn;
-    };
-    const float noise = noise_free ? 0.0F : 1.0F;
-    tau.push_back(pick(sensor.nominal.tau, sensor.tau));
-    sigma_w.push_back(noise * pick(sensor.nominal.sigma_w, sensor.sigma_w));
-    sigma_z.push_back(noise * pick(sensor.nominal.sigma_z, sensor.sigma_z));
-    const bool full = draws.chance(sensor.full_gain_share);
-    const auto drawn_gain = static_cast<float>(draws.log_uniform(sensor.gain[0], sensor.gain[1]));
-    gain.push_back(full ? 1.0F : drawn_gain);
-    // Half of the residues are one threshold, as the change to black leaves them, the others a fraction of one.
-    const double thresholds = std::min(1.0, draws.uniform(0.0, 2.0));
-    residue.push_back(draws.chance(sensor.residue_share) && !nominal ? static_cast<float>(thresholds) : 0.0F);
-  }
-  const auto on_device = [&](const std::vector<float>& values) {
-    return torch::tensor(at::ArrayRef<float>(values)).reshape({-1, 1, 1}).to(device_);
-  };
-  return {on_device(gain).flatten(),
-          on_device(residue).flatten(),
-          {torch::full({static_cast<int64_t>(gain.size()), 1, 1}, sensor.nominal.eps, torch::device(device_)),
-           on_device(tau), on_device(sigma_w), on_device(sigma_z)}};
-}
-
-/// Sets the conditioning vectors of the paper's models; apply_camera() replaces those of physical pixels. A single
-/// pattern has no events and no conditioning.
-void Batches::add_conditioning(Conditions& conditions) const {
-  if (config_.patterns.num_patterns < 2) {
-    conditions.constants.conditioning = torch::zeros({conditions.gain.size(0), 0}, torch::device(device_));
-    return;
-  }
-  const SampleConstants& constants = conditions.constants;
-  const auto value = [](const torch::Tensor& values, int64_t i) { return values.flatten()[i].item<float>(); };
-  std::vector<torch::Tensor> rows;
-  for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
-    const auto conditioning =
-        capture::conditioning_vector({.constants = {value(constants.eps, i), value(constants.tau, i),
-                                                    value(constants.sigma_w, i), value(constants.sigma_z, i)},
-                                      .residue = value(conditions.residue, i)},
-                                     config_.patterns.num_patterns);
-    rows.push_back(torch::tensor(at::ArrayRef<float>(conditioning)));
-  }
-  conditions.constants.conditioning = torch::stack(rows).to(device_);
-}
-
-/// Replaces a share of the samples by samples of the camera, whose constants are drawn from their uncertainties. Uses
-/// its own stream of random numbers, so that runs without a camera are not affected.
-void Batches::apply_camera(uint64_t step, Conditions& conditions) const {
-  const SensorConfig& sensor = config_.sensor;
-  const size_t num_patterns = config_.patterns.num_patterns;
-  Draws draws(mix_seed(config_.seed, kSamples, step), 1);
-  const size_t cycles = draws.chance(sensor.cycles_share) ? size_t{2} << draws.below(4) : 1;
-  const auto row = [&](const std::vector<float>& values) { return torch::tensor(at::ArrayRef<float>(values)); };
-  std::vector<torch::Tensor> constants, transmissions, is_pixel;
-  for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
-    capture::SensorProfile drawn = draw_camera(*camera_, sensor, config_.patterns.num_codes(), draws);
-    if (draws.chance(sensor.camera_wide_share)) drawn = draw_wide(std::move(drawn), draws);
-    const bool chosen = draws.chance(sensor.camera_share);
-    const auto gain = static_cast<float>(draws.log_uniform(sensor.camera_gain[0], sensor.camera_gain[1]));
-    is_pixel.push_back(torch::tensor(chosen));
-    constants.push_back(row({drawn.pixel.values.begin(), drawn.pixel.values.end()}));
-    transmissions.push_back(row(draw_field(drawn.transmission, sensor.camera_field_spread, draws)));
-    if (!chosen) continue;
-    conditions.gain[i] = gain;
-    conditions.constants.eps[i] = drawn.constants.eps;
-    conditions.constants.tau[i] = drawn.constants.tau;
-    conditions.constants.conditioning[i] = row(capture::conditioning_vector(drawn, num_patterns, cycles)).to(device_);
-  }
-  conditions.constants.pixel = {torch::stack(is_pixel), torch::stack(constants).to(device_),
-                                torch::stack(transmissions).to(device_), static_cast<int64_t>(cycles)};
-}
-
 Batch Batches::at(uint64_t step, Share share) {
   torch::NoGradGuard no_grad;
   advance_pool(step);
@@ -275,9 +155,15 @@ Batch Batches::at(uint64_t step, Share share) {
     patches.push_back(patch.views);
     moving.push_back(patch.at_times);
   }
-  Conditions conditions = random_conditions(draws);
-  add_conditioning(conditions);
-  if (camera_) apply_camera(step, conditions);
+  Conditions conditions = draw_conditions(config_.sensor, config_.train.batch, device_, draws);
+  add_conditioning(config_.patterns.num_patterns, conditions);
+  if (camera_) {
+    // A stream of its own, so that runs without a camera are not affected.
+    Draws of_camera(mix_seed(config_.seed, kSamples, step), 1);
+    const size_t cycles = of_camera.chance(config_.sensor.cycles_share) ? size_t{2} << of_camera.below(4) : 1;
+    apply_camera(config_.sensor, *camera_, {config_.patterns.num_patterns, config_.patterns.num_codes()}, cycles,
+                 of_camera, conditions);
+  }
   const auto& [gain, most_residue, constants] = conditions;
   torch::manual_seed(mix_seed(config_.seed, kNoise, step));
   const auto size = static_cast<int64_t>(config_.train.batch), patch = static_cast<int64_t>(config_.train.patch);

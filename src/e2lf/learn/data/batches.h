@@ -57,14 +57,6 @@ class Batches {
   [[nodiscard]] MovingScene random_crop(const MovingScene& scene, int64_t stride, Draws& draws) const;
   [[nodiscard]] MovingScene random_patch(Draws& draws) const;
 
-  struct Conditions {
-    torch::Tensor gain, residue;  // [batch]; the residue is the upper limit for the sample, in thresholds
-    SampleConstants constants;
-  };
-  [[nodiscard]] Conditions random_conditions(Draws& draws) const;
-  void add_conditioning(Conditions& conditions) const;
-  void apply_camera(uint64_t step, Conditions& conditions) const;
-
   Config config_;
   std::optional<capture::SensorProfile> camera_;
   Dataset dataset_;

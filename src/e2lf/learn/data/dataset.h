@@ -16,7 +16,8 @@ inline constexpr int64_t kViewsPerSide = 8, kViews = 64;
 
 struct Scene {
   std::string name;
-  torch::Tensor views;  ///< uint8 [64, y, x], view number = 8 * view_y + view_x
+  torch::Tensor views;           ///< uint8 [64, y, x], view number = 8 * view_y + view_x
+  torch::Tensor disparity = {};  ///< of view (4, 4), px per view step, float32 [y, x]; undefined if it is not known
 };
 
 /// Packed training data in memory: textures and light fields, 8-bit grey.

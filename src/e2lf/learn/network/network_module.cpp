@@ -118,8 +118,10 @@ Registry& registry() {
 
 }  // namespace
 
-NetworkModule::NetworkModule(model::Network network, torch::Device device) : network_(std::move(network)) {
-  for (const model::WeightShape& tensor : model::weight_shapes(network_)) {
+NetworkModule::NetworkModule(model::Network network, torch::Device device, const Shapes& others)
+    : network_(std::move(network)) {
+  for (model::WeightShape tensor : model::weight_shapes(network_)) {
+    if (const auto other = others.find(tensor.name); other != others.end()) tensor.shape = other->second;
     const Layer& layer = network_.layers[tensor.layer];
     torch::Tensor weight = initial_weight(layer, tensor);
     // Stored as our kernels read it and return its gradient: [kernel, kernel, in, out].
@@ -130,12 +132,14 @@ NetworkModule::NetworkModule(model::Network network, torch::Device device) : net
 }
 
 torch::Tensor NetworkModule::forward(const torch::Tensor& input, torch::ScalarType compute, const NamedTensors* weights,
-                                     NamedTensors* input_means) const {
+                                     NamedTensors* input_means, const NamedTensors& given) const {
   if (weights == nullptr) weights = &parameters_;
   std::map<std::string, torch::Tensor> values = {
       {"input", input.to(compute).contiguous(at::MemoryFormat::ChannelsLast)}};
+  for (const auto& [name, output] : given) values[name] = output.contiguous(at::MemoryFormat::ChannelsLast);
   torch::Tensor x;
   for (const Layer& layer : network_.layers) {
+    if (given.contains(layer.name)) continue;
     const auto weight = [&](const std::string& part) { return weights->at(layer.name + part).to(compute); };
     if (layer.op == Op::kConv || layer.op == Op::kConvTransposed) {
       const torch::Tensor& from = values.at(layer.inputs.front());

@@ -22,19 +22,25 @@ using NamedTensors = std::map<std::string, torch::Tensor>;
 /// layouts as in `engine`.
 class NetworkModule {
  public:
+  /// Shapes of tensors of weights, by name.
+  using Shapes = std::map<std::string, std::vector<size_t>>;
+
   /// Initialises the weights from torch's generator with He's normal distribution, and the biases with zero.
   /// Convolutions with a residual input start at zero, so that every residual block starts as the identity. The
-  /// description must be valid, and its operations known to find_operation() of operations.h.
-  NetworkModule(model::Network network, torch::Device device);
+  /// description must be valid, and its operations known to find_operation() of operations.h. The weights
+  /// in `others` have other shapes than the layers state, for layers whose output is given.
+  NetworkModule(model::Network network, torch::Device device, const Shapes& others = {});
 
   /// Applies the network to `input`, float32 [batch, input_channels, y, x], where y and x are multiples of
   /// model::size_multiple(). Returns float32 [batch, output_channels, y, x]. Convolutions are computed in the type
   /// `compute` (kFloat or kBFloat16) and channels-last. The master weights are float32 and converted on the fly, so
   /// that the gradients are float32. `weights` are others of the same names and shapes, e.g. their moving average;
   /// null = parameters(). If `input_means` is not null, it receives the mean [in] over pixels and batch of the input of
-  /// each convolution that is not transposed, by layer name.
+  /// each convolution that is not transposed, by layer name. Layers in `given` are not computed, but have
+  /// these outputs.
   [[nodiscard]] torch::Tensor forward(const torch::Tensor& input, torch::ScalarType compute,
-                                      const NamedTensors* weights = nullptr, NamedTensors* input_means = nullptr) const;
+                                      const NamedTensors* weights = nullptr, NamedTensors* input_means = nullptr,
+                                      const NamedTensors& given = {}) const;
 
   /// Returns the parameters "<layer>.weight" and "<layer>.bias": leaves that require gradients.
   [[nodiscard]] const NamedTensors& parameters() const { return parameters_; }

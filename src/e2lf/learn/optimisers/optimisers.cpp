@@ -7,7 +7,7 @@
 namespace e2lf::learn {
 namespace {
 
-constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
+constexpr double kBeta1 = 0.9;
 constexpr double kEpsilon = 1e-8;  // of Muon, too: weights with hardly any gradient hardly move
 
 constexpr double kMomentum = 0.95;
@@ -34,18 +34,19 @@ NamedTensors zeros_like(const NamedTensors& tensors) {
 
 }  // namespace
 
-Adam::Adam(const NamedTensors& parameters) : first_(zeros_like(parameters)), second_(zeros_like(parameters)) {}
+Adam::Adam(const NamedTensors& parameters, double second_decay)
+    : first_(zeros_like(parameters)), second_(zeros_like(parameters)), second_decay_(second_decay) {}
 
 void Adam::update(const NamedTensors& parameters, double learning_rate, uint64_t step) {
   torch::NoGradGuard no_grad;
   const double correction1 = 1.0 - std::pow(kBeta1, static_cast<double>(step));
-  const double correction2 = 1.0 - std::pow(kBeta2, static_cast<double>(step));
+  const double correction2 = 1.0 - std::pow(second_decay_, static_cast<double>(step));
   for (const auto& [name, tensor] : parameters) {
     const auto gradient = tensor.grad();
     if (!gradient.defined()) continue;
     auto &first = first_.at(name), &second = second_.at(name);
     first.mul_(kBeta1).add_(gradient, 1.0 - kBeta1);
-    second.mul_(kBeta2).addcmul_(gradient, gradient, 1.0 - kBeta2);
+    second.mul_(second_decay_).addcmul_(gradient, gradient, 1.0 - second_decay_);
     const auto denominator = (second / correction2).sqrt_().add_(kEpsilon);
     auto parameter = tensor;
     parameter.addcdiv_(first, denominator, -learning_rate / correction1);

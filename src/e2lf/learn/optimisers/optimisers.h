@@ -5,11 +5,12 @@
 
 namespace e2lf::learn {
 
-/// The optimiser Adam (Kingma and Ba, 2015) with its default constants and bias correction, in float32. Its complete
-/// state is accessible for checkpoints.
+/// The optimiser Adam (Kingma and Ba, 2015) with bias correction, in float32. Its complete state is accessible for
+/// checkpoints.
 class Adam {
  public:
-  explicit Adam(const NamedTensors& parameters);
+  /// `second_decay` is that of the second moments; the other constants are the default ones.
+  explicit Adam(const NamedTensors& parameters, double second_decay = 0.999);
 
   /// Updates the parameters from their gradients; `step` is counted from 1. Parameters without a gradient are
   /// unchanged.
@@ -20,6 +21,7 @@ class Adam {
 
  private:
   NamedTensors first_, second_;
+  double second_decay_;
 };
 
 /// The optimiser Muon (Jordan et al., 2024). It moves weights along the momentum of their gradient after making all

@@ -95,7 +95,10 @@ Result<std::filesystem::path> run_and_export(const std::filesystem::path& config
   if (peers.leads()) remove_dead_parts(run);
   E2LF_RETURN_IF_ERROR(trainer.run(run, progress, keep_going));
   const auto model = run / (trainer.config().name + ".safetensors");
-  if (peers.leads()) E2LF_RETURN_IF_ERROR(model::write_model(model, trainer.to_model()));
+  if (peers.leads()) {
+    E2LF_ASSIGN_OR_RETURN(const model::Model trained, trainer.to_model());
+    E2LF_RETURN_IF_ERROR(model::write_model(model, trained));
+  }
   return model;
 }
 
@@ -131,7 +134,8 @@ Result<void> export_run(const std::filesystem::path& run, const std::filesystem:
   return guarded(run, [&]() -> Result<void> {
     E2LF_RETURN_IF_ERROR(check_export(run, model, overwrite));
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, {}));
-    return model::write_model(model, trainer.to_model());
+    E2LF_ASSIGN_OR_RETURN(const model::Model trained, trainer.to_model());
+    return model::write_model(model, trained);
   });
 }
 
@@ -139,13 +143,14 @@ Result<std::string> evaluate_run(const std::filesystem::path& run, const std::ve
                                  const std::vector<std::string>& overrides) {
   return guarded(run, [&]() -> Result<std::string> {
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, overrides));
-    std::string table = "scene\tpsnr_db\tevents_per_pixel\tpsnr_db_without_noise\n";
+    const bool is_depth = trainer.config().network.gives_disparity();
+    const std::string column = (is_depth ? LogFigures::of_disparity() : LogFigures::of_views()).score_column;
+    std::string table = cat("scene\t", column, "\tevents_per_pixel\t", column, "_without_noise\n");
     for (const capture::SensorProfile& camera : trainer.cameras()) {
       E2LF_ASSIGN_OR_RETURN(const auto usual, trainer.evaluate(scenes, camera));
       E2LF_ASSIGN_OR_RETURN(const auto clean, trainer.evaluate(scenes, capture::without_noise(camera)));
       for (size_t i = 0; i < usual.size(); ++i) {
-        table +=
-            cat(usual[i].name, '\t', usual[i].psnr_db, '\t', usual[i].events_per_pixel, '\t', clean[i].psnr_db, '\n');
+        table += cat(usual[i].name, '\t', usual[i].score, '\t', usual[i].events_per_pixel, '\t', clean[i].score, '\n');
       }
     }
     return table;

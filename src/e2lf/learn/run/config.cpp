@@ -23,7 +23,7 @@ void visit_fields(AnyConfig& config, Visitor& visit) {
   visit.section("patterns", [&patterns = config.patterns](auto& inner) {
     E2LF_VISIT(patterns, inner, num_patterns, black_first, complementary, whole_cycle);
     inner.choice("event_model", patterns.event_model, capture::kEventModels);
-    E2LF_VISIT(patterns, inner, codes, start, noise_start, in_model, begin_step, learn_steps, learning_rate,
+    E2LF_VISIT(patterns, inner, codes, start, known, noise_start, in_model, begin_step, learn_steps, learning_rate,
                scale_begin, scale_end);
   });
   visit.section("sensor", [&sensor = config.sensor](auto& inner) {
@@ -41,11 +41,11 @@ void visit_fields(AnyConfig& config, Visitor& visit) {
     inner("scale", group.scale);
   });
   visit.section("network", [&network = config.network](auto& inner) {
-    E2LF_VISIT(network, inner, type, widths, blocks, head_width, head_blocks);
+    E2LF_VISIT(network, inner, type, widths, blocks, head_width, head_blocks, share_of_full_scale);
   });
   visit.section("train", [&train = config.train](auto& inner) {
-    E2LF_VISIT(train, inner, patch, batch, steps, optimiser, learning_rate, warmup_steps, hold_steps, clip_norm, ema,
-               gain_weight_power, error_power, log_steps, evaluate_steps, checkpoint_steps);
+    E2LF_VISIT(train, inner, patch, batch, steps, optimiser, adam_decay, centred, learning_rate, warmup_steps,
+               hold_steps, clip_norm, ema, gain_weight_power, error_power, log_steps, evaluate_steps, checkpoint_steps);
   });
 }
 
@@ -81,11 +81,45 @@ Result<void> check_patterns(const PatternConfig& patterns, capture::MeasurementK
 }
 
 Result<void> check_network(const NetworkConfig& network, const std::string& location) {
-  if (network.type != "unet" && network.type != "recnet") {
-    return invalid(cat("unknown network type \"", network.type, "\"; use unet or recnet"), location);
+  if (network.type != "unet" && network.type != "recnet" && !network.gives_disparity()) {
+    return invalid(cat("unknown network type \"", network.type, "\"; use unet, recnet or plane-sweep"), location);
   }
   if (network.widths.empty() || network.widths.size() != network.blocks.size()) {
     return invalid("widths and blocks need one entry per level; make the lists equally long", location);
+  }
+  return {};
+}
+
+/// Checks a network for any patterns, whose inputs and samples are not those of a network of views.
+Result<void> check_disparity(const Config& config, const std::string& location) {
+  constexpr model::InputKind kInputs[] = {model::InputKind::kCumulative, model::InputKind::kLevel,
+                                          model::InputKind::kIntensity, model::InputKind::kCamera};
+#if !E2LF_LEARN_KERNELS
+  return fail(ErrorCode::kMissingDependency, location + ".network.type",
+              "this program was built without the operations of geometry; train with e2lf");
+#endif
+  if (!std::ranges::equal(config.input, kInputs, {}, &model::InputGroup::kind)) {
+    return invalid("the inputs of plane-sweep are cumulative, level, intensity and camera; list these",
+                   location + ".input");
+  }
+  if (config.patterns.codes.empty() || !config.patterns.black_first || config.patterns.whole_cycle) {
+    return invalid(
+        "plane-sweep draws its patterns, and is stored for those of patterns.codes; name a set whose first "
+        "pattern is black",
+        location + ".patterns.codes");
+  }
+  if (!config.data.validation.empty()) {
+    return invalid(
+        "packed data contain no disparities, so that plane-sweep is evaluated on synthesised scenes; leave "
+        "this empty",
+        location + ".data.validation");
+  }
+  const size_t multiple = size_t{2} << (config.network.widths.size() - 1);
+  if (config.network.widths.size() < 2 || config.train.patch % multiple != 0 ||
+      config.data.synthesiser.size != static_cast<int64_t>(config.train.patch)) {
+    return invalid(cat("plane-sweep needs two levels or more, whole scenes, and a size that is a multiple of ",
+                       multiple, " for these levels; set train.patch and data.synthesiser.size to one"),
+                   location + ".train.patch");
   }
   return {};
 }
@@ -130,6 +164,7 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
   }
   E2LF_RETURN_IF_ERROR(check_network(config.network, location + ".network"));
   E2LF_RETURN_IF_ERROR(check_train(config.train, location + ".train"));
+  if (config.network.gives_disparity()) E2LF_RETURN_IF_ERROR(check_disparity(config, location));
   if (config.precision != "float32" && config.precision != "bfloat16") {
     return invalid("precision is \"float32\" or \"bfloat16\"; write one of them", location + ".precision");
   }

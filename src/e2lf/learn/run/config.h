@@ -30,12 +30,13 @@ struct PatternConfig {
   bool complementary = false;  ///< every second pattern is the inverse of the one before; excludes black_first
   bool whole_cycle = false;    ///< codes, inverses and black again: num_patterns is twice their number plus one
   EventModel event_model = EventModel::kReferenceAware;
-  std::string codes;            ///< fixed patterns: a model (file or name) or a JSON file; if empty, they are learned
-  std::string start;            ///< initial patterns, likewise; if empty, they are random
-  double noise_start = 0.0;     ///< standard deviation of random initial parameters; 0 = soft discs instead
-  bool in_model = true;         ///< whether the model contains the patterns; without them it cannot simulate
-  uint64_t begin_step = 200;    ///< patterns are fixed until this step, while the network learns to use them
-  uint64_t learn_steps = 2000;  ///< step at which learned patterns are rounded to 0 or 1 and fixed
+  std::string codes;  ///< fixed patterns: a model (file or name) or a JSON file; if empty, they are learned
+  std::string start;  ///< initial patterns, likewise; if empty, they are random
+  std::vector<std::string> known;  ///< of networks for any patterns: sets of which some of the drawn ones are taken
+  double noise_start = 0.0;        ///< standard deviation of random initial parameters; 0 = soft discs instead
+  bool in_model = true;            ///< whether the model contains the patterns; without them it cannot simulate
+  uint64_t begin_step = 200;       ///< patterns are fixed until this step, while the network learns to use them
+  uint64_t learn_steps = 2000;     ///< step at which learned patterns are rounded to 0 or 1 and fixed
   double learning_rate = 1e-3;
   double scale_begin = 4.0, scale_end = 60.0;  ///< s of sigmoid(s * parameter), which grows geometrically
 
@@ -66,12 +67,17 @@ struct SensorConfig {
 
 /// The numbers of channels at both ends follow from the inputs and the views.
 struct NetworkConfig : model::UnetOptions {
-  std::string type = "unet";  ///< "unet" or "recnet"
+  std::string type = "unet";  ///< "unet", "recnet", or "plane-sweep": disparity instead of views, for any patterns
+  double share_of_full_scale = 0.65;  ///< of "plane-sweep" in its model file; see model::at_two_scales()
+
+  [[nodiscard]] bool gives_disparity() const { return type == "plane-sweep"; }
 };
 
 struct TrainConfig {
   uint64_t patch = 64, batch = 16, steps = 20000;
   std::string optimiser = "muon";  ///< "muon", or "adam" for all weights; see muon.h
+  double adam_decay = 0.999;       ///< of Adam's second moments
+  bool centred = true;             ///< whether gradients are centred; see optimisers.h
   double learning_rate = 1e-3;
   uint64_t warmup_steps = 200;
   uint64_t hold_steps = 0;  ///< the rate stays at its peak until this step, then decreases to zero as a cosine

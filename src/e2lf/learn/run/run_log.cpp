@@ -64,7 +64,7 @@ struct PatternState {
 /// The course of a training run over the number of samples seen (x).
 struct RunCurves {
   report::Line loss, learning_rate, samples_per_s;
-  std::vector<report::Line> psnr_db, events_per_pixel;  ///< one line per validation scene, by its name
+  std::vector<report::Line> score, events_per_pixel;  ///< one line per validation scene, by its name
   std::vector<PatternState> patterns;
 };
 
@@ -90,25 +90,26 @@ void add_chart(const char* heading, std::vector<report::Line> lines, report::Pag
 std::string scenes_caption(const RunCurves& curves, const Json& config) {
   const auto setting = [&](const char* key) { return config.value(Json::json_pointer(key), uint64_t{0}); };
   const uint64_t step = std::min(setting("/train/evaluate_steps"), setting("/train/steps"));
-  if (!curves.psnr_db.empty() || step == 0) return "Validation scenes.";
+  if (!curves.score.empty() || step == 0) return "Validation scenes.";
   return cat("Validation scenes: the first evaluation comes after step ", step, ", that is after ",
              step * setting("/train/batch"), " samples.");
 }
 
 /// Adds a table of the last and the best results of each scene.
-report::Table scene_table(const RunCurves& curves, const Json& config) {
+report::Table scene_table(const RunCurves& curves, const LogFigures& figures, const Json& config) {
   report::Table table{scenes_caption(curves, config),
                       {{"scene"},
-                       {"PSNR dB", true, false, "psnr_db"},
-                       {"best PSNR dB", true, false, "best_psnr_db"},
+                       {figures.score_heading, true, false, figures.score_column},
+                       {cat("best ", figures.score_heading), true, false, cat("best_", figures.score_column)},
                        {"best after samples", true, false, "best_samples"},
                        {"events per pixel", true, false, "events_per_pixel"}},
                       {}};
-  for (size_t i = 0; i < curves.psnr_db.size(); ++i) {
-    const auto& points = curves.psnr_db[i].points;
-    const auto best =
-        std::max_element(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
-    table.rows.push_back({report::text_cell(curves.psnr_db[i].name), report::number_cell(points.back().y, 2),
+  for (size_t i = 0; i < curves.score.size(); ++i) {
+    const auto& points = curves.score[i].points;
+    const auto best = std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
+      return figures.is_squared_error ? a.y < b.y : a.y > b.y;
+    });
+    table.rows.push_back({report::text_cell(curves.score[i].name), report::number_cell(points.back().y, 2),
                           report::number_cell(best->y, 2), report::number_cell(best->x, 0),
                           report::number_cell(curves.events_per_pixel[i].points.back().y, 3)});
   }
@@ -128,12 +129,13 @@ void add_patterns(const PatternState& state, report::Page& page) {
 
 /// Creates a page with the results of the validation, the loss in decibels with its running mean, PSNR,
 /// events per pixel, learning rate and speed, the patterns at up to eight points of the run, and the configuration.
-report::Page curves_page(const std::string& title, const RunCurves& curves, const Json& config) {
+report::Page curves_page(const std::string& title, const RunCurves& curves, const LogFigures& figures,
+                         const Json& config) {
   report::Page page(title);
-  page.table(scene_table(curves, config));
+  page.table(scene_table(curves, figures, config));
   page.heading("Training");
-  add_chart("loss: PSNR of the training samples, dB", {curves.loss, running_mean(curves.loss)}, page);
-  add_chart("PSNR of the validation scenes, dB", curves.psnr_db, page);
+  add_chart(figures.step_heading, {curves.loss, running_mean(curves.loss)}, page);
+  add_chart(cat(figures.score_heading, " of the validation scenes").c_str(), curves.score, page);
   add_chart("events per pixel of the validation scenes", curves.events_per_pixel, page);
   add_chart("learning rate", {curves.learning_rate}, page);
   add_chart("samples per second", {curves.samples_per_s}, page);
@@ -149,6 +151,15 @@ report::Page curves_page(const std::string& title, const RunCurves& curves, cons
 
 }  // namespace
 
+LogFigures LogFigures::of_views() {
+  return {"mse", "psnr_db", "loss: PSNR of the training samples, dB", "PSNR dB", true};
+}
+
+LogFigures LogFigures::of_disparity() {
+  return {"share_off", "off_percent", "share of disparities that are off by more than 0.2 px",
+          "disparities off by more than 0.2 px, %", false};
+}
+
 std::vector<std::string> RunLog::file_names() {
   return {kSteps, kScores, kPatterns, kCurves};
 }
@@ -159,16 +170,16 @@ Result<void> RunLog::rewind(uint64_t step) const {
 }
 
 Result<void> RunLog::add(const StepRow& row) const {
-  return append_line(folder_ / kSteps,
-                     "step,samples,loss,mse,learning_rate,gradient_norm,samples_per_s,open_cells,binarity",
-                     cat(row.step, ',', row.samples, ',', row.loss, ',', row.mse, ',', row.learning_rate, ',',
-                         row.gradient_norm, ',', row.samples_per_s, ',', row.open_cells, ',', row.binarity));
+  return append_line(
+      folder_ / kSteps,
+      cat("step,samples,loss,", figures_.step_column, ",learning_rate,gradient_norm,samples_per_s,open_cells,binarity"),
+      cat(row.step, ',', row.samples, ',', row.loss, ',', row.figure, ',', row.learning_rate, ',', row.gradient_norm,
+          ',', row.samples_per_s, ',', row.open_cells, ',', row.binarity));
 }
 
 Result<void> RunLog::add(uint64_t step, uint64_t samples, const SceneScore& score) const {
-  return append_line(
-      folder_ / kScores, "step,samples,scene,psnr_db,events_per_pixel",
-      cat(step, ',', samples, ',', csv_cell(score.name), ',', score.psnr_db, ',', score.events_per_pixel));
+  return append_line(folder_ / kScores, cat("step,samples,scene,", figures_.score_column, ",events_per_pixel"),
+                     cat(step, ',', samples, ',', csv_cell(score.name), ',', score.score, ',', score.events_per_pixel));
 }
 
 Result<void> RunLog::add(uint64_t step, uint64_t samples, std::span<const float> cells) const {
@@ -182,18 +193,19 @@ Result<void> RunLog::draw_curves(const std::string& title, const Json& config) c
   curves.loss.name = "of each row";
   for (const auto& field : table_rows(folder_ / kSteps, 7)) {
     const double samples = number(field[1]);
-    curves.loss.points.push_back({samples, -10 * std::log10(number(field[3]))});
+    const double figure = number(field[3]);
+    curves.loss.points.push_back({samples, figures_.is_squared_error ? -10 * std::log10(figure) : figure});
     curves.learning_rate.points.push_back({samples, number(field[4])});
     curves.samples_per_s.points.push_back({samples, number(field[6])});
   }
   for (const auto& field : table_rows(folder_ / kScores, 5)) {
-    const auto found = std::ranges::find(curves.psnr_db, field[2], &report::Line::name);
-    const auto scene = static_cast<size_t>(found - curves.psnr_db.begin());
-    if (scene == curves.psnr_db.size()) {
-      curves.psnr_db.push_back({field[2], {}});
+    const auto found = std::ranges::find(curves.score, field[2], &report::Line::name);
+    const auto scene = static_cast<size_t>(found - curves.score.begin());
+    if (scene == curves.score.size()) {
+      curves.score.push_back({field[2], {}});
       curves.events_per_pixel.push_back({field[2], {}});
     }
-    curves.psnr_db[scene].points.push_back({number(field[1]), number(field[3])});
+    curves.score[scene].points.push_back({number(field[1]), number(field[3])});
     curves.events_per_pixel[scene].points.push_back({number(field[1]), number(field[4])});
   }
   for (const auto& field : table_rows(folder_ / kPatterns, 2)) {
@@ -201,7 +213,7 @@ Result<void> RunLog::draw_curves(const std::string& title, const Json& config) c
     for (size_t i = 2; i < field.size(); ++i) state.cells.push_back(number(field[i]));
     curves.patterns.push_back(std::move(state));
   }
-  return write_file(folder_ / kCurves, curves_page(title, curves, config).html());
+  return write_file(folder_ / kCurves, curves_page(title, curves, figures_, config).html());
 }
 
 }  // namespace e2lf::learn

@@ -19,11 +19,11 @@ std::string content(const std::filesystem::path& path) {
 
 TEST(RunLog, RewindDropsWhatCameAfterACheckpoint) {
   const TestData data;
-  const RunLog log(data.folder());
+  const RunLog log(data.folder(), LogFigures::of_views());
   ASSERT_TRUE(log.rewind(5));  // nothing there yet
   for (const uint64_t step : {5U, 10U, 15U}) {
     ASSERT_TRUE(log.add(StepRow{.step = step, .samples = 2 * step, .loss = 0.5}));
-    ASSERT_TRUE(log.add(step, 2 * step, SceneScore{.name = "a", .psnr_db = 20, .events_per_pixel = 7}));
+    ASSERT_TRUE(log.add(step, 2 * step, SceneScore{.name = "a", .score = 20, .events_per_pixel = 7}));
   }
   ASSERT_TRUE(log.rewind(10));
   EXPECT_EQ(content(data.folder() / "evaluation.csv"),
@@ -35,9 +35,9 @@ TEST(RunLog, RewindDropsWhatCameAfterACheckpoint) {
 
 TEST(RunLog, DrawsAPageThatStandsAlone) {
   const TestData data;
-  const RunLog log(data.folder());
+  const RunLog log(data.folder(), LogFigures::of_views());
   for (const uint64_t step : {1U, 2U, 3U}) {
-    ASSERT_TRUE(log.add(StepRow{.step = step, .samples = step, .mse = 0.1 / static_cast<double>(step)}));
+    ASSERT_TRUE(log.add(StepRow{.step = step, .samples = step, .figure = 0.1 / static_cast<double>(step)}));
     for (const char* scene : {"first", "second<"}) {
       ASSERT_TRUE(log.add(step, step, SceneScore{scene, 20.0 + static_cast<double>(step), 7}));
     }
@@ -61,7 +61,7 @@ TEST(RunLog, DrawsAPageThatStandsAlone) {
 
 TEST(RunLog, NamesOfScenesMayContainCommas) {
   const TestData data;
-  const RunLog log(data.folder());
+  const RunLog log(data.folder(), LogFigures::of_views());
   ASSERT_TRUE(log.add(50, 200, SceneScore{"a, \"b\"", 21.25, 7}));
   ASSERT_TRUE(log.draw_curves("a run", Json::object()));
   const std::string page = content(data.folder() / "curves.html");
@@ -71,7 +71,7 @@ TEST(RunLog, NamesOfScenesMayContainCommas) {
 
 TEST(RunLog, BeforeAnEvaluationThePageSaysWhenItComes) {
   const TestData data;
-  const RunLog log(data.folder());
+  const RunLog log(data.folder(), LogFigures::of_views());
   const Json config = {{"train", {{"batch", 4}, {"steps", 700}, {"evaluate_steps", 50}}}};
   ASSERT_TRUE(log.draw_curves("a run", config));
   EXPECT_NE(content(data.folder() / "curves.html").find("after step 50, that is after 200 samples"), std::string::npos);

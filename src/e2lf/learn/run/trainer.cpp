@@ -13,6 +13,9 @@
 #include "e2lf/files/options.h"
 #include "e2lf/learn/data/draws.h"
 #include "e2lf/learn/events/event_simulation.h"
+#if E2LF_LEARN_KERNELS
+#include "e2lf/learn/run/depth_task.h"
+#endif
 #include "e2lf/learn/run/torch_setup.h"
 
 namespace e2lf::learn {
@@ -56,12 +59,49 @@ Result<torch::Tensor> read_codes(const std::string& name, size_t fewest, const P
   return to_tensor(*codes, device);
 }
 
+/// Returns the weights that Muon updates. Of a network of disparity, the layers with few outputs are left to Adam.
+NamedTensors weights_of_muon(const Config& config, const NetworkModule& network) {
+  if (config.train.optimiser != "muon") return {};
+  NamedTensors weights = muon_weights(network);
+  if (!config.network.gives_disparity()) return weights;
+  for (const char* layer : {"pictures", "features", "head"}) weights.erase(cat(layer, ".weight"));
+  return weights;
+}
+
+#if E2LF_LEARN_KERNELS
+/// Reads a set of patterns of any number, for networks for any patterns.
+Result<capture::Codes> read_set(const std::string& name, torch::Device device) {
+  constexpr uint64_t kMost = 64;
+  PatternConfig any;
+  any.num_patterns = kMost;
+  any.black_first = false;
+  E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(name, 2, any, device));
+  return to_codes(codes, kViewsPerSide, kViewsPerSide);
+}
+
+/// Opens the task of a network of disparity. Sets the number of patterns of the configuration.
+Result<std::shared_ptr<DepthTask>> open_depth_task(Config& config, const Dataset& dataset,
+                                                   const std::optional<capture::SensorProfile>& camera,
+                                                   torch::Device device) {
+  std::vector<capture::Codes> known;
+  for (const std::string& name : config.patterns.known) {
+    E2LF_ASSIGN_OR_RETURN(auto codes, read_set(name, device));
+    known.push_back(std::move(codes));
+  }
+  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, read_set(config.patterns.codes, device));
+  config.patterns.num_patterns = codes.num_patterns;
+  E2LF_RETURN_IF_ERROR(describe_apertures({codes}, device));
+  return std::make_shared<DepthTask>(config, dataset, std::move(known), codes, camera, device);
+}
+#endif
+
 /// Returns a configuration as a model file stores it, without the folders of files.
 Json without_folders(Config config) {
   for (std::string* path :
        {&config.start, &config.data.file, &config.sensor.camera, &config.patterns.codes, &config.patterns.start}) {
     *path = std::filesystem::path(*path).filename().string();
   }
+  for (std::string& path : config.patterns.known) path = std::filesystem::path(path).filename().string();
   return to_json(config);
 }
 
@@ -83,31 +123,50 @@ torch::Tensor sample_losses(const TrainConfig& train, const torch::Tensor& error
   return train.error_power == 1.0 ? relative : (relative + kFloor).pow(train.error_power);
 }
 
-Trainer::Trainer(Config config, Batches batches, NetworkModule network, torch::Device device, const Peers& peers)
+Trainer::Trainer(Config config, Batches batches, std::shared_ptr<DepthTask> depth, NetworkModule network,
+                 torch::Device device, const Peers& peers)
     : config_(std::move(config)),
       device_(device),
       peers_(peers),
       batches_(std::move(batches)),
+      depth_(std::move(depth)),
       network_(std::move(network)),
       patterns_(config_.patterns.num_patterns, tie_of(config_.patterns), device),
       pattern_parameters_{{"patterns", patterns_.parameters()}},
-      by_muon_(config_.train.optimiser == "muon" ? muon_weights(network_) : NamedTensors{}),
+      by_muon_(weights_of_muon(config_, network_)),
       by_adam_(without(network_.parameters(), by_muon_)),
       muon_(by_muon_),
-      adam_(by_adam_),
+      adam_(by_adam_, config_.train.adam_decay),
       pattern_adam_(pattern_parameters_),
       average_(clone(network_.parameters())) {}
 
-Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
+Result<Trainer> Trainer::create(const Config& given, const Peers& peers) {
+  Config config = given;
   if (config.train.batch % static_cast<uint64_t>(peers.size()) != 0) {
     return fail(ErrorCode::kInvalidValue, "train.batch", "a batch of ", config.train.batch,
                 " cannot be split evenly between ", peers.size(), " processes; make it a multiple of this number");
   }
   E2LF_ASSIGN_OR_RETURN(const torch::Device device, open_device(config.device));
   E2LF_ASSIGN_OR_RETURN(auto dataset, read_dataset(config.data.file, device));
+  std::shared_ptr<DepthTask> depth;
+#if E2LF_LEARN_KERNELS
+  if (config.network.gives_disparity()) {
+    config.data.synthetic_share = 1.0;
+    if (config.data.validation.empty()) config.data.validation = add_known_scenes(config, device, dataset);
+  }
+#endif
   E2LF_ASSIGN_OR_RETURN(auto batches, Batches::create(config, std::move(dataset), device));
   torch::manual_seed(mix_seed(config.seed, 0, kInitialSeed));
-  Trainer trainer(config, std::move(batches), NetworkModule(make_network(config), device), device, peers);
+#if E2LF_LEARN_KERNELS
+  if (config.network.gives_disparity()) {
+    E2LF_ASSIGN_OR_RETURN(depth, open_depth_task(config, batches.dataset(), batches.camera(), device));
+  }
+  auto network = depth ? depth->network() : NetworkModule(make_network(config), device);
+#else
+  NetworkModule network(make_network(config), device);
+#endif
+  Trainer trainer(config, std::move(batches), std::move(depth), std::move(network), device, peers);
+  trainer.config_.data.validation = given.data.validation;
   if (model::measurement_of(config.input).value() == capture::MeasurementKind::kLensArray) {
     trainer.fixed_codes_ = torch::ones({1, kViews}, torch::device(device));
   } else if (!config.patterns.codes.empty()) {
@@ -125,9 +184,13 @@ Result<Trainer> Trainer::create(const Config& config, const Peers& peers) {
   if (!config.start.empty()) {
     E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, config.start));
     E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
-    const auto origins = input_origins(model, config.input, config.patterns.num_patterns);
-    const auto widened = widen_inputs(model.network, model.weights, trainer.network_.network(), origins);
-    E2LF_RETURN_IF_ERROR(load_weights(trainer.network_.parameters(), widened, config.start));
+    model::Weights weights = model.weights;
+    for (const auto& [name, shared] : model.any_patterns) weights[name] = shared.values;
+    if (!trainer.depth_) {
+      const auto origins = input_origins(model, config.input, config.patterns.num_patterns);
+      weights = widen_inputs(model.network, std::move(weights), trainer.network_.network(), origins);
+    }
+    E2LF_RETURN_IF_ERROR(load_weights(trainer.network_.parameters(), weights, config.start));
     trainer.average_ = clone(trainer.network_.parameters());
   }
   return trainer;
@@ -199,20 +262,30 @@ Result<void> Trainer::backward(const torch::Tensor& loss) {
   return replace_by_peers_mean(gradients);
 }
 
-Result<StepReport> Trainer::train_step() {
-  const Batch batch = batches_.at(step_, {peers_.rank(), peers_.size()});
-  NamedTensors input_means;
+Result<Trainer::StepLoss> Trainer::step_loss(NamedTensors* input_means) {
+  const Share share{peers_.rank(), peers_.size()};
+#if E2LF_LEARN_KERNELS
+  if (depth_) {
+    E2LF_ASSIGN_OR_RETURN(const DepthLoss of_depth, depth_->loss(step_, share, input_means));
+    return StepLoss{of_depth.loss, of_depth.share_off};
+  }
+#endif
+  const Batch batch = batches_.at(step_, share);
   Pipeline pipeline = pipeline_with(network_.parameters(), current_codes());
-  pipeline.input_means = &input_means;
+  pipeline.input_means = input_means;
   const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise, batch.moving);
   // The views are last in memory, so the gradients are, too.
   const auto difference = (result.light_field - batch.light_field).permute({0, 2, 3, 1}).flatten(1);
   const auto errors = difference.square().mean(1);
-  const auto loss = sample_losses(config_.train, errors, batch.gain).mean();
+  return StepLoss{sample_losses(config_.train, errors, batch.gain).mean(), errors.detach().mean()};
+}
 
-  E2LF_RETURN_IF_ERROR(backward(loss));
+Result<StepReport> Trainer::train_step() {
+  NamedTensors input_means;
+  E2LF_ASSIGN_OR_RETURN(const StepLoss now, step_loss(config_.train.centred ? &input_means : nullptr));
+  E2LF_RETURN_IF_ERROR(backward(now.loss));
   const auto means =
-      torch::tensor({loss.item<double>(), errors.mean().item<double>()}, torch::device(device_).dtype(torch::kDouble));
+      torch::tensor({now.loss.item<double>(), now.figure.item<double>()}, torch::device(device_).dtype(torch::kDouble));
   E2LF_RETURN_IF_ERROR(replace_by_peers_mean({{"loss and error", means}}));
   E2LF_RETURN_IF_ERROR(replace_by_peers_mean(input_means));
   centre_gradients(network_.parameters(), input_means);
@@ -242,6 +315,14 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
   std::vector<SceneScore> scores;
   for (const std::string& name : scenes) {
     E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));
+#if E2LF_LEARN_KERNELS
+    if (depth_) {
+      E2LF_ASSIGN_OR_RETURN(SceneScore score, depth_->evaluate(average_, *scene, camera, cycles, kEvaluationSeed));
+      scores.push_back(std::move(score));
+      if (camera.is_pixel()) scores.back().name += "@" + camera.name;
+      continue;
+    }
+#endif
     const auto sample = sample_of(camera, config_.patterns.num_patterns, config_.patterns.num_codes(), cycles, device_);
     scores.push_back(evaluate_scene(pipeline, *scene, sample, kEvaluationSeed));
     if (camera.is_pixel()) scores.back().name += "@" + camera.name;
@@ -261,7 +342,7 @@ StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const 
   return {.step = step_,
           .samples = step_ * config_.train.batch,
           .loss = report.loss,
-          .mse = report.mse,
+          .figure = report.figure,
           .learning_rate = learning_rate(config_.train, step_),
           .gradient_norm = report.gradient_norm,
           .samples_per_s = samples_per_s,
@@ -289,7 +370,7 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
   const auto checkpoint = folder / "checkpoint.safetensors";
   E2LF_RETURN_IF_ERROR(start_together());
   if (peers_.leads()) E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", json_text(to_json(config_))));
-  const RunLog log(folder);
+  const RunLog log(folder, config_.network.gives_disparity() ? LogFigures::of_disparity() : LogFigures::of_views());
   const auto draw_curves = [&]() -> Result<void> {
     return peers_.leads() ? log.draw_curves(config_.name, to_json(config_)) : Result<void>();
   };
@@ -305,13 +386,13 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
       return fail(ErrorCode::kInvalidValue, checkpoint, "the loss is not finite after step ", step_,
                   "; lower train.learning_rate and resume from the last checkpoint");
     }
-    sum = {sum.loss + report.loss, sum.mse + report.mse, sum.gradient_norm + report.gradient_norm};
+    sum = {sum.loss + report.loss, sum.figure + report.figure, sum.gradient_norm + report.gradient_norm};
     const bool ends = step_ == config_.train.steps;
     if (step_ % config_.train.log_steps == 0 || ends) {
       const double seconds = std::chrono::duration<double>(Clock::now() - last_time).count();
       const double speed = static_cast<double>((step_ - last_step) * config_.train.batch) / std::max(seconds, 1e-9);
       const auto steps = static_cast<double>(step_ - last_step);
-      const StepReport mean{sum.loss / steps, sum.mse / steps, sum.gradient_norm / steps};
+      const StepReport mean{sum.loss / steps, sum.figure / steps, sum.gradient_norm / steps};
       if (peers_.leads()) E2LF_RETURN_IF_ERROR(log.add(step_row(mean, speed)));
       E2LF_RETURN_IF_ERROR(draw_curves());
       sum = {};
@@ -329,7 +410,7 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
   return {};
 }
 
-model::Model Trainer::to_model() const {
+Result<model::Model> Trainer::to_model() const {
   model::Model model;
   model.name = config_.name;
   model.num_patterns = config_.patterns.num_patterns;
@@ -341,9 +422,12 @@ model::Model Trainer::to_model() const {
   model.constants = config_.sensor.nominal;
   model.camera = batches_.camera();
   model.input = config_.input;
+  model.provenance = {{"samples", step_ * config_.train.batch}, {"steps", step_}, {"config", without_folders(config_)}};
+#if E2LF_LEARN_KERNELS
+  if (depth_) return depth_->complete(std::move(model), average_);
+#endif
   model.network = network_.network();
   model.weights = to_weights(average_);
-  model.provenance = {{"samples", step_ * config_.train.batch}, {"steps", step_}, {"config", without_folders(config_)}};
   return model;
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,13 +20,15 @@ namespace e2lf::learn {
 /// The result of one training step.
 struct StepReport {
   double loss = 0;           ///< the function whose gradient is computed
-  double mse = 0;            ///< plain mean squared error
+  double figure = 0;         ///< plain mean squared error, or the share of disparities that are wrong
   double gradient_norm = 0;  ///< before clipping
 };
 
-/// Trains patterns and network jointly. Checkpoints contain everything that changes between steps, and the random
-/// numbers of a step depend only on the seed and the step's number, so that a resumed run continues bit-exactly on the
-/// same machine.
+class DepthTask;  // depth_task.h
+
+/// Trains patterns and network jointly, or a network of disparity for any patterns. Checkpoints contain everything that
+/// changes between steps, and the random numbers of a step depend only on the seed and the step's number, so that a
+/// resumed run continues bit-exactly on the same machine.
 class Trainer {
  public:
   /// Reads the data and prepares step 0. Fails as read_dataset(), Batches::create() and (for `start` and `codes`)
@@ -53,8 +56,9 @@ class Trainer {
   [[nodiscard]] std::vector<capture::SensorProfile> cameras() const;
 
   /// Returns the averaged weights and the patterns as a model. Patterns that are still being learned are rounded to 0
-  /// and 1.
-  [[nodiscard]] model::Model to_model() const;
+  /// and 1. A network for any patterns is adapted to those of patterns.codes; this fails as geometry::for_patterns()
+  /// does.
+  [[nodiscard]] Result<model::Model> to_model() const;
 
   [[nodiscard]] uint64_t step() const { return step_; }
   [[nodiscard]] const Config& config() const { return config_; }
@@ -62,9 +66,15 @@ class Trainer {
   [[nodiscard]] const NamedTensors& average() const { return average_; }
 
  private:
-  Trainer(Config config, Batches batches, NetworkModule network, torch::Device device, const Peers& peers);
+  Trainer(Config config, Batches batches, std::shared_ptr<DepthTask> depth, NetworkModule network, torch::Device device,
+          const Peers& peers);
   /// Returns all tensors that change between steps, with the prefixes of their names in checkpoints.
   [[nodiscard]] std::vector<std::pair<const char*, const NamedTensors*>> state() const;
+  struct StepLoss {
+    torch::Tensor loss, figure;
+  };
+  /// Computes the loss of the present step, and the means of the inputs of the layers that are to be centred.
+  [[nodiscard]] Result<StepLoss> step_loss(NamedTensors* input_means);
   [[nodiscard]] Result<void> start_together();
   [[nodiscard]] Result<bool> any_peer(bool value) const;
   [[nodiscard]] Result<void> backward(const torch::Tensor& loss);
@@ -81,7 +91,8 @@ class Trainer {
   torch::Device device_;
   Peers peers_;
   Batches batches_;
-  NetworkModule network_;
+  std::shared_ptr<DepthTask> depth_;  ///< null for networks of views
+  NetworkModule network_;             ///< shares its parameters with depth_
   Patterns patterns_;
   torch::Tensor fixed_codes_;  // undefined while patterns_ is trained
   NamedTensors pattern_parameters_;

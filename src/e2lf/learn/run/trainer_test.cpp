@@ -49,7 +49,7 @@ TEST(Trainer, ResumesBitExactlyWhilePatternsAreLearnedAndAfter) {
 
     expect_equal(whole->parameters(), resumed->parameters());
     expect_equal(whole->average(), resumed->average());
-    EXPECT_EQ(whole->to_model().codes, resumed->to_model().codes);
+    EXPECT_EQ(whole->to_model().value().codes, resumed->to_model().value().codes);
   }
 }
 
@@ -69,7 +69,7 @@ TEST(Trainer, LearnsFromEveryMeasurement) {
     config.patterns.black_first = false;
     auto whole = Trainer::create(config);
     ASSERT_TRUE(whole) << whole.error().text();
-    const auto before = whole->to_model();
+    const auto before = whole->to_model().value();
     for (int i = 0; i < 6; ++i) ASSERT_TRUE(std::isfinite(whole->train_step()->loss));
     auto first = Trainer::create(config), resumed = Trainer::create(config);
     for (int i = 0; i < 3; ++i) (void)first->train_step();
@@ -77,7 +77,7 @@ TEST(Trainer, LearnsFromEveryMeasurement) {
     ASSERT_TRUE(resumed->load_checkpoint(data.folder() / "checkpoint"));
     for (int i = 3; i < 6; ++i) (void)resumed->train_step();
     expect_equal(whole->parameters(), resumed->parameters());
-    const auto model = whole->to_model();
+    const auto model = whole->to_model().value();
     EXPECT_NE(model.weights, before.weights);
     EXPECT_EQ(model.measurement(), kind);
     EXPECT_TRUE(model::write_model(data.folder() / "model", model)) << capture::measurement_name(kind);
@@ -90,9 +90,9 @@ TEST(Trainer, LearnsFromEveryMeasurement) {
 TEST(Trainer, LeavesTheCodesOutOfTheModelWhenAsked) {
   const TestData data;
   auto config = data.config();
-  EXPECT_TRUE(Trainer::create(config)->to_model().codes.has_value());
+  EXPECT_TRUE(Trainer::create(config)->to_model().value().codes.has_value());
   config.patterns.in_model = false;
-  const auto model = Trainer::create(config)->to_model();
+  const auto model = Trainer::create(config)->to_model().value();
   EXPECT_FALSE(model.codes.has_value());
   EXPECT_TRUE(model.black_first);
   EXPECT_TRUE(model::write_model(data.folder() / "model", model));
@@ -107,7 +107,7 @@ TEST(Trainer, TakesPatternsFromAFileOfPatterns) {
   ASSERT_TRUE(capture::write_codes(config.patterns.codes, codes));
   const auto trainer = Trainer::create(config);
   ASSERT_TRUE(trainer) << trainer.error().text();
-  EXPECT_EQ(trainer->to_model().codes, codes);
+  EXPECT_EQ(trainer->to_model().value().codes, codes);
   config.patterns.num_patterns = 5;
   EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kShape);
 }
@@ -120,8 +120,8 @@ TEST(Trainer, TakesModelsAndCamerasByName) {
   const auto trainer = Trainer::create(config);
   ASSERT_TRUE(trainer) << trainer.error().text();
   const auto model = model::read_model(*bundled_model());
-  EXPECT_EQ(trainer->to_model().codes, model->codes);
-  EXPECT_EQ(trainer->to_model().camera->name, "evk4-lcos");
+  EXPECT_EQ(trainer->to_model().value().codes, model->codes);
+  EXPECT_EQ(trainer->to_model().value().camera->name, "evk4-lcos");
   for (std::string* name : {&config.sensor.camera, &config.patterns.codes, &config.start}) {
     const std::string before = std::exchange(*name, "nobodys");
     const auto unknown = Trainer::create(config);

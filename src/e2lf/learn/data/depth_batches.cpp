@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "e2lf/learn/data/depth_batches.h"
+
+#include <algorithm>
+#include <array>
+#include <torch/torch.h>
+
+#include "e2lf/learn/data/pattern_draws.h"
+
+namespace e2lf::learn {
+namespace {
+
+enum DepthPurpose : uint64_t { kDepthNoise = 11, kDepthScenes = 12, kDepthSamples = 13 };
+/// Numbers of lit patterns, and their shares of the steps.
+constexpr std::array<size_t, 6> kNumbersLit = {2, 3, 4, 5, 6, 7};
+constexpr std::array kNumberShares = {0.02, 0.72, 0.04, 0.02, 0.02, 0.18};
+constexpr double kWholeCycleShare = 0.15;  // of the steps with three lit patterns
+constexpr double kTwoPartsShare = 0.6;     // of the steps with several cycles, whose number differs between two parts
+constexpr uint64_t kFirstScenes = 16;      // drawn before the first step
+
+size_t draw_number_lit(Draws& draws) {
+  double left = draws.uniform();
+  for (size_t i = 0; i + 1 < kNumbersLit.size(); ++i) {
+    if (left < kNumberShares[i]) return kNumbersLit[i];
+    left -= kNumberShares[i];
+  }
+  return kNumbersLit.back();
+}
+
+/// The numbers of cycles of two parts of the pictures, and 1 at the pixels of the second.
+struct CycleParts {
+  int64_t first = 1, second = 1;
+  torch::Tensor is_second;  ///< [batch, y, x]; undefined if there is one part
+};
+
+CycleParts draw_cycles(double share, int64_t batch, int64_t size, Draws& draws) {
+  CycleParts parts;
+  const bool is_averaged = draws.chance(share), has_two = draws.chance(kTwoPartsShare);
+  const int64_t first = int64_t{2} << draws.below(4), second = int64_t{1} << draws.below(2);
+  if (!is_averaged) return parts;
+  parts.first = parts.second = first;
+  if (!has_two) return parts;
+  parts.second = second;
+  const auto field =
+      at::upsample_bicubic2d(torch::randn({batch, 1, 6, 6}), {size, size}, /*align_corners=*/false).squeeze(1);
+  parts.is_second = field <= 0.4 * torch::randn({batch, 1, 1});
+  return parts;
+}
+
+SampleConstants select_samples(const SampleConstants& all, const torch::Tensor& which, int64_t cycles) {
+  const auto own = [&](const torch::Tensor& values) { return values.index_select(0, which); };
+  SampleConstants result{own(all.eps), own(all.tau), own(all.sigma_w), own(all.sigma_z)};
+  if (all.pixel.constants.defined()) {
+    result.pixel = {all.pixel.is_pixel.index_select(0, which.cpu()), own(all.pixel.constants),
+                    own(all.pixel.transmission), cycles};
+  }
+  return result;
+}
+
+/// The mean counts of the paper's model over cycles, each with noise of its own.
+torch::Tensor simulate_paper_cycles(const torch::Tensor& intensities, const SampleConstants& constants,
+                                    const torch::Tensor& most_residue, int64_t cycles) {
+  const int64_t batch = intensities.size(0), height = intensities.size(2), width = intensities.size(3);
+  torch::Tensor sum;
+  for (int64_t cycle = 0; cycle < cycles; ++cycle) {
+    SensorNoise noise = draw_noise(capture::MeasurementKind::kEventImages, batch, intensities.size(1), height, width,
+                                   intensities.device());
+    noise.residue = torch::rand({batch, height, width}, intensities.options()) * most_residue.reshape({-1, 1, 1});
+    const auto events = simulate_events(intensities, constants, noise, EventModel::kReferenceAware);
+    sum = sum.defined() ? sum + events : events;
+  }
+  return sum / static_cast<double>(cycles);
+}
+
+/// The events of each sample by its own event model, averaged over one number of cycles.
+torch::Tensor simulate_both(const torch::Tensor& intensities, const torch::Tensor& full,
+                            const SampleConstants& constants, const torch::Tensor& most_residue, int64_t cycles) {
+  const int64_t batch = intensities.size(0);
+  const auto device = intensities.device();
+  const auto is_pixel =
+      constants.pixel.is_pixel.defined() ? constants.pixel.is_pixel : torch::zeros({batch}, torch::kBool);
+  auto events =
+      torch::empty({batch, intensities.size(1) - 1, intensities.size(2), intensities.size(3)}, intensities.options());
+  for (const bool pixel : {false, true}) {
+    const auto which = (is_pixel == pixel).nonzero().flatten().to(device);
+    if (which.numel() == 0) continue;
+    const auto own = select_samples(constants, which, cycles);
+    const auto light = intensities.index_select(0, which);
+    events.index_copy_(0, which,
+                       pixel ? simulate_pixel_events(light, full.index_select(0, which), own.pixel)
+                             : simulate_paper_cycles(light, own, most_residue.index_select(0, which), cycles));
+  }
+  return events;
+}
+
+}  // namespace
+
+std::pair<torch::Tensor, torch::Tensor> transform_scene(const KnownScene& scene, unsigned symmetry) {
+  // The view that takes the place of view (4, 4) was on the other side of the middle along each axis that is flipped.
+  const auto view = 2 * ((symmetry & 1U) != 0 ? 0 : 1) + ((symmetry & 2U) != 0 ? 0 : 1);
+  auto disparity = scene.disparity[view];
+  if ((symmetry & 1U) != 0) disparity = disparity.flip({0});
+  if ((symmetry & 2U) != 0) disparity = disparity.flip({1});
+  if ((symmetry & 4U) != 0) disparity = disparity.t();
+  return {transform_views(scene.views, symmetry), disparity};
+}
+
+torch::Tensor simulate_cycles(const torch::Tensor& views, const std::vector<capture::Codes>& codes,
+                              const SampleConstants& constants, const torch::Tensor& most_residue,
+                              const torch::Tensor& cycles) {
+  std::vector<torch::Tensor> each;
+  for (const capture::Codes& own : codes) each.push_back(to_tensor(own, views.device()));
+  const auto patterns = torch::stack(each) / static_cast<double>(kViews);
+  const auto intensities =
+      torch::bmm(patterns, views.flatten(2)).unflatten(2, {views.size(2), views.size(3)}).contiguous();
+  const auto full = views.mean(1);
+  const auto least = cycles.min().item<double>(), most = cycles.max().item<double>();
+  auto events = simulate_both(intensities, full, constants, most_residue, static_cast<int64_t>(most));
+  if (least == most) return events;
+  return torch::where((cycles == least).unsqueeze(1),
+                      simulate_both(intensities, full, constants, most_residue, static_cast<int64_t>(least)), events);
+}
+
+DepthBatches::DepthBatches(const Config& config, const Dataset& dataset, std::vector<capture::Codes> known,
+                           std::optional<capture::SensorProfile> camera, torch::Device device)
+    : config_(config),
+      known_(std::move(known)),
+      camera_(std::move(camera)),
+      device_(device),
+      scenes_(std::make_unique<KnownScenes>(dataset.textures, config.data.synthesiser,
+                                            mix_seed(config.seed, kDepthScenes, 0), device)) {}
+
+void DepthBatches::advance_pool(uint64_t step) {
+  const auto end = kFirstScenes + static_cast<uint64_t>(static_cast<double>(step) * config_.data.pool_per_step);
+  pool_end_ = std::max(pool_end_, end - std::min(end, config_.data.pool));
+  for (; pool_end_ < end; ++pool_end_) {
+    pool_.push_back(scenes_->at(pool_end_));
+    pool_.back().views = views_last(pool_.back().views);
+    if (pool_.size() > config_.data.pool) pool_.pop_front();
+  }
+}
+
+DepthBatch DepthBatches::at(uint64_t step, Share share) {
+  torch::NoGradGuard no_grad;
+  advance_pool(step);
+  // All but the noise is drawn for the whole batch, so that a sample does not depend on the number of shares.
+  Draws draws(mix_seed(config_.seed, kDepthSamples, step), 0);
+  const uint64_t batch = config_.train.batch;
+  std::vector<torch::Tensor> views, disparities;
+  for (uint64_t i = 0; i < batch; ++i) {
+    const KnownScene& scene = pool_[draws.below(pool_.size())];
+    auto [light_field, disparity] = transform_scene(scene, draws.below(8));
+    views.push_back(light_field.permute({1, 2, 0}));
+    disparities.push_back(disparity);
+  }
+  const size_t num_lit = draw_number_lit(draws);
+  const bool is_whole = draws.chance(kWholeCycleShare) && num_lit == 3;
+  DepthBatch result;
+  for (uint64_t i = 0; i < batch; ++i) {
+    result.codes.push_back(draw_patterns(num_lit, known_, draws));
+    if (is_whole) result.codes.back() = capture::whole_cycle(result.codes.back());
+  }
+  const PatternNumbers numbers{result.codes.front().num_patterns, num_lit + 1};
+  Conditions conditions = draw_conditions(config_.sensor, batch, device_, draws);
+  add_conditioning(numbers.all, conditions);
+  if (camera_) apply_camera(config_.sensor, *camera_, numbers, 1, draws, conditions);
+
+  torch::manual_seed(mix_seed(config_.seed, kDepthNoise, step));
+  const auto size = static_cast<int64_t>(config_.train.patch), all = static_cast<int64_t>(batch);
+  const CycleParts parts = draw_cycles(config_.sensor.cycles_share, all, size, draws);
+  auto cycles = torch::full({all, size, size}, static_cast<double>(parts.first), torch::kFloat);
+  if (parts.is_second.defined()) cycles.masked_fill_(parts.is_second, static_cast<double>(parts.second));
+
+  const int64_t length = all / share.size, first = share.rank * length;
+  const auto own = torch::arange(first, first + length, torch::device(device_).dtype(torch::kLong));
+  result.codes = {result.codes.begin() + first, result.codes.begin() + first + length};
+  result.constants = select_samples(conditions.constants, own, 1);
+  result.constants.conditioning = conditions.constants.conditioning.index_select(0, own);
+  result.cycles = cycles.narrow(0, first, length).to(device_);
+  result.disparity = torch::stack(disparities).narrow(0, first, length).contiguous();
+  const auto gain = conditions.gain.narrow(0, first, length) / 255.0;
+  const auto light_field = torch::stack(std::vector(views.begin() + first, views.begin() + first + length))
+                               .to(torch::kFloat)
+                               .permute({0, 3, 1, 2})
+                               .mul_(gain.reshape({-1, 1, 1, 1}));
+  torch::manual_seed(mix_seed(config_.seed, kDepthNoise, step) + static_cast<uint64_t>(share.rank));
+  result.events = simulate_cycles(light_field.contiguous(), result.codes, result.constants,
+                                  conditions.residue.narrow(0, first, length), result.cycles);
+  return result;
+}
+
+}  // namespace e2lf::learn
