@@ -39,9 +39,9 @@ std::string tick_text(double value, int decimals) {
 
 namespace {
 
-constexpr double kWidth = 900, kPlotHeight = 260, kRight = 30, kFont = 13, kLegendRow = 20;
+constexpr double kWidth = 1200, kPlotHeight = 320, kRight = 30, kFont = 13, kLegendRow = 20;
 constexpr size_t kMostTicks = 8;
-constexpr const char* kColours[] = {"#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#997700"};
+constexpr const char* kColours[] = {"#3f77d0", "#d8523a", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#997700"};
 constexpr const char* kBandColour = "#228833";
 
 const char* colour_of(size_t series) {
@@ -64,7 +64,7 @@ std::string label(double x, double y, const char* anchor, const std::string& tex
 }
 
 /// On a narrow page, such as that of a phone, a chart shrinks to this width and then scrolls sideways.
-constexpr double kLeastWidth = 620;
+constexpr double kLeastWidth = 820;
 
 std::string svg_begin(double width, double height) {
   return cat("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"", width, "\" height=\"", height, "\" viewBox=\"0 0 ",
@@ -282,18 +282,26 @@ std::string grid_svg(const std::vector<double>& values, size_t columns) {
   return svg + "</svg>\n";
 }
 
+bool is_chart(std::string_view svg) {
+  const std::string begin = svg_begin(kWidth, 0);
+  return svg.starts_with(std::string_view(begin).substr(0, begin.find(" height=")));
+}
+
 std::string file_svg(const std::string& svg) {
   constexpr double kMargin = 14;  // in a page, the page provides the margin
   double width = 0, height = 0;
   const size_t size = svg.find(" width=");
-  const bool is_chart =
+  const bool has_size =
       size < svg.find('>') && std::sscanf(svg.c_str() + size, " width=\"%lf\" height=\"%lf\"", &width, &height) == 2;
-  E2LF_REQUIRE(is_chart, "a file is made of a chart of this header");
+  E2LF_REQUIRE(has_size, "a file is made of a chart of this header");
   width += 2 * kMargin;
   height += 2 * kMargin;
-  return cat("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"", width, "\" height=\"", height, "\" viewBox=\"",
-             -kMargin, ' ', -kMargin, ' ', width, ' ', height, "\">\n<rect x=\"", -kMargin, "\" y=\"", -kMargin,
-             "\" width=\"", width, "\" height=\"", height, "\" fill=\"white\"/>\n", svg, "</svg>\n");
+  // Programs without style sheets read the attributes.
+  return cat("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100%\" viewBox=\"", -kMargin, ' ', -kMargin, ' ', width,
+             ' ', height,
+             "\" color=\"#16191d\">\n<style>@media(prefers-color-scheme:dark){svg{color:#e8eaed;background:#171a1f}",
+             "#ground{fill:#171a1f}}</style>\n<rect id=\"ground\" x=\"", -kMargin, "\" y=\"", -kMargin, "\" width=\"",
+             width, "\" height=\"", height, "\" fill=\"white\"/>\n", svg, "</svg>\n");
 }
 
 }  // namespace e2lf::report

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace e2lf::report {
@@ -29,7 +30,7 @@ struct Axis {
   }
 };
 
-/// Charts as SVG elements for a page, 900 px wide, with ticks at round numbers and a legend above. Their text has the
+/// Charts as SVG elements for a page, 1200 px wide, with ticks at round numbers and a legend above. Their text has the
 /// colour of the surrounding text, and the margins are as wide as the labels need. Values that are not finite are
 /// omitted.
 
@@ -78,7 +79,11 @@ struct LineChart {
 /// rows that are not complete break the contract.
 [[nodiscard]] std::string grid_svg(const std::vector<double>& values, size_t columns);
 
-/// Turns a chart made by the functions above into an SVG file of its own, black on white with a margin.
+/// Returns true for the SVG of chart_svg().
+[[nodiscard]] bool is_chart(std::string_view svg);
+
+/// Turns a chart made by the functions above into an SVG file of its own with a margin, which fills the width of a
+/// browser in the colours of the viewer: dark on white, or light on dark according to the system of the reader.
 [[nodiscard]] std::string file_svg(const std::string& svg);
 
 }  // namespace e2lf::report

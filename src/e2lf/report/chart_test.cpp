@@ -53,8 +53,8 @@ TEST(LineChart, PointsLieWhereTheTicksSay) {
   const std::regex points("points=\"([0-9.]+),([0-9.]+) ([0-9.]+),([0-9.]+) \"");
   std::smatch match;
   ASSERT_TRUE(std::regex_search(svg, match, points));
-  EXPECT_NEAR(std::stod(match[2]) - std::stod(match[4]), 260, 1e-3);
-  EXPECT_NEAR(std::stod(match[3]), 870, 1e-3);
+  EXPECT_NEAR(std::stod(match[2]) - std::stod(match[4]), 320, 1e-3);
+  EXPECT_NEAR(std::stod(match[3]), 1170, 1e-3);
 }
 
 TEST(LineChart, AFilledLineEndsAtZero) {
@@ -64,7 +64,7 @@ TEST(LineChart, AFilledLineEndsAtZero) {
   std::smatch match;
   ASSERT_TRUE(std::regex_search(svg, match, points));
   EXPECT_EQ(match[1], match[4]);
-  EXPECT_NEAR(std::stod(match[2]) - std::stod(match[1]), 260, 1e-3);
+  EXPECT_NEAR(std::stod(match[2]) - std::stod(match[1]), 320, 1e-3);
   EXPECT_THAT(svg, HasSubstr(">2.0<"));
   EXPECT_THAT(svg, Not(HasSubstr(">-2.0<")));
 }
@@ -78,7 +78,7 @@ TEST(LineChart, BandsAndMarksLieWhereTheTicksSay) {
   std::smatch match;
   ASSERT_TRUE(std::regex_search(svg, match, band));
   const double begin = std::stod(match[1]), end = begin + std::stod(match[2]);
-  EXPECT_NEAR(end, 870 - 1, 1e-3) << "with a gap of one px before the next band";
+  EXPECT_NEAR(end, 1170 - 1, 1e-3) << "with a gap of one px before the next band";
   const std::regex mark("<line x1=\"([0-9.]+)\"[^>]*stroke-width=\"1.5\"");
   std::sregex_iterator found(svg.begin(), svg.end(), mark);
   EXPECT_NEAR(std::stod((*found)[1]), begin, 1e-3);
@@ -88,25 +88,32 @@ TEST(LineChart, BandsAndMarksLieWhereTheTicksSay) {
   EXPECT_THAT(svg, Not(HasSubstr(">none<")));
 }
 
-TEST(FileSvg, IsBlackOnWhite) {
+TEST(FileSvg, FillsTheWidthInTheThemeOfTheReader) {
   const std::string svg = file_svg(chart_svg(LineChart{}));
   const size_t background = svg.find("fill=\"white\"");
-  ASSERT_NE(background, std::string::npos);
+  ASSERT_NE(background, std::string::npos) << "for programs without style sheets";
   EXPECT_LT(background, svg.find("<text"));
+  EXPECT_THAT(svg.substr(0, svg.find('>')), HasSubstr("width=\"100%\""));
+  EXPECT_THAT(svg, HasSubstr("prefers-color-scheme:dark"));
 }
 
 TEST(FileSvg, HasAMarginAround) {
   const std::string chart = chart_svg(LineChart{"x", "y", {{"a", {{0, 1}, {3, 2}}}}});
   const std::string svg = file_svg(chart);
-  const std::regex size("^<svg [^>]*width=\"([0-9.]+)\" height=\"([0-9.]+)\"(?: viewBox=\"(-?[0-9.]+) (-?[0-9.]+))?");
+  const std::regex size("viewBox=\"(-?[0-9.]+) (-?[0-9.]+) ([0-9.]+) ([0-9.]+)");
   std::smatch inner, outer;
   ASSERT_TRUE(std::regex_search(chart, inner, size));
   ASSERT_TRUE(std::regex_search(svg, outer, size));
   for (const int axis : {1, 2}) {
-    const double margin = -std::stod(outer[axis + 2]);
+    const double margin = -std::stod(outer[axis]);
     EXPECT_GE(margin, 10);
-    EXPECT_NEAR(std::stod(outer[axis]), std::stod(inner[axis]) + 2 * margin, 1e-9);
+    EXPECT_NEAR(std::stod(outer[axis + 2]), std::stod(inner[axis + 2]) + 2 * margin, 1e-9);
   }
+}
+
+TEST(Charts, AreToldFromGrids) {
+  EXPECT_TRUE(is_chart(chart_svg(LineChart{})));
+  EXPECT_FALSE(is_chart(grid_svg({0, 1}, 2)));
 }
 
 TEST(LineChart, WhatIsNotFiniteIsLeftOut) {

@@ -11,17 +11,23 @@ namespace e2lf::report {
 namespace {
 
 constexpr const char* kStyle =
-    ":root{color-scheme:light dark;--line:#ccc;--quiet:#666;--best:#e6f2e6}"
-    "@media(prefers-color-scheme:dark){:root{--line:#444;--quiet:#aaa;--best:#1d3a1d}"
-    "body{background:#16181c;color:#e4e4e4}}"
-    "body{font-family:sans-serif;line-height:1.45;max-width:76em;margin:2em auto;padding:0 1em}"
-    "table{border-collapse:collapse;margin:1em 0}.wide{overflow-x:auto}"
+    // The colours of viewer/src/style.css.
+    ":root{color-scheme:light dark;--ground:#f4f5f7;--surface:#fff;--ink:#16191d;--quiet:#626a75;--line:#d3d8df;"
+    "--accent:#d9480f;--best:#e6f2e6}"
+    "@media(prefers-color-scheme:dark){:root{--ground:#0e1013;--surface:#171a1f;--ink:#e8eaed;--quiet:#98a1ad;"
+    "--line:#2c323b;--accent:#ff9a4d;--best:#1d3a1d}}"
+    "*{box-sizing:border-box}body{margin:0;padding:0 12px 12px;background:var(--ground);color:var(--ink);"
+    "font:14px/1.45 system-ui,sans-serif}"
+    "h1{margin:0 -12px 12px;padding:6px 12px;font-size:16px;letter-spacing:.04em;color:var(--accent);"
+    "background:var(--surface);border-bottom:1px solid var(--line)}h2{font-size:16px}h3,h4{font-size:14px}"
+    "p{max-width:70em}table{border-collapse:collapse;margin:1em 0}.wide{overflow-x:auto}"
     "caption{caption-side:bottom;text-align:left;color:var(--quiet);padding-top:.4em}"
     "th,td{padding:.25em .8em;border-bottom:1px solid var(--line);text-align:left;white-space:nowrap}"
     ".number{text-align:right;font-variant-numeric:tabular-nums}.best{background:var(--best);font-weight:bold}"
-    ".row{display:flex;flex-wrap:wrap;gap:1em}figure{margin:.5em "
-    "0;max-width:100%;overflow-x:auto}figcaption{color:var(--quiet)}"
-    "img,svg{max-width:100%;height:auto}pre{overflow-x:auto;border:1px solid var(--line);padding:.6em}";
+    ".row{display:flex;flex-wrap:wrap;gap:1em}figure{margin:.5em 0;max-width:100%;overflow-x:auto}"
+    ".chart{padding:12px;background:var(--surface);border:1px solid var(--line);border-radius:6px}"
+    ".chart svg{width:100%}figcaption{color:var(--quiet)}img,svg{max-width:100%;height:auto}"
+    "pre{overflow-x:auto;background:var(--surface);border:1px solid var(--line);padding:.6em}";
 
 }  // namespace
 
@@ -95,7 +101,7 @@ Page& Page::pictures(const std::vector<Picture>& pictures) {
 
 Page& Page::drawing(std::string_view svg, std::string_view caption) {
   if (first_drawing_.empty()) first_drawing_ = svg;
-  body_ += cat("<figure>", svg);
+  body_ += cat("<figure", is_chart(svg) ? " class=\"chart\">" : ">", svg);
   if (!caption.empty()) body_ += cat("<figcaption>", escaped(caption), "</figcaption>");
   body_ += "</figure>\n";
   return *this;
