@@ -98,7 +98,7 @@ PY
 # A cycle during which the scene moves too much is reconstructed from its lit transitions, unless all are wanted.
 transitions_of() { json "$1/run.json" "' '.join(c.get('transitions', '-') for c in j['notes']['cycles'])"; }
 for rpm in 1 100; do
-  "$E2LF" simulate --turntable $rpm --width 160 --height 120 -m e2lf-n4-cycle-camera --camera evk4-lcos --cycles 2 -o turn.npz --overwrite --quiet
+  "$E2LF" simulate --turntable $rpm --width 96 --height 64 -m e2lf-n4-cycle-camera --camera evk4-lcos --cycles 2 -o turn.npz --overwrite --quiet
   "$E2LF" reconstruct turn.npz -m e2lf-n4-cycle-camera -o turn$rpm >out.txt 2>err.txt
 done
 [ "$(transitions_of turn1)" = "all all" ] || fail "slow: $(cat turn1/run.json)"

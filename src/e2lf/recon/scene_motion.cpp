@@ -30,13 +30,14 @@ std::vector<float> intensity_of_both(const capture::EventImages& whole_cycle, si
   return sum;
 }
 
-/// Returns true if the rounding of counts explains the differences: hardly any exceeds a threshold. Without noise, the
-/// errors of rounding follow the shades of the scene, so that neighbouring pixels are correlated. The mean of equal
-/// cycles has the rounding of one of them.
+/// Returns true if the rounding of counts explains the differences: hardly any exceeds a threshold, and in small images
+/// no more than three standard deviations above this share. Without noise, the errors of rounding follow the shades of
+/// the scene, so that neighbouring pixels are correlated. The mean of equal cycles has the rounding of one of them.
 bool is_rounding(const std::vector<float>& difference) {
-  constexpr double kFew = 0.0005;
+  constexpr double kFew = 0.0005, kDeviations = 3;
   const auto large = std::count_if(difference.begin(), difference.end(), [](float d) { return std::abs(d) > kTau; });
-  return static_cast<double>(large) <= kFew * static_cast<double>(difference.size());
+  const double usual = kFew * static_cast<double>(difference.size());
+  return static_cast<double>(large) <= usual + kDeviations * std::sqrt(usual);
 }
 
 /// Subtracts the mean of the square around each pixel, which holds what slow pixels leave of smooth areas.

@@ -82,6 +82,15 @@ TEST(SceneMotion, IsZeroWhereRoundingExplainsTheDifferences) {
   EXPECT_EQ(scene_motion(play(0, 0)), 0);
 }
 
+/// Of 5120 pixels, two or three are expected to change, and seven may by chance.
+TEST(SceneMotion, OfASmallImageNeedsMorePixelsThanChance) {
+  for (const auto& [pixels, is_motion] : {std::pair(size_t{6}, false), {size_t{30}, true}}) {
+    capture::EventImages images = play(0, 0);
+    for (size_t i = 0; i < pixels; ++i) images.image(6)[20 * kWidth + 10 + i] += 3;
+    EXPECT_EQ(scene_motion(images) != 0, is_motion) << pixels;
+  }
+}
+
 TEST(SceneMotion, IsZeroWhereNothingTellsOfIt) {
   EXPECT_EQ(scene_motion(capture::EventImages(8, 20, 30)), 0);
   EXPECT_EQ(scene_motion(capture::EventImages(3, 20, 30)), 0);
