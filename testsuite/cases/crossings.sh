@@ -36,7 +36,7 @@ VERBS = {
 }
 # An input and the options that make it what it is: the exit code, findings of which one must be told, whether data are left out.
 POLARITY = {"polarity-inverted", "half-cycle-off"}
-DARK = {"events-absent", "events-few", "event-image-empty", "cycles-unconfirmed", "contrast-absent", "events-unexplained"}
+DARK = {"events-absent", "events-few", "event-image-empty", "cycles-unconfirmed", "light-low", "contrast-absent", "events-unexplained"}
 INPUTS = {
     "right": ("right.raw", [], 0, set(), False),
     "inverted": ("right.raw", ["--invert-polarity"], 0, POLARITY, False),

@@ -162,3 +162,41 @@ done
 fails 1 "recording-empty" "$E2LF" accumulate rig.raw -o none.npz --from-us 999999999
 "$E2LF" codes show -m e2lf-n4 -o listed.json >/dev/null
 fails 1 "schedule.json" "$E2LF" accumulate rig.raw -o none.npz --schedule listed.json
+# Patterns that a file, the caller and the schedule state differently: which ones are used is said, in each direction.
+other_codes other.npy
+"$E2LF" codes render --codes other.npy -o other --quiet
+fails 1 "these are 8 patterns" "$E2LF" accumulate rig.raw -o none.npz --codes e2lf-n8
+for stated in "--codes other.npy" "--codes other.npy --schedule shown/schedule.json" "--codes e2lf-n4 --schedule other/schedule.json" "--schedule other/schedule.json"; do
+  "$E2LF" accumulate rig.raw -o differing.npz --overwrite $stated --quiet 2>err.txt
+  grep -q "differ from those of" err.txt || fail "accumulate $stated: $(cat err.txt)"
+done
+"$E2LF" accumulate rig.raw -o agreeing.npz --codes e2lf-n4 --schedule shown/schedule.json --quiet 2>err.txt
+[ ! -s err.txt ] || fail "$(cat err.txt)"
+for stated in "--codes other.npy" "--codes e2lf-n4 --schedule other/schedule.json" "--schedule other/schedule.json"; do
+  "$E2LF" reconstruct rig.raw -m e2lf-n4-camera $stated --max-cycles 1 -o contradicting --overwrite --quiet 2>err.txt
+  grep -q "patterns-contradicted" err.txt || fail "reconstruct $stated: $(cat err.txt)"
+done
+# The patterns of a whole cycle are those of its event images.
+"$E2LF" accumulate rig.raw -o whole.npz --transitions all --codes e2lf-n4 --quiet
+"$E2LF" reconstruct whole.npz -m e2lf-n4-cycle-camera --codes e2lf-n4 -o of_whole --quiet 2>err.txt
+if grep -q "patterns-" err.txt; then fail "$(cat err.txt)"; fi
+# A doubt about the order is not one about the confidence of the cycle.
+py - <<'PY'
+import numpy as n
+arrays = dict(n.load("right.npz"))
+arrays["events"] = arrays["events"][:, [1, 0, 2]]
+n.savez("swapped.npz", **arrays)
+PY
+"$E2LF" reconstruct swapped.npz -m e2lf-n4-camera -o swapped >swapped.txt 2>err.txt
+grep -q "order-better-changed" err.txt || fail "$(cat err.txt)"
+if grep -q "confidence" swapped.txt err.txt; then fail "$(cat swapped.txt err.txt)"; fi
+# Too little light is named in place of a polarity, a delay and times that its events cannot tell; with light, never.
+for light in 0.2 0.1 0.03 0.01; do
+  "$E2LF" simulate demo/scene -m e2lf-n4-camera --camera evk4-lcos --cycles 6 --seed 3 --scene-gain $light -o "light$light.raw" --quiet
+  "$E2LF" accumulate "light$light.raw" -o "light$light.npz" --json >light.json 2>err.txt
+  found=$(json light.json "[f['code'] for f in j['findings']]")
+  case "$light:$found" in
+    0.03:*light-low* | 0.01:*light-low*) if grep -q "polarity-inverted\|trigger-delay\|cycles-unconfirmed" err.txt; then fail "$light: $found"; fi ;;
+    0.0* | *light-low*) fail "$light: $found" ;;
+  esac
+done

@@ -99,6 +99,7 @@ float RigCheck::add(const cycles::Cycle& cycle, const cycles::CycleOptions& opti
   if (!cycle.pattern_events.empty()) {
     polarity_ = polarity_of(options.schedule, cycle.pattern_events);
     ++polarities_[static_cast<size_t>(polarity_)];
+    add_light(cycle);
     for (const cycles::PatternStart& start : cycle.starts) delay_.add_start(start.t_us);
   }
   constexpr uint64_t kMostSummed = 16;
@@ -122,15 +123,46 @@ float RigCheck::add(const cycles::Cycle& cycle, const cycles::CycleOptions& opti
   return confidence;
 }
 
+void RigCheck::add_light(const cycles::Cycle& cycle) {
+  const auto pixels = static_cast<double>(cycle.images.image_size());
+  signed_per_pixel_.resize(cycle.pattern_events.size());
+  for (size_t i = 0; i < signed_per_pixel_.size(); ++i) {
+    const cycles::PatternEvents& events = cycle.pattern_events[i];
+    signed_per_pixel_[i] += (static_cast<double>(events.on) - static_cast<double>(events.off)) / pixels;
+  }
+}
+
+/// Returns the finding that the light is too low if the events confirm neither the times nor the polarity of most
+/// cycles, and no change of the patterns, not even that to white, causes an event on most pixels.
+std::optional<Finding> RigCheck::check_light() const {
+  constexpr double kLeastPerPixel = 0.6;
+  if (2 * doubtful_ <= cycles_ || signed_per_pixel_.empty()) return std::nullopt;
+  double most = 0;
+  for (const double sum : signed_per_pixel_) most = std::max(most, std::abs(sum));
+  uint64_t judged = 0;
+  for (const uint64_t cycles : polarities_) judged += cycles;
+  most /= static_cast<double>(judged);
+  if (most >= kLeastPerPixel) return std::nullopt;
+  return Finding{"light-low",
+                 Severity::kWarning,
+                 cat("the light is so low that no change of the patterns causes more than ",
+                     std::round(100 * most) / 100, " events per pixel, which confirm neither times nor polarity"),
+                 "use more light, a wider aperture or more sensitive biases",
+                 {{"events_per_pixel", most}, {"least_confidence", least_confidence_}}};
+}
+
 Findings RigCheck::findings(const cycles::CycleReader& reader) const {
   const cycles::CycleOptions& options = reader.options();
   Findings findings;
   std::optional<Finding> of_triggers;
   if (options.source == CycleSource::kTriggers) of_triggers = check_triggers(options);
+  auto of_light = check_light();
+  const bool has_light = !of_light;
+  if (of_light) findings.push_back(std::move(*of_light));
   // Patterns that are mistaken for others have other signs.
-  if (!of_triggers) add_signs(reader, findings);
+  if (!of_triggers && has_light) add_signs(reader, findings);
   add_late_triggers(options.schedule, findings);
-  if (options.source == CycleSource::kTriggers) add_delay(options, findings);
+  if (options.source == CycleSource::kTriggers && has_light) add_delay(options, findings);
   if (of_triggers) findings.push_back(std::move(*of_triggers));
   if (reader.report().has_assumed_first) {
     findings.push_back(
@@ -141,7 +173,7 @@ Findings RigCheck::findings(const cycles::CycleReader& reader) const {
   }
   add_pixels(findings);
   add_duplicates(findings);
-  add_confidence(reader, findings);
+  if (has_light) add_confidence(reader, findings);
   return findings;
 }
 

@@ -67,6 +67,8 @@ class RigCheck {
   [[nodiscard]] Json json(const cycles::CycleReader& reader) const;
 
  private:
+  void add_light(const cycles::Cycle& cycle);
+  [[nodiscard]] std::optional<Finding> check_light() const;
   void add_signs(const cycles::CycleReader& reader, Findings& findings) const;
   void add_late_triggers(const cycles::Schedule& schedule, Findings& findings) const;
   void add_delay(const cycles::CycleOptions& options, Findings& findings) const;
@@ -82,6 +84,7 @@ class RigCheck {
   int64_t first_us_ = INT64_MAX, last_us_ = INT64_MIN;
   Polarity polarity_ = Polarity::kUnknown;  ///< of the last cycle all of whose events were read
   std::array<uint64_t, 4> polarities_{};    ///< number of such cycles
+  std::vector<double> signed_per_pixel_;    ///< ON less OFF events of each pattern, summed over such cycles
   uint64_t cycles_ = 0, doubtful_ = 0;
   capture::CountSums sums_;  ///< of the first cycles
   size_t num_hot_ = 0;
