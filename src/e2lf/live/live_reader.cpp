@@ -115,11 +115,13 @@ void LiveReader::see(const recordings::EventBatch& batch) {
   report();
 }
 
-void LiveReader::report() {
+void LiveReader::report(bool has_ended) {
   constexpr int64_t kCyclesBefore = 3;  // what is found earlier may be due to a few triggers
   Json rig = rig_.json(*cycles_);
   diagnose::Findings findings;
-  if (rig_.seen_us() > kCyclesBefore * cycles_->schedule().cycle_us()) findings = rig_.findings(*cycles_);
+  if ((has_ended && taken_ > 0) || rig_.seen_us() > kCyclesBefore * cycles_->schedule().cycle_us()) {
+    findings = rig_.findings(*cycles_);
+  }
   const std::lock_guard lock(findings_mutex_);
   findings.insert(findings.end(), other_findings_.begin(), other_findings_.end());
   rig["findings"] = diagnose::to_json(findings);
@@ -162,10 +164,13 @@ Result<bool> LiveReader::next(LiveCycle& cycle) {
 
 /// Reads the next cycle. Leaves `cycle` as it is if there is none.
 Result<bool> LiveReader::read(LiveCycle& cycle) {
-  if (stop_requested() || (options_.max_cycles != 0 && taken_ == options_.max_cycles)) return false;
+  if (stop_requested() || (options_.max_cycles != 0 && taken_ == options_.max_cycles)) {
+    report(true);
+    return false;
+  }
   choose_events();
   E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> next, cycles_->next());
-  report();
+  report(!next);
   if (!next) return false;
   ++taken_;
   next->confidence = rig_.add(*next, cycles_->options());

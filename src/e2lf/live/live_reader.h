@@ -106,7 +106,8 @@ class LiveReader {
   void see(const recordings::EventBatch& batch);
   void choose_events();
   void fuse(LiveCycle& cycle);
-  void report();
+  /// Updates the statistics and the findings, which short sources only get at their end.
+  void report(bool has_ended = false);
   void announce(const diagnose::Findings& findings);
 
   ReadingOptions options_;

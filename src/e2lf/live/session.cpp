@@ -282,10 +282,14 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const QualityLevel level = pace_.level();
   // As pipeline::FieldSequence determines the brightness.
   if (finds_tone && !tone_.black) tone_.black = recon::auto_black(field.light_field);
-  if (finds_tone && !tone_.gain) tone_.gain = recon::auto_gain(field.light_field, *tone_.black);
+  const bool finds_gain = finds_tone && !tone_.gain;
+  if (finds_gain) tone_.gain = recon::auto_gain(field.light_field, *tone_.black);
   field.black = tone_.black.value_or(0.0F);
   field.gain = tone_.gain.value_or(1.0F);
   lock.unlock();
+  if (finds_gain && options_.judge_gain) {
+    if (auto unusual = options_.judge_gain(field.gain)) reader_->add_findings({std::move(*unusual)});
+  }
   if (changes && options_.on_level) options_.on_level(level);
   return {};
 }

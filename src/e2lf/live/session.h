@@ -131,6 +131,8 @@ struct SessionOptions {
   /// it if there are several, in a thread of its own; empty = not at all. A cycle whose times are not confirmed, which
   /// would explain whatever is found, or that has no events is only judged if it is the last one.
   std::function<diagnose::Findings(const capture::EventImages& events, size_t cycles, bool is_confirmed)> check = {};
+  /// Judges a gain that was determined from a light field; empty = not at all.
+  std::function<std::optional<diagnose::Finding>(float gain)> judge_gain = {};
   std::function<void(const FieldReport&)> on_field = {};
   std::function<void(const QualityLevel&)> on_level =
       {};  ///< called after the size or the network was changed automatically

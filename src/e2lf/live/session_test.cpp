@@ -139,9 +139,8 @@ TEST(Session, EachCycleIsShownOrCountedAndTheLastOneIsShown) {
   for (const FieldReport& report : reports) EXPECT_GE(report.latency_s, report.reconstruct_s);
 }
 
-bool is_step_failed(const Json& session) {
-  return std::ranges::any_of(session["findings"],
-                             [](const Json& finding) { return finding["code"] == "live-step-failed"; });
+bool has_finding(const Json& session, const std::string& code) {
+  return std::ranges::any_of(session["findings"], [&](const Json& finding) { return finding["code"] == code; });
 }
 
 TEST(Session, AnExceptionOfACheckIsAFindingAndEachCycleIsStillCounted) {
@@ -157,8 +156,54 @@ TEST(Session, AnExceptionOfACheckIsAFindingAndEachCycleIsStillCounted) {
   ASSERT_FALSE(ended.ok());
   EXPECT_EQ(ended.error().code, ErrorCode::kInternal);
   const Json json = session.json();
-  EXPECT_TRUE(is_step_failed(json));
+  EXPECT_TRUE(has_finding(json, "live-step-failed"));
   EXPECT_EQ(json["fields"].get<uint64_t>() + json["skipped_cycles"].get<uint64_t>(), kCycles);
+}
+
+TEST(Session, TellsAnUnusualGainThatItDetermines) {
+  const TestFolder folder;
+  write_recording(folder / "a.raw", 2);
+  SessionOptions options;
+  options.size = PictureSize::kFull;
+  std::vector<float> judged;
+  options.judge_gain = [&](float gain) {
+    judged.push_back(gain);
+    return diagnose::Finding{.code = "gain-unusual", .message = "m", .remedy = "r"};
+  };
+  for (const bool is_given : {false, true}) {
+    if (is_given) options.tone.gain = 2.0F;
+    judged.clear();
+    Session session(open_replay(folder / "a.raw"), one_maker(), options);
+    session.start();
+    ASSERT_TRUE(session.wait().ok());
+    EXPECT_EQ(judged.size(), is_given ? 0U : 1U);
+    EXPECT_EQ(has_finding(session.json(), "gain-unusual"), !is_given);
+    for (const float gain : judged) EXPECT_FLOAT_EQ(gain, session.json()["gain"].get<float>());
+  }
+}
+
+/// What is found in the first three cycles may be due to a few triggers, unless there are no more.
+TEST(LiveReader, NamesTheFindingsOfASourceOfTwoCyclesAtItsEnd) {
+  const TestFolder folder;
+  write_recording(folder / "once.raw", 2);
+  const auto once = recordings::open_recording(folder / "once.raw").value();
+  const recordings::EventBatch events = recordings::read_all(*once).value();
+  recordings::EventBatch doubled;
+  doubled.triggers = events.triggers;
+  for (size_t i = 0; i < 2 * events.events.size(); ++i) doubled.events.push_back(events.events[i / 2]);
+  auto writer = recordings::create_recording(folder / "a.raw", "evt2", once->info()).value();
+  ASSERT_TRUE(writer->write(doubled).ok());
+  ASSERT_TRUE(writer->finish().ok());
+  std::vector<std::string> found;
+  ReadingOptions options;
+  options.on_finding = [&](const diagnose::Finding& finding) { found.push_back(finding.code); };
+  const auto reader = open_replay(folder / "a.raw", options);
+  LiveCycle cycle;
+  EXPECT_TRUE(reader->next(cycle).value());
+  EXPECT_EQ(found, std::vector<std::string>());
+  while (reader->next(cycle).value()) {
+  }
+  EXPECT_EQ(found, std::vector<std::string>{"events-duplicate"});
 }
 
 TEST(Session, AnExceptionOfTheDisplayLeavesTheRecordingComplete) {
@@ -173,7 +218,7 @@ TEST(Session, AnExceptionOfTheDisplayLeavesTheRecordingComplete) {
   session.start();
   EXPECT_FALSE(session.wait().ok());
   const Json json = session.json();
-  EXPECT_TRUE(is_step_failed(json));
+  EXPECT_TRUE(has_finding(json, "live-step-failed"));
   EXPECT_EQ(json["cycles"], 3);
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/model/composition.h"
 
@@ -29,25 +30,44 @@ Rank rank_of(const model::StatedModel& stated, const ModelNeeds& needs) {
   return {is_own, !model::is_conditioned_on_camera(stated.model), stated.guide.has_value(), macs};
 }
 
-}  // namespace
-
-Result<std::optional<BundledModel>> choose_bundled_model(const ModelNeeds& needs) {
-  std::optional<std::filesystem::path> chosen;
-  Rank best;
+/// Calls `see` with the file and the header of each bundled model. Files that cannot be read are left out.
+template <typename See>
+void for_each_bundled(const See& see) {
   for (const std::string& name : bundled_names(kBundledModels)) {
     const auto path = bundled_file_named(kBundledModels, name);
     if (!path) continue;
     const auto stated = model::read_stated_model(*path);
     if (!stated && stated.error().code != ErrorCode::kUnsupported) log_warning(stated.error().text());
-    if (!stated || !is_suitable(*stated, needs)) continue;
-    const auto rank = rank_of(*stated, needs);
-    if (chosen && rank <= best) continue;
-    chosen = *path;
-    best = rank;
+    if (stated) see(*path, *stated);
   }
+}
+
+}  // namespace
+
+Result<std::optional<BundledModel>> choose_bundled_model(const ModelNeeds& needs) {
+  std::optional<std::filesystem::path> chosen;
+  Rank best;
+  for_each_bundled([&](const std::filesystem::path& path, const model::StatedModel& stated) {
+    if (!is_suitable(stated, needs)) return;
+    const auto rank = rank_of(stated, needs);
+    if (chosen && rank <= best) return;
+    chosen = path;
+    best = rank;
+  });
   if (!chosen) return std::optional<BundledModel>();
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*chosen));
   return std::optional(BundledModel{std::move(*chosen), std::move(model)});
+}
+
+std::string conditioned_network_remedy(const std::optional<capture::Codes>& codes, bool gives_disparity) {
+  std::string names;
+  for_each_bundled([&](const std::filesystem::path& path, const model::StatedModel& stated) {
+    ModelNeeds needs{.codes = {}, .gives_disparity = gives_disparity, .is_conditioned = true};
+    if (codes || stated.model.codes) needs.codes = codes ? *codes : *stated.model.codes;
+    if (is_suitable(stated, needs)) names += cat(names.empty() ? "" : " or ", path.stem().string());
+  });
+  if (names.empty()) return "no bundled network for these patterns is conditioned on the sensor profile; train one";
+  return cat("use a network that is conditioned on the sensor profile: `model` ", names);
 }
 
 }  // namespace e2lf::pipeline

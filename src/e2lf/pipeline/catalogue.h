@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "e2lf/base/result.h"
 #include "e2lf/capture/patterns/codes.h"
@@ -32,5 +33,9 @@ struct BundledModel {
 /// views follow a disparity, and then those with the most multiply-adds.
 /// Returns nothing if no model is suitable. Files that cannot be read are left out with a warning.
 [[nodiscard]] Result<std::optional<BundledModel>> choose_bundled_model(const ModelNeeds& needs);
+
+/// Returns the remedy for events that need a network conditioned on the sensor profile, which names the bundled ones
+/// for these patterns with this output, or states that there is none. Empty patterns are those of any model.
+[[nodiscard]] std::string conditioned_network_remedy(const std::optional<capture::Codes>& codes, bool gives_disparity);
 
 }  // namespace e2lf::pipeline

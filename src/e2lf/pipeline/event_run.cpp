@@ -20,6 +20,12 @@ Result<void> check_input(const CycleInput& input, const ScheduleChoice& schedule
   return {};
 }
 
+/// Returns the patterns between which a reader with this schedule forms event images, if the schedule states them.
+std::optional<capture::Codes> codes_of(const cycles::Schedule* schedule) {
+  if (schedule == nullptr || !schedule->codes) return std::nullopt;
+  return cycles::codes_of_images(*schedule->codes, *schedule).value_or(*schedule->codes);
+}
+
 }  // namespace
 
 std::optional<double> EventResult::fused_cycles() const {
@@ -59,7 +65,7 @@ Result<ChosenMethod> choose_method(MethodChoice choice, const MethodUse& use, co
   ChosenMethod chosen;
   chosen.findings = diagnose::findings_from_text(choice.events.findings);
   chosen.is_confirmed = !diagnose::has_doubt(chosen.findings);
-  if (auto contradicted = contradicted_codes(choice.codes, choice.events.codes)) {
+  if (auto contradicted = contradicted_codes({choice.codes, choice.events.codes, codes_of(schedule)})) {
     chosen.findings.push_back(std::move(*contradicted));
   }
   E2LF_ASSIGN_OR_RETURN(chosen.method, open_method(std::move(choice)));
@@ -119,7 +125,11 @@ Result<void> EventRun::make_light_field(EventResult& result, const ProgressFn& p
     result.is_confirmed = result.is_confirmed && are_patterns_stated(method().codes);
     return {};
   };
+  const bool finds_gain = !sequence_->tone().gain;
   E2LF_ASSIGN_OR_RETURN(result.made, sequence_->next(result.cycle.images, progress, compare));
+  if (const auto& gain = sequence_->tone().gain; finds_gain && gain) {
+    if (auto unusual = gain_finding(method(), *gain)) result.findings.push_back(std::move(*unusual));
+  }
   return {};
 }
 

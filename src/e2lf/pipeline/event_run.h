@@ -31,7 +31,7 @@ struct EventResult {
   size_t number = 0;  ///< counts the results of the run from 0
   CycleImages cycle = {};
   std::variant<Field, EventDepth> made = {};
-  diagnose::Findings findings = {};             ///< of its event images
+  diagnose::Findings findings = {};             ///< of its event images, and of the gain that it determines
   std::optional<recon::EventError> error = {};  ///< of a light field, if the patterns are known
   std::optional<Explanation> check = {};        ///< of the first light field
   bool is_confirmed = true;                     ///< whether the times and patterns are confirmed

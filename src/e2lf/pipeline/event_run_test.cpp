@@ -103,6 +103,19 @@ TEST(EventRun, CollectsWhatMayBeWrong) {
   }
 }
 
+TEST(EventRun, ReportsAnUnusualGainThatItDetermines) {
+  EventRunOptions options = light_fields();
+  for (float& weight : options.method.model->weights.at("out.weight")) weight /= 10;
+  for (const auto& [gain, is_told] : {std::pair(std::optional(9.0F), false), {std::optional<float>(), true}}) {
+    options.tone.gain = gain;
+    EventRun run = EventRun::open(file_of(2), options).value();
+    EXPECT_EQ(diagnose::contains(run.next()->value().findings, "gain-unusual"), is_told);
+    EXPECT_FALSE(diagnose::contains(run.next()->value().findings, "gain-unusual")) << "once";
+    EXPECT_EQ(diagnose::contains(run.report().findings, "gain-unusual"), is_told);
+    EXPECT_FLOAT_EQ(*run.report().tone.gain, 9.0F);
+  }
+}
+
 TEST(EventRun, TellsPatternsOfOthers) {
   capture::MeasurementFile file = file_of(1);
   file.setup.codes = capture::default_codes();

@@ -195,6 +195,11 @@ std::optional<capture::Codes> OpenedMethod::codes_of_signs() const {
   return codes && camera && !camera->is_pixel() ? std::optional(codes->codes) : std::nullopt;
 }
 
+std::optional<capture::Codes> OpenedMethod::known_patterns() const {
+  if (codes) return codes->codes;
+  return std::nullopt;
+}
+
 Tone OpenedMethod::complete(Tone tone) const {
   const bool is_pixel = camera && camera->is_pixel();
   if (!tone.black && (tone.gain || !is_pixel)) tone.black = 0.0F;
@@ -207,14 +212,13 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
                 " supports a single pass; omit the number of passes");
   }
   if ((use.cycles > 1 || use.fused_cycles > 1) && !takes_sums()) {
-    return fail(
-        ErrorCode::kInvalidValue, use.cycles > 1 ? "cycles" : "fuse",
-        network
-            ? cat(network->model().name, gives_disparities() ? " estimates each map" : " reconstructs each light field",
-                  " from one cycle; omit the number of cycles, or use a model that is conditioned on the sensor ",
-                  "profile, such as e2lf-n4-camera")
-            : cat("the method ", word_of(algorithm, kAlgorithms),
-                  " reconstructs each light field from one cycle; omit the number of cycles"));
+    return fail(ErrorCode::kInvalidValue, use.cycles > 1 ? "cycles" : "fuse",
+                network ? cat(network->model().name,
+                              gives_disparities() ? " estimates each map" : " reconstructs each light field",
+                              " from one cycle; omit the number of cycles, or ",
+                              conditioned_network_remedy(known_patterns(), gives_disparities()))
+                        : cat("the method ", word_of(algorithm, kAlgorithms),
+                              " reconstructs each light field from one cycle; omit the number of cycles"));
   }
   if (network) return method_of(network, use);
   return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {

@@ -74,6 +74,9 @@ struct OpenedMethod {
   /// are therefore only known for the paper's event model.
   [[nodiscard]] std::optional<capture::Codes> codes_of_signs() const;
 
+  /// Returns the patterns, stated or assumed, or nothing.
+  [[nodiscard]] std::optional<capture::Codes> known_patterns() const;
+
   /// Completes a tone. An empty black level is replaced by 0, unless the camera has physical pixels and the gain is
   /// empty, too.
   [[nodiscard]] Tone complete(Tone tone) const;

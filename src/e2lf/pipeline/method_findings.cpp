@@ -2,6 +2,7 @@
 #include "e2lf/pipeline/method_findings.h"
 
 #include "e2lf/base/text.h"
+#include "e2lf/pipeline/catalogue.h"
 
 namespace e2lf::pipeline {
 using diagnose::Finding;
@@ -47,7 +48,7 @@ Findings network_findings(const OpenedMethod& method, const MethodUse& use) {
     findings.push_back({"pixels-foreign", Severity::kWarning,
                         cat("the events are those of physical pixels (", method.camera->name, "), which ",
                             network.model().name, " was not trained for: the result will be wrong"),
-                        "use a network conditioned on the sensor profile, such as e2lf-n4-camera"});
+                        conditioned_network_remedy(method.known_patterns(), method.gives_disparities())});
   }
   if (const size_t made = network.num_passes(use.passes); made < use.passes) {
     findings.push_back({"passes-reduced",
@@ -75,7 +76,7 @@ Findings classical_findings(const OpenedMethod& method) {
     findings.push_back({"pixels-foreign", Severity::kWarning,
                         cat("the events are those of physical pixels (", method.camera->name, "); the method ",
                             word_of(method.algorithm, kAlgorithms), " only supports the paper's event model"),
-                        "use a network conditioned on the sensor profile, such as e2lf-n4-camera"});
+                        conditioned_network_remedy(method.known_patterns(), method.gives_disparities())});
   }
   return findings;
 }
@@ -86,16 +87,44 @@ Findings method_findings(const OpenedMethod& method, const MethodUse& use) {
   return method.network ? network_findings(method, use) : classical_findings(method);
 }
 
-std::optional<Finding> contradicted_codes(const std::optional<capture::Codes>& of_caller,
-                                          const std::optional<capture::Codes>& of_events) {
-  if (!of_caller || !of_events || *of_caller == *of_events) return std::nullopt;
-  if (capture::whole_cycle(*of_caller) == *of_events || *of_caller == capture::whole_cycle(*of_events)) {
-    return std::nullopt;
+std::optional<Finding> gain_finding(const OpenedMethod& method, float gain) {
+  constexpr float kMostGain = 4, kLeastGain = 0.4F;
+  if (gain >= kLeastGain && gain <= kMostGain) return std::nullopt;
+  const bool is_of_model = method.camera_stated_by == StatedBy::kNone || method.camera_stated_by == StatedBy::kModel;
+  std::string remedy = gain > 1 ? "use more light" : "use less light";
+  if (is_of_model && method.takes_sums()) {
+    remedy += ", or state the sensor with `camera`";
+  } else if (is_of_model && method.network) {
+    remedy += cat(", or if the sensor has physical pixels, ",
+                  conditioned_network_remedy(method.known_patterns(), method.gives_disparities()));
   }
-  return Finding{"patterns-contradicted", Severity::kWarning,
-                 "the patterns that were given differ from those in the file of the events; those that were given are "
-                 "used",
-                 "omit `codes`, or check which patterns the camera showed"};
+  return Finding{"gain-unusual",
+                 Severity::kWarning,
+                 cat("the light field is well exposed only with a gain of ", formatted("%.2g", gain), ": the scene is ",
+                     gain > 1 ? "darker" : "brighter", " than those for which the method was made, or the sensor is ",
+                     "another one than ", method.sensor().name.empty() ? "assumed" : method.sensor().name),
+                 cat(remedy, "; `gain` states a brightness of your own"),
+                 {{"gain", gain}}};
+}
+
+std::optional<Finding> contradicted_codes(const StatedCodes& stated) {
+  const auto& [caller, events, schedule] = stated;
+  const auto differ = [](const std::optional<capture::Codes>& a, const std::optional<capture::Codes>& b) {
+    return a && b && *a != *b && capture::whole_cycle(*a) != *b && *a != capture::whole_cycle(*b);
+  };
+  if (differ(caller, events)) {
+    return Finding{"patterns-contradicted", Severity::kWarning,
+                   "the patterns that were given differ from those in the file of the events; those that were given "
+                   "are used",
+                   "omit `codes`, or check which patterns the camera showed"};
+  }
+  if (differ(caller ? caller : events, schedule)) {
+    return Finding{"patterns-contradicted", Severity::kWarning,
+                   cat("the patterns of the schedule differ from those ",
+                       caller ? "that were given" : "in the file of the events", ", which are used"),
+                   "check which patterns the camera showed"};
+  }
+  return std::nullopt;
 }
 
 }  // namespace e2lf::pipeline

@@ -6,12 +6,15 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/pipeline/catalogue.h"
+#include "e2lf/pipeline/method_findings.h"
 #include "e2lf/recon/inversion.h"
 
 namespace e2lf::pipeline {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 model::Model bundled(const char* name) {
   return read_network(bundled_file_named(kBundledModels, name).value()).value();
@@ -84,6 +87,46 @@ TEST(OpenMethod, ChoosesAmongTheBundledModelsByWhatTheyState) {
   EXPECT_EQ(name_for(eight, pixels, {.prefers_fast = true}), "e2lf-n8-camera");
   EXPECT_EQ(name_for(cycle, paper, {.prefers_fast = true}), "e2lf-n4-cycle");
   EXPECT_EQ(name_for(cycle, pixels, {.prefers_fast = true}), "e2lf-n4-cycle-camera");
+}
+
+TEST(Catalogue, NamesTheConditionedNetworksForThePatternsAndTheOutput) {
+  const capture::Codes cycle = *bundled("e2lf-n4-cycle").codes;
+  const std::string of_lit = conditioned_network_remedy(*bundled("e2lf-n4").codes, false);
+  EXPECT_THAT(of_lit, HasSubstr("e2lf-n4-camera or e2lf-n4-geometry-camera"));
+  EXPECT_THAT(of_lit, Not(HasSubstr("cycle")));
+  EXPECT_THAT(of_lit, Not(HasSubstr("depth")));
+  EXPECT_THAT(conditioned_network_remedy(cycle, false), HasSubstr("e2lf-n4-cycle-camera"));
+  EXPECT_THAT(conditioned_network_remedy(cycle, true), HasSubstr("e2lf-n4-cycle-depth"));
+  capture::Codes foreign = cycle;
+  std::ranges::reverse(foreign.values);
+  EXPECT_THAT(conditioned_network_remedy(foreign, false), HasSubstr("no bundled network"));
+}
+
+/// The message for sums of cycles and the finding about physical pixels name what to type, for light fields of each
+/// kind of cycle.
+TEST(OpenMethod, NamesTheNetworkThatTakesWhatAnotherDoesNot) {
+  for (const auto& [name, remedy] : {std::pair("e2lf-n4", "e2lf-n4-camera"),
+                                     {"e2lf-n8", "e2lf-n8-camera"},
+                                     {"e2lf-n4-cycle", "e2lf-n4-cycle-camera"}}) {
+    const OpenedMethod method = open_method({.model = bundled(name), .events = {.camera = pixel_camera()}}).value();
+    EXPECT_THAT(method.ready({.cycles = 6}).error().message, HasSubstr(remedy)) << name;
+    const diagnose::Findings findings = method_findings(method, {});
+    const auto foreign = std::ranges::find(findings, "pixels-foreign", &diagnose::Finding::code);
+    ASSERT_NE(foreign, findings.end()) << name;
+    EXPECT_THAT(foreign->remedy, HasSubstr(remedy)) << name;
+  }
+}
+
+TEST(GainFinding, TellsAGainFarFromOneWithWhatToDoAboutIt) {
+  const OpenedMethod of_paper = open_method({.model = bundled("e2lf-n4")}).value();
+  const OpenedMethod of_pixels = open_method({.model = bundled("e2lf-n4-camera")}).value();
+  for (const float usual : {0.5F, 1.0F, 3.5F}) EXPECT_FALSE(gain_finding(of_paper, usual)) << usual;
+  const auto of_dark = gain_finding(of_paper, 7.6F);
+  ASSERT_TRUE(of_dark);
+  EXPECT_EQ(of_dark->code, "gain-unusual");
+  EXPECT_THAT(of_dark->remedy, HasSubstr("e2lf-n4-camera"));
+  EXPECT_THAT(gain_finding(of_pixels, 7.6F)->remedy, HasSubstr("`camera`"));
+  EXPECT_TRUE(gain_finding(of_paper, 0.25F));
 }
 
 TEST(OpenMethod, NamesNoNetworkForPatternsThatNoneWasTrainedFor) {

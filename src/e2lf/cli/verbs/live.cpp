@@ -17,6 +17,7 @@
 #include "e2lf/lightfield/views.h"
 #include "e2lf/live/session.h"
 #include "e2lf/pipeline/event_run.h"
+#include "e2lf/pipeline/method_findings.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/sibling_program.h"
@@ -183,6 +184,7 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
     const auto explained = (*check)->judge_events(events);
     return explained && *explained ? (*explained)->findings : findings;
   };
+  setup.options.judge_gain = [method](float gain) { return pipeline::gain_finding(method, gain); };
   setup.fine = fine_method(*best.network, setup.options.views);
   return setup;
 }
