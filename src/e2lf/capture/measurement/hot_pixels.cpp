@@ -32,6 +32,7 @@ int32_t excess(std::span<const int32_t> counts, size_t height, size_t width, siz
   each_neighbour(height, width, pixel, [&](size_t neighbour) {
     around[count] = sign * counts[neighbour];
     not_less += around[count++] >= own ? 1 : 0;
+    return not_less <= kOutliers;  // most pixels are done after a few neighbours
   });
   if (not_less > kOutliers || count <= 2 * kOutliers) return 0;
   std::sort(around.begin(), around.begin() + static_cast<ptrdiff_t>(count));

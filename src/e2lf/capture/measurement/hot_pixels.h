@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "e2lf/capture/measurement/measurement.h"
@@ -20,14 +21,20 @@ struct CountSums {
   void fade();
 };
 
-/// Calls visit(neighbour) for the up to 24 pixels of a picture that are at most two rows and columns from `pixel`.
+/// Calls visit(neighbour) for the up to 24 pixels of a picture that are at most two rows and columns from `pixel`. A
+/// visitor that returns a bool ends the calls by false.
 template <typename Visit>
 void each_neighbour(size_t height, size_t width, size_t pixel, const Visit& visit) {
   constexpr size_t kReachPx = 2;
   const size_t y = pixel / width, x = pixel % width;
   for (size_t v = y < kReachPx ? 0 : y - kReachPx; v <= y + kReachPx && v < height; ++v) {
     for (size_t u = x < kReachPx ? 0 : x - kReachPx; u <= x + kReachPx && u < width; ++u) {
-      if (v != y || u != x) visit(v * width + u);
+      if (v == y && u == x) continue;
+      if constexpr (std::is_void_v<decltype(visit(pixel))>) {
+        visit(v * width + u);
+      } else if (!visit(v * width + u)) {
+        return;
+      }
     }
   }
 }
