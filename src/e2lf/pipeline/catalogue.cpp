@@ -66,7 +66,9 @@ std::string conditioned_network_remedy(const std::optional<capture::Codes>& code
     if (codes || stated.model.codes) needs.codes = codes ? *codes : *stated.model.codes;
     if (is_suitable(stated, needs)) names += cat(names.empty() ? "" : " or ", path.stem().string());
   });
-  if (names.empty()) return "no bundled network for these patterns is conditioned on the sensor profile; train one";
+  if (names.empty()) {
+    return "train a network that is conditioned on the sensor profile, because no bundled network is suitable";
+  }
   return cat("use a network that is conditioned on the sensor profile: `model` ", names);
 }
 

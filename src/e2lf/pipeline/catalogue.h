@@ -35,7 +35,7 @@ struct BundledModel {
 [[nodiscard]] Result<std::optional<BundledModel>> choose_bundled_model(const ModelNeeds& needs);
 
 /// Returns the remedy for events that need a network conditioned on the sensor profile, which names the bundled ones
-/// for these patterns with this output, or states that there is none. Empty patterns are those of any model.
+/// for these patterns with this output, or says that none is suitable. Empty patterns are those of any model.
 [[nodiscard]] std::string conditioned_network_remedy(const std::optional<capture::Codes>& codes, bool gives_disparity);
 
 }  // namespace e2lf::pipeline

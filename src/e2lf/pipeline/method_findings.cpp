@@ -90,6 +90,8 @@ Findings method_findings(const OpenedMethod& method, const MethodUse& use) {
 std::optional<Finding> gain_finding(const OpenedMethod& method, float gain) {
   constexpr float kMostGain = 4, kLeastGain = 0.4F;
   if (gain >= kLeastGain && gain <= kMostGain) return std::nullopt;
+  // The finding "pixels-foreign" explains it.
+  if (method.camera && method.camera->is_pixel() && !method.takes_sums()) return std::nullopt;
   const bool is_of_model = method.camera_stated_by == StatedBy::kNone || method.camera_stated_by == StatedBy::kModel;
   std::string remedy = gain > 1 ? "use more light" : "use less light";
   if (is_of_model && method.takes_sums()) {

@@ -99,7 +99,7 @@ TEST(Catalogue, NamesTheConditionedNetworksForThePatternsAndTheOutput) {
   EXPECT_THAT(conditioned_network_remedy(cycle, true), HasSubstr("e2lf-n4-cycle-depth"));
   capture::Codes foreign = cycle;
   std::ranges::reverse(foreign.values);
-  EXPECT_THAT(conditioned_network_remedy(foreign, false), HasSubstr("no bundled network"));
+  EXPECT_THAT(conditioned_network_remedy(foreign, false), HasSubstr("no bundled network is suitable"));
 }
 
 /// The message for sums of cycles and the finding about physical pixels name what to type, for light fields of each
@@ -127,6 +127,9 @@ TEST(GainFinding, TellsAGainFarFromOneWithWhatToDoAboutIt) {
   EXPECT_THAT(of_dark->remedy, HasSubstr("e2lf-n4-camera"));
   EXPECT_THAT(gain_finding(of_pixels, 7.6F)->remedy, HasSubstr("`camera`"));
   EXPECT_TRUE(gain_finding(of_paper, 0.25F));
+  const OpenedMethod of_others =
+      open_method({.model = bundled("e2lf-n4"), .events = {.camera = pixel_camera()}}).value();
+  EXPECT_FALSE(gain_finding(of_others, 7.6F)) << "a method for another sensor explains it";
 }
 
 TEST(OpenMethod, NamesNoNetworkForPatternsThatNoneWasTrainedFor) {
