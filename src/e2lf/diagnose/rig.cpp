@@ -81,7 +81,7 @@ void RigCheck::add(const recordings::EventBatch& batch) {
   diagnose::add(batch.triggers, inputs_);
   delay_.add_events(batch.events.t);
   // Duplicates are rarely single ones, so that a part of a long recording shows them.
-  constexpr uint64_t kAllOfFirst = 64, kEvery = 8;
+  constexpr uint64_t kAllOfFirst = 16, kEvery = 32;
   if (batches_ < kAllOfFirst || batches_ % kEvery == 0) duplicates_.add(batch.events);
   ++batches_;
   if (!batch.events.empty()) {
