@@ -180,16 +180,6 @@ done
 "$E2LF" accumulate rig.raw -o whole.npz --transitions all --codes e2lf-n4 --quiet
 "$E2LF" reconstruct whole.npz -m e2lf-n4-cycle-camera --codes e2lf-n4 -o of_whole --quiet 2>err.txt
 if grep -q "patterns-" err.txt; then fail "$(cat err.txt)"; fi
-# A doubt about the order is not one about the confidence of the cycle.
-py - <<'PY'
-import numpy as n
-arrays = dict(n.load("right.npz"))
-arrays["events"] = arrays["events"][:, [1, 0, 2]]
-n.savez("swapped.npz", **arrays)
-PY
-"$E2LF" reconstruct swapped.npz -m e2lf-n4-camera -o swapped >swapped.txt 2>err.txt
-grep -q "order-better-changed" err.txt || fail "$(cat err.txt)"
-if grep -q "confidence" swapped.txt err.txt; then fail "$(cat swapped.txt err.txt)"; fi
 # Too little light is named in place of a polarity, a delay and times that its events cannot tell; with light, never.
 for light in 0.2 0.1 0.03 0.01; do
   "$E2LF" simulate demo/scene -m e2lf-n4-camera --camera evk4-lcos --cycles 6 --seed 3 --scene-gain $light -o "light$light.raw" --quiet
