@@ -5,8 +5,8 @@
 
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"
-#include "e2lf/info/describe.h"
 #include "e2lf/geometry/any_patterns.h"
+#include "e2lf/info/describe.h"
 #include "e2lf/model/model.h"
 #include "e2lf/model/model_parts.h"
 #include "e2lf/video/video_model.h"
