@@ -58,7 +58,7 @@ PY
 "$E2LF" view "$TESTSUITE/../models/e2lf-n4.safetensors" --export model.html --quiet
 "$E2LF" view light.npy other.npy events.npz "$TESTSUITE/../models/e2lf-n4.safetensors" --export all.html --quiet
 
-"$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 120 -o long.raw --quiet
+"$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 240 -o long.raw --quiet
 "$E2LF" simulate demo/scene -m "$TESTSUITE/../models/e2lf-n4.safetensors" --cycles 600 -o longer.raw --quiet
 "$E2LF" reconstruct long.raw -m "$TESTSUITE/../models/e2lf-n4.safetensors" --format npy -o long --quiet
 

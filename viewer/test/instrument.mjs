@@ -5,7 +5,7 @@ import { readdirSync, readFileSync, rmSync, statSync } from 'node:fs';
 import net from 'node:net';
 import { assertNear, look, rowOf, settle, sizeOf, stateOf, withPage } from './browser.mjs';
 
-const row = 20, numCycles = 120;
+const row = 20, numCycles = 240;
 
 /** Serves the instrument; `check` gets its address, and what asks it. */
 async function withInstrument(check, recording = 'long.raw', model = process.env.E2LF_MODEL) {
