@@ -22,8 +22,8 @@ namespace {
 constexpr double kCameraRatio = 1.2;    // ratio of the error to that with the network's camera
 constexpr double kChangedRatio = 0.97;  // ratio of the error of changed events to that of the given ones
 constexpr double kClearRatio = 0.8;     // the same if the given events are explained as well as noise permits
-constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `ratio` for correct events
-constexpr size_t kMostSide = 512, kMostSideOfChanged = 192;       // px
+constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;     // range of `ratio` for correct events
+constexpr size_t kMostSideSearched = 512, kMostSideOfChanged = 192;  // px
 
 /// Turns or mirrors square images as patterns would: a pattern that is mirrored on the aperture has the same effect as
 /// an unmirrored one on the mirrored scene.
@@ -141,7 +141,7 @@ Result<std::optional<Finding>> better_change(const FieldCheck& check, const Expl
 Result<std::optional<Finding>> worse_camera(const OpenedMethod& method, const FieldCheck& check,
                                             const Explanation& explained, const capture::EventImages& events) {
   if (!method.models_camera) return std::optional<Finding>();
-  const capture::EventImages given = middle_of(events, kMostSide, kMostSide);
+  const capture::EventImages given = middle_of(events, kMostSideSearched, kMostSideSearched);
   recon::EventCheck models = check.camera();
   models.pixels = method.models_camera;
   const auto network = std::make_shared<const recon::Reconstructor>(method.network->with_camera(*method.models_camera));
