@@ -49,7 +49,7 @@ Json recording_json(const pipeline::CycleInput& input) {
           {"left_out", losses_json(summary)}};
 }
 
-Json report_json(const RigReport& report) {
+Json rig_json(const RigReport& report) {
   Json fits = Json::array();
   for (const PatternFit& fit : report.fits) fits.push_back(fit_json(fit));
   return {{"cycles", report.cycles},
@@ -150,7 +150,7 @@ Result<void> check_rig(const RigArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(
       const RigReport report,
       by_flag(pipeline::examine_rig(input, std::move(choice), [&] { deadline.reset(); }), arguments.input));
-  Json json = report_json(report);
+  Json json = rig_json(report);
   json["input"] = arguments.input.string();
   if (input.is_recording()) {
     json["recording"] = recording_json(input);
