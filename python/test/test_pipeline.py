@@ -121,7 +121,7 @@ class PipelineTest(InFolder):
             self.assertTrue(same(fused.images, still[3]))
         self.assertGreater(fusion.changed, 0)
         with self.assertRaises(e2lf.Error):
-            e2lf.Reconstructor("e2lf-n4").reconstruct(fused)  # is not told the number of cycles
+            e2lf.Reconstructor("e2lf-n4").reconstruct(fused)  # has no input for the number of cycles
         for wrong in (fused._replace(cycles=fused.cycles[1:]), fused._replace(cycles=0 * fused.cycles),
                       fused._replace(counts=fused.counts[:1])):
             with self.assertRaises(ValueError):

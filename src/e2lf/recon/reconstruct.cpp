@@ -160,7 +160,7 @@ Result<Reconstructor> Reconstructor::prepared_for_fused() const {
   E2LF_REQUIRE(!constant_cycles_ && beside_cycles_.empty(),
                "prepared_for() of a network that was already prepared for a number of cycles");
   const auto camera = conditioned_input(/*cycles=*/1);
-  E2LF_REQUIRE(camera, "the network is not told the number of cycles");
+  E2LF_REQUIRE(camera, "the network has no input for the number of cycles");
   const engine::EngineOptions options = options_of_prepared();
   // The elements before and after the number of cycles become one channel of ones each.
   const std::span<const float> before = std::span(camera->values).first(capture::kCyclesCondition);
