@@ -18,6 +18,10 @@ check "abs($(json right.json "j['recording']['events']") - $("$E2LF" info right.
 for name in events light pixels triggers patterns order verdict; do grep -q "^$name " page.txt || fail "no $name: $(cat page.txt)"; done
 grep -q "^next .*e2lf reconstruct right.raw" page.txt || fail "$(cat page.txt)"
 
+# The next command keeps the options that decide what is read.
+"$E2LF" check right.raw --seconds 3 --codes e2lf-n4 --source triggers --camera evk4-lcos --json >given.json 2>err.txt
+[ "$(json given.json "j['next']")" = "e2lf reconstruct right.raw --codes e2lf-n4 --source triggers --camera evk4-lcos -o recon" ] || fail "$(cat given.json)"
+
 # Patterns that are not stated are found among those of the bundled models.
 "$E2LF" accumulate right.raw -o right.npz --quiet
 py -c 'import numpy as n; n.savez("bare.npz", events=n.load("right.npz")["events"])'

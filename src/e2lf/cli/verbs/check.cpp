@@ -24,7 +24,21 @@ struct RigArguments {
   double seconds = 10;
   MethodFlags method;
   CycleFlags cycles;
+  std::vector<std::string> of_reconstruct = {};  ///< the words of the command line that `reconstruct` takes, too
 };
+
+/// Returns the words without the options that `check` alone has, or that only concern its output.
+std::vector<std::string> words_of_reconstruct(const std::vector<std::string>& words) {
+  std::vector<std::string> kept;
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "--seconds") {
+      ++i;  // its value
+    } else if (words[i] != "--json" && words[i] != "--quiet" && !words[i].starts_with("--seconds=")) {
+      kept.push_back(words[i]);
+    }
+  }
+  return kept;
+}
 
 Json fit_json(const PatternFit& fit) {
   return {{"patterns", fit.patterns},
@@ -105,9 +119,10 @@ std::string changes_text(const RigReport& report) {
     if (!best || ratio.get<double>() < best->second) best = {name, ratio.get<double>()};
   }
   if (!best) return "";
-  return line("order", formatted("%s, the events would be explained %.2f times as far from them (the best of %zu other "
-                                 "orders, polarities and orientations)",
-                                 best->first.c_str(), best->second, report.changes.size()));
+  return line("order",
+              formatted("%s, the light field would differ from the events %.2f times as much (the best of %zu other "
+                        "orders, polarities and orientations)",
+                        best->first.c_str(), best->second, report.changes.size()));
 }
 
 /// Returns the command that follows: the reconstruction if nothing is wrong.
@@ -115,9 +130,10 @@ std::string next_step(const RigArguments& arguments, const RigReport& report) {
   if (diagnose::has_doubt(report.findings) || report.fits.empty()) {
     return "correct the first finding, and run e2lf check again";
   }
-  const PatternFit& best = report.fits.front();
-  return cat("e2lf reconstruct ", shell_word(arguments.input.string()),
-             best.patterns.empty() ? "" : cat(" --codes ", best.patterns), " -o recon");
+  std::string command = "e2lf reconstruct";
+  for (const std::string& word : arguments.of_reconstruct) command += cat(" ", shell_word(word));
+  const std::string& patterns = report.fits.front().patterns;
+  return cat(command, patterns.empty() ? "" : cat(" --codes ", patterns), " -o recon");
 }
 
 std::string page(const RigArguments& arguments, const Verb& verb, const RigReport& report, const Json& json) {
@@ -170,6 +186,7 @@ int run_check(const std::vector<std::string>& arguments) {
             "events, and whether another order, polarity or orientation of the patterns explains them better.",
             "e2lf check recording.raw");
   RigArguments rig;
+  rig.of_reconstruct = words_of_reconstruct(arguments);
   rig.cycles.max_cycles = 16;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", rig.input,
