@@ -43,7 +43,8 @@ function(e2lf_use_precompiled target name)
 endfunction()
 
 # e2lf_compile_together(<target>): compiles several sources together, so that their headers are read once. Kernels are
-# excluded, because Highway compiles their sources several times. Names in unnamed namespaces of a module must differ.
+# excluded, because Highway compiles their sources several times. The groups have CMake's default size, eight, in every build,
+# and sources that depend on a feature come last, so that names of unnamed namespaces that collide do so in the build of the tests.
 function(e2lf_compile_together target)
   if(NOT E2LF_UNITY)
     return()
