@@ -113,3 +113,23 @@ for word in "Lytro a.lfp" "Lytro a.lfr" "OpenEXR a.exr" "pickle a.pkl" ".csv eve
   fails 1 "${word% *}" "$E2LF" info "${word#* }"
 done
 absent out.npz
+# Folders of pictures that are not read, and of columns of events.
+py - <<'PY'
+import os
+import numpy as np
+os.mkdir("views")
+for view in range(64):
+    open(f"views/{view // 8:02d}_{view % 8:02d}.exr", "wb").write(bytes.fromhex("762f3101") + bytes(100))
+os.mkdir("columns")
+time, place = np.arange(2000) * 1e-6, np.arange(2000) % 48
+for key, column in dict(t=time, xy=np.stack([place, place], 1), p=place % 2).items():
+    np.save(f"columns/events_{key}.npy", column)
+PY
+for verb in info "convert -o field" "simulate -o field.npz" "depth -o field" "pack -o field.safetensors" "reconstruct -o field"; do
+  # shellcheck disable=SC2086  # a verb and its option
+  fails 1 "contains 64 pictures as .exr" "$E2LF" $verb views
+done
+"$E2LF" info columns --json >info.json
+[ "$(json info.json "(j['kind'], j['events'], j['left_out'])")" = "('recording', 2000, [])" ] || fail "$(cat info.json)"
+fails 1 "--sensor-width" "$E2LF" accumulate columns -o field.npz
+absent field field.npz field.safetensors

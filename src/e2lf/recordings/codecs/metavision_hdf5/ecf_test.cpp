@@ -193,6 +193,50 @@ TEST(Ecf, EveryTruncationIsRefused) {
   }
 }
 
+/// Decodes a chunk and drops its zeros.
+EventColumns without_zeros(const std::vector<uint8_t>& bytes) {
+  EventColumns events = decode(bytes).value();
+  const size_t kept = drop_zeros(bytes, {events.x, events.y, events.p, events.t});
+  events.resize(kept);
+  return events;
+}
+
+TEST(Ecf, ZerosInPlaceOfHalfTheEventsLeaveTheOtherHalf) {
+  constexpr size_t kEvents = 16384, kHalf = kEvents / 2, kBytesOfHalf = kHalf / 4 * 12;
+  EventColumns events = random_stream({.events = kEvents, .width = 640, .height = 480, .max_gap_us = 9}).events;
+  events.x[kHalf - 1] = events.x[kHalf] = 7;  // not zero, so that the halves are exact
+  const std::vector<uint8_t> good = encode(events);
+  ASSERT_EQ(good[0] & 3, 2) << "places are packed";
+  EXPECT_EQ(without_zeros(good), events) << "a chunk without damage";
+  const size_t places = good.size() - 2 * kBytesOfHalf;
+  for (const size_t lost : {size_t{0}, kHalf}) {
+    std::vector<uint8_t> damaged = good;
+    std::fill_n(damaged.begin() + static_cast<ptrdiff_t>(places + lost / 4 * 12), kBytesOfHalf, uint8_t{0});
+    EventColumns expected;
+    for (size_t i = 0; i < kHalf; ++i) expected.push_back(events[kHalf - lost + i]);
+    EXPECT_EQ(without_zeros(damaged), expected) << "zeros from event " << lost << " on";
+  }
+  std::vector<uint8_t> without_places = good;
+  std::fill(without_places.begin() + static_cast<ptrdiff_t>(places), without_places.end(), uint8_t{0});
+  EXPECT_EQ(without_zeros(without_places).size(), 0u);
+}
+
+TEST(Ecf, ZerosInPlaceOfTimesAreRefused) {
+  std::vector<uint8_t> bytes = encode(random_stream({.events = 4000, .width = 640, .height = 480}).events);
+  std::fill(bytes.begin() + 100, bytes.end(), uint8_t{0});
+  EXPECT_FALSE(decode(bytes).ok());
+}
+
+TEST(Ecf, EventsOfTheFirstPixelAreNotTakenForZeros) {
+  EventColumns hot;
+  for (int i = 0; i < 4000; ++i) {
+    const int place = i % 3 == 0 ? 0 : i;
+    hot.push_back({static_cast<uint16_t>(place * 37 % 640), static_cast<uint16_t>(place * 11 % 480),
+                   static_cast<uint8_t>(i % 2), 10 * i});
+  }
+  EXPECT_EQ(without_zeros(encode(hot)), hot);
+}
+
 TEST(Ecf, DamagedChunksNeverBreakTheColumns) {
   std::mt19937 random(3);
   const std::vector<uint8_t> good = encode(rows_of_neighbours(700));

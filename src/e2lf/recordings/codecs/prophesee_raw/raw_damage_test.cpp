@@ -153,6 +153,23 @@ TEST(ZerosAtTheEnd, OfAnInterruptedCopyAreCountedAndCostNoEvent) {
   }
 }
 
+/// Zeros that begin within a word, as copies end at a multiple of bytes of the disk and not of the words.
+TEST(ZerosAtTheEnd, ThatBeginWithinAWordAreCounted) {
+  for (const std::string format : {"evt2", "evt2.1", "evt3"}) {
+    const size_t word_bytes = format == "evt3" ? 2 : format == "evt2" ? 4 : 8;
+    const Recording recording = make_recording(format, 7);
+    const size_t middle = recording.bytes.size() / 2;
+    for (size_t begin = middle; begin < middle + 40; ++begin) {
+      std::vector<uint8_t> bytes = recording.bytes;
+      std::fill(bytes.begin() + static_cast<ptrdiff_t>(begin), bytes.end(), 0);
+      const Decoded read = decoded(bytes);
+      const size_t zeros = (bytes.size() - begin) / word_bytes;
+      EXPECT_NEAR(read.summary.of(Violation::kZeros).count, zeros, 1) << format << ", byte " << begin;
+      EXPECT_LE(read.summary.num_violations(), zeros + 3) << format << ", byte " << begin;
+    }
+  }
+}
+
 TEST(ClockSetAnew, GoesOnAfterAWhile) {
   // The second half begins earlier than the first ends, as when two recordings are joined.
   Recording recording = make_recording("evt3", 9);

@@ -197,7 +197,8 @@ class WordDamage {
     }
     const size_t window = std::min(behind, kWindowWords);
     const size_t bad = Codec::count_bad(word + kWordBytes, window, kWindowBad + 1);
-    if (bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1)) return begin_break(input, time_us);
+    const bool is_break = bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1);
+    if (is_break && !is_cut_by_zeros(input)) return begin_break(input, time_us);
     const Violation fault = Codec::classify(word, check_, limits_);
     if (fault == Violation::kTimeBackwards || fault == Violation::kTimeJump) {
       const Verdict verdict = Codec::judge_time(word, behind + 1, input.ended, check_);
@@ -319,17 +320,29 @@ class WordDamage {
     return Step::kGoOn;
   }
 
+  [[nodiscard]] static bool is_zero(const Input& input, size_t word) {
+    const uint8_t* const bytes = input.data() + word * kWordBytes;
+    return std::all_of(bytes, bytes + kWordBytes, [](uint8_t byte) { return byte == 0; });
+  }
+
+  /// Returns whether a run of zero bytes begins within the word at which the check stopped. This word is dropped alone,
+  /// so that the zero words behind it are counted as such.
+  [[nodiscard]] bool is_cut_by_zeros(const Input& input) const {
+    const size_t end = checked_ + 1 + kMaxZeros + 1;
+    if (is_zero(input, checked_) || end > input.num_words()) return false;
+    for (size_t i = checked_ + 1; i < end; ++i) {
+      if (!is_zero(input, i)) return false;
+    }
+    return true;
+  }
+
   /// Drops a run of zero words, such as the unwritten rest of an interrupted copy. What stands before it is complete.
   Step begin_zeros(Input& input, int64_t time_us) {
     const size_t first = checked_ - std::min<size_t>(checked_, kMaxZeros);
     // As above, not further than the wait.
     const size_t most = std::min(input.num_words(), checked_ + kJudgeWords);
-    const auto is_zero = [&](size_t i) {
-      const uint8_t* const word = input.data() + i * kWordBytes;
-      return std::all_of(word, word + kWordBytes, [](uint8_t byte) { return byte == 0; });
-    };
     size_t end = checked_;
-    while (end < most && is_zero(end)) ++end;
+    while (end < most && is_zero(input, end)) ++end;
     if (end == input.num_words() && !input.ended && end < checked_ + kJudgeWords) return Step::kNeedMore;
     input.summary->add_dropped(Violation::kZeros, input.byte(first * kWordBytes), end - first);
     open_gap(input.byte(first * kWordBytes), time_us);
