@@ -25,9 +25,9 @@ Result<std::vector<float>> values_of(const Safetensors& tensors, const std::stri
                                      bool any_type = false) {
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, tensors.find(name, file));
   const std::string location = cat(file, ": ", name);
-  if (!any_type && tensor->type != "f4" && tensor->type != "bf16") {
+  if (!any_type && tensor->type != "f4" && tensor->type != "f2" && tensor->type != "bf16") {
     return fail(ErrorCode::kUnsupported, location, "the element type ", type_name(*tensor),
-                " is not supported; save it as F32 or BF16");
+                " is not supported; save it as F32, F16 or BF16");
   }
   if (tensor->shape == shape) return tensor->to_float(location);
   return fail(ErrorCode::kShape, location, "the values have shape ", shape_text(tensor->shape), " instead of ",

@@ -111,6 +111,25 @@ TEST(ModelFile, StoresWeightsInHalfTheRoomRoundedToTheNearest) {
   }
 }
 
+TEST(ModelFile, ReadsWeightsInHalfPrecisionBesideOthers) {
+  const TestFolder folder;
+  const Model model = small_model();
+  ASSERT_TRUE(write_model(folder / "m.safetensors", model).ok());
+  Safetensors file = *read_safetensors(folder / "m.safetensors");
+  // 64 times 1.5, the third of which is -0.25.
+  std::vector<uint16_t> halves(64, 0x3E00);
+  halves[2] = 0xB400;
+  file.tensors["b.bias"] = make_npy<uint16_t>({64}, halves);
+  file.tensors["b.bias"].type = "f2";
+  ASSERT_TRUE(write_safetensors(folder / "m.safetensors", file).ok());
+  const auto read = read_model(folder / "m.safetensors");
+  ASSERT_TRUE(read.ok()) << read.error().text();
+  std::vector<float> expected(64, 1.5F);
+  expected[2] = -0.25F;
+  EXPECT_EQ(read->weights.at("b.bias"), expected);
+  EXPECT_EQ(read->weights.at("b.weight"), model.weights.at("b.weight"));
+}
+
 /// A model with two layers that have the same weights, and their sum as the output.
 Model model_with_equal_layers() {
   Model model = small_model();
