@@ -9,7 +9,7 @@
 namespace e2lf::recordings {
 namespace {
 
-constexpr size_t kMaxLine = size_t{1} << 16, kMaxHeader = size_t{1} << 20;
+constexpr size_t kMaxHeader = size_t{1} << 20;  ///< bytes of a header, and of a line of it
 
 bool is_beyond_ascii(char c) {
   return static_cast<uint8_t>(c) >= 0x80;
@@ -39,7 +39,7 @@ std::string_view content_of(std::string_view line) {
 
 /// Returns the offset after a line at `begin`, or npos if it is not complete.
 size_t line_end(std::string_view text, size_t begin) {
-  const size_t newline = text.substr(begin, kMaxLine).find('\n');
+  const size_t newline = text.substr(begin, kMaxHeader).find('\n');
   return newline == std::string_view::npos ? newline : begin + newline + 1;
 }
 
@@ -50,11 +50,11 @@ std::optional<size_t> header_bytes(std::string_view text, bool ended, bool until
   for (size_t begin = 0;;) {
     const size_t end = line_end(text, begin);
     const bool is_whole = end != std::string_view::npos;
-    const std::string_view line = text.substr(begin, (is_whole ? end : begin + kMaxLine) - begin);
+    const std::string_view line = text.substr(begin, (is_whole ? end : begin + kMaxHeader) - begin);
     const size_t so_far = until_end ? 0 : begin;
     if (!is_whole) {
       const bool may_go_on = line.empty() || (line.front() == '%' && (line.size() == 1 || is_header(line)));
-      const bool needs_more = may_go_on && !ended && line.size() < kMaxLine;
+      const bool needs_more = may_go_on && !ended && line.size() < kMaxHeader;
       return needs_more ? std::nullopt : std::optional(so_far);
     }
     const std::string_view without_newline = line.substr(0, line.size() - 1);
