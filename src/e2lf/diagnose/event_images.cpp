@@ -79,6 +79,27 @@ size_t window_radius(size_t height, size_t width) {
   return std::clamp<size_t>(std::min(height, width) / 24, 5, 16);
 }
 
+/// A place between two pixels of a row or column.
+struct Between {
+  uint32_t first = 0, second = 0;
+  float share = 0;  ///< of the second
+
+  [[nodiscard]] float of(float at_first, float at_second) const { return at_first * (1 - share) + at_second * share; }
+  [[nodiscard]] float of(const float* values) const { return of(values[first], values[second]); }
+};
+
+/// Returns the places of `count` pixels that are displaced by `by` px, within the image. All rows and columns of an
+/// image share them, so that they are computed once.
+std::vector<Between> displaced_places(size_t count, float by) {
+  std::vector<Between> places(count);
+  for (size_t i = 0; i < count; ++i) {
+    const float at = std::clamp(static_cast<float>(i) + by, 0.0F, static_cast<float>(count - 1));
+    const auto first = static_cast<uint32_t>(at);
+    places[i] = {first, std::min(first + 1, static_cast<uint32_t>(count - 1)), at - static_cast<float>(first)};
+  }
+  return places;
+}
+
 /// Returns the mean over the pixels of the variance between the images at the disparity that fits best.
 double mismatch(const Images& images, const std::vector<PatternPlace>& places, size_t height, size_t width) {
   const size_t size = height * width, radius = window_radius(height, width);
@@ -87,12 +108,16 @@ double mismatch(const Images& images, const std::vector<PatternPlace>& places, s
     std::ranges::fill(sum, 0.0F);
     std::ranges::fill(squares, 0.0F);
     for (size_t n = 0; n < images.size(); ++n) {
-      const auto dy = disparity * static_cast<float>(places[n].y), dx = disparity * static_cast<float>(places[n].x);
-      for (size_t i = 0; i < size; ++i) {
-        const float value = recon::sample_bilinear(images[n], height, width, static_cast<float>(i / width) + dy,
-                                                   static_cast<float>(i % width) + dx);
-        sum[i] += value;
-        squares[i] += value * value;
+      const std::vector<Between> columns = displaced_places(width, disparity * static_cast<float>(places[n].x));
+      const std::vector<Between> rows = displaced_places(height, disparity * static_cast<float>(places[n].y));
+      for (size_t y = 0; y < height; ++y) {
+        const float* const upper = images[n].data() + rows[y].first * width;
+        const float* const lower = images[n].data() + rows[y].second * width;
+        for (size_t x = 0; x < width; ++x) {
+          const float value = rows[y].of(columns[x].of(upper), columns[x].of(lower));
+          sum[y * width + x] += value;
+          squares[y * width + x] += value * value;
+        }
       }
     }
     const auto count = static_cast<float>(images.size());
