@@ -11,6 +11,9 @@ import { groundColour } from './theme';
 
 const mostVertices = 1e5; // of the surface; the picture on it has all pixels
 const mostTip = 1.4;
+const eye = 4; // distance of the eye, in half widths
+const margin = 0.85; // of the picture, within which a relief is
+const mostPlacesToFit = 5000;
 
 /** Sets the turn around the vertical axis and around the horizontal one, in radians. */
 export function turnRelief(state: State, turn: number, tip: number): void {
@@ -36,8 +39,8 @@ export class Relief {
     const ratio = Math.min(devicePixelRatio, 2) * scale;
     const size = (px: number) => Math.max(Math.round(px * ratio), 1);
     const [turn, tip] = [state.get('turn'), state.get('tip')];
-    const margin = 0.85; // so that a turned relief fits
     const { surface, buffer, vertices } = this.meshFor(Math.max(this.finestStep(), Math.round(1 / scale)), this.map.leastConfidence(state));
+    const [x, y, magnification] = fitted(surface, this.map, [turn, tip], state.get('depth'));
     const values = {
       ...picture,
       ...this.map.uniforms(state, state.get('overlay')),
@@ -46,7 +49,7 @@ export class Relief {
       spacing: surface.step,
       turned: [Math.sin(turn), Math.cos(turn), Math.sin(tip), Math.cos(tip)],
       deep: state.get('depth'),
-      shown: [2 * state.get('panx') - 1, 1 - 2 * state.get('pany'), margin * state.get('zoom')],
+      shown: [x + 2 * state.get('panx') - 1, y + 1 - 2 * state.get('pany'), margin * magnification * state.get('zoom')],
     };
     this.painter.paint(target, size(target.clientWidth), size(target.clientHeight), reliefShader, values,
       { vertex: reliefVertices, ground: groundColour(), buffer, count: surface.triangles.length });
@@ -107,6 +110,36 @@ function heightOf(disparity: number, [near, far]: [number, number]): number {
   return clamp(((near + far) / 2 - disparity) / Math.max(far - near, 1e-6), -0.8, 0.8);
 }
 
+/** Returns the middle of what is shown of a turned relief and its magnification, so that nearly all of it is within the
+ *  picture: 0, 0 and 1 where it fits anyway. Units are half the width and height of the flat relief. */
+function fitted(surface: Surface, map: DisparityMap, [turn, tip]: [number, number], deep: number): [number, number, number] {
+  const { columns, step, disparities, triangles } = surface;
+  const [width, height] = map.size;
+  const seen: [number[], number[]] = [[], []];
+  const stride = 6 * Math.max(Math.ceil(triangles.length / (6 * mostPlacesToFit)), 1);
+  for (let i = 0; i < triangles.length; i += stride) {
+    const vertex = triangles[i]!;
+    const x = ((2 * ((vertex % columns) + 0.5) * step) / width) - 1;
+    const y = (1 - (2 * (Math.floor(vertex / columns) + 0.5) * step) / height) * (height / width);
+    const z = 2 * deep * heightOf(disparities[vertex]!, map.range);
+    // As in the shader.
+    const [right, away] = [Math.cos(turn) * x + Math.sin(turn) * z, Math.cos(turn) * z - Math.sin(turn) * x];
+    const [up, near] = [Math.cos(tip) * y + Math.sin(tip) * away, Math.cos(tip) * away - Math.sin(tip) * y];
+    const w = (eye - near) / eye;
+    seen[0].push(right / w);
+    seen[1].push((up * width) / height / w);
+  }
+  // Single places at wrong disparities do not count.
+  const ends = seen.map((values) => {
+    values.sort((a, b) => a - b);
+    const one = Math.floor(values.length / 400);
+    return [values[one] ?? -1, values[values.length - 1 - one] ?? 1] as const;
+  });
+  const magnification = Math.min(1, ...ends.map(([least, most]) => 2 / Math.max(most - least, 1e-6)));
+  const [x, y] = ends.map(([least, most]) => clamp(0, most - 1 / magnification, least + 1 / magnification));
+  return [x!, y!, magnification];
+}
+
 const reliefVertices = `#version 300 es
 precision highp float;
 uniform highp sampler2D vertices;
@@ -129,7 +162,7 @@ void main() {
   p = vec3(turned.y * p.x + turned.x * p.z, p.y, turned.y * p.z - turned.x * p.x);
   p = vec3(p.x, turned.w * p.y + turned.z * p.z, turned.w * p.z - turned.z * p.y);
   position = p;
-  const float eye = 4.0;    // its distance, in half widths
+  const float eye = ${eye.toFixed(1)};
   float w = (eye - p.z) / eye;
   gl_Position = vec4(shown.z * (vec2(p.x, p.y * size.x / size.y) - shown.xy * w), -0.3 * p.z, w);
 }`;

@@ -142,6 +142,28 @@ export const tests = {
       assert.ok(last < seen.at(-1) - 5, 'narrower');
     }),
 
+  'a relief is within the picture however it is turned': ({ url }) =>
+    withPage(url('surface.html', 'show=relief&turn=0.9&tip=-0.4&depth=1&overlay=0'), {}, async (page) => {
+      for (const hash of ['', 'show=relief&turn=-0.9&tip=0.5&depth=1&overlay=0']) {
+        if (hash !== '') await look(page, hash);
+        const [atBorder, shown] = await page.evaluate(() => {
+          const canvas = document.querySelector('canvas.picture');
+          const { width, height } = canvas;
+          const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+          let border = 0, all = 0;
+          for (let i = 0; i < width * height; ++i) {
+            if (data[4 * i] === data[0]) continue; // the ground
+            const [x, y] = [i % width, Math.floor(i / width)];
+            border += Number(Math.min(x, y, width - 1 - x, height - 1 - y) < 2);
+            ++all;
+          }
+          return [border, all / (width * height)];
+        });
+        assert.equal(atBorder, 0, `${hash}: it is cut`);
+        assert.ok(shown > 0.05, `${hash}: ${shown} of the picture`);
+      }
+    }),
+
   'true and reconstructed disparities are side by side in the same colours, with the figures of e2lf eval': ({ url }) =>
     withPage(url('truth.html', 'show=disparity'), {}, async (page) => {
       const { disparity, psnr_db: psnr } = JSON.parse(readFileSync('quality.json', 'utf8'));
