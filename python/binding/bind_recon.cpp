@@ -268,7 +268,8 @@ void bind_recon(py::module_& module) {
       "precision: \"auto\", \"float32\", \"bfloat16\" or \"int16\".\n"
       "camera: the Camera that recorded the events, for networks conditioned on the sensor profile; None = that of the "
       "model.\n"
-      "device: \"cpu\". On a GPU, networks run as modules of e2lf.torch and by the command line (--device).")
+      "device: \"cpu\", or with PyTorch \"cuda\", \"cuda:N\" or \"torch-cpu\", as the option --device of the command "
+      "line.")
       .def(py::init<const ModelArgument&, const std::string&, const capture::SensorProfile*, const std::string&>(),
            py::arg("model"), py::kw_only(), py::arg("precision") = "auto", py::arg("camera") = nullptr,
            py::arg("device") = "cpu")

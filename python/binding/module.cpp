@@ -25,6 +25,7 @@ PYBIND11_MODULE(_e2lf, module) {
   e2lf::formats::add_formats();
   e2lf::cameras::add_cameras();
   e2lf::video::add_operations();  // any model may have them
+  python::add_torch_devices();
   python::bind_errors(module);
   python::bind_base(module);
   python::bind_capture(module);

@@ -28,6 +28,10 @@ void bind_depth(py::module_& module);
 void bind_calibrate(py::module_& module);
 void bind_video(py::module_& module);
 
+/// Makes the devices "cuda", "cuda:N" and "torch-cpu" known to the engine, on which modules of e2lf.torch compute
+/// networks.
+void add_torch_devices();
+
 /// Lets the TypeErrors of all functions and methods of the module show the types of the arguments in place of their
 /// values.
 void shorten_type_errors(const py::module_& module);

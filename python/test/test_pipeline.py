@@ -101,6 +101,17 @@ class PipelineTest(InFolder):
         self.assertGreaterEqual(error["at_first"], error["least"])
         self.assertGreater(error["least"], 0)
 
+    def test_devices(self):
+        images, _ = event_images(1)
+        own = e2lf.Reconstructor(self.model).reconstruct(images[0], gain=1)
+        self.assertTrue(same(e2lf.Reconstructor("e2lf-n4", device="cpu").reconstruct(images[0], gain=1), own))
+        with self.assertRaises(e2lf.Error) as raised:
+            e2lf.Reconstructor("e2lf-n4", device="tpu")
+        self.assertEqual(raised.exception.code, "missing_dependency")
+        with self.assertRaises(e2lf.Error) as raised:  # without PyTorch, or there is no such GPU
+            e2lf.Reconstructor("e2lf-n4", device="cuda:99")
+        self.assertEqual(raised.exception.code, "missing_dependency")
+
     def test_fused_cycles(self):
         images, codes = event_images(4)
         still = np.stack([images[0], images[0], images[0], images[1]])
