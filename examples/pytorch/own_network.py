@@ -1,10 +1,14 @@
-"""Trains a network of your own, here with 4-D convolutions, on events of e2lf with its patterns, and scores it as `e2lf eval` does.
+"""Trains a network of your own, here with 4-D convolutions, on events of e2lf with its patterns, and serves `e2lf compare`.
 
-python3 own_network.py FOLDER [STEPS [LIGHT_FIELD ...]]     writes the reconstruction of the demo scene into the folder
+python3 own_network.py train WEIGHTS.pt [STEPS [LIGHT_FIELD ...]]       without light fields: synthesised ones
+python3 own_network.py WEIGHTS.pt EVENTS.npz LIGHT_FIELD.npy            as own_network.json calls it
 """
-import json
-import sys
+from __future__ import annotations
 
+import sys
+from pathlib import Path
+
+import numpy as np
 import torch
 from torch import Tensor, nn
 from torch.utils.data import DataLoader
@@ -48,29 +52,36 @@ class OwnNetwork(nn.Module):
         return x.mean(1) + 0.5
 
 
-torch.manual_seed(1)
-folder, steps = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 1000
-codes, constants = e2lf.read_codes("e2lf-n4"), e2lf.SensorConstants()
-aperture = CodedAperture(codes=codes, trained=False)  # or trained=True, with its parameters in the optimiser
-simulator = EventSimulator(constants)
-network = OwnNetwork(len(codes) - 1)
-optimiser = torch.optim.Adam(network.parameters(), lr=1e-3)
-patches = DataLoader(LightFieldPatches(sys.argv[3:], size=32, length=BATCH * steps), BATCH, num_workers=1)
+def train(weights: Path, steps: int, light_fields: list[str]) -> None:
+    torch.manual_seed(1)
+    codes = e2lf.read_codes("e2lf-n4")
+    aperture = CodedAperture(codes=codes, trained=False)  # or trained=True, with its parameters in the optimiser
+    simulator = EventSimulator(e2lf.SensorConstants())
+    network = OwnNetwork(len(codes) - 1)
+    optimiser = torch.optim.Adam(network.parameters(), lr=1e-3)
+    patches = DataLoader(LightFieldPatches(light_fields, size=32, length=BATCH * steps), BATCH, num_workers=1)
+    for step, truth in enumerate(patches, 1):
+        output = network(simulator(aperture(truth)))
+        loss = (output - truth).square().mean()
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+        if step % 50 == 0 or step == steps:
+            print(f"step {step}: {psnr(output.detach(), truth).mean():.2f} dB")
+    weights.parent.mkdir(parents=True, exist_ok=True)
+    torch.save(network.state_dict(), weights)
 
-for step, truth in enumerate(patches, 1):
-    output = network(simulator(aperture(truth)))
-    loss = (output - truth).square().mean()
-    optimiser.zero_grad()
-    loss.backward()
-    optimiser.step()
-    if step % 50 == 0 or step == steps:
-        print(f"step {step}: {psnr(output.detach(), truth).mean():.2f} dB")
 
-scene = e2lf.demo_scene(96, 64)
-events = e2lf.simulate(scene, codes, constants=constants, seed=7)  # the simulator of the library, not that of the training
-with torch.no_grad():
-    light_field = network(torch.from_numpy(events).float()[None])[0].numpy()
-e2lf.write_light_field(folder, light_field, overwrite=True)
-for name, result in (("own network", light_field), ("e2lf-n4", e2lf.Reconstructor("e2lf-n4").reconstruct(events, gain=1))):
-    scores = e2lf.compare(scene, result)
-    print(json.dumps({"method": name, **{key: scores[key] for key in ("psnr_db", "ssim_gaussian", "epi_rms_error")}}))
+def reconstruct(weights: Path, events: Path, output: Path) -> None:
+    """Reconstructs the mean of the light fields of all cycles."""
+    cycles = torch.from_numpy(np.stack(e2lf.read_event_images(events).cycles)).float()
+    network = OwnNetwork(cycles.shape[1])
+    network.load_state_dict(torch.load(weights))
+    with torch.no_grad():
+        np.save(output, network(cycles).mean(0).numpy())
+
+
+if sys.argv[1] == "train":
+    train(Path(sys.argv[2]), int(sys.argv[3]) if len(sys.argv) > 3 else 1000, sys.argv[4:])
+else:
+    reconstruct(*map(Path, sys.argv[1:4]))

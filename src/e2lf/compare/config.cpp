@@ -18,7 +18,8 @@ template <typename AnyConfig, typename Visitor>
 void visit_config(AnyConfig& config, Visitor& visit) {
   visit("name", config.name);
   visit.list("methods", config.methods, [](auto& method, auto& inner) {
-    E2LF_VISIT(method, inner, name, algorithm, model, codes, camera, passes, gain, fit_gain, precision, optional);
+    E2LF_VISIT(method, inner, name, algorithm, model, codes, camera, command, passes, gain, fit_gain, precision,
+               optional);
   });
   visit.list("scenes", config.scenes, [](auto& group, auto& inner) {
     E2LF_VISIT(group, inner, name, scenes, stand_in, width, height, step, reverse_rows, optional);
@@ -78,6 +79,10 @@ Result<void> check_method(const MethodConfig& method, const std::string& locatio
   if (!is_network && !is_video && !method.model.empty()) {
     return invalid(cat("the method ", method.algorithm, " does not use a model; give the patterns as \"codes\""),
                    location + ".model");
+  }
+  if ((method.algorithm == "external") == method.command.empty()) {
+    return invalid("\"command\" names the program of the algorithm \"external\"; give both or neither",
+                   location + ".command");
   }
   if (!is_network && (method.passes > 1 || !method.camera.empty())) {
     return invalid("\"passes\" and \"camera\" only apply to networks; remove them", location);

@@ -16,6 +16,7 @@ struct MethodConfig {
   std::string name;
   std::string algorithm = "network";                ///< one of kAlgorithms
   std::string model = {}, codes = {}, camera = {};  ///< names of files
+  std::vector<std::string> command = {};            ///< of an external program, see run_external()
   size_t passes = 1;
   float gain = 1.0F;
   bool fit_gain = false;
@@ -52,7 +53,7 @@ struct Config {
   bool pictures = true;
 };
 
-inline constexpr const char* kAlgorithms[] = {"network", "inversion", "event-video"};
+inline constexpr const char* kAlgorithms[] = {"network", "inversion", "event-video", "external"};
 
 /// Reads a configuration. Fails with kFormat and kInvalidValue (unknown keys, for which the nearest known
 /// one is suggested, values out of range, duplicate names, or nothing to compare). The location is the place in the

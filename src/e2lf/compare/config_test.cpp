@@ -62,6 +62,8 @@ TEST(Config, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(with("methods", "algorithm", "inversoin"), HasSubstr("inversion"));
   EXPECT_THAT(with("methods", "algorithm", "network"), HasSubstr("network"));
   EXPECT_THAT(with("methods", "model", "m.safetensors"), HasSubstr("model"));
+  EXPECT_THAT(with("methods", "command", {"true"}), HasSubstr("methods[0].command"));
+  EXPECT_THAT(with("methods", "algorithm", "external"), HasSubstr("methods[0].command"));
   EXPECT_THAT(with("methods", "passes", 0), HasSubstr("give 1 to 64"));
   EXPECT_THAT(with("methods", "gain", -1), HasSubstr("positive number"));
   EXPECT_THAT(with("methods", "name", ""), HasSubstr("name"));

@@ -6,6 +6,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
+#include "e2lf/compare/external.h"
 #include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/depth/disparity_error.h"
@@ -232,6 +233,21 @@ Result<Outcome> JobRunner::run_method(const Job& job, const LightField& truth, c
   return outcome;
 }
 
+/// Reconstructs all cycles with the program of the method.
+Result<Outcome> JobRunner::run_program(const Job& job, const LightField& truth) {
+  const ComparedMethod& method = plan_.methods[job.method];
+  E2LF_ASSIGN_OR_RETURN(const Cycles* cycles, cycles_of(job, truth));
+  capture::EventImageFile events{.cycles = {},
+                                 .setup = {.codes = method.codes, .camera = plan_.sensors[job.sensor].camera}};
+  for (const capture::Measurement& cycle : *cycles) events.cycles.push_back(cycle.events);
+  Outcome outcome;
+  const auto begin = std::chrono::steady_clock::now();
+  E2LF_ASSIGN_OR_RETURN(outcome.light_field, run_external(method.config.command, events));
+  outcome.figures["reconstruct_s"] = seconds_since(begin);
+  add_costs(method, *cycles, outcome.figures);
+  return outcome;
+}
+
 Result<Outcome> JobRunner::run_scan(const Job& job, const LightField& truth, const ProgressFn& progress) {
   const Sensor& sensor = plan_.sensors[job.sensor];
   if (sensor.camera.is_pixel() || sensor.config.cycles > 1) {
@@ -258,7 +274,9 @@ Result<Outcome> JobRunner::run(const Job& job, const LightField& truth, const li
                                const ProgressFn& progress) {
   const ComparedMethod& method = plan_.methods[job.method];
   const Sensor& sensor = plan_.sensors[job.sensor];
-  auto found = is_scan(method) ? run_scan(job, truth, progress) : run_method(job, truth, progress);
+  auto found = is_scan(method)       ? run_scan(job, truth, progress)
+               : is_external(method) ? run_program(job, truth)
+                                     : run_method(job, truth, progress);
   if (!found) {
     Error error = found.error();
     error.location = cat(method.config.name, " on ", plan_.scenes[job.scene].name, ", sensor ", sensor.config.name,

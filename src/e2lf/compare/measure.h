@@ -59,6 +59,7 @@ class JobRunner {
   };
 
   Result<Outcome> run_method(const Job& job, const lightfield::LightField& truth, const ProgressFn& progress);
+  Result<Outcome> run_program(const Job& job, const lightfield::LightField& truth);
   Result<Outcome> run_scan(const Job& job, const lightfield::LightField& truth, const ProgressFn& progress);
   Result<const pipeline::OpenedMethod*> method_of(const Job& job);
   Result<const Cycles*> cycles_of(const Job& job, const lightfield::LightField& truth);

@@ -103,6 +103,25 @@ class Planner {
     return capture::read_camera(path);
   }
 
+  /// Replaces the words of a command that name files by the paths of these, and returns the words with the hashes of
+  /// the files, on which the results depend.
+  Result<Json> locate_command(std::vector<std::string>& command) {
+    Json identity = Json::array();
+    for (std::string& word : command) {
+      const fs::path path = environment_.locate(word).value_or(word);
+      std::error_code error;
+      if (!fs::is_regular_file(path, error)) {
+        identity.push_back(word);
+        continue;
+      }
+      plan_.files.push_back(path);
+      word = path.string();
+      E2LF_ASSIGN_OR_RETURN(const std::string hash, hash_of(path));
+      identity.push_back(hash);
+    }
+    return identity;
+  }
+
   Result<void> add_method(const MethodConfig& config) {
     ComparedMethod method;
     method.config = config;
@@ -145,6 +164,9 @@ class Planner {
                        {"passes", config.passes},
                        {"gain", config.fit_gain ? Json("fitted") : json_number(config.gain)},
                        {"precision", config.precision}};
+    if (is_external(method)) {
+      E2LF_ASSIGN_OR_RETURN(method.identity["command"], locate_command(method.config.command));
+    }
     if (environment_.device != "cpu" && config.algorithm == "network") method.identity["device"] = environment_.device;
     plan_.methods.push_back(std::move(method));
     return {};

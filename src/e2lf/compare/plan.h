@@ -44,6 +44,11 @@ struct Sensor {
   return method.config.algorithm == "event-video";
 }
 
+/// Returns true if a method is a program of the user.
+[[nodiscard]] inline bool is_external(const ComparedMethod& method) {
+  return method.config.algorithm == "external";
+}
+
 /// One result to compute: the numbers of method, scene and sensor in the plan, and a seed.
 struct Job {
   size_t method = 0, scene = 0, sensor = 0;

@@ -123,6 +123,51 @@ sed 's/"methods": \[/"methods": [{"name": "fitted", "algorithm": "inversion", "f
 "$E2LF" compare more.json -o one --set seeds=[1,2] --again --set pictures=false --quiet
 [ "$(new one)" -eq 36 ] || fail "--again"
 
+# A program of the user receives all cycles with their patterns, and is measured like other methods. This one subtracts 0.03.
+cat >mine.py <<'PY'
+import sys
+import numpy as np
+truth, events, output = sys.argv[1:]
+given = np.load(events)
+assert given["events"].shape == (2, 3, 32, 48) and given["events"].any() and given["codes"].shape == (4, 8, 8), given["events"].shape
+print("this is no JSON")
+np.save(output, np.load(truth) - np.float32(0.03))
+PY
+"$E2LF" convert demo/scene truth.npy --quiet
+external() {
+  cat >external.json <<JSON
+{"methods": [{"name": "mine", "algorithm": "external", "command": $1}],
+ "scenes": [{"name": "g", "scenes": ["demo/scene"]}], "sensors": [{"name": "two", "cycles": 2}], "metrics": ["psnr_db"]}
+JSON
+}
+external '["/usr/bin/python3", "mine.py", "truth.npy"]'
+"$E2LF" compare external.json -o external --json --quiet >external.out
+check "$(json external.out "abs(j['results'][0]['psnr_db'] - 30.4576) < 1e-3")"
+"$E2LF" compare external.json -o external --quiet
+[ "$(new external)" -eq 0 ] || fail "nothing had changed"
+echo "# another program" >>mine.py
+"$E2LF" compare external.json -o external --quiet
+[ "$(new external)" -eq 1 ] || fail "the program had changed"
+external_fails() {
+  external "$2"
+  fails 1 "$1" "$E2LF" compare external.json -o wrong
+}
+external_fails "no-such-program: the program cannot be started" '["no-such-program"]'
+external_fails "mine on scene, sensor two: false: the program ended with exit code 1" '["false"]'
+external_fails "wrote no light field" '["true"]'
+external_fails "signal 9" '["sh", "-c", "kill -9 $$"]'
+external '["sh", "-c", "exec sleep 100d"]'
+"$E2LF" compare external.json -o wrong --quiet 2>stderr.txt &
+process=$!
+until pgrep -P "$process" sleep >/dev/null; do
+  kill -0 "$process" || fail "it ended: $(cat stderr.txt)"
+  sleep 0.02
+done
+kill -INT "$process"
+code=0
+wait "$process" || code=$?
+[ "$code" -eq 130 ] || fail "exit code $code instead of 130"
+
 # Mistakes.
 bad() { fails 1 "$1" "$E2LF" compare bad.json -o out; absent out; }
 sed 's/"algorithm"/"algoritm"/' c.json >bad.json
