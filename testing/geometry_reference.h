@@ -114,9 +114,33 @@ inline Result<ReferencePlanes> render_reference(ReferenceCall& call) {
   return std::move(call.output);
 }
 
+inline Result<ReferencePlanes> warp_reference(ReferenceCall& call) {
+  const ReferencePlanes &pictures = *call.inputs[0], &map = *call.inputs[1];
+  const Warp warp(call.layer);
+  call.output.fill([&](size_t c, size_t y, size_t x) {
+    const double d = std::clamp<double>(map.at(0, y, x), warp.least, warp.most);
+    const size_t p = c % warp.pictures();
+    const auto place = [&](size_t at, size_t axis, size_t size) {
+      return std::clamp(static_cast<double>(at) + warp.offsets[2 * p + axis] * d, 0.0, static_cast<double>(size - 1));
+    };
+    const double row = place(y, 0, pictures.height), column = place(x, 1, pictures.width);
+    const auto top = static_cast<size_t>(row), left = static_cast<size_t>(column);
+    double sum = 0;
+    for (size_t at_y = top; at_y < std::min(top + 2, pictures.height); ++at_y) {
+      for (size_t at_x = left; at_x < std::min(left + 2, pictures.width); ++at_x) {
+        const double share_y = 1 - std::abs(row - static_cast<double>(at_y));
+        const double share_x = 1 - std::abs(column - static_cast<double>(at_x));
+        sum += share_y * share_x * pictures.at(c, at_y, at_x);
+      }
+    }
+    return static_cast<float>(sum);
+  });
+  return std::move(call.output);
+}
+
 /// Lets run_reference() compute them.
 inline const bool g_is_added = [] {
-  engine::added_references().insert({{Op::kPlaneSweep, sweep_reference}, {Op::kRenderLayers, render_reference}});
+  engine::added_references().insert({{Op::kPlaneSweep, sweep_reference}, {Op::kRenderLayers, render_reference}, {Op::kWarp, warp_reference}});
   return true;
 }();
 

@@ -97,10 +97,12 @@ void bind_common(py::class_<AnyModel, std::shared_ptr<AnyModel>>& bound) {
 
 }  // namespace
 
-std::shared_ptr<Model> read_model(const fs::path& name) {
+std::shared_ptr<Model> read_model(const fs::path& name, const std::optional<py::array>& codes) {
+  const auto patterns = codes ? std::optional(codes_of(*codes, "codes")) : std::nullopt;
   return std::make_shared<Model>(without_gil([&]() -> Result<Model> {
     E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, name.string()));
     E2LF_ASSIGN_OR_RETURN(Model model, model::read_model(path));
+    if (patterns) return geometry::for_patterns(model, *patterns);
     return geometry::for_own_patterns(std::move(model));
   }));
 }
@@ -113,7 +115,7 @@ std::shared_ptr<VideoModel> read_video_model(const fs::path& path) {
 
 void bind_light_field_model(py::module_& module) {
   py::class_<Model, std::shared_ptr<Model>> bound(module, "Model", "The content of a model file.");
-  bound.def(py::init(&read_model), py::arg("name"), "Reads a model as read_model() does.")
+  bound.def(py::init(&read_model), py::arg("name"), py::arg("codes") = py::none(), "Reads a model as read_model() does.")
       .def_static("of", &model_of<Model>, py::arg("header"), py::arg("weights"), py::arg("codes") = py::none(),
                   "Makes a model from its parts, which are checked as those of a file.\n\n"
                   "header, weights: as the properties of the same names. codes: the patterns [N, view_y, view_x].")
@@ -134,8 +136,9 @@ void bind_light_field_model(py::module_& module) {
           "Whether the network is conditioned on the sensor profile and accepts sums over cycles.")
       .def("__repr__", [](const Model& self) { return "<e2lf.Model " + self.name + ">"; });
   bind_common(bound);
-  module.def("read_model", &read_model, py::arg("path"),
-             "Reads a model.\n\npath: a model file, or the name of a bundled model, such as \"e2lf-n4\".");
+  module.def("read_model", &read_model, py::arg("path"), py::arg("codes") = py::none(),
+             "Reads a model.\n\npath: a model file, or the name of a bundled model, such as \"e2lf-n4\". codes: the "
+             "patterns [N, view_y, view_x] to which a network for any patterns, such as \"e2lf-any\", is adapted.");
   module.def(
       "write_model",
       [](const fs::path& path, const Model& model, bool overwrite) {

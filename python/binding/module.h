@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include "e2lf/files/options.h"
@@ -37,7 +39,8 @@ void add_torch_devices();
 void shorten_type_errors(const py::module_& module);
 
 /// Reads a model file, or the bundled model of this name.
-[[nodiscard]] std::shared_ptr<model::Model> read_model(const std::filesystem::path& name);
+[[nodiscard]] std::shared_ptr<model::Model> read_model(const std::filesystem::path& name,
+                                                       const std::optional<py::array>& codes = {});
 
 /// Converts JSON to dict, list, str, numbers, bool and None.
 [[nodiscard]] py::object to_python(const Json& json);

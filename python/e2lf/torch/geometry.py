@@ -171,6 +171,30 @@ class RenderLayers(nn.Module):
         return torch.stack(views, 1)
 
 
+class Warp(nn.Module):
+    """Moves pictures to the reference view by a disparity of each pixel."""
+
+    def __init__(self, layer: Layer) -> None:
+        super().__init__()
+        self.offsets: List[float] = list(layer["offsets"])
+        self.least, self.most = layer["disparities"]
+
+    def extra_repr(self) -> str:
+        return f"pictures={len(self.offsets) // 2}, disparities=({self.least}, {self.most})"
+
+    def forward(self, pictures: Tensor, disparity: Tensor) -> Tensor:
+        number, (height, width) = len(self.offsets) // 2, pictures.shape[2:]
+        d = disparity[:, 0].clamp(self.least, self.most)
+        rows = torch.arange(height, dtype=d.dtype, device=d.device)[:, None]
+        columns = torch.arange(width, dtype=d.dtype, device=d.device)
+        moved = []
+        for p in range(number):
+            places = [(columns + self.offsets[2 * p + 1] * d) * (2 / max(1, width - 1)) - 1,
+                      (rows + self.offsets[2 * p] * d) * (2 / max(1, height - 1)) - 1]
+            moved.append(F.grid_sample(pictures[:, p::number], torch.stack(places, -1), padding_mode="border", align_corners=True))
+        return torch.stack(moved, 2).flatten(1, 2)
+
+
 def _compose(opacities: Tensor, intensities: Tensor) -> Tensor:
     """Returns what is seen of planes [plane, ...] from front to back; the last one is opaque."""
     picture: Tensor

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from .geometry import PlaneSweep, RenderLayers
+from .geometry import PlaneSweep, RenderLayers, Warp
 
 Layer = Dict[str, Any]
 State = Dict[str, Tensor]
@@ -174,6 +174,7 @@ OPERATIONS: Dict[str, Callable[[Layer, int], nn.Module]] = {
     "attention": lambda layer, _: Attention(layer.get("heads", 1)),
     "plane-sweep": lambda layer, _: PlaneSweep(layer),
     "render-layers": lambda layer, _: RenderLayers(layer),
+    "warp": lambda layer, _: Warp(layer),
     "previous": lambda layer, _: Previous(layer),
     "conv-gru": ConvGru,
     "conv-lstm": ConvLstm,
@@ -211,6 +212,8 @@ def needed_input(layer: Layer, needed: int) -> Optional[int]:
         return needed + kernel // 2 + _largest_shift(layer["offsets"], layer["disparities"])
     if op == "render-layers":
         return needed + _largest_shift([*layer["rows"], *layer["columns"]], layer["disparities"])
+    if op == "warp":
+        return needed + _largest_shift(layer["offsets"], layer["disparities"])
     if op == "dynamic-filter":
         return needed + kernel // 2
     if op in ("add", "mean", "concat", "sigmoid", "tanh", "layer-norm"):

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/geometry/any_patterns.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/model/model.h"
 
@@ -47,7 +48,8 @@ std::vector<float> output_of(const Engine& engine, const model::Network& network
 
 TEST_F(TorchDevice, ComputesEveryBundledNetworkAsTheEngineDoes) {
   for (const std::string& name : bundled_names(kBundledModels)) {
-    const model::Model model = bundled(name);
+    model::Model model = bundled(name);
+    if (!model.codes && model.open_guide) model = geometry::for_patterns(model, *bundled("e2lf-n4").codes).value();
     const auto engine = Engine::create(model.network, model.weights, {.device = tested_device()});
     ASSERT_TRUE(engine) << name << ": " << engine.error().text();
     const size_t multiple = model::size_multiple(model.network), side = std::max<size_t>(2 * multiple, 64);

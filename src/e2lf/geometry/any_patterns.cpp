@@ -7,6 +7,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/geometry/aperture.h"
+#include "e2lf/geometry/central_picture.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/model/composition.h"
 
@@ -294,6 +295,10 @@ bool has_inputs_of_any_patterns(const model::Model& model) {
 
 /// Adapts the network of disparity that views follow.
 Result<model::Model> guided_for_patterns(const model::Model& views, const capture::Codes& codes) {
+  if (model::is_picture_network(views)) {
+    E2LF_ASSIGN_OR_RETURN(model::Model of_events, for_patterns(views.open_guide->disparity, codes));
+    return rendered_for_patterns(views, std::move(of_events), codes);
+  }
   if (views.codes.value_or(codes) != codes || views.num_patterns != codes.num_patterns) {
     return fail(ErrorCode::kInvalidValue, views.name, "its views were trained for other patterns; use another model");
   }
@@ -328,6 +333,7 @@ Result<model::Model> for_patterns(const model::Model& model, const capture::Code
   adapted.views_y = codes.views_y;
   adapted.views_x = codes.views_x;
   adapted.codes = codes;
+  adapted.is_adapted = true;
   const Adapter adapter(model, *sizes, aperture, codes);
   adapt_layers(aperture, *sizes, adapter.num_inputs(), adapted.network);
   const bool has_half = layer_named(model.network, cat(kHalf, "stem")) != nullptr;

@@ -19,6 +19,11 @@ struct Op : model::Op {
   /// and column c. A plane is read at -viewpoint times its disparity by cubic interpolation (Keys, a = -1/2), with
   /// edges repeated.
   static constexpr const char* kRenderLayers = "render-layers";
+  /// Moves P pictures to the reference view. The first input has channel g P + p for feature g of picture p, and the
+  /// first channel of the second input is the disparity of the reference view. Picture p is read at `offsets` [2 p]
+  /// (row) and [2 p + 1] (column), in view steps, times the disparity, which is limited to `disparities` [least, most],
+  /// by linear interpolation with edges repeated.
+  static constexpr const char* kWarp = "warp";
 };
 
 /// Adds these operations to the process, unless they are there. Programs that use a recon::Reconstructor need no call;
@@ -28,5 +33,6 @@ void add_operations();
 // The operations, one for each file.
 [[nodiscard]] engine::Operation plane_sweep();
 [[nodiscard]] engine::Operation render_layers();
+[[nodiscard]] engine::Operation warp();
 
 }  // namespace e2lf::geometry

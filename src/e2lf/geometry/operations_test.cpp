@@ -29,11 +29,18 @@ Layer render_layer(const std::string& input) {
   return layer;
 }
 
-/// Both operations between convolutions, at half the resolution and at the full one.
-Network both_operations() {
+Layer warp_layer(const std::string& pictures, const std::string& disparity) {
+  Layer layer = reshape("moved", Op::kWarp, {pictures, disparity});
+  layer.attributes = {{"offsets", {-1.5, 0.75, 0.5, -2}}, {"disparities", {-1.2, 0.7}}};
+  return layer;
+}
+
+/// The operations between convolutions, at half the resolution and at the full one.
+Network all_operations() {
   add_operations();
   return {3,
-          {conv("features", "input", 4, 2, false, "", 2), sweep_layer("features"), conv("weighed", "sweep", 24, 3),
+          {conv("features", "input", 4, 2, false, "", 2), conv("map", "input", 2, 2, false, "", 2),
+           warp_layer("features", "map"), sweep_layer("moved"), conv("weighed", "sweep", 24, 3),
            reshape("planes", model::Op::kPixelShuffle, {"weighed"}, 2), render_layer("planes")}};
 }
 
@@ -55,7 +62,7 @@ struct Golden {
 
 /// Programs without this component are told of it.
 TEST(GeometryOperations, AreNamedWithTheirComponentWhereTheyAreMissing) {
-  for (const engine::Operation& operation : {plane_sweep(), render_layers()}) {
+  for (const engine::Operation& operation : {plane_sweep(), render_layers(), warp()}) {
     const std::string text = model::unknown_operation(operation.model.name, "").text();
     EXPECT_NE(text.find("e2lf::geometry::add_operations()"), std::string::npos) << text;
   }
@@ -95,7 +102,7 @@ TEST(GeometryOperations, ViewsOfLayersEqualThoseOfTheTraining) {
 }
 
 TEST(GeometryOperations, EqualTheirReferencesForEverySize) {
-  const Network network = both_operations();
+  const Network network = all_operations();
   const model::Weights weights = engine::random_weights(network, 3);
   for (const auto& [height, width] : std::vector<std::pair<size_t, size_t>>{{2, 2}, {26, 34}, {6, 4100}, {40, 540}}) {
     const auto input = engine::random_values(3 * height * width, 5);
@@ -108,7 +115,7 @@ TEST(GeometryOperations, EqualTheirReferencesForEverySize) {
 }
 
 TEST(GeometryOperations, AreBitIdenticalForAnyNumberOfThreadsAndInPanels) {
-  const Network network = both_operations();
+  const Network network = all_operations();
   const model::Weights weights = engine::random_weights(network, 3);
   const size_t height = 20, width = 2300, part = 600;
   const auto input = engine::random_values(3 * height * width, 5);
@@ -128,8 +135,36 @@ TEST(GeometryOperations, AreBitIdenticalForAnyNumberOfThreadsAndInPanels) {
   }
 }
 
+/// A plane at disparity 0.5 that picture p shows at offset_p * 0.5, where a ramp has its closed form.
+TEST(GeometryOperations, PicturesOfAPlaneAgreeWhereTheyAreMovedByItsDisparity) {
+  add_operations();
+  constexpr size_t kSide = 12;
+  constexpr double kDisparity = 0.5;
+  const std::vector<double> offsets = warp_layer("", "").attributes.at("offsets");
+  const auto ramp = [](double y, double x) { return static_cast<float>(0.3 * y - 0.2 * x); };
+  std::vector<float> input;
+  for (size_t p = 0; p < 2; ++p) {
+    for (size_t i = 0; i < kSide * kSide; ++i) {
+      const auto y = static_cast<double>(i / kSide), x = static_cast<double>(i % kSide);
+      input.push_back(ramp(y - offsets[2 * p] * kDisparity, x - offsets[2 * p + 1] * kDisparity));
+    }
+  }
+  input.insert(input.end(), kSide * kSide, float{kDisparity});
+  Layer pictures = conv("pictures", "input", 2, 1, false), map = conv("map", "input", 1, 1, false);
+  const model::Weights weights = {{"pictures.weight", {1, 0, 0, 0, 1, 0}},
+                                  {"pictures.bias", {0, 0}},
+                                  {"map.weight", {0, 0, 1}},
+                                  {"map.bias", {0}}};
+  const auto moved = run_engine({3, {pictures, map, warp_layer("pictures", "map")}}, weights, input, kSide, kSide);
+  for (size_t i = 0; i < 2 * kSide * kSide; ++i) {
+    const size_t y = i / kSide % kSide, x = i % kSide;
+    if (y < 2 || x < 2 || y + 2 >= kSide || x + 2 >= kSide) continue;  // edges are repeated
+    EXPECT_NEAR(moved[i], ramp(static_cast<double>(y), static_cast<double>(x)), 1e-5) << y << " " << x;
+  }
+}
+
 TEST(GeometryOperations, SomeViewsAreThoseOfAll) {
-  const Network network = both_operations();
+  const Network network = all_operations();
   const auto engine = engine::Engine::create(network, engine::random_weights(network, 3)).value();
   const size_t pixels = 16 * 300;
   const auto input = engine::random_values(3 * pixels, 5);
@@ -145,11 +180,12 @@ TEST(GeometryOperations, SomeViewsAreThoseOfAll) {
 }
 
 TEST(GeometryOperations, HaveShapesAndReach) {
-  const Network network = both_operations();
+  const Network network = all_operations();
   const auto shapes = model::infer_shapes(network).value();
-  EXPECT_EQ(shapes[1].channels, 3U);
-  EXPECT_EQ(shapes[4].channels, 6U);
-  EXPECT_GT(model::receptive_radius(network), 3U + 2U * (2U + 1U));
+  EXPECT_EQ(shapes[2].channels, 4U);
+  EXPECT_EQ(shapes[3].channels, 3U);
+  EXPECT_EQ(shapes[6].channels, 6U);
+  EXPECT_GT(model::receptive_radius(network), 3U + 2U * (2U + 1U) + 2U * 3U);
   EXPECT_EQ(model::network_from_json(model::to_json(network), "x").value(), network);
   EXPECT_EQ(model::onnx_refusal(network), "");
 }
@@ -162,7 +198,8 @@ TEST(GeometryOperations, RefuseWhatDoesNotFit) {
   };
   EXPECT_EQ(code(sweep_layer("input"), 5), ErrorCode::kShape);
   EXPECT_EQ(code(render_layer("input"), 5), ErrorCode::kShape);
-  for (Layer layer : {sweep_layer("input"), render_layer("input")}) {
+  EXPECT_EQ(code(warp_layer("input", "input"), 5), ErrorCode::kShape);
+  for (Layer layer : {sweep_layer("input"), render_layer("input"), warp_layer("input", "input")}) {
     layer.attributes["disparities"] = {1e9};
     EXPECT_EQ(code(layer, 2), ErrorCode::kInvalidValue) << layer.op;
     layer.attributes.clear();

@@ -104,6 +104,24 @@ struct Sweep {
   [[nodiscard]] size_t channels() const { return pictures * features; }
 };
 
+/// Where a layer of Op::kWarp reads its pictures.
+struct Warp {
+  std::vector<double> offsets;  ///< [picture, axis], in view steps
+  float least, most;            ///< disparities, px per view step
+  size_t reach;                 ///< px
+
+  explicit Warp(const model::Layer& layer) : offsets(numbers(layer, "offsets")) {
+    const std::vector<double> range = numbers(layer, "disparities");
+    least = static_cast<float>(range[0]);
+    most = static_cast<float>(range[1]);
+    double farthest = 0;
+    for (const double shift : products(offsets, range)) farthest = std::max(farthest, std::abs(shift));
+    reach = static_cast<size_t>(std::ceil(farthest)) + 1;
+  }
+
+  [[nodiscard]] size_t pictures() const { return offsets.size() / 2; }
+};
+
 /// The shifts of a layer of Op::kRenderLayers.
 struct Viewpoints {
   size_t planes, rows, columns;

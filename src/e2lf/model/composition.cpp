@@ -131,13 +131,15 @@ constexpr float kSteepness = 5.0F;
 constexpr float kLargestLogit = 6.0F;
 constexpr float kMuted = 0.5F;  ///< by how much a difference moves towards zero where the surface has no say
 
-/// Returns the positions of views along an axis, from the central one.
-std::vector<double> viewpoints(size_t views) {
+/// Returns the positions of views along an axis, from `centre`.
+std::vector<double> viewpoints(size_t views, double centre) {
   std::vector<double> result;
-  for (size_t view = 0; view < views; ++view) {
-    result.push_back(static_cast<double>(view) - 0.5 * static_cast<double>(views - 1));
-  }
+  for (size_t view = 0; view < views; ++view) result.push_back(static_cast<double>(view) - centre);
   return result;
+}
+
+double middle_of(size_t views) {
+  return 0.5 * static_cast<double>(views - 1);
 }
 
 /// Returns the weight of the central picture, the mean of the one, two or four views in the middle.
@@ -167,9 +169,9 @@ void add_muting(Graph& graph, float weak_texture) {
   graph.relu("muted", "unmuted", minus, {kMuted});
 }
 
-/// Adds `surface`, the views of the picture on a surface at the disparity of a layer. Planes behind the surface are
-/// opaque, too, and not seen.
-void add_surface(Graph& graph, const std::string& disparity, size_t views_y, size_t views_x) {
+/// Adds `surface`, the views of the picture, whose viewpoints are given, on a surface at the disparity of a layer.
+/// Planes behind the surface are opaque, too, and not seen.
+void add_surface(Graph& graph, const std::string& disparity, std::vector<double> rows, std::vector<double> columns) {
   std::vector<double> planes;
   for (size_t plane = 0; plane < kPlanes; ++plane) {
     planes.push_back(std::round(100 * (kNearest + kPlaneStep * static_cast<double>(plane))) / 100);
@@ -191,7 +193,7 @@ void add_surface(Graph& graph, const std::string& disparity, size_t views_y, siz
   graph.add({.name = "surface",
              .op = "render-layers",
              .inputs = {"surface_layers"},
-             .attributes = {{"disparities", planes}, {"rows", viewpoints(views_y)}, {"columns", viewpoints(views_x)}}});
+             .attributes = {{"disparities", planes}, {"rows", std::move(rows)}, {"columns", std::move(columns)}}});
 }
 
 /// Adds the result: views that become those of the surface where nothing is muted.
@@ -279,6 +281,40 @@ Result<void> check_that_both_fit(const Model& views, const Model& disparity) {
                 cat("it was trained for other patterns than ", views.name, "; use networks for the same patterns"));
 }
 
+// The central picture.
+
+constexpr const char* kCentral = "central_";
+constexpr double kFarthestRead = 3.6;  ///< px per view step: as far as pictures are moved
+
+/// Replaces the input of the first layer, whose kernel is its stride, by what InputKind::kCentral is made of.
+Result<void> read_central_input(const CentralInput& input, size_t channels, Model& picture) {
+  Layer& first = picture.network.layers.front();
+  const auto reads_input = [](const Layer& layer) { return std::ranges::count(layer.inputs, "input") > 0; };
+  if (!is_picture_network(picture) || first.op != Op::kConv || first.kernel != first.stride ||
+      std::ranges::count_if(picture.network.layers, reads_input) != 1) {
+    return misfit(picture.name, "the first layer must be a convolution whose kernel is its stride, and the only one "
+                                "that reads the input");
+  }
+  const size_t taps = first.kernel * first.kernel;
+  const std::vector<float>& central = picture.weights.at(first.name + ".weight");
+  std::vector<float>& bias = picture.weights.at(first.name + ".bias");
+  std::vector<float> weight(first.out_channels * channels * taps);
+  for (size_t out = 0; out < first.out_channels; ++out) {
+    for (size_t plane = 0; plane < kCentralPlanes; ++plane) {
+      for (size_t tap = 0; tap < taps; ++tap) {
+        const float share = central[(out * kCentralPlanes + plane) * taps + tap];
+        bias[out] += share * input.bias[plane];
+        for (size_t c = 0; c < channels; ++c) {
+          weight[(out * channels + c) * taps + tap] += share * input.weight[plane * channels + c];
+        }
+      }
+    }
+  }
+  picture.weights[first.name + ".weight"] = std::move(weight);
+  picture.network.input_channels = channels;
+  return {};
+}
+
 }  // namespace
 
 Result<Model> at_two_scales(Model network, float share) {
@@ -323,13 +359,50 @@ Result<Model> guided(Model views, Model disparity, const Guide& guide) {
   Graph graph(both);
   graph.conv("picture", of_views, central_picture(views.views_y, views.views_x));
   add_muting(graph, guide.weak_texture);
-  add_surface(graph, of_disparity, views.views_y, views.views_x);
+  add_surface(graph, of_disparity, viewpoints(views.views_y, middle_of(views.views_y)),
+              viewpoints(views.views_x, middle_of(views.views_x)));
   add_guided(graph, of_views, views.views_y * views.views_x);
   views.network = std::move(both.network);
   views.weights = std::move(both.weights);
   views.precision_loss = {};
   views.provenance["guided_by"] = disparity.name;
   return views;
+}
+
+Result<Model> rendered(Model picture, Model disparity, const CentralInput& input) {
+  if (!is_depth_network(disparity)) return misfit(disparity.name, "it gives views; name a network of disparity");
+  const size_t inputs = disparity.network.input_channels, moved = input.moved.size();
+  E2LF_RETURN_IF_ERROR(read_central_input(input, inputs + moved + kDepthOutputs, picture));
+  WeightedNetwork both;
+  both.network.input_channels = inputs;
+  const std::string of_disparity = kGuide + disparity.network.layers.back().name;
+  const std::string of_picture = kCentral + picture.network.layers.back().name;
+  append({std::move(disparity.network), std::move(disparity.weights)}, kGuide, "input", both);
+  Graph graph(both);
+  Matrix chosen(moved, inputs), base(1, moved);
+  for (size_t c = 0; c < moved; ++c) {
+    chosen(c, input.moved[c]) = 1;
+    base(0, c) = input.base[c];
+  }
+  graph.conv("pictures", "input", chosen);
+  graph.add({.name = "moved",
+             .op = "warp",
+             .inputs = {"pictures", of_disparity},
+             .attributes = {{"offsets", input.offsets}, {"disparities", {-kFarthestRead, kFarthestRead}}}});
+  graph.conv("base", "moved", base);
+  graph.concat("central_input", {"input", "moved", of_disparity});
+  append({std::move(picture.network), std::move(picture.weights)}, kCentral, "central_input", both);
+  graph.add({.name = "picture", .op = Op::kAdd, .inputs = {"base", of_picture}});
+  add_surface(graph, of_disparity, viewpoints(picture.views_y, static_cast<double>(picture.views_y / 2)),
+              viewpoints(picture.views_x, static_cast<double>(picture.views_x / 2)));
+  picture.input = disparity.input;
+  picture.num_patterns = disparity.num_patterns;
+  picture.codes = disparity.codes;
+  picture.black_first = disparity.black_first;
+  picture.network = std::move(both.network);
+  picture.weights = std::move(both.weights);
+  picture.provenance["disparity_of"] = disparity.name;
+  return picture;
 }
 
 }  // namespace e2lf::model

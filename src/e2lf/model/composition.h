@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "e2lf/model/model.h"
 
@@ -13,7 +14,8 @@ namespace e2lf::model {
 /// How the views of one network follow the disparity of another where the picture has no more than weak texture, as
 /// model files state it under `composed_of`. There, the parallax of a network of views collapses towards zero.
 struct Guide {
-  std::string views = {}, disparity = {};  ///< names of the two model files, without extension
+  /// Names of the two model files, without extension. A file without `views` holds a network of the central picture.
+  std::string views = {}, disparity = {};
   /// Where the mean absolute detail of the central picture is below this share of white, the views become those of
   /// this picture on a surface at the disparity. Where it is above twice as much, they are not changed.
   float weak_texture = 0.01F;
@@ -30,6 +32,23 @@ struct Guide {
 /// the properties of `views`, except for precision_loss, and the inputs of both in the order of InputKind, in which
 /// each network must have its own. Fails with kInvalidValue if the two do not fit together.
 [[nodiscard]] Result<Model> guided(Model views, Model disparity, const Guide& guide);
+
+/// How a network of the central picture reads the events behind certain patterns. All weights belong to the inputs of
+/// the network of disparity, in their order.
+struct CentralInput {
+  std::vector<double> offsets;  ///< of P pictures from the reference view, (row, column), view steps
+  std::vector<size_t> moved;    ///< the input channels that are moved to it by the disparity, feature g of picture p at g P + p
+  std::vector<float> base;      ///< weights of the moved channels in the picture to which the network adds its output
+  /// Weights [kCentralPlanes, inputs + moved + kDepthOutputs] and bias of InputKind::kCentral.
+  std::vector<float> weight, bias;
+};
+
+/// Composes a network that makes a sharp central picture of the pictures behind the patterns, which the disparity moves
+/// to the central view, and that renders this picture to views [views_y, views_x] of `picture` on a surface at the
+/// disparity. The result has the name and the properties of `picture`, and the inputs of `disparity`. Fails with
+/// kInvalidValue unless is_picture_network(picture), its first layer alone reads the input by a convolution without
+/// padding, and `disparity` gives disparities.
+[[nodiscard]] Result<Model> rendered(Model picture, Model disparity, const CentralInput& input);
 
 /// A guide by a network for any patterns, which waits for those of the events. Model::open_guide refers to it in models
 /// whose other members are those of the network of views.

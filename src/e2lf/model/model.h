@@ -31,13 +31,22 @@ enum class InputKind {
   kImages,      ///< scale * the coded intensity image of each of N patterns
   kImageSum,    ///< scale * the one intensity image that integrates all patterns
   kLensArray,   ///< scale * each of 64 views from a lens array, interpolated bilinearly between lens centres
+  /// What is known of the central picture whatever the patterns are, kCentralPlanes channels: the slots of the levels
+  /// and of the intensities (geometry::Aperture), moved to the reference view by the disparity; both where the events
+  /// were; two means of the moved light, by the areas and by the sharpness of the patterns; disparity and logarithm of
+  /// its scale, times 0.3; the number of cycles (capture::cycles_condition()); and, constant over the image, the
+  /// aperture, the sensor, and the slots of the transmissions. Only composed models have it (composition.h).
+  kCentral,
 };
+
+inline constexpr size_t kCentralPlanes = 52;
 
 /// Their names in files.
 inline constexpr Choice<InputKind> kInputKinds[] = {
     {"counts", InputKind::kCounts},       {"cumulative", InputKind::kCumulative}, {"level", InputKind::kLevel},
     {"intensity", InputKind::kIntensity}, {"camera", InputKind::kCamera},         {"images", InputKind::kImages},
     {"image-sum", InputKind::kImageSum},  {"lens-array", InputKind::kLensArray},
+    {"central", InputKind::kCentral},
 };
 
 struct InputGroup {
@@ -92,6 +101,7 @@ struct Model {
   /// What geometry::for_patterns() makes the weights of other patterns of, by the names of weights; empty for networks
   /// that work for `codes` alone.
   std::map<std::string, SharedWeights> any_patterns = {};
+  bool is_adapted = false;  ///< geometry::for_patterns() made it for `codes`; files do not state it
   PrecisionLoss precision_loss = {};              ///< precisions that were checked for these weights
   Json provenance = Json::object();               ///< free-form: data, samples seen, seed, command, results
   std::vector<std::filesystem::path> parts = {};  ///< files of the models that it was composed of; see composition.h
@@ -109,6 +119,14 @@ struct Model {
 [[nodiscard]] inline bool is_for_any_patterns(const Model& model) {
   return !model.any_patterns.empty() || model.open_guide;
 }
+
+/// Returns true if the network was trained for any patterns, and not for those that it has.
+[[nodiscard]] inline bool serves_any_patterns(const Model& model) {
+  return is_for_any_patterns(model) || model.is_adapted;
+}
+
+/// Returns true for networks of the central picture, which read InputKind::kCentral and have one output channel.
+[[nodiscard]] bool is_picture_network(const Model& model);
 
 /// Checks that all fields are consistent: channels, codes and weights (all present, of the right size, and finite).
 /// `location` names the file in errors.

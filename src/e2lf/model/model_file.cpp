@@ -217,24 +217,28 @@ struct Composition {
   PrecisionLoss loss;
   fs::path views, disparity;  ///< the files of the parts
   std::string location;       ///< of the parts, in errors
+  /// Whether the file holds a network of the central picture, in place of the name of one of views.
+  [[nodiscard]] bool has_own_network() const { return guide.views.empty(); }
 };
 
 Result<Composition> read_composition(const Json& json, const std::string& file, const fs::path& folder) {
   const std::string location = cat(file, ": ", kMetadataKey, ": $");
   E2LF_RETURN_IF_ERROR(check_kind(json, /*is_video=*/false, location));
-  OptionReader reader(json, location);
   Composition found;
+  found.location = cat(location, ".", kComposedOf);
+  OptionReader parts(json.at(kComposedOf), found.location);
+  E2LF_VISIT(found.guide, parts, views, disparity, weak_texture, share_of_full_scale);
+  E2LF_RETURN_IF_ERROR(parts.finish());
+  E2LF_ASSIGN_OR_RETURN(found.disparity, find_part(found.guide.disparity, folder, found.location + ".disparity"));
+  if (found.has_own_network()) return found;
+  E2LF_ASSIGN_OR_RETURN(found.views, find_part(found.guide.views, folder, found.location + ".views"));
+  OptionReader reader(json, location);
   reader.read("name", found.name);
   (void)reader.child("format_version");
-  reader.section(kComposedOf, [&](OptionReader& inner) {
-    E2LF_VISIT(found.guide, inner, views, disparity, weak_texture, share_of_full_scale);
-  });
+  (void)reader.child(kComposedOf);
   reader.section("precision_loss",
                  [&](OptionReader& losses) { E2LF_VISIT(found.loss, losses, bfloat16_db, int16_db); });
   E2LF_RETURN_IF_ERROR(reader.finish());
-  found.location = cat(location, ".", kComposedOf);
-  E2LF_ASSIGN_OR_RETURN(found.views, find_part(found.guide.views, folder, found.location + ".views"));
-  E2LF_ASSIGN_OR_RETURN(found.disparity, find_part(found.guide.disparity, folder, found.location + ".disparity"));
   return found;
 }
 
@@ -258,6 +262,24 @@ Result<Model> compose(const Composition& of, const std::string& file) {
   return model;
 }
 
+/// Returns the network of the central picture that a file holds, with the network of disparity that it names.
+Result<Model> with_disparity(Model picture, const Composition& of) {
+  if (!is_picture_network(picture)) {
+    return fail(ErrorCode::kFormat, of.location,
+                "no network of views is named, and the network of this file does not make a central picture; name one "
+                "as `views`, and remove the tensors");
+  }
+  E2LF_ASSIGN_OR_RETURN(Model disparity,
+                        read_part(of.disparity, of.location + ".disparity", of.guide.share_of_full_scale));
+  if (!is_for_any_patterns(disparity)) {
+    return fail(ErrorCode::kUnsupported, of.location + ".disparity", disparity.name,
+                " was trained for its own patterns; name a network for any patterns");
+  }
+  picture.open_guide = std::make_shared<const OpenGuide>(OpenGuide{of.guide, std::move(disparity)});
+  picture.parts = {of.disparity};
+  return picture;
+}
+
 fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
 }
@@ -267,13 +289,20 @@ fs::path folder_of(const fs::path& path) {
 Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& file, const fs::path& folder) {
   E2LF_ASSIGN_OR_RETURN(Safetensors tensors, decode_safetensors(bytes, file));
   E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, file));
-  if (json.is_object() && json.contains(kComposedOf)) {
-    E2LF_ASSIGN_OR_RETURN(const Composition composition, read_composition(json, file, folder));
-    if (tensors.tensors.empty()) return compose(composition, file);
-    return fail(ErrorCode::kFormat, cat(file, ": ", tensors.tensors.begin()->first),
-                "a composed model holds no tensors of its own; remove it");
+  if (!json.is_object() || !json.contains(kComposedOf)) {
+    E2LF_ASSIGN_OR_RETURN(Model model, decode_own_weights(std::move(tensors), json, file, std::nullopt));
+    if (!is_picture_network(model)) return model;
+    return fail(ErrorCode::kUnsupported, cat(file, ": ", kMetadataKey, ": $"),
+                "a network of the central picture needs one of disparity; name it as `", kComposedOf, ".disparity`");
   }
-  return decode_own_weights(std::move(tensors), json, file, std::nullopt);
+  E2LF_ASSIGN_OR_RETURN(const Composition composition, read_composition(json, file, folder));
+  if (composition.has_own_network()) {
+    E2LF_ASSIGN_OR_RETURN(Model picture, decode_own_weights(std::move(tensors), json, file, std::nullopt));
+    return with_disparity(std::move(picture), composition);
+  }
+  if (tensors.tensors.empty()) return compose(composition, file);
+  return fail(ErrorCode::kFormat, cat(file, ": ", tensors.tensors.begin()->first),
+              "a model that is composed of two others holds no tensors of its own; remove it");
 }
 
 Result<Model> read_model(const fs::path& path) {
@@ -291,9 +320,12 @@ Result<StatedModel> read_stated_model(const fs::path& path) {
   if (json.is_object() && json.contains(kComposedOf)) {
     E2LF_ASSIGN_OR_RETURN(const Composition composition, read_composition(json, file, folder_of(path)));
     stated.guide = composition.guide;
-    E2LF_ASSIGN_OR_RETURN(tensors, read_safetensors_header(composition.views, kCodesTensor));
-    E2LF_ASSIGN_OR_RETURN(json, header_of_part(tensors, composition.views, composition.location));
-    json["name"] = composition.name;
+    stated.is_for_any_patterns = composition.has_own_network();
+    if (!composition.has_own_network()) {
+      E2LF_ASSIGN_OR_RETURN(tensors, read_safetensors_header(composition.views, kCodesTensor));
+      E2LF_ASSIGN_OR_RETURN(json, header_of_part(tensors, composition.views, composition.location));
+      json["name"] = composition.name;
+    }
   }
   E2LF_ASSIGN_OR_RETURN(stated.model, header_from_json(json, cat(file, ": ", kMetadataKey, ": $")));
   E2LF_RETURN_IF_ERROR(take_codes(tensors, file, stated.model));
@@ -385,6 +417,8 @@ size_t num_input_channels(InputKind kind, size_t num_patterns) {
       return 1;
     case InputKind::kLensArray:
       return capture::kLensPixels * capture::kLensPixels;
+    case InputKind::kCentral:
+      return kCentralPlanes;
   }
   return 0;
 }
@@ -416,7 +450,13 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
 
 bool is_conditioned_on_camera(const Model& model) {
   return std::any_of(model.input.begin(), model.input.end(),
-                     [](const InputGroup& group) { return group.kind == InputKind::kCamera; });
+                     [](const InputGroup& group) {
+                       return group.kind == InputKind::kCamera || group.kind == InputKind::kCentral;
+                     });
+}
+
+bool is_picture_network(const Model& model) {
+  return model.input.size() == 1 && model.input[0].kind == InputKind::kCentral;
 }
 
 Json header_to_json(const Model& model) {
@@ -447,6 +487,7 @@ Result<Model> header_from_json(const Json& json, const std::string& location) {
   (void)reader.child("format_version");
   (void)reader.child(kSharedWeights);
   (void)reader.child(kShareOfFullScale);
+  (void)reader.child(kComposedOf);
   const Json& network = reader.child("network");
   const Json& provenance = reader.child("provenance");
   const Json& camera = reader.child("camera");

@@ -90,7 +90,7 @@ Result<void> check_network(const Model& model, const std::string& location) {
                   ErrorCode::kShape);
   }
   const LayerShape output = shapes->back();
-  const size_t views = model.views_y * model.views_x;
+  const size_t views = is_picture_network(model) ? 1 : model.views_y * model.views_x;
   if ((output.channels != views && !is_depth_network(model)) || output.scale != 1) {
     return refuse(location, "network",
                   cat("the last layer has ", output.channels, " channels at scale ", output.scale, ", not ", views,
@@ -171,7 +171,7 @@ Result<void> validate(const Model& model, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_any_patterns(model, location));
   if (model.open_guide) {
     return refuse(location, "composed_of",
-                  "the views follow a network for any patterns, which must be adapted to those that the camera shows",
+                  "the network is for any patterns; give those that the camera shows, to which it is then adapted",
                   ErrorCode::kUnsupported);
   }
   if (model.provenance.is_object()) return {};

@@ -171,7 +171,7 @@ Operation sigmoid() {
 
 /// The components whose add_operations() adds operations, for messages.
 const std::map<std::string, std::vector<std::string>> kOfComponents = {
-    {"geometry", {"plane-sweep", "render-layers"}},
+    {"geometry", {"plane-sweep", "render-layers", "warp"}},
     {"video",
      {"tanh", "upsample-bilinear", "dynamic-filter", "layer-norm", "position-code", "attention", "previous", "conv-gru",
       "conv-lstm"}}};

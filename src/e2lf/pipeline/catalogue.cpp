@@ -12,9 +12,16 @@
 namespace e2lf::pipeline {
 namespace {
 
+/// Tells whether a network for any patterns can be adapted to these.
+bool can_be_adapted(const model::StatedModel& stated, const capture::Codes& codes) {
+  const bool needs_lit_ones = model::is_picture_network(stated.model);
+  return stated.is_for_any_patterns && capture::is_black_first(codes) &&
+         !(needs_lit_ones && capture::codes_of_whole_cycle(codes));
+}
+
 bool is_suitable(const model::StatedModel& stated, const ModelNeeds& needs) {
   const model::Model& model = stated.model;
-  return (stated.is_for_any_patterns || model.codes == needs.codes) &&
+  return (model.codes == needs.codes || can_be_adapted(stated, needs.codes)) &&
          model.measurement() == capture::MeasurementKind::kEventImages &&
          model::is_depth_network(model) == needs.gives_disparity && (needs.may_be_guided || !stated.guide) &&
          (!needs.is_conditioned || model::is_conditioned_on_camera(model));

@@ -20,7 +20,7 @@ Finding patterns_assumed(const std::string& whose) {
 std::optional<Finding> patterns_finding(const OpenedMethod& method) {
   const model::Model& model = method.network->model();
   if (method.are_patterns_the_models()) {
-    if (!model::is_for_any_patterns(model)) return std::nullopt;
+    if (!model::serves_any_patterns(model)) return std::nullopt;
     return Finding{"patterns-adapted", Severity::kNote,
                    cat(model.name, " is for any patterns and was adapted to these; its errors are larger than those ",
                        "of a network that was trained for them, above all on physical pixels"),

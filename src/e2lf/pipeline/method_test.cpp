@@ -87,6 +87,13 @@ TEST(OpenMethod, ChoosesAmongTheBundledModelsByWhatTheyState) {
   EXPECT_EQ(name_for(eight, pixels, {.prefers_fast = true}), "e2lf-n8-camera");
   EXPECT_EQ(name_for(cycle, paper, {.prefers_fast = true}), "e2lf-n4-cycle");
   EXPECT_EQ(name_for(cycle, pixels, {.prefers_fast = true}), "e2lf-n4-cycle-camera");
+  capture::Codes others = four;
+  std::swap_ranges(others.pattern(1).begin(), others.pattern(1).end(), others.pattern(2).begin());
+  for (const auto& camera : {paper, pixels}) {
+    EXPECT_EQ(name_for(others, camera, {}), "e2lf-any");
+    EXPECT_EQ(name_for(others, camera, {.prefers_fast = true}), "e2lf-any");
+    EXPECT_EQ(name_for(others, camera, {.algorithm = Algorithm::kDepth}), "e2lf-depth");
+  }
 }
 
 TEST(Catalogue, NamesTheConditionedNetworksForThePatternsAndTheOutput) {

@@ -51,10 +51,12 @@ py -c 'import numpy as np; np.savez("events.npz", events=np.load("demo/events.np
 "$E2LF" simulate demo/scene -m "$models/e2lf-n8.safetensors" -o simulated.npz --quiet
 py -c 'import numpy as np; np.savez("eight.npz", events=np.load("simulated.npz")["events"])'
 py "$TESTSUITE/geometry_models.py" "$models/e2lf-n4.safetensors"
-for model in "$models"/*.safetensors layers.safetensors; do
+"$E2LF" model store e2lf-any --codes e2lf-n4 -o adapted.safetensors --quiet
+for model in "$models"/*.safetensors layers.safetensors adapted.safetensors; do
   camera=()
   name=$(basename "$model" .safetensors)
   [[ $name != *-depth ]] || continue  # see below
+  [[ $name != e2lf-any ]] || continue  # takes no patterns as it is
   events=events.npz
   [[ $name != e2lf-n8* ]] || events=eight.npz
   [[ $name != *cycle* ]] || continue  # of eight images, as that of e2lf-n8

@@ -94,7 +94,7 @@ void log_chosen_network(const OpenedMethod& method) {
     log_info(cat(chosen, " with the profile of ", method.camera->name,
                  ", as no sensor is stated; give the one that recorded the events with --camera"));
   } else {
-    const bool is_adapted = model::is_for_any_patterns(method.network->model());
+    const bool is_adapted = model::serves_any_patterns(method.network->model());
     log_info(cat(chosen,
                  is_adapted ? ", adapted to these patterns, for " : ", which was trained for these patterns and ",
                  method.camera && method.camera->is_pixel() ? "physical pixels" : "the paper's event model"));

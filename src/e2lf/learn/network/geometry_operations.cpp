@@ -221,4 +221,23 @@ torch::Tensor apply_render_layers(const TorchCall& call) {
   return torch::stack(views, 1).to(input.scalar_type());
 }
 
+torch::Tensor apply_warp(const TorchCall& call) {
+  const geometry::Warp warp(call.layer);
+  const auto pictures = in_float(call.inputs[0]).unflatten(1, {-1, static_cast<int64_t>(warp.pictures())});
+  const auto disparity = in_float(call.inputs[1]).select(1, 0).clamp(warp.least, warp.most);
+  const auto places = [&](int64_t axis, int64_t size, double offset) {
+    const auto numbers = torch::arange(size, disparity.options());
+    const auto place = (axis == 1 ? numbers.unsqueeze(1) : numbers) + offset * disparity;
+    return place * (2.0 / std::max<int64_t>(size - 1, 1)) - 1.0;
+  };
+  std::vector<torch::Tensor> moved;
+  for (size_t p = 0; p < warp.pictures(); ++p) {
+    const auto down = places(1, pictures.size(3), warp.offsets[2 * p]);
+    const auto across = places(2, pictures.size(4), warp.offsets[2 * p + 1]);
+    moved.push_back(torch::grid_sampler(pictures.select(2, static_cast<int64_t>(p)), torch::stack({across, down}, -1),
+                                        /*interpolation_mode=*/0, /*padding_mode=*/1, /*align_corners=*/true));
+  }
+  return torch::stack(moved, 2).flatten(1, 2).to(call.inputs[0].scalar_type());
+}
+
 }  // namespace e2lf::learn

@@ -17,9 +17,10 @@ namespace e2lf::learn {
 [[nodiscard]] torch::Tensor sweep_planes(const torch::Tensor& pictures, const torch::Tensor& offsets,
                                          const std::vector<double>& disparities, int64_t window);
 
-/// Layers of geometry::Op::kPlaneSweep and geometry::Op::kRenderLayers. Both compute in float32 at least, because
-/// evidence is small and opacities are near 1.
+/// Layers of geometry::Op::kPlaneSweep, geometry::Op::kRenderLayers and geometry::Op::kWarp. All compute in float32 at
+/// least, because evidence is small, opacities are near 1, and places are fractions of a pixel.
 [[nodiscard]] torch::Tensor apply_plane_sweep(const TorchCall& call);
 [[nodiscard]] torch::Tensor apply_render_layers(const TorchCall& call);
+[[nodiscard]] torch::Tensor apply_warp(const TorchCall& call);
 
 }  // namespace e2lf::learn

@@ -27,6 +27,12 @@ model::Layer render_layer() {
   return layer;
 }
 
+model::Layer warp_layer() {
+  auto layer = reshape("moved", geometry::Op::kWarp, {"pictures", "map"});
+  layer.attributes = {{"offsets", {-1.5, 0.75, 0.5, -2}}, {"disparities", {-1.2, 0.7}}};
+  return layer;
+}
+
 torch::Tensor apply(TorchOperation operation, const model::Layer& layer, const torch::Tensor& input) {
   return operation({layer, {input}, {}});
 }
@@ -50,6 +56,9 @@ TEST(GeometryOperationsOfTorch, HaveTheGradientsOfTheirValues) {
                   torch::randn({2, 4, 7, 9}, torch::kDouble));
   expect_gradient([](const torch::Tensor& x) { return apply(apply_render_layers, render_layer(), x); },
                   torch::randn({2, 6, 7, 9}, torch::kDouble));
+  const auto pictures = torch::randn({2, 4, 7, 9}, torch::kDouble), map = torch::randn({2, 1, 7, 9}, torch::kDouble);
+  expect_gradient([&](const torch::Tensor& x) { return apply_warp({warp_layer(), {x, map}, {}}); }, pictures);
+  expect_gradient([&](const torch::Tensor& x) { return apply_warp({warp_layer(), {pictures, x}, {}}); }, map);
 }
 
 TEST(GeometryOperationsOfTorch, SweepEachSampleAtItsOwnOffsets) {
@@ -77,15 +86,16 @@ TEST(GeometryOperationsOfTorch, EvidenceIsLargestAtTheDisparityOfTheScene) {
   EXPECT_TRUE((inside.argmax(1) == 2).all().item<bool>());
 }
 
-/// Both operations between convolutions, at two resolutions, in the engine and here.
+/// The operations between convolutions, at two resolutions, in the engine and here.
 TEST(GeometryOperationsOfTorch, EqualThoseOfTheEngine) {
   geometry::add_operations();
-  auto sweep = sweep_layer(), views = render_layer();
-  sweep.inputs = {"features"};
+  auto sweep = sweep_layer(), views = render_layer(), moved = warp_layer();
+  moved.inputs = {"features", "map"};
+  sweep.inputs = {"moved"};
   views.inputs = {"planes"};
   const model::Network network = {
       3,
-      {conv("features", "input", 4, 2, false, "", 2), sweep, conv("weighed", "sweep", 24, 3),
+      {conv("features", "input", 4, 2, false, "", 2), conv("map", "input", 1, 2, false, "", 2), moved, sweep, conv("weighed", "sweep", 24, 3),
        reshape("planes", model::Op::kPixelShuffle, {"weighed"}, 2), views}};
   torch::manual_seed(9);
   torch::NoGradGuard no_grad;

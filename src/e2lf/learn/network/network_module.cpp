@@ -101,6 +101,7 @@ struct Registry {
 #if E2LF_LEARN_KERNELS
       {geometry::Op::kPlaneSweep, apply_plane_sweep},
       {geometry::Op::kRenderLayers, apply_render_layers},
+      {geometry::Op::kWarp, apply_warp},
 #endif
       {Op::kConcat, [](const TorchCall& call) { return torch::cat(call.inputs, 1); }},
       {Op::kSigmoid, [](const TorchCall& call) { return torch::sigmoid(call.inputs[0]); }}};
