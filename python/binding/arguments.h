@@ -20,18 +20,18 @@
     format, stream, columns, time_unit, polarities, restart, width, height, from_us, to_us, relative, shift_time, \
         strict, threads, camera_setup                                                                             \
   }
-#define E2LF_OPEN_ARGUMENTS                                                                    \
-  py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0, py::arg("stream") = "", \
-  py::arg("columns") = "", py::arg("time_unit") = ::e2lf::python::OpenArguments().time_unit,   \
-  py::arg("polarities") = "", py::arg("from_us") = py::none(), py::arg("to_us") = py::none(),  \
-  py::arg("relative") = false, py::arg("shift_time") = false, py::arg("strict") = false,       \
-  py::arg("threads") = ::e2lf::python::OpenArguments().threads,                                \
+#define E2LF_OPEN_ARGUMENTS                                                                                        \
+  py::arg("event_format") = "", py::arg("sensor_width") = 0, py::arg("sensor_height") = 0, py::arg("stream") = "", \
+  py::arg("columns") = "", py::arg("time_unit") = ::e2lf::python::OpenArguments().time_unit,                       \
+  py::arg("polarities") = "", py::arg("from_us") = py::none(), py::arg("to_us") = py::none(),                      \
+  py::arg("relative") = false, py::arg("shift_time") = false, py::arg("strict") = false,                           \
+  py::arg("threads") = ::e2lf::python::OpenArguments().threads,                                                    \
   py::arg("restart") = ::e2lf::python::OpenArguments().restart, py::arg("camera_setup") = py::none()
 #define E2LF_OPEN_DOC                                                                                              \
   "\n\npath: a file, the folder of a bag of ROS 2, \"-\" for standard input, a named pipe, tcp://ADDRESS:PORT, "   \
   "camera://NAME or replay:FILE.\n"                                                                                \
-  "format: format of the file if it cannot be detected.\n"                                                         \
-  "width, height: size of the sensor in px if the file does not state it.\n"                                       \
+  "event_format: format of the file if it cannot be detected.\n"                                                   \
+  "sensor_width, sensor_height: size of the sensor in px if the file does not state it.\n"                         \
   "stream: number or name of a stream of events if there are several.\n"                                           \
   "columns: order of the columns of a table of events, e.g. \"txyp\".\n"                                           \
   "time_unit: unit of the times in tables: \"auto\", \"s\", \"ms\", \"us\" or \"ns\".\n"                           \

@@ -286,12 +286,12 @@ void bind_recordings(py::module_& module) {
                          .height = height},
                         progress);
       },
-      py::arg("path"), py::kw_only(), py::arg("format") = "", py::arg("width") = 0, py::arg("height") = 0,
-      py::arg("stream") = "", py::arg("columns") = "", py::arg("time_unit") = "auto", py::arg("polarities") = "",
-      py::arg("progress") = py::none(),
+      py::arg("path"), py::kw_only(), py::arg("event_format") = "", py::arg("sensor_width") = 0,
+      py::arg("sensor_height") = 0, py::arg("stream") = "", py::arg("columns") = "", py::arg("time_unit") = "auto",
+      py::arg("polarities") = "", py::arg("progress") = py::none(),
       "Describes a file or folder. Returns a dict with `kind` and the content of `e2lf info --json`. Recordings are "
       "read to their end.\n\n"
-      "format, width, height, stream, columns, time_unit, polarities: as for open_recording().\n"
+      "event_format, sensor_width, sensor_height, stream, columns, time_unit, polarities: as for open_recording().\n"
       "progress: called with (done, total); an exception cancels the operation.");
 }
 

@@ -129,10 +129,11 @@ void bind_writers(py::module_& module) {
           self.discard();
         }
       });
-  module.def("create_recording", &create, py::arg("path"), py::arg("width"), py::arg("height"), py::kw_only(),
-             py::arg("format") = "", py::arg("header") = std::map<std::string, std::string>(),
+  module.def("create_recording", &create, py::arg("path"), py::arg("sensor_width"), py::arg("sensor_height"),
+             py::kw_only(), py::arg("format") = "", py::arg("header") = std::map<std::string, std::string>(),
              py::arg("codes") = py::none(), py::arg("overwrite") = false,
-             "Creates a recording of a sensor with width x height px.\n\n"
+             "Creates a recording.\n\n"
+             "sensor_width, sensor_height: size of the sensor in px.\n"
              "format: \"evt3\", \"evt2\", \"evt2.1\", \"dat\", \"hdf5\", \"csv\" or \"npz\"; if empty, "
              "determined by the extension.\n"
              "header: keys and values for formats with a header.\n"
@@ -142,11 +143,11 @@ void bind_writers(py::module_& module) {
       [](const fs::path& input, const fs::path& output, const std::string& output_format, bool overwrite,
          const ProgressArgument& progress,
          E2LF_OPEN_PARAMETERS) { return convert(input, output, output_format, overwrite, progress, E2LF_OPEN_VALUES); },
-      py::arg("path"), py::arg("output"), py::kw_only(), py::arg("output_format") = "", py::arg("overwrite") = false,
+      py::arg("path"), py::arg("output"), py::kw_only(), py::arg("format") = "", py::arg("overwrite") = false,
       py::arg("progress") = py::none(), E2LF_OPEN_ARGUMENTS,
       "Converts a recording to another format in bounded memory. Returns a dict with counts, warnings and the data "
       "that were left out.\n\n"
-      "output_format: if empty, determined by the extension.\n"
+      "format: if empty, determined by the extension.\n"
       "progress: called with (events so far, 0)." E2LF_OPEN_DOC);
 }
 

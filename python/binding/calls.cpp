@@ -15,23 +15,6 @@
 namespace e2lf::python {
 namespace {
 
-/// The Python arguments that correspond to settings of the library.
-constexpr Choice<Setting> kSettings[] = {{"overwrite", Setting::kOverwrite},
-                                         {"format", Setting::kInputFormat},
-                                         {"format", Setting::kOutputFormat},
-                                         {"width, height", Setting::kSensorSize},
-                                         {"time_unit", Setting::kTimeUnit},
-                                         {"columns", Setting::kColumns},
-                                         {"stream", Setting::kStream},
-                                         {"shift_time", Setting::kShiftTime},
-                                         {"filter_pixels", Setting::kFilterPixels},
-                                         {"codes", Setting::kCodes},
-                                         {"white", Setting::kWhite},
-                                         {"lenslet_views", Setting::kLensletViews},
-                                         {"views", Setting::kViews},
-                                         {"", Setting::kNone},
-                                         {"", Setting::kPort}};
-
 constexpr const char* kErrorDoc =
     "Raised for bad data, and for files that cannot be read or written. The text has the form \"location: what went "
     "wrong; what to do\", as on the command line.\n\n"
@@ -39,19 +22,18 @@ constexpr const char* kErrorDoc =
     "\"invalid_value\", \"shape\", \"io\", \"missing_dependency\", \"cancelled\" or \"internal\".\n"
     "message: what went wrong and what to do.\n"
     "location: the file and the place in it; empty if there is none.\n"
-    "setting: the argument that fixes the error, e.g. \"overwrite\"; empty if there is none.";
+    "option: the argument that the error is about, e.g. \"overwrite\"; empty if there is none.";
 
 /// Never destroyed, because Python may have ended before.
 PyObject* g_error = nullptr;
 
 void raise_error(const Error& error) {
-  const std::string setting = word_of(error.setting, kSettings);
-  const std::string text = printable(without_workspaces(error.text())) + (setting.empty() ? "" : " (" + setting + ")");
+  const std::string text = printable(without_workspaces(error.text()));
   py::object raised = py::reinterpret_borrow<py::object>(g_error)(text);
   raised.attr("code") = error_code_name(error.code);
   raised.attr("message") = without_workspaces(error.message);
   raised.attr("location") = without_workspaces(error.location);
-  raised.attr("setting") = setting;
+  raised.attr("option") = error.option;
   PyErr_SetObject(g_error, raised.ptr());
 }
 
@@ -65,7 +47,7 @@ size_t check_word(const std::string& word, const std::vector<std::string>& words
 
 void bind_errors(py::module_& module) {
   py::dict defaults;
-  for (const char* name : {"code", "message", "location", "setting"}) defaults[name] = "";
+  for (const char* name : {"code", "message", "location", "option"}) defaults[name] = "";
   g_error = PyErr_NewExceptionWithDoc("e2lf.Error", kErrorDoc, PyExc_Exception, defaults.ptr());
   module.add_object("Error", g_error);
   py::register_exception_translator([](std::exception_ptr raised) {

@@ -24,7 +24,7 @@ class Error(Exception):
     code: str
     message: str
     location: str
-    setting: str
+    option: str
 
 class CameraSetup:
     def __init__(
@@ -226,25 +226,29 @@ def instruction_set() -> str: ...
 
 # Recordings
 def open_recording(
-        path: Path, *, format: str = "", width: int = 0, height: int = 0, stream: str = "", columns: str = "",
+        path: Path, *, event_format: str = "", sensor_width: int = 0, sensor_height: int = 0,
+        stream: str = "", columns: str = "",
         time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None, to_us: Optional[int] = None,
         relative: bool = False, shift_time: bool = False, strict: bool = False, threads: int = 0,
         restart: str = "continue", camera_setup: Optional[CameraSetup] = None) -> Recording: ...
 def read_events(
-        path: Path, *, format: str = "", width: int = 0, height: int = 0, stream: str = "", columns: str = "",
+        path: Path, *, event_format: str = "", sensor_width: int = 0, sensor_height: int = 0,
+        stream: str = "", columns: str = "",
         time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None, to_us: Optional[int] = None,
         relative: bool = False, shift_time: bool = False, strict: bool = False, threads: int = 0,
         restart: str = "continue", camera_setup: Optional[CameraSetup] = None) -> Tuple[Array, Array]: ...
 def info(
-        path: Path, *, format: str = "", width: int = 0, height: int = 0, stream: str = "", columns: str = "",
+        path: Path, *, event_format: str = "", sensor_width: int = 0, sensor_height: int = 0,
+        stream: str = "", columns: str = "",
         time_unit: str = "auto", polarities: str = "", progress: Optional[Progress] = None) -> Dict[str, Any]: ...
 def create_recording(
-        path: Path, width: int, height: int, *, format: str = "", header: Mapping[str, str] = {},
+        path: Path, sensor_width: int, sensor_height: int, *, format: str = "", header: Mapping[str, str] = {},
         codes: Optional[Array] = None, overwrite: bool = False) -> RecordingWriter: ...
 def convert(
-        path: Path, output: Path, *, output_format: str = "", overwrite: bool = False,
-        progress: Optional[Progress] = None, format: str = "", width: int = 0, height: int = 0, stream: str = "",
-        columns: str = "", time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None,
+        path: Path, output: Path, *, format: str = "", overwrite: bool = False,
+        progress: Optional[Progress] = None,
+        event_format: str = "", sensor_width: int = 0, sensor_height: int = 0,
+        stream: str = "", columns: str = "", time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None,
         to_us: Optional[int] = None, relative: bool = False, shift_time: bool = False, strict: bool = False,
         threads: int = 0, restart: str = "continue", camera_setup: Optional[CameraSetup] = None) -> Dict[str, Any]: ...
 
@@ -262,8 +266,9 @@ def accumulate(
         num_codes: Optional[int] = None, edge: str = "rising", channel: Optional[int] = None,
         first_pattern: Optional[int] = None, one_trigger_per_cycle: bool = False, origin_us: Optional[int] = None,
         trigger_delay_us: int = 0, filter_pixels: bool = False, transitions: str = "auto",
-        invert_polarity: bool = False, format: str = "", width: int = 0, height: int = 0, stream: str = "",
-        columns: str = "", time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None,
+        invert_polarity: bool = False,
+        event_format: str = "", sensor_width: int = 0, sensor_height: int = 0,
+        stream: str = "", columns: str = "", time_unit: str = "auto", polarities: str = "", from_us: Optional[int] = None,
         to_us: Optional[int] = None, relative: bool = False, shift_time: bool = False, strict: bool = False,
         threads: int = 0, restart: str = "continue", camera_setup: Optional[CameraSetup] = None) -> Cycles: ...
 def event_images(events: Array, times_us: Sequence[int], width: int, height: int) -> Counts: ...

@@ -126,7 +126,7 @@ class ErrorTest(InFolder):
             with self.assertRaises(e2lf.Error) as caught:
                 call()
             error = caught.exception
-            text = str(error).removesuffix(f" ({error.setting})")
+            text = str(error).removesuffix(f" ({error.option})")
             self.assertEqual(text, command_line_error(*arguments))
             self.assertEqual(text, f"{error.location}: {error.message}" if error.location else error.message)
             self.assertTrue(error.code)
@@ -149,7 +149,7 @@ class ErrorTest(InFolder):
         e2lf.write_png("p.png", np.zeros((4, 4), np.float32))
         with self.assertRaises(e2lf.Error) as caught:
             e2lf.write_png("p.png", np.zeros((4, 4), np.float32))
-        self.assertEqual((caught.exception.code, caught.exception.setting), ("exists", "overwrite"))
+        self.assertEqual((caught.exception.code, caught.exception.option), ("exists", "overwrite"))
         e2lf.write_png("p.png", np.ones((4, 4), np.float32), overwrite=True)
         self.assertTrue(np.all(e2lf.read_image("p.png") == 1))
 

@@ -29,8 +29,7 @@ def plain(value):
 
 
 # The options of the command line with other names than in Python.
-RECORDING = {"format": "event-format", "width": "sensor-width", "height": "sensor-height"}
-CYCLES = {**RECORDING, "num_codes": "patterns"}
+CYCLES = {"num_codes": "patterns"}
 # What the command line does not have: it never shifts times, and it takes the camera's settings one by one.
 ONLY_PYTHON = {"shift_time", "camera_setup", "progress", "out", "range_px"}
 # Unset, the command line records the end of time.

@@ -144,7 +144,7 @@ class WritingTest(InFolder):
         in_order = np.sort(self.events, order=["t", "y", "x", "p"])
         for path in ("a.raw", "b.dat", "c.hdf5", "d.csv", "f.npz"):
             has_triggers = self.write(path)
-            events, triggers = e2lf.read_events(path, width=48, height=32)
+            events, triggers = e2lf.read_events(path, sensor_width=48, sensor_height=32)
             self.assertTrue(same(np.sort(events, order=["t", "y", "x", "p"]), in_order), path)
             self.assertTrue(same(triggers, self.triggers) if has_triggers else len(triggers) == 0, path)
         for encoding in ("evt2", "evt2.1", "evt3"):
@@ -182,7 +182,7 @@ class WritingTest(InFolder):
         self.assertEqual(os.listdir(), ["rec.raw"])
         with self.assertRaises(e2lf.Error) as caught:
             e2lf.create_recording("rec.raw", 48, 32)
-        self.assertEqual((caught.exception.code, caught.exception.setting), ("exists", "overwrite"))
+        self.assertEqual((caught.exception.code, caught.exception.option), ("exists", "overwrite"))
 
     def test_convert_gives_what_the_command_line_gives(self):
         report = e2lf.convert("rec.raw", "python.hdf5")

@@ -108,7 +108,7 @@ void check_kernels(const Decoded& decoded, const OpenOptions& options, Bytes byt
 void check_live(const Decoded& decoded, const OpenOptions& options, Bytes bytes, uint32_t choice) {
   if (!can_be_streamed(options.format)) return;
   // A size that is found from the whole file must be given for a stream.
-  const auto is_size = [](const Assumption& assumption) { return assumption.setting == Setting::kSensorSize; };
+  const auto is_size = [](const Assumption& assumption) { return assumption.option == "sensor_width"; };
   if (std::any_of(decoded.info.assumptions.begin(), decoded.info.assumptions.end(), is_size)) return;
   const size_t step = 1 + choice % 300;
   const std::vector<size_t> cuts = {1 + choice / 300 % (bytes.size() + 1)};

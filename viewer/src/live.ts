@@ -7,7 +7,8 @@ export interface Finding {
   code: string;
   severity: 'note' | 'warning' | 'error';
   message: string;
-  remedy: string; // settings are in backticks
+  remedy: string;
+  option: string; // its name as in "sensor_width"; empty if there is none
 }
 
 export interface Statistics {
@@ -134,8 +135,8 @@ export class FindingList {
     const text = JSON.stringify(findings);
     if (text === this.shown) return; // screen readers announce changes
     this.shown = text;
-    this.root.replaceChildren(...findings.map(({ code, severity, message, remedy }) => element('li', { class: `is-${severity}` },
-      element('b', {}, code), ` ${message}: ${remedy.replace(/`([^`]+)`/g, '--$1')}`)));
+    this.root.replaceChildren(...findings.map(({ code, severity, message, remedy, option }) => element('li', { class: `is-${severity}` },
+      element('b', {}, code), ` ${message}: ${remedy}${option && ` (--${option.replaceAll('_', '-')})`}`)));
   }
 }
 

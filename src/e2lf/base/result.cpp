@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/base/result.h"
 
+#include <utility>
+
 #include "e2lf/base/choice.h"
 
 namespace e2lf {
@@ -21,8 +23,32 @@ const char* error_code_name(ErrorCode code) {
   return word_of(code, kNames);
 }
 
+namespace {
+
+OptionSpelling& option_spelling() {
+  static OptionSpelling spelling;
+  return spelling;
+}
+
+}  // namespace
+
+OptionSpelling set_option_spelling(OptionSpelling spelling) {
+  return std::exchange(option_spelling(), std::move(spelling));
+}
+
+std::string option_hint(const std::string& name) {
+  const OptionSpelling& spelling = option_spelling();
+  const std::string text = name.empty() || !spelling ? name : spelling(name);
+  return text.empty() ? text : " (" + text + ")";
+}
+
 std::string Error::text() const {
-  return location.empty() ? message : location + ": " + message;
+  return (location.empty() ? message : location + ": " + message) + option_hint(option);
+}
+
+Error Error::about(std::string name) && {
+  option = std::move(name);
+  return std::move(*this);
 }
 
 void fail_contract(const char* condition, const char* file, int line, const std::string& message) {

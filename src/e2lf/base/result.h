@@ -56,25 +56,15 @@ enum class ErrorCode {
 /// Returns the name of a code as used in JSON output, e.g. "not_found".
 [[nodiscard]] const char* error_code_name(ErrorCode code);
 
-/// The settings with which a caller can fix an error or override an assumption. The library only names the setting;
-/// each program adds how it is made there.
-enum class Setting {
-  kNone,
-  kOverwrite,
-  kInputFormat,
-  kOutputFormat,
-  kSensorSize,
-  kTimeUnit,
-  kColumns,
-  kStream,
-  kShiftTime,
-  kFilterPixels,
-  kCodes,
-  kWhite,
-  kLensletViews,
-  kViews,
-  kPort,
-};
+/// How a program spells the option with this name: "--sensor-width" for "sensor_width", or "" if it has none.
+using OptionSpelling = std::function<std::string(const std::string& name)>;
+
+/// Installs the spelling and returns the previous one. Without one, options are spelled as they are named, which are
+/// the keywords of Python. It must be called before any threads are started.
+OptionSpelling set_option_spelling(OptionSpelling spelling);
+
+/// Returns " (--sensor-width)" to end a message about this option, or "" without a name or a spelling.
+[[nodiscard]] std::string option_hint(const std::string& name);
 
 /// Describes bad data as a value. `message` reads "<what went wrong>; <what to do>". `location` is a file and a place
 /// in it ("views/03_04.png", "model.safetensors: byte 16", "config.json: $.train.batch"), or empty.
@@ -82,10 +72,12 @@ struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string message;
   std::string location;
-  Setting setting = Setting::kNone;  ///< the setting that fixes it, if there is one
+  std::string option = {};  ///< the name of the option that it is about, e.g. "sensor_width"; empty if there is none
 
-  /// Returns "location: message", or only the message if there is no location.
+  /// Returns "location: message (option)" without the parts that are empty.
   [[nodiscard]] std::string text() const;
+  /// Returns this error about an option.
+  [[nodiscard]] Error about(std::string name) &&;
 };
 
 /// Holds either a value or an Error. Accessing the one that is not held breaks the contract and throws ContractError.

@@ -264,7 +264,9 @@ Result<Calibration> calibrate(const std::vector<StillScene>& scenes, const captu
   if (calibrator.areas().size() < kLeastAreas) {
     return fail(ErrorCode::kInvalidValue, "", "the scene has too few flat areas (", calibrator.areas().size(),
                 " were found, ", kLeastAreas,
-                " are needed); record a grey card and give `even`, or record a scene with larger uniform areas");
+                " are needed); record a grey card and state that it is even, or record a scene with larger uniform "
+                "areas")
+        .about("even");
   }
   const Solution solution = solve(calibrator, all, options.is_even);
   result.camera = solution.camera;

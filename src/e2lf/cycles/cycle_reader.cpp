@@ -88,8 +88,9 @@ class CycleReader::Impl {
     const double share = static_cast<double>(hot) / static_cast<double>(all);
     if (share <= kMostHotShare) return {};
     return fail(ErrorCode::kInvalidValue, reader_->name(), hot, " of ", all, " pixels (", std::round(1000 * share) / 10,
-                " %) have far more events than their neighbours, which are too many for defects of a sensor; omit ",
-                "`filter-pixels`");
+                " %) have far more events than their neighbours, which are too many for defects of a sensor; do not ",
+                "replace hot pixels")
+        .about("filter_pixels");
   }
 
   /// Returns the next batch, first those that were read in advance and then from the recording.
@@ -245,18 +246,20 @@ class CycleReader::Impl {
 Result<CycleReader> CycleReader::open(std::unique_ptr<recordings::RecordingReader> reader,
                                       const CycleOptions& options) {
   E2LF_RETURN_IF_ERROR(validate(options.schedule, "schedule"));
-  const auto invalid = [](const std::string& message) { return fail(ErrorCode::kInvalidValue, "", message); };
+  const auto invalid = [&](const std::string& message) {
+    return fail(ErrorCode::kInvalidValue, reader->name(), message);
+  };
   if (options.tracker.first_pattern && *options.tracker.first_pattern >= options.schedule.size()) {
     return invalid(cat("the first pattern is ", *options.tracker.first_pattern, " of a schedule of ",
-                       options.schedule.size(), "; count from 0"));
+                       options.schedule.size(), "; count from 0"))
+        .about("first_pattern");
   }
   if (!(options.tracker.tolerance > 0 && options.tracker.tolerance < 0.5)) {
     return invalid("the tolerance of intervals must be between 0 and 0.5");
   }
   if (reader->info().width == 0 || reader->info().height == 0) {
-    Error error = invalid("the recording does not state the size of the sensor; give its width and height");
-    error.setting = Setting::kSensorSize;
-    return error;
+    return invalid("the recording does not state the size of the sensor; give its width and height")
+        .about("sensor_width");
   }
   if (options.source != CycleSource::kAuto) {
     return CycleReader(std::make_unique<Impl>(std::move(reader), options, Beginning()));

@@ -99,8 +99,9 @@ Result<Schedule> parse_schedule(const std::string& text, const std::string& name
   E2LF_ASSIGN_OR_RETURN(const Json json, parse_json(text, name));
   if (json.contains(Json::json_pointer("/patterns/0/0"))) {
     return fail(ErrorCode::kInvalidValue, name,
-                "the file contains patterns, not their times; give it as `codes`, and as `schedule` the schedule.json "
-                "that `e2lf codes render` writes beside the images of the patterns");
+                "the file contains patterns, not their times; give it as the patterns, and as the schedule the "
+                "schedule.json that `e2lf codes render` writes beside the images of the patterns")
+        .about("codes");
   }
   Schedule schedule;
   OptionReader reader(json, name + ": $");

@@ -141,7 +141,7 @@ std::vector<Candidate> candidates_for(const std::vector<PatternPlace>& stated) {
       std::vector<PatternPlace> places = stated;
       std::swap(places[n], places[other]);
       candidates.push_back({{cat("with the patterns a", n + 2, " and a", other + 2, " exchanged"), true,
-                             "check the order of the patterns in `codes` and on the display", 1},
+                             "check the order of the patterns, as stated and on the display", 1},
                             places});
     }
   }
@@ -215,7 +215,8 @@ std::optional<Finding> check_places(const capture::EventImages& events, const ca
                  Severity::kError,
                  cat("the parallax between the event images agrees ", percent, " % better ", best->name),
                  best->remedy,
-                 {{"mismatch", best->mismatch}, {"change", best->name}}};
+                 {{"mismatch", best->mismatch}, {"change", best->name}},
+                 best->is_order ? "codes" : ""};
 }
 
 namespace {
@@ -282,8 +283,9 @@ Findings check_event_images(const capture::EventImages& images, const capture::C
     sum.on += counts.on;
     sum.off += counts.off;
   }
-  const auto add = [&](const char* code, Severity severity, std::string message, std::string remedy) {
-    findings.push_back({code, severity, std::move(message), std::move(remedy), {{"events", sum.all()}}});
+  const auto add = [&](const char* code, Severity severity, std::string message, std::string remedy,
+                       const char* option = "") {
+    findings.push_back({code, severity, std::move(message), std::move(remedy), {{"events", sum.all()}}, option});
   };
   if (sum.all() == 0) {
     add("events-absent", Severity::kError, "there are no events, so that the result shows nothing of the scene",
@@ -311,7 +313,7 @@ Findings check_event_images(const capture::EventImages& images, const capture::C
   if (codes != nullptr && wrong_share(images, *codes) >= kClearlyWrong) {
     add("polarity-inverted", Severity::kError,
         "the polarity is inverted: patterns that open cells, such as the first one after black, cause OFF events",
-        "give `invert-polarity`, or omit it if it was given");
+        "exchange ON and OFF events, or do not if this was asked for", "invert_polarity");
   }
   // The change from black to the first pattern alone only causes ON events.
   if (images.count > 1 && sum.all() >= kEnough && (sum.on == 0 || sum.off == 0)) {

@@ -19,10 +19,11 @@ struct OtherOrientation {
   int y_of_y, y_of_x, x_of_y, x_of_x;
 };
 inline constexpr OtherOrientation kOtherOrientations[] = {
-    {"with mirrored patterns", "render the patterns with `flip-x`, or state the orientation of the views", 1, 0, 0, -1},
-    {"with patterns turned by 90 degrees", "render the patterns with `rotate` 90", 0, -1, 1, 0},
-    {"with patterns mirrored and turned by 90 degrees", "render the patterns with `flip-x` and `rotate` 90", 0, 1, 1,
-     0}};
+    {"with mirrored patterns",
+     "render the patterns by `e2lf codes render --flip-x`, or state the orientation of the views", 1, 0, 0, -1},
+    {"with patterns turned by 90 degrees", "render the patterns by `e2lf codes render --rotate 90`", 0, -1, 1, 0},
+    {"with patterns mirrored and turned by 90 degrees",
+     "render the patterns by `e2lf codes render --flip-x --rotate 90`", 0, 1, 1, 0}};
 
 /// Returns the middle of event images, at most of this size in px.
 [[nodiscard]] capture::EventImages middle_of(const capture::EventImages& events, size_t most_height, size_t most_width);

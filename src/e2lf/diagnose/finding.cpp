@@ -2,6 +2,7 @@
 #include "e2lf/diagnose/finding.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "e2lf/base/choice.h"
 #include "e2lf/base/log.h"
@@ -24,6 +25,11 @@ const char* severity_name(Severity severity) {
   return word_of(severity, kSeverities);
 }
 
+Finding Finding::about(std::string name) && {
+  option = std::move(name);
+  return std::move(*this);
+}
+
 bool contains(const Findings& findings, const std::string& code) {
   return std::ranges::any_of(findings, [&](const Finding& finding) { return finding.code == code; });
 }
@@ -33,7 +39,7 @@ bool has_doubt(const Findings& findings) {
 }
 
 std::string text_of(const Finding& finding) {
-  return cat(finding.code, ": ", finding.message, "; ", finding.remedy);
+  return cat(finding.code, ": ", finding.message, "; ", finding.remedy, option_hint(finding.option));
 }
 
 void log_findings(const std::string& name, const Findings& findings) {
@@ -50,6 +56,7 @@ Json to_json(const Findings& findings) {
                     {"severity", severity_name(finding.severity)},
                     {"message", finding.message},
                     {"remedy", finding.remedy},
+                    {"option", finding.option},
                     {"figures", finding.figures}});
   }
   return json;
@@ -63,6 +70,7 @@ Findings findings_from_json(const Json& json) {
         .code = text_at(each, "code"), .message = text_at(each, "message"), .remedy = text_at(each, "remedy")};
     finding.severity = choice_of(text_at(each, "severity"), kSeverities).value_or(Severity::kWarning);
     finding.figures = each.value("figures", Json());
+    finding.option = text_at(each, "option");
     findings.push_back(std::move(finding));
   }
   return findings;

@@ -21,9 +21,13 @@ enum class Severity {
 struct Finding {
   std::string code;  ///< a stable name, such as "polarity-inverted"; docs/recordings.md lists them
   Severity severity = Severity::kWarning;
-  std::string message;  ///< what was found, with its figures, without a full stop
-  std::string remedy;   ///< what to do about it; names of settings, such as `invert-polarity`, are in backticks
-  Json figures = {};    ///< the figures of the message for programs
+  std::string message;      ///< what was found, with its figures, without a full stop
+  std::string remedy;       ///< what to do about it
+  Json figures = {};        ///< the figures of the message for programs
+  std::string option = {};  ///< the name of the option that remedies it, such as "invert_polarity", or empty
+
+  /// Returns this finding about an option.
+  [[nodiscard]] Finding about(std::string name) &&;
 };
 using Findings = std::vector<Finding>;
 
@@ -32,13 +36,13 @@ using Findings = std::vector<Finding>;
 /// Returns true if a finding is a warning or an error.
 [[nodiscard]] bool has_doubt(const Findings& findings);
 
-/// Returns "code: message; remedy".
+/// Returns "code: message; remedy (option)".
 [[nodiscard]] std::string text_of(const Finding& finding);
 
 /// Logs each finding as "name: code: message; remedy".
 void log_findings(const std::string& name, const Findings& findings);
 
-/// Converts findings to [{"code", "severity", "message", "remedy", "figures"}, ...].
+/// Converts findings to [{"code", "severity", "message", "remedy", "option", "figures"}, ...].
 [[nodiscard]] Json to_json(const Findings& findings);
 /// Converts them back, and ignores what is not of this form.
 [[nodiscard]] Findings findings_from_json(const Json& json);

@@ -166,10 +166,11 @@ Findings RigCheck::findings(const cycles::CycleReader& reader) const {
   if (of_triggers) findings.push_back(std::move(*of_triggers));
   if (reader.report().has_assumed_first) {
     findings.push_back(
-        {"first-pattern-assumed", Severity::kWarning,
-         "neither intervals nor events determine which pattern the first trigger begins, and pattern 0 of "
-         "the schedule is assumed",
-         "give its number with `first-pattern`"});
+        Finding{"first-pattern-assumed", Severity::kWarning,
+                "neither intervals nor events determine which pattern the first trigger begins, and pattern 0 of "
+                "the schedule is assumed",
+                "give its number"}
+            .about("first_pattern"));
   }
   add_pixels(findings);
   add_duplicates(findings);
@@ -183,19 +184,22 @@ void RigCheck::add_signs(const cycles::CycleReader& reader, Findings& findings) 
   // live decodes most cycles only as far as their event images require, so that their signs are not known.
   const uint64_t known = inverted + half_off + polarities_[static_cast<size_t>(Polarity::kRight)];
   if (inverted > 0) {
-    findings.push_back({"polarity-inverted",
-                        Severity::kError,
-                        cat("the polarity is inverted in ", inverted, " of ", known,
-                            " cycles: the change from black to the first pattern causes OFF events"),
-                        reader.options().invert_polarity ? "omit `invert-polarity`" : "give `invert-polarity`",
-                        {{"cycles", inverted}}});
+    findings.push_back(
+        {"polarity-inverted",
+         Severity::kError,
+         cat("the polarity is inverted in ", inverted, " of ", known,
+             " cycles: the change from black to the first pattern causes OFF events"),
+         reader.options().invert_polarity ? "do not exchange ON and OFF events" : "exchange ON and OFF events",
+         {{"cycles", inverted}},
+         "invert_polarity"});
   }
   if (half_off > 0) {
     findings.push_back({"half-cycle-off",
                         Severity::kError,
                         cat("the patterns of ", half_off, " of ", known, " cycles are mistaken for their inverses"),
-                        "check `first-pattern` and `origin-us`",
-                        {{"cycles", half_off}}});
+                        "check the first pattern and the origin of the schedule",
+                        {{"cycles", half_off}},
+                        "first_pattern"});
   }
 }
 
@@ -228,15 +232,15 @@ void RigCheck::add_delay(const cycles::CycleOptions& options, Findings& findings
   if (!delay_us || (*delay_us >= kEarliestUs && *delay_us <= kLatestUs)) return;
   const bool is_late = *delay_us < 0;
   const int64_t shift_us = options.trigger_delay_us + *delay_us - kUsualUs;
-  findings.push_back({"trigger-delay",
-                      Severity::kError,
-                      cat("the events change ", std::abs(*delay_us), " us ", is_late ? "before" : "after",
-                          " the trigger of each pattern, so that some of them are assigned to the ",
-                          is_late ? "previous" : "next", " pattern"),
-                      cat("check whether the other `edge` is the right one, or give the delay of the display, about "
-                          "`trigger-delay-us` ",
-                          shift_us),
-                      {{"event_delay_us", *delay_us}, {"trigger_delay_us", shift_us}}});
+  findings.push_back(
+      {"trigger-delay",
+       Severity::kError,
+       cat("the events change ", std::abs(*delay_us), " us ", is_late ? "before" : "after",
+           " the trigger of each pattern, so that some of them are assigned to the ", is_late ? "previous" : "next",
+           " pattern"),
+       cat("check whether the other edge is the right one, or give the delay of the display, about ", shift_us, " us"),
+       {{"event_delay_us", *delay_us}, {"trigger_delay_us", shift_us}},
+       "trigger_delay_us"});
 }
 
 void RigCheck::add_confidence(const cycles::CycleReader& reader, Findings& findings) const {
@@ -251,8 +255,9 @@ void RigCheck::add_confidence(const cycles::CycleReader& reader, Findings& findi
        Severity::kWarning,
        cat("the events of ", doubtful_, " of ", cycles_,
            " cycles do not change when the patterns should have (least confidence ", least_confidence_, ")"),
-       "check `schedule`, `origin-us` and `first-pattern`, and look at the plot of the cycles",
-       {{"cycles", doubtful_}, {"least_confidence", least_confidence_}}});
+       "check the schedule, its origin and the first pattern, and look at the plot of the cycles",
+       {{"cycles", doubtful_}, {"least_confidence", least_confidence_}},
+       "schedule"});
 }
 
 void RigCheck::add_pixels(Findings& findings) const {
@@ -268,8 +273,9 @@ void RigCheck::add_pixels(Findings& findings) const {
        cat(num_hot_, " pixels (", std::round(1e4 * share) / 100,
            " %) have far more events than their neighbours in each cycle, which spoils the result around "
            "them, too"),
-       "give `filter-pixels`",
-       {{"pixels", num_hot_}, {"share", share}}});
+       "give hot pixels the events of their neighbours",
+       {{"pixels", num_hot_}, {"share", share}},
+       "filter_pixels"});
 }
 
 void RigCheck::add_duplicates(Findings& findings) const {
@@ -296,38 +302,44 @@ Json RigCheck::json(const cycles::CycleReader& reader) const {
 Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader) {
   const cycles::CycleReport report = reader.report();
   const cycles::CycleOptions& options = reader.options();
-  Finding none{"cycles-absent", Severity::kError, "no complete pattern cycle was found",
-               "check `source`, `schedule` and `patterns`"};
+  Finding none = Finding{"cycles-absent", Severity::kError, "no complete pattern cycle was found",
+                         "check the source of the cycles, the schedule and the number of patterns"}
+                     .about("source");
   std::optional<Finding> of_triggers;
   if (options.source == CycleSource::kTriggers) of_triggers = rig.check_triggers(options);
   if (rig.is_empty()) {
     none.code = "recording-empty";
     none.message += ": there are no events and no triggers in the time that was read";
-    none.remedy = "compare `from-us` and `to-us` with the times that e2lf info states";
+    none.remedy = "compare the range of times with those that e2lf info states";
+    none.option = "from_us";
   } else if (of_triggers) {
     none.code = of_triggers->code;
     none.message += cat(": ", of_triggers->message);
     none.remedy = of_triggers->remedy;
+    none.option = of_triggers->option;
   } else if (options.source == CycleSource::kBursts && rig.has_triggers()) {
     none.message += ": the events do not show each change of pattern, but the recording has triggers";
-    none.remedy = "give `source` triggers";
+    none.remedy = "use the triggers as the source";
   } else if (options.tracker.first_pattern && options.source != CycleSource::kSchedule) {
     none.message += cat(": no cycle begins with pattern ", *options.tracker.first_pattern);
-    none.remedy = "omit `first-pattern`, so that it is determined from the intervals and the events";
+    none.remedy = "omit this pattern, so that it is determined from the intervals and the events";
+    none.option = "first_pattern";
   } else if (report.unassigned_marks > 0) {
     none.message +=
         cat(": ", report.unassigned_marks, " of ", report.marks, " triggers or bursts cannot be assigned to a pattern");
-    none.remedy = "give the pattern of the first one with `first-pattern`";
+    none.remedy = "give the pattern of the first one";
+    none.option = "first_pattern";
     if (options.source == CycleSource::kBursts) {
-      none.remedy += ", or the time at which a cycle began with `origin-us` and `source` schedule";
+      none.remedy += ", or use the schedule as the source and give the time at which a cycle began";
     }
   }
   return none;
 }
 
 Finding no_trigger_finding(double seconds) {
-  return {"triggers-absent", Severity::kError, cat("there was no trigger within ", seconds, " s"),
-          "check the trigger cable, its level and the input (`trigger-channel`)"};
+  return Finding{"triggers-absent", Severity::kError, cat("there was no trigger within ", seconds, " s"),
+                 "check the trigger cable, its level and the input"}
+      .about("trigger_channel");
 }
 
 Findings check_camera(const recordings::RecordingReader& camera, uint64_t events, uint64_t triggers, double seconds) {
@@ -338,13 +350,14 @@ Findings check_camera(const recordings::RecordingReader& camera, uint64_t events
                         "take off the lens cap, and check the biases"});
   }
   if (triggers == 0) findings.push_back(no_trigger_finding(seconds));
-  const auto check = [&](uint64_t lost, const char* code, const char* figure, std::string message, const char* remedy) {
-    if (lost > 0) findings.push_back({code, Severity::kWarning, std::move(message), remedy, {{figure, lost}}});
+  const auto check = [&](uint64_t lost, const char* code, const char* figure, std::string message, const char* remedy,
+                         const char* option = "") {
+    if (lost > 0) findings.push_back({code, Severity::kWarning, std::move(message), remedy, {{figure, lost}}, option});
   };
   const uint64_t dropped = summary.sensor_events_in - std::min(summary.sensor_events_in, summary.sensor_events_sent);
   check(dropped, "sensor-overloaded", "dropped",
         cat("the sensor dropped ", dropped, " of ", summary.sensor_events_in, " events"),
-        "use less light, a smaller region (`roi`) or other biases");
+        "use less light, a smaller region or other biases", "roi");
   check(summary.live.dropped_bytes, "bytes-lost", "bytes",
         cat(summary.live.dropped_bytes, " bytes were lost because they arrived too fast"), "use a faster computer");
   check(summary.live.lost_buffers, "buffers-lost", "buffers",
@@ -355,9 +368,10 @@ Findings check_camera(const recordings::RecordingReader& camera, uint64_t events
         "check the cable and the load of the computer");
   for (const char* const filter : {"anti_flicker", "event_trail_filter"}) {
     if (camera.info().find(filter) != "on") continue;
-    findings.push_back({"sensor-filter", Severity::kWarning,
-                        cat("the filter ", filter, " is on and removes events of the patterns"),
-                        "give `no-sensor-filters`"});
+    findings.push_back(Finding{"sensor-filter", Severity::kWarning,
+                               cat("the filter ", filter, " is on and removes events of the patterns"),
+                               "switch the filters of the sensor off"}
+                           .about("no_sensor_filters"));
   }
   return findings;
 }

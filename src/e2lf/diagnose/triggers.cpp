@@ -99,8 +99,8 @@ std::string ms(double us) {
   return text;
 }
 
-Finding finding(const char* code, std::string message, std::string remedy, Json figures = {}) {
-  return {code, Severity::kError, std::move(message), std::move(remedy), std::move(figures)};
+Finding finding(const char* code, std::string message, std::string remedy, const char* option = "", Json figures = {}) {
+  return {code, Severity::kError, std::move(message), std::move(remedy), std::move(figures), option};
 }
 
 std::vector<double> intervals_of(const std::vector<int64_t>& times_us) {
@@ -215,11 +215,11 @@ std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const c
     return finding(
         "triggers-of-patterns",
         cat("one trigger per cycle is expected, every ", ms(cycle_us), ", but one comes every ", ms(usual_us)),
-        "omit `one-trigger-per-cycle`, or give the `schedule` of the display", figures);
+        "expect one trigger per pattern, or give the schedule of the display", "one_trigger_per_cycle", figures);
   }
   if (are_cycles && schedule.size() > 1) {
     return finding("triggers-of-cycles", cat("there is one trigger in ", ms(usual_us), ", which is a whole cycle"),
-                   "give `one-trigger-per-cycle`", figures);
+                   "expect one trigger per cycle", "one_trigger_per_cycle", figures);
   }
   if (matching_share(intervals, expected) >= kMost) return std::nullopt;
   if (const double scale = scale_of(intervals, schedule);
@@ -228,33 +228,33 @@ std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const c
         "schedule-scaled",
         cat("the intervals between triggers have the order of the schedule but are ", std::round(100 * scale) / 100,
             " times as long: the display's cycle takes ", ms(scale * cycle_us), " and the schedule's ", ms(cycle_us)),
-        "give a `schedule` with the durations of the display", {{"scale", scale}});
+        "give a schedule with the durations of the display", "schedule", {{"scale", scale}});
   }
   if (std::max(matching_share(intervals, pairs_of(expected, 0)), matching_share(intervals, pairs_of(expected, 1))) >=
       kMost) {
     return finding("triggers-halved",
                    "every second trigger is missing: the display may change its output at each pattern",
-                   "give `edge` both, or repair the signal", figures);
+                   "use both edges, or repair the signal", "edge", figures);
   }
   if (const size_t missing = missing_triggers(intervals, expected); missing > 0) {
     return finding(
         "triggers-missing",
         cat(missing, " of ", times_us.size() + missing, " triggers are missing, and the others match the schedule"),
-        "check the wire, the level and the length of the trigger pulses", {{"missing", missing}});
+        "check the wire, the level and the length of the trigger pulses", "", {{"missing", missing}});
   }
   if (const size_t extra = extra_triggers(intervals, expected); extra > 0) {
     Finding found = finding("triggers-extra",
                             cat(extra, " of ", times_us.size(),
                                 " triggers are additional ones, and the others match the schedule; cycles with "
                                 "additional triggers are left out"),
-                            "look for noise or a bouncing contact on the wire", {{"extra", extra}});
+                            "look for noise or a bouncing contact on the wire", "", {{"extra", extra}});
     found.severity = Severity::kWarning;
     return found;
   }
   return finding("schedule-other",
                  cat("a trigger comes every ", ms(usual_us), ", and the schedule has ", schedule.size(),
                      " patterns in ", ms(cycle_us)),
-                 "give the `schedule` of the display, or the number of its coding `patterns`", figures);
+                 "give the schedule of the display, or the number of its coding patterns", "schedule", figures);
 }
 
 /// Returns the times of the edges that are used, in order.
@@ -321,28 +321,29 @@ std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles:
   if (inputs.empty()) {
     return finding("triggers-absent", "the recording contains no triggers",
                    "enable the trigger input of the camera and check its cable; pixels that are faster than the "
-                   "patterns also permit `source` bursts");
+                   "patterns also permit bursts of events as the source",
+                   "source");
   }
   if (options.channel && !inputs.contains(*options.channel)) {
     return finding("trigger-channel", cat("channel ", *options.channel, " has no triggers"),
-                   cat("give `channel` ", inputs.begin()->first));
+                   cat("use channel ", inputs.begin()->first), "channel");
   }
   if (!options.channel && inputs.size() > 1) {
     return finding("trigger-channel", cat(inputs.size(), " channels have triggers"),
-                   cat("give that of the patterns, probably `channel` ", best_input(inputs, options)));
+                   cat("use that of the patterns, probably channel ", best_input(inputs, options)), "channel");
   }
   using cycles::TriggerEdge;
   const TriggerInput& input = options.channel ? inputs.at(*options.channel) : inputs.begin()->second;
   if (options.edge == TriggerEdge::kRising && input.rising.count == 0) {
-    return finding("trigger-edge", "there are only falling edges", "give `edge` falling");
+    return finding("trigger-edge", "there are only falling edges", "use the falling edges", "edge");
   }
   if (options.edge == TriggerEdge::kFalling && input.falling.count == 0) {
-    return finding("trigger-edge", "there are only rising edges", "give `edge` rising");
+    return finding("trigger-edge", "there are only rising edges", "use the rising edges", "edge");
   }
   const std::vector<int64_t> times_us = times_of(input, options.edge);
   if (options.edge == TriggerEdge::kBoth && input.falling.count > 0 &&
       !check_times(input.rising.times_us, options.schedule, options.one_trigger_per_cycle)) {
-    return finding("trigger-edge", "each pattern has a rising and a falling edge", "give `edge` rising");
+    return finding("trigger-edge", "each pattern has a rising and a falling edge", "use the rising edges", "edge");
   }
   constexpr size_t kEnoughOfCycles = 3;
   if (times_us.size() < options.schedule.size()) {
@@ -351,7 +352,7 @@ std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles:
     return finding("triggers-few",
                    cat("the recording has fewer triggers (", times_us.size(), ") than a cycle has patterns (",
                        options.schedule.size(), ")"),
-                   "record for longer, or give `one-trigger-per-cycle` if each marks a cycle");
+                   "record for longer, or state that each marks a cycle", "one_trigger_per_cycle");
   }
   if (auto found = check_times(times_us, options.schedule, options.one_trigger_per_cycle)) return found;
   if (last_us - times_us.back() > 2 * options.schedule.cycle_us() && times_us.size() < TriggerEdges::kMostTimes) {

@@ -55,7 +55,8 @@ TEST(CheckTriggers, NamesTheEdgeAndTheChannel) {
   for (const auto& other : triggers_of(paper_schedule(), 0.13, 3)) both.push_back(other);
   TriggerInputs inputs;
   add(both, inputs);
-  EXPECT_THAT(check_triggers(inputs, {}, 0)->remedy, HasSubstr("`channel` 0"));
+  EXPECT_EQ(check_triggers(inputs, {}, 0)->option, "channel");
+  EXPECT_THAT(check_triggers(inputs, {}, 0)->remedy, HasSubstr("channel 0"));
   EXPECT_EQ(code_for(triggers, {.channel = uint16_t{7}}), "trigger-channel");
 }
 

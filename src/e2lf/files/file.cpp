@@ -122,7 +122,7 @@ Result<void> check_output(const fs::path& path, bool overwrite) {
   }
   if (!overwrite && !is_stream(path) && is_there(path)) {
     return Error{ErrorCode::kExists, "the output exists already; replace it or choose another", path.string(),
-                 Setting::kOverwrite};
+                 "overwrite"};
   }
   return {};
 }

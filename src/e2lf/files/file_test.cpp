@@ -76,7 +76,7 @@ TEST(File, CheckOutputAsksForOverwrite) {
   ASSERT_TRUE(write_file(folder / "a", std::string("x")).ok());
   const Error error = check_output(folder / "a", /*overwrite=*/false).error();
   EXPECT_EQ(error.code, ErrorCode::kExists);
-  EXPECT_EQ(error.setting, Setting::kOverwrite);
+  EXPECT_EQ(error.option, "overwrite");
   EXPECT_TRUE(check_output(folder / "a", /*overwrite=*/true).ok());
   EXPECT_TRUE(check_output(folder / "b", /*overwrite=*/false).ok());
 }

@@ -64,7 +64,7 @@ Error foreign_side(const fs::path& side, const fs::path& target, bool is_ours) {
                                      : ", but e2lf did not write it, so it is not replaced; move it away or choose "
                                        "another output";
   return {ErrorCode::kExists, cat("this file would belong to ", target.filename().string(), remedy), side.string(),
-          is_ours ? Setting::kOverwrite : Setting::kNone};
+          is_ours ? "overwrite" : ""};
 }
 
 Result<void> move_into_place(const fs::path& from, const fs::path& to) {

@@ -88,7 +88,7 @@ Result<void> check_replaceable(const fs::path& target, bool overwrite) {
   }
   if (!overwrite) {
     return Error{ErrorCode::kExists, "the output exists already; replace it or choose another", target.string(),
-                 Setting::kOverwrite};
+                 "overwrite"};
   }
   if (fs::is_empty(target, error)) return {};
   if (error) return fail_to("look into the folder", target, error.value());

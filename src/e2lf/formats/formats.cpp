@@ -85,7 +85,7 @@ Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const Open
     if (streams.size() > 1) {
       info.assumptions.push_back({cat("there are ", streams.size(), " streams of events, ", join(info.streams),
                                       ", of which the first is read and the others are left out"),
-                                  Setting::kStream});
+                                  "stream"});
     }
     return size_t{0};
   }
@@ -104,7 +104,7 @@ Result<size_t> choose_stream(const std::vector<NamedStream>& streams, const Open
     return Error{ErrorCode::kInvalidValue,
                  cat(count == 0 ? "there is no stream of events named " : "there are several streams of events named ",
                      header_text(wanted), "; there are ", join(info.streams), ": choose one by its number"),
-                 location, Setting::kStream};
+                 location, "stream"};
   }
   return static_cast<size_t>(first - streams.begin());
 }

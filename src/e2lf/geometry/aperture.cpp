@@ -133,8 +133,9 @@ bool has_parallax(const std::vector<AperturePicture>& pictures) {
 
 Result<Aperture> describe_aperture(const capture::Codes& codes) {
   if (!capture::is_black_first(codes)) {
-    return fail(ErrorCode::kInvalidValue, "codes",
-                "the first pattern is not black, so its picture is unknown; show a black pattern first");
+    return fail(ErrorCode::kInvalidValue, "",
+                "the first pattern is not black, so its picture is unknown; show a black pattern first")
+        .about("codes");
   }
   Aperture aperture;
   std::vector<Spread> spreads;
@@ -148,8 +149,9 @@ Result<Aperture> describe_aperture(const capture::Codes& codes) {
                               aperture.pictures.back()));
   }
   if (!has_parallax(aperture.pictures)) {
-    return fail(ErrorCode::kInvalidValue, "codes",
-                "the patterns have the same centroid, so that their pictures show no parallax; use others");
+    return fail(ErrorCode::kInvalidValue, "",
+                "the patterns have the same centroid, so that their pictures show no parallax; use others")
+        .about("codes");
   }
   double total = 0;
   for (const AperturePicture& picture : aperture.pictures) total += picture.weight;

@@ -82,8 +82,7 @@ void log_assumptions(const recordings::RecordingReader& reader) {
 }
 
 std::string assumption_text(const recordings::Assumption& assumption) {
-  if (assumption.setting == Setting::kStream) return assumption.text + "; state the stream to select another";
-  return assumption.text;
+  return assumption.text + option_hint(assumption.option);
 }
 
 Json reading_json(const recordings::RecordingInfo& info) {

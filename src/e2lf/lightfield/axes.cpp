@@ -66,7 +66,7 @@ struct BadSamples {
                   low >= -1.0F && high <= 1.0F ? ", from -1..1 as (x + 1) / 2" : "");
     }
     return {ErrorCode::kInvalidValue, cat(what, "; give the value that is white, e.g. ", likely_white(high)), location,
-            Setting::kWhite};
+            "white"};
   }
 };
 
@@ -82,7 +82,7 @@ Result<void> check_values(const LightField& light_field, float assumed_white, co
                  cat("the values are in ", std::round(low * assumed_white), "..", most,
                      ", although the largest of their type is ", assumed_white, "; give the value that is white, e.g. ",
                      are_bits ? 1 : 255),
-                 location, Setting::kWhite};
+                 location, "white"};
   }
   return {};
 }
@@ -316,7 +316,7 @@ Result<LightField> from_stored(const StoredArray& array, const ReadOptions& opti
   if (white_of(array, options) == 0.0F) {
     return Error{ErrorCode::kUnsupported,
                  "the type of the numbers does not determine which value is white; give it, e.g. 255", location,
-                 Setting::kWhite};
+                 "white"};
   }
   E2LF_RETURN_IF_ERROR(check_axes(array.shape, location));
   E2LF_ASSIGN_OR_RETURN(const ChosenGrid grid,

@@ -200,7 +200,7 @@ Result<LightFieldFormat> format_of_path(const fs::path& path) {
   return Error{
       ErrorCode::kUnsupported,
       cat("light fields are not written with the extension ", extension, "; use .npy, .h5 or the name of a folder"),
-      path.string(), Setting::kOutputFormat};
+      path.string(), "format"};
 }
 
 Result<void> write_views(const fs::path& folder, const LightFieldView& light_field, LightFieldFormat format,

@@ -88,9 +88,9 @@ TEST(Npy, NumbersAreDividedByTheWhiteThatIsNamed) {
   for (const RangePolicy range : {RangePolicy::kRefuse, RangePolicy::kClamp, RangePolicy::kKeep}) {
     const auto refused = read(make_npy<float>(shape, counts), 0.0F, range);
     ASSERT_FALSE(refused.ok());
-    EXPECT_EQ(refused.error().setting, Setting::kWhite);
+    EXPECT_EQ(refused.error().option, "white");
     EXPECT_TRUE(same(read(make_npy<float>(shape, counts), 255.0F, range).value(), stored));
-    EXPECT_EQ(read(make_npy<int32_t>(shape, whole), 0.0F, range).error().setting, Setting::kWhite);
+    EXPECT_EQ(read(make_npy<int32_t>(shape, whole), 0.0F, range).error().option, "white");
     EXPECT_TRUE(same(read(make_npy<int32_t>(shape, whole), 255.0F, range).value(), stored));
   }
 }
@@ -134,7 +134,7 @@ TEST(Lenslet, AnotherLayoutThanTheStatedOneIsRefused) {
     }
   }
   ASSERT_TRUE(write_png(folder / "eslf.png", lenslets).ok());
-  EXPECT_EQ(read_light_field(folder / "eslf.png").error().setting, Setting::kLensletViews);  // 14 divides 630x420, too
+  EXPECT_EQ(read_light_field(folder / "eslf.png").error().option, "lenslet_views");  // 14 divides 630x420, too
   ReadOptions options;
   options.lenslet_views = kViews;
   EXPECT_TRUE(read_light_field(folder / "eslf.png", options).ok());
@@ -173,7 +173,7 @@ TEST(Lenslet, EveryOtherNumberOfViewsThanThatOfTheContentIsRefused) {
   const TestFolder folder;
   ASSERT_TRUE(write_png(folder / "a.png", mosaic_of_8x8(80)).ok());
   for (const size_t views : {2, 4, 5, 16, 32}) {
-    EXPECT_EQ(read_light_field(folder / "a.png", of_grid(views)).error().setting, Setting::kLensletViews) << views;
+    EXPECT_EQ(read_light_field(folder / "a.png", of_grid(views)).error().option, "lenslet_views") << views;
   }
   EXPECT_EQ(read_light_field(folder / "a.png", of_grid(8))->shape(), (Shape{8, 8, 80, 80, 1}));
 }
@@ -261,7 +261,7 @@ TEST(Npy, A13BooleansAreBlackAndWhite) {
   array.type = "u1";
   ASSERT_TRUE(write_npy(folder / "bytes.npy", array));
   const Error error = read_light_field(folder / "bytes.npy", all).error();
-  EXPECT_EQ(error.setting, Setting::kWhite);
+  EXPECT_EQ(error.option, "white");
   all.white = 1;
   EXPECT_EQ(read_light_field(folder / "bytes.npy", all)->at(0, 0, 0, 0), 1.0F);
 }
@@ -276,13 +276,13 @@ TEST(Npy, A13A15WhatIsNotInTheRangeIsNamedWithIt) {
   };
   const Error negative = error_of({-1, 0, 1, 0.5F, 0, 0});
   EXPECT_THAT(negative.text(), testing::AllOf(testing::HasSubstr("-1..1"), testing::HasSubstr("(x + 1) / 2")));
-  EXPECT_EQ(negative.setting, Setting::kNone);
+  EXPECT_EQ(negative.option, "");
   const Error words = error_of({0, 900, 1000, 0, 0, 0});
   EXPECT_THAT(words.text(), testing::AllOf(testing::HasSubstr("0..1000"), testing::HasSubstr("e.g. 1023")));
-  EXPECT_EQ(words.setting, Setting::kWhite);
+  EXPECT_EQ(words.option, "white");
   const Error nan = error_of({0, 0.5F, 1, 0, std::nanf(""), 0});
   EXPECT_THAT(nan.text(), testing::AllOf(testing::HasSubstr("NaN"), testing::HasSubstr("view column 1, y 0, x 1")));
-  EXPECT_EQ(nan.setting, Setting::kNone);
+  EXPECT_EQ(nan.option, "");
 }
 
 TEST(Npy, A13TransposedAxesAreRefused) {

@@ -76,7 +76,7 @@ std::string conditioned_network_remedy(const std::optional<capture::Codes>& code
   if (names.empty()) {
     return "train a network that is conditioned on the sensor profile, because no bundled network is suitable";
   }
-  return cat("use a network that is conditioned on the sensor profile: `model` ", names);
+  return cat("use a network that is conditioned on the sensor profile: ", names);
 }
 
 }  // namespace e2lf::pipeline

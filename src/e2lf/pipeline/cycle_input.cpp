@@ -15,24 +15,26 @@ void invert(capture::EventImages& images) {
 
 Result<void> check(const CycleInputOptions& options) {
   if (options.max_cycles == 0 || options.max_cycles >= options.cycles_per_field) return {};
-  return fail(ErrorCode::kInvalidValue, "max_cycles", "a light field takes ", options.cycles_per_field,
-              " cycles, but at most ", options.max_cycles, " may be read; raise this limit");
+  return fail(ErrorCode::kInvalidValue, options.input, "a light field takes ", options.cycles_per_field,
+              " cycles, but at most ", options.max_cycles, " may be read; raise this limit")
+      .about("max_cycles");
 }
 
 Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions& options) {
   const capture::MeasurementKind measured = file.cycles.front().kind;
-  const auto useless = [](std::string why, const char* option) {
-    return fail(ErrorCode::kInvalidValue, option, std::move(why) + "; omit this setting");
+  const auto useless = [&](const std::string& why, const char* option) {
+    return fail(ErrorCode::kInvalidValue, options.input, why, "; omit this option").about(option);
   };
   if (options.cycles_per_field > 1 && measured != capture::MeasurementKind::kEventImages) {
     return useless(
         cat("only event images can be summed; this is the measurement ", capture::measurement_name(measured)),
-        "cycles");
+        "cycles_per_field");
   }
   if (file.cycles.size() < options.cycles_per_field) {
-    return fail(ErrorCode::kInvalidValue, "", "there are ", file.cycles.size(), " cycles, fewer than the ",
+    return fail(ErrorCode::kInvalidValue, options.input, "there are ", file.cycles.size(), " cycles, fewer than the ",
                 options.cycles_per_field,
-                " from which one light field is reconstructed; reduce the number of cycles per light field");
+                " from which one light field is reconstructed; reduce the number of cycles per light field")
+        .about("cycles_per_field");
   }
   if (options.cycles.invert_polarity && !capture::has_events(measured)) {
     return useless("this measurement has no events", "invert_polarity");
@@ -131,12 +133,14 @@ Result<std::optional<CycleImages>> CycleInput::next() {
 
 Result<void> CycleInput::fuse(const capture::SensorProfile& camera, size_t most_cycles) {
   if (measurement() != capture::MeasurementKind::kEventImages) {
-    return fail(ErrorCode::kInvalidValue, "fuse", "only event images can be fused; this is the measurement ",
-                capture::measurement_name(measurement()), "; omit this setting");
+    return fail(ErrorCode::kInvalidValue, options_.input, "only event images can be fused; this is the measurement ",
+                capture::measurement_name(measurement()), "; omit this option")
+        .about("fuse");
   }
   if (options_.cycles_per_field > 1) {
-    return fail(ErrorCode::kInvalidValue, "fuse",
-                "the cycles of a light field are summed already; omit the number of cycles per light field");
+    return fail(ErrorCode::kInvalidValue, options_.input,
+                "the cycles of a light field are summed already; omit the number of cycles per light field")
+        .about("fuse");
   }
   fusion_.emplace(camera, most_cycles);
   return {};
@@ -180,8 +184,9 @@ Result<void> choose_source(cycles::CycleOptions& options, const std::optional<in
     options.source = has_triggers ? CycleSource::kTriggers : origin_us ? CycleSource::kSchedule : CycleSource::kAuto;
   }
   if (options.source == CycleSource::kSchedule && !origin_us) {
-    return fail(ErrorCode::kInvalidValue, "origin_us",
-                "the schedule does not state when a cycle began; give that time, or use the events as the source");
+    return fail(ErrorCode::kInvalidValue, "",
+                "the schedule does not state when a cycle began; give that time, or use the events as the source")
+        .about("origin_us");
   }
   options.origin_us = origin_us.value_or(0);
   return {};

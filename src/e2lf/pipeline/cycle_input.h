@@ -56,7 +56,7 @@ struct CycleInputOptions {
 /// divided into cycles while it is read.
 class CycleInput {
  public:
-  /// Opens the input. Fails with kInvalidValue if max_cycles is less than cycles_per_field (location "max_cycles"), if
+  /// Opens the input. Fails with kInvalidValue if max_cycles is less than cycles_per_field (option "max_cycles"), if
   /// a file contains fewer cycles than one light field takes, or if an option does not apply to the kind of
   /// measurement; and as open_cycles() does.
   [[nodiscard]] static Result<CycleInput> open(EventSource source, CycleInputOptions options);
@@ -66,7 +66,7 @@ class CycleInput {
   [[nodiscard]] Result<std::optional<CycleImages>> next();
 
   /// Fuses each cycle with up to `most_cycles` before it, of which a camera with this profile recorded the events: see
-  /// recon::CycleFusion. The images remain those of the last cycle. Fails with kInvalidValue, location "fuse", for
+  /// recon::CycleFusion. The images remain those of the last cycle. Fails with kInvalidValue, option "fuse", for
   /// measurements other than event images and for sums over cycles.
   [[nodiscard]] Result<void> fuse(const capture::SensorProfile& camera, size_t most_cycles);
 

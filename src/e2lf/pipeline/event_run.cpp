@@ -9,13 +9,15 @@
 namespace e2lf::pipeline {
 namespace {
 
-Result<void> check_input(const CycleInput& input, const ScheduleChoice& schedule) {
+Result<void> check_input(const CycleInput& input, const CycleInputOptions& options) {
   if (input.is_without_events()) {
-    return fail(ErrorCode::kInvalidValue, "",
+    return fail(ErrorCode::kInvalidValue, options.input,
                 "there are no events to reconstruct from: all counts are 0; check how they were accumulated");
   }
-  if (!input.is_recording() && schedule.transitions == "lit") {
-    return fail(ErrorCode::kInvalidValue, "lit", "only applies to recordings, not to event images; leave it out");
+  if (!input.is_recording() && options.schedule.transitions == "lit") {
+    return fail(ErrorCode::kInvalidValue, options.input,
+                "the lit transitions are selected in recordings and not in event images; omit this option")
+        .about("transitions");
   }
   return {};
 }
@@ -51,7 +53,7 @@ Result<EventRun> EventRun::open(EventSource source, EventRunOptions options) {
   options.events.cycles_per_field = options.use.cycles;
   options.events.schedule = wanted_schedule(std::move(options.events.schedule), options.method);
   E2LF_ASSIGN_OR_RETURN(CycleInput input, CycleInput::open(std::move(source), options.events));
-  E2LF_RETURN_IF_ERROR(check_input(input, options.events.schedule));
+  E2LF_RETURN_IF_ERROR(check_input(input, options.events));
   EventRun run(std::move(options), std::move(input));
   E2LF_RETURN_IF_ERROR(run.open_method_of_input());
   if (!run.method().gives_disparities()) E2LF_RETURN_IF_ERROR(run.prepare_light_fields());

@@ -136,12 +136,12 @@ TEST(EventRun, RefusesWhatDoesNotApply) {
   EXPECT_EQ(EventRun::open(dark, maps()).error().code, ErrorCode::kInvalidValue);
   EventRunOptions options = maps();
   options.events.schedule.transitions = "lit";
-  EXPECT_EQ(EventRun::open(file_of(1), options).error().location, "lit");
+  EXPECT_EQ(EventRun::open(file_of(1), options).error().option, "transitions");
   for (EventRunOptions each : {light_fields(), maps()}) {
     each.use = {.fused_cycles = 2};
-    EXPECT_EQ(EventRun::open(file_of(2), each).error().location, "fuse");
+    EXPECT_EQ(EventRun::open(file_of(2), each).error().option, "fuse");
     each.use = {.cycles = 2};
-    EXPECT_EQ(EventRun::open(file_of(2), each).error().location, "cycles");
+    EXPECT_EQ(EventRun::open(file_of(2), each).error().option, "cycles_per_field");
   }
 }
 

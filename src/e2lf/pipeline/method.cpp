@@ -41,8 +41,9 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
   if (!known) {
     return fail(ErrorCode::kInvalidValue, "",
-                "the patterns that the camera showed are unknown; give them as `codes`, or give the model that was "
-                "trained for them");
+                "the patterns that the camera showed are unknown; give them, or the model that was trained for "
+                "them")
+        .about("codes");
   }
   E2LF_ASSIGN_OR_RETURN(std::optional<BundledModel> network,
                         network_for({.codes = known->codes,
@@ -70,7 +71,8 @@ Result<void> adapt_to_patterns(const MethodChoice& choice, model::Model& model) 
   const auto known = known_codes(choice.codes, choice.events.codes, nullptr);
   if (!known && !model.codes) {
     return fail(ErrorCode::kInvalidValue, "", model.name,
-                " is adapted to the patterns that the camera showed, which are unknown; give them as `codes`");
+                " is adapted to the patterns that the camera showed, which are unknown; give them")
+        .about("codes");
   }
   const capture::Codes codes = known ? known->codes : *model.codes;
   if (codes == model.codes && !model.open_guide) return {};
@@ -99,11 +101,11 @@ Result<void> check_transitions(size_t transitions, const model::Model& model) {
   if (transitions + 1 == model.num_patterns) return {};
   const auto shown = model.codes ? capture::codes_of_whole_cycle(*model.codes) : std::nullopt;
   const bool has_lit_ones = shown && transitions + 1 == shown->num_patterns;
-  return fail(ErrorCode::kShape, has_lit_ones ? "transitions" : "", "there are ", has_lit_ones ? "only the " : "",
-              transitions, " event images", has_lit_ones ? " of the active patterns" : "", ", and ", model.name,
-              " takes ", model.num_patterns - 1,
+  return fail(ErrorCode::kShape, "", "there are ", has_lit_ones ? "only the " : "", transitions, " event images",
+              has_lit_ones ? " of the active patterns" : "", ", and ", model.name, " takes ", model.num_patterns - 1,
               has_lit_ones ? " of all transitions of the cycle; accumulate the recording with all transitions"
-                           : "; use the model that belongs to the patterns of the recording");
+                           : "; use the model that belongs to the patterns of the recording")
+      .about(has_lit_ones ? "transitions" : "model");
 }
 
 Result<void> check_output(Algorithm algorithm, const model::Model& model) {
@@ -124,7 +126,8 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
   const bool is_conditioned = model::is_conditioned_on_camera(model);
   if (!is_conditioned && choice.camera) {
-    return fail(ErrorCode::kInvalidValue, "camera", model.name, " was trained for a single camera; omit the camera");
+    return fail(ErrorCode::kInvalidValue, "", model.name, " was trained for a single camera; omit the camera")
+        .about("camera");
   }
   const bool has_pixels = is_conditioned && model.camera && model.camera->is_pixel();
   if (has_pixels && choice.camera && capture::to_json(*model.camera) != capture::to_json(*choice.camera)) {
@@ -149,7 +152,7 @@ Result<void> open_classical(const MethodChoice& choice, OpenedMethod& opened) {
   opened.codes = known_codes(choice.codes, choice.events.codes, choice.model ? &*choice.model : nullptr);
   if (!opened.codes && choice.model) {
     return Error{ErrorCode::kNotFound, "the model contains no aperture patterns; give those of the camera",
-                 choice.model->name, Setting::kCodes};
+                 choice.model->name, "codes"};
   }
   if (!opened.codes) {
     opened.codes.emplace();
@@ -208,17 +211,19 @@ Tone OpenedMethod::complete(Tone tone) const {
 
 Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
   if (!network && use.passes > 1) {
-    return fail(ErrorCode::kInvalidValue, "passes", "the method ", word_of(algorithm, kAlgorithms),
-                " supports a single pass; omit the number of passes");
+    return fail(ErrorCode::kInvalidValue, "", "the method ", word_of(algorithm, kAlgorithms),
+                " supports a single pass; omit the number of passes")
+        .about("passes");
   }
   if ((use.cycles > 1 || use.fused_cycles > 1) && !takes_sums()) {
-    return fail(ErrorCode::kInvalidValue, use.cycles > 1 ? "cycles" : "fuse",
+    return fail(ErrorCode::kInvalidValue, "",
                 network ? cat(network->model().name,
                               gives_disparities() ? " estimates each map" : " reconstructs each light field",
                               " from one cycle; omit the number of cycles, or ",
                               conditioned_network_remedy(known_patterns(), gives_disparities()))
                         : cat("the method ", word_of(algorithm, kAlgorithms),
-                              " reconstructs each light field from one cycle; omit the number of cycles"));
+                              " reconstructs each light field from one cycle; omit the number of cycles"))
+        .about(use.cycles > 1 ? "cycles_per_field" : "fuse");
   }
   if (network) return method_of(network, use);
   return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {

@@ -82,13 +82,13 @@ struct OpenedMethod {
   [[nodiscard]] Tone complete(Tone tone) const;
 
   /// Returns the method for this use. Fails with kInvalidValue if several passes, cycles or fused cycles are requested
-  /// from a method that supports only one; the location is "passes", "cycles" or "fuse".
+  /// from a method that supports only one; the option is "passes", "cycles_per_field" or "fuse".
   [[nodiscard]] Result<recon::Method> ready(const MethodUse& use = {}) const;
 };
 
 /// Prepares a method. The sensor profile is that of the caller, or else that of the events, or else that of the
 /// network. Fails with kInvalidValue if the measurement requires a network and none is given, if the patterns are
-/// unknown, or if the caller specifies a camera for a network that works for one camera only (location "camera"); with
+/// unknown, or if the caller specifies a camera for a network that works for one camera only (option "camera"); with
 /// kNotFound if no bundled network was trained for the patterns, or if a model contains none; and as
 /// Reconstructor::create() does.
 [[nodiscard]] Result<OpenedMethod> open_method(MethodChoice choice);

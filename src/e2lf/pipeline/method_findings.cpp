@@ -12,9 +12,10 @@ namespace {
 
 /// Light fields for other patterns can explain the events as well.
 Finding patterns_assumed(const std::string& whose) {
-  return {"patterns-assumed", Severity::kWarning,
-          cat("the input does not state which patterns the camera showed; those of ", whose, " are assumed"),
-          "state them with `codes` or `schedule`"};
+  return Finding{"patterns-assumed", Severity::kWarning,
+                 cat("the input does not state which patterns the camera showed; those of ", whose, " are assumed"),
+                 "state them, or the schedule of the display"}
+      .about("codes");
 }
 
 std::optional<Finding> patterns_finding(const OpenedMethod& method) {
@@ -45,18 +46,20 @@ Findings network_findings(const OpenedMethod& method, const MethodUse& use) {
   const recon::Reconstructor& network = *method.network;
   if (auto patterns = patterns_finding(method)) findings.push_back(std::move(*patterns));
   if (!method.takes_sums() && method.camera && method.camera->is_pixel()) {
-    findings.push_back({"pixels-foreign", Severity::kWarning,
-                        cat("the events are those of physical pixels (", method.camera->name, "), which ",
-                            network.model().name, " was not trained for: the result will be wrong"),
-                        conditioned_network_remedy(method.known_patterns(), method.gives_disparities())});
+    findings.push_back(Finding{"pixels-foreign", Severity::kWarning,
+                               cat("the events are those of physical pixels (", method.camera->name, "), which ",
+                                   network.model().name, " was not trained for: the result will be wrong"),
+                               conditioned_network_remedy(method.known_patterns(), method.gives_disparities())}
+                           .about("model"));
   }
   if (const size_t made = network.num_passes(use.passes); made < use.passes) {
     findings.push_back({"passes-reduced",
                         Severity::kWarning,
                         cat("the network distinguishes ", made, " position", made == 1 ? "" : "s",
                             " on its pixel grid, so that ", use.passes, " passes are reduced to this number"),
-                        "give fewer `passes`",
-                        {{"passes", made}}});
+                        "use fewer passes",
+                        {{"passes", made}},
+                        "passes"});
   }
   return findings;
 }
@@ -65,18 +68,20 @@ Findings classical_findings(const OpenedMethod& method) {
   Findings findings;
   if (method.codes->stated_by == StatedBy::kNone) {
     findings.push_back(
-        {"patterns-unknown", Severity::kWarning,
-         cat("no patterns were given; those of ", method.bundled ? method.bundled->stem().string() : "the paper",
-             " are used, and the camera may have shown others"),
-         "state those of the camera with `codes`"});
+        Finding{"patterns-unknown", Severity::kWarning,
+                cat("no patterns were given; those of ", method.bundled ? method.bundled->stem().string() : "the paper",
+                    " are used, and the camera may have shown others"),
+                "state those of the camera"}
+            .about("codes"));
   } else if (!are_patterns_stated(method.codes)) {
     findings.push_back(patterns_assumed("the model"));
   }
   if (method.camera && method.camera->is_pixel()) {
-    findings.push_back({"pixels-foreign", Severity::kWarning,
-                        cat("the events are those of physical pixels (", method.camera->name, "); the method ",
-                            word_of(method.algorithm, kAlgorithms), " only supports the paper's event model"),
-                        conditioned_network_remedy(method.known_patterns(), method.gives_disparities())});
+    findings.push_back(Finding{"pixels-foreign", Severity::kWarning,
+                               cat("the events are those of physical pixels (", method.camera->name, "); the method ",
+                                   word_of(method.algorithm, kAlgorithms), " only supports the paper's event model"),
+                               conditioned_network_remedy(method.known_patterns(), method.gives_disparities())}
+                           .about("model"));
   }
   return findings;
 }
@@ -93,20 +98,23 @@ std::optional<Finding> gain_finding(const OpenedMethod& method, float gain) {
   // The finding "pixels-foreign" explains it.
   if (method.camera && method.camera->is_pixel() && !method.takes_sums()) return std::nullopt;
   const bool is_of_model = method.camera_stated_by == StatedBy::kNone || method.camera_stated_by == StatedBy::kModel;
-  std::string remedy = gain > 1 ? "use more light" : "use less light";
+  std::string remedy = gain > 1 ? "use more light" : "use less light", option = "gain";
   if (is_of_model && method.takes_sums()) {
-    remedy += ", or state the sensor with `camera`";
+    remedy += ", or state the sensor";
+    option = "camera";
   } else if (is_of_model && method.network) {
     remedy += cat(", or if the sensor has physical pixels, ",
                   conditioned_network_remedy(method.known_patterns(), method.gives_disparities()));
+    option = "model";
   }
   return Finding{"gain-unusual",
                  Severity::kWarning,
                  cat("the light field is well exposed only with a gain of ", formatted("%.2g", gain), ": the scene is ",
                      gain > 1 ? "darker" : "brighter", " than those for which the method was made, or the sensor is ",
                      "another one than ", method.sensor().name.empty() ? "assumed" : method.sensor().name),
-                 cat(remedy, "; `gain` states a brightness of your own"),
-                 {{"gain", gain}}};
+                 cat(remedy, ", or set the gain"),
+                 {{"gain", gain}},
+                 option};
 }
 
 std::optional<Finding> contradicted_codes(const StatedCodes& stated) {
@@ -118,7 +126,8 @@ std::optional<Finding> contradicted_codes(const StatedCodes& stated) {
     return Finding{"patterns-contradicted", Severity::kWarning,
                    "the patterns that were given differ from those in the file of the events; those that were given "
                    "are used",
-                   "omit `codes`, or check which patterns the camera showed"};
+                   "omit the patterns, or check which ones the camera showed"}
+        .about("codes");
   }
   if (differ(caller ? caller : events, schedule)) {
     return Finding{"patterns-contradicted", Severity::kWarning,

@@ -132,7 +132,7 @@ TEST(GainFinding, TellsAGainFarFromOneWithWhatToDoAboutIt) {
   ASSERT_TRUE(of_dark);
   EXPECT_EQ(of_dark->code, "gain-unusual");
   EXPECT_THAT(of_dark->remedy, HasSubstr("e2lf-n4-camera"));
-  EXPECT_THAT(gain_finding(of_pixels, 7.6F)->remedy, HasSubstr("`camera`"));
+  EXPECT_EQ(gain_finding(of_pixels, 7.6F)->option, "camera");
   EXPECT_TRUE(gain_finding(of_paper, 0.25F));
   const OpenedMethod of_others =
       open_method({.model = bundled("e2lf-n4"), .events = {.camera = pixel_camera()}}).value();
@@ -157,7 +157,7 @@ TEST(OpenMethod, TellsTheNetworkTheFirstCameraThatThereIs) {
   EXPECT_EQ(of_model->camera_stated_by, StatedBy::kModel);
   EXPECT_EQ(of_model->camera->name, pixel_camera().name);
   EXPECT_FALSE(of_model->models_camera);
-  EXPECT_EQ(open_method({.model = bundled("e2lf-n4"), .camera = mine}).error().location, "camera");
+  EXPECT_EQ(open_method({.model = bundled("e2lf-n4"), .camera = mine}).error().option, "camera");
 }
 
 TEST(OpenMethod, OpensTheNetworkOfTheLitTransitionsBesideThatOfTheWholeCycle) {
@@ -184,8 +184,8 @@ TEST(OpenMethod, TheInversionIsThatOfReconAndTakesOneCycleAndPass) {
   const auto field = opened->ready().value()(images, {});
   const auto expected = recon::reconstruct_by_inversion(images, codes, {});
   EXPECT_TRUE(std::ranges::equal(field.value().data(), expected.value().data()));
-  EXPECT_EQ(opened->ready({.passes = 2}).error().location, "passes");
-  EXPECT_EQ(opened->ready({.cycles = 2}).error().location, "cycles");
+  EXPECT_EQ(opened->ready({.passes = 2}).error().option, "passes");
+  EXPECT_EQ(opened->ready({.cycles = 2}).error().option, "cycles_per_field");
 }
 
 TEST(OpenMethod, PatternsOfNobodyAreTheUsualOnes) {

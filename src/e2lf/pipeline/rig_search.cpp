@@ -53,12 +53,13 @@ capture::EventImages reordered(const capture::EventImages& events, const std::ve
 /// A possible mistake of the rig, as the change of the events that undoes it.
 struct Change {
   const char* code;
-  std::string name, remedy;
+  std::string name, remedy, option;
   std::function<capture::EventImages(const capture::EventImages&)> apply;
 };
 
 Change inversion() {
-  return {"polarity-better-inverted", "with inverted polarity", "give `invert-polarity`, or omit it if it was given",
+  return {"polarity-better-inverted", "with inverted polarity",
+          "exchange ON and OFF events, or do not if this was asked for", "invert_polarity",
           [](capture::EventImages events) {
             for (int16_t& count : events.values) count = capture::saturated(-count);
             return events;
@@ -73,7 +74,7 @@ std::vector<Change> other_orders(size_t transitions) {
     std::vector<std::string> numbers;
     for (const size_t number : changed) numbers.push_back(std::to_string(number));
     changes.push_back({"order-better-changed", cat("with the event images in the order ", join(numbers)),
-                       "check the order of the patterns in `codes` and on the display, and `first-pattern`",
+                       "check the order of the patterns, as stated and on the display, and the first pattern", "codes",
                        [changed](const capture::EventImages& events) { return reordered(events, changed); }});
   };
   for (size_t shift = 1; shift < transitions; ++shift) {
@@ -110,7 +111,7 @@ Result<std::optional<Finding>> better_change(const FieldCheck& check, const Expl
   std::vector<Change> changes = other_orders(events.count);
   changes.push_back(inversion());
   for (const OtherOrientation& other : diagnose::kOtherOrientations) {
-    changes.push_back({"orientation-better-changed", other.name, other.remedy,
+    changes.push_back({"orientation-better-changed", other.name, other.remedy, "",
                        [&other](const capture::EventImages& images) { return oriented(images, other); }});
   }
   const Change* best = nullptr;
@@ -134,7 +135,8 @@ Result<std::optional<Finding>> better_change(const FieldCheck& check, const Expl
               cat("the events are explained better ", best->name, ": the light field differs from them by ",
                   rounded(least), " instead of ", rounded(unchanged)),
               best->remedy,
-              {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}}});
+              {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}},
+              best->option});
 }
 
 /// Returns the finding that the camera of the network explains the events much better than the one that was given.
@@ -154,8 +156,9 @@ Result<std::optional<Finding>> worse_camera(const OpenedMethod& method, const Fi
                                cat("the camera that was given explains the events much worse than the one for which "
                                    "the network was trained: the light field differs from them by ",
                                    explained.error, " instead of ", other),
-                               "omit `camera`, or calibrate again",
-                               {{"error", explained.error}, {"error_with_the_models_camera", other}}});
+                               "omit the camera, or calibrate again",
+                               {{"error", explained.error}, {"error_with_the_models_camera", other}},
+                               "camera"});
 }
 
 }  // namespace

@@ -119,23 +119,11 @@ void find_config(std::vector<std::string> arguments, std::string& config, std::v
   app.parse(arguments);
 }
 
-/// The flags that set the settings of the library.
-constexpr std::pair<Setting, const char*> kSettingFlags[] = {{Setting::kOverwrite, "--overwrite"},
-                                                             {Setting::kInputFormat, "--event-format"},
-                                                             {Setting::kOutputFormat, "--format"},
-                                                             {Setting::kSensorSize, "--sensor-width"},
-                                                             {Setting::kSensorSize, "--sensor-height"},
-                                                             {Setting::kTimeUnit, "--time-unit"},
-                                                             {Setting::kColumns, "--columns"},
-                                                             {Setting::kStream, "--stream"},
-                                                             {Setting::kShiftTime, "--shift-time"},
-                                                             {Setting::kFilterPixels, "--filter-pixels"},
-                                                             {Setting::kCodes, "--codes"},
-                                                             {Setting::kWhite, "--white"},
-                                                             {Setting::kLensletViews, "--lenslet-views"},
-                                                             {Setting::kViews, "--views"},
-                                                             {Setting::kViews, "--step"},
-                                                             {Setting::kPort, "--port"}};
+/// Returns "--sensor-width" for "sensor_width".
+std::string long_flag(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return "--" + name;
+}
 
 /// Options that affect what a run prints and not its result; they are not taken over from an earlier run.
 constexpr std::array kNotRepeated = {"json", "quiet", "overwrite"};
@@ -148,16 +136,16 @@ Result<std::vector<std::string>> flags_from_config(const Json& config, const CLI
     return fail(ErrorCode::kFormat, location, "the configuration is not an object; write { ... }");
   std::vector<std::string> flags;
   for (const auto& [key, value] : config.items()) {
-    std::string name = key;
-    std::replace(name.begin(), name.end(), '_', '-');
-    if (app.get_option_no_throw("--" + name) == nullptr) {
-      return fail(ErrorCode::kInvalidValue, location, "unknown key \"", key, "\"; ", suggestion(name, long_flags(app)));
+    const std::string flag = long_flag(key);
+    if (app.get_option_no_throw(flag) == nullptr) {
+      return fail(ErrorCode::kInvalidValue, location, "unknown key \"", key, "\"; ",
+                  suggestion(flag.substr(2), long_flags(app)));
     }
     for (const Json& one : value.is_array() ? value : Json::array({value})) {
       if (one.is_boolean()) {
-        if (one.get<bool>()) flags.push_back("--" + name);
+        if (one.get<bool>()) flags.push_back(flag);
       } else {
-        flags.push_back("--" + name + "=" + (one.is_string() ? one.get<std::string>() : json_line(one)));
+        flags.push_back(flag + "=" + (one.is_string() ? one.get<std::string>() : json_line(one)));
       }
     }
   }
@@ -334,42 +322,23 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   if (const auto capped = apply_isa_cap(); !capped) return usage_error(capped.error().text());
   set_num_threads(common_.threads);
   const LogSink before = set_log_sink([this](LogLevel level, const std::string& message) {
-    if (!common_.quiet || level == LogLevel::kWarning) print_log(level, with_flags(message));
+    if (!common_.quiet || level == LogLevel::kWarning) print_log(level, message);
+  });
+  const OptionSpelling spelling_before = set_option_spelling([this](const std::string& name) {
+    const std::string flag = long_flag(name);
+    return app_.get_option_no_throw(flag) == nullptr ? "" : flag;
   });
   if (stops_gently_) stop_on_signals();
   const int code = exit_code(work());
+  set_option_spelling(spelling_before);
   set_log_sink(before);
   return code;
-}
-
-std::string Verb::flag_hint(Setting setting) const {
-  std::string hint;
-  for (const auto& [of_flag, flag] : kSettingFlags) {
-    // Not every verb has every flag.
-    if (of_flag == setting && app_.get_option_no_throw(flag) != nullptr) hint += cat(hint.empty() ? " (" : ", ", flag);
-  }
-  return hint.empty() ? hint : hint + ")";
-}
-
-/// Returns a message of the library in which settings in backticks are spelled as the flags of this verb.
-std::string Verb::with_flags(const std::string& message) const {
-  std::string text;
-  size_t end = 0;
-  for (size_t begin = 0; (begin = message.find('`', end)) != std::string::npos;) {
-    const size_t close = message.find('`', begin + 1);
-    if (close == std::string::npos) break;
-    const std::string flag = "--" + message.substr(begin + 1, close - begin - 1);
-    const bool is_flag = flag.find(' ') == std::string::npos && app_.get_option_no_throw(flag) != nullptr;
-    text += message.substr(end, begin - end) + (is_flag ? flag : message.substr(begin, close + 1 - begin));
-    end = close + 1;
-  }
-  return text + message.substr(end);
 }
 
 int Verb::exit_code(const Result<void>& result) const {
   if (!result) {
     const Error& error = result.error();
-    const std::string text = with_flags(without_workspaces(error.text())) + flag_hint(error.setting);
+    const std::string text = without_workspaces(error.text());
     std::fprintf(stderr, "%s: %s: %s\n", program_name(), name_.c_str(), printable(text).c_str());
   }
   if (!stop_requested() && result && !failed_input_.empty()) {

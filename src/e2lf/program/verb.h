@@ -82,11 +82,6 @@ class Verb {
   /// Returns the record of the run that --config repeats, or null.
   [[nodiscard]] const Json& earlier_run() const { return earlier_run_; }
 
-  /// Returns the verb's flags for a setting, as " (--sensor-width, --sensor-height)", or an empty string if it has
-  /// none.
-  [[nodiscard]] std::string flag_hint(Setting setting) const;
-  [[nodiscard]] std::string with_flags(const std::string& message) const;
-
   /// Returns true if the command line, or the run that is repeated, has this flag.
   [[nodiscard]] bool is_given(const char* flag) const { return app_.get_option(flag)->count() > 0; }
 

@@ -22,17 +22,23 @@ struct TestVerb {
   TestVerb() {
     verb.app().add_option("--tau", tau);
     verb.app().add_option("--name", names);
+    verb.app().add_flag("--tau-s");
   }
   int run(const std::vector<std::string>& arguments, const Result<void>& outcome = {}) {
     return verb.run(arguments, [&] { return outcome; });
   }
 };
 
-TEST(Verb, SpellsSettingsInErrorsAsItsFlags) {
-  TestVerb test;
-  testing::internal::CaptureStderr();
-  EXPECT_EQ(test.run({}, Error{ErrorCode::kInvalidValue, "give `tau`, or run `e2lf other`; `x", "y `names`"}), 1);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "e2lf: try: y `names`: give --tau, or run `e2lf other`; `x\n");
+TEST(Verb, SpellsOptionsInErrorsAsItsFlags) {
+  const auto printed = [](const char* option) {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(TestVerb().run({}, Error{ErrorCode::kInvalidValue, "too low", "y", option}), 1);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(printed("tau_s"), "e2lf: try: y: too low (--tau-s)\n");
+  EXPECT_EQ(printed("sigma"), "e2lf: try: y: too low\n");  // this verb does not have it
+  EXPECT_EQ(printed(""), "e2lf: try: y: too low\n");
+  EXPECT_EQ((Error{ErrorCode::kInvalidValue, "too low", "", "tau_s"}.text()), "too low (tau_s)");
 }
 
 TEST(FlagsFromConfig, ConvertsEveryKindOfValue) {

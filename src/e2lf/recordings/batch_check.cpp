@@ -134,7 +134,7 @@ Result<void> refuse_table_options(const OpenOptions& options, const std::string&
   return Error{
       ErrorCode::kInvalidValue,
       cat("the format ", format, " defines what its numbers mean; leave columns, time unit and polarities out"), name,
-      has_unit ? Setting::kTimeUnit : Setting::kColumns};
+      has_unit ? "time_unit" : "columns"};
 }
 
 }  // namespace e2lf::recordings

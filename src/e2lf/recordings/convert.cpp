@@ -30,7 +30,7 @@ Error nothing_to_convert(const RecordingReader& reader) {
   }
   if (!left_out.empty()) {
     message += cat(" (left out: ", loss_text(left_out), "); if its header states a wrong format, name the right one");
-    return {ErrorCode::kInvalidValue, std::move(message), reader.name(), Setting::kInputFormat};
+    return {ErrorCode::kInvalidValue, std::move(message), reader.name(), "event_format"};
   }
   return fail(ErrorCode::kInvalidValue, reader.name(),
               message + "; `e2lf info` shows the content and the time range of the recording");

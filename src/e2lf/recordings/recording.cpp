@@ -84,8 +84,9 @@ Result<void> RecordingReader::join_part(int64_t first_us) {
     case RestartPolicy::kRefuse:
       return fail(ErrorCode::kFormat, restart.byte == 0 ? name_ : cat(name_, ": byte ", restart.byte),
                   "the clock starts again here, from ", restart.before_us, " back to ", first_us,
-                  " us: the camera was restarted, or files were joined; `continue` shifts the later part behind "
-                  "the earlier one, `split` keeps them separate");
+                  " us: the camera was restarted, or files were joined; shift the later part behind the "
+                  "earlier one (continue), or keep them separate (split)")
+          .about("restart");
   }
   summary_.add_restart(restart);
   if (options_.policy == DecodePolicy::kReport) {
@@ -163,7 +164,7 @@ Result<void> RecordingReader::apply_policy() {
     return Error{ErrorCode::kInvalidValue,
                  cat("there are several streams of events, ", join(info_.streams),
                      ", and strict reading does not leave any out; select one"),
-                 name_, Setting::kStream};
+                 name_, "stream"};
   }
   for (size_t i = 0; i < kNumViolations; ++i) {
     const ViolationCount& violation = summary_.violations[i];

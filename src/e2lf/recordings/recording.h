@@ -51,10 +51,10 @@ struct CameraSetup {
 /// kInvalidValue.
 [[nodiscard]] Result<std::vector<SensorRegion>> parse_regions(const std::string& text);
 
-/// Something that a file does not state and that was assumed, as text, and the setting that overrides it.
+/// Something that a file does not state and that was assumed, as text, and the name of the option that overrides it.
 struct Assumption {
   std::string text;
-  Setting setting = Setting::kNone;
+  std::string option = {};
 };
 
 /// How a table of events (text, numpy arrays, HDF5 columns) was read.

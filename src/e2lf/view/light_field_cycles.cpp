@@ -22,7 +22,7 @@ Result<void> check_browser_memory(const lightfield::Shape& shape, const fs::path
   return Error{ErrorCode::kUnsupported,
                cat("its ", shape.num_views(), " views need ", browser_bytes(shape) >> 20,
                    " MiB in the browser, more than ", LightFieldCycles::kMostBytes >> 20, "; show fewer"),
-               path.string(), Setting::kViews};
+               path.string(), "views"};
 }
 
 Result<std::shared_ptr<LightFieldCycles>> LightFieldCycles::open(const fs::path& path,

@@ -215,7 +215,7 @@ class DocumentServer : public Server {
     const int bound = port == 0 ? server_.bind_to_any_port(kHost) : (server_.bind_to_port(kHost, port) ? port : -1);
     if (bound <= 0) {
       return Error{ErrorCode::kIo, cat("cannot listen on port ", port, "; give another, or none for a free one"), kHost,
-                   Setting::kPort};
+                   "port"};
     }
     port_ = bound;
     return {};

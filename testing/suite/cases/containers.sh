@@ -51,7 +51,7 @@ PY
     check "$(json info.json "j['left_out'] == [{'reason': 'other_stream', 'count': 2, 'first_byte': 0}]")"
     "$E2LF" info "$input" >info.txt
     grep -q "/left/events" info.txt || fail "$(cat info.txt)"
-    grep -q "state the stream" info.txt || fail "no advice: $(cat info.txt)"
+    grep -q "(--stream)" info.txt || fail "no advice: $(cat info.txt)"
     if grep -q $'\033' info.txt; then fail "a control character of the file reached the terminal"; fi
   done
   "$E2LF" convert bag --stream 1 right.csv --strict --quiet

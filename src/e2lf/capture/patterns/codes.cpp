@@ -157,7 +157,7 @@ Result<std::optional<Codes>> codes_from_header(const HeaderLines& header, const 
     const std::string key = cat(kKey, n), at = cat(location, ": ", key);
     const auto line = std::find_if(header.begin(), header.end(), [&](const auto& pair) { return pair.first == key; });
     if (line == header.end()) {
-      return Error{ErrorCode::kFormat, "this pattern is missing in the header; give the patterns", at, Setting::kCodes};
+      return Error{ErrorCode::kFormat, "this pattern is missing in the header; give the patterns", at, "codes"};
     }
     Json rows = Json::array();
     for (const std::string& text : split(line->second, '/')) {

@@ -172,7 +172,7 @@ Result<pipeline::CycleInputOptions> cycle_input_options(const fs::path& input, c
 Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags) {
   E2LF_ASSIGN_OR_RETURN(auto recording, open_recording(input, flags.recording));
   E2LF_ASSIGN_OR_RETURN(const pipeline::CycleInputOptions options, cycle_input_options(input, flags));
-  return by_flag(pipeline::open_cycles(std::move(recording), options), {});
+  return pipeline::open_cycles(std::move(recording), options);
 }
 
 void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result) {
@@ -180,23 +180,6 @@ void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result) {
             cat("make a ", result,
                 " of each cycle, and average each pixel over up to this number of cycles, but none from before the "
                 "scene changed there; for networks conditioned on the sensor profile"));
-}
-
-Error by_flag(Error error, const fs::path& input) {
-  constexpr std::pair<const char*, const char*> kFlags[] = {{"camera", "--camera"},
-                                                            {"cycles", "--cycles-per-field"},
-                                                            {"fuse", "--fuse"},
-                                                            {"invert_polarity", "--invert-polarity"},
-                                                            {"lit", "--transitions lit"},
-                                                            {"max_cycles", "--max-cycles"},
-                                                            {"origin_us", "--origin-us"},
-                                                            {"passes", "--passes"},
-                                                            {"transitions", "--transitions all"}};
-  if (error.location.empty()) error.location = input.string();
-  for (const auto& [option, flag] : kFlags) {
-    if (error.location == option) error.location = flag;
-  }
-  return error;
 }
 
 Result<pipeline::EventSource> open_events(const fs::path& input, const CycleFlags& flags, const Verb& verb) {

@@ -69,13 +69,4 @@ void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result);
 [[nodiscard]] Result<pipeline::EventSource> open_events(const std::filesystem::path& input, const CycleFlags& flags,
                                                         const Verb& verb);
 
-/// Converts an error of the pipeline for the user: replaces the option in its location by the flag, or an empty
-/// location by the input.
-[[nodiscard]] Error by_flag(Error error, const std::filesystem::path& input);
-template <typename T>
-[[nodiscard]] Result<T> by_flag(Result<T> result, const std::filesystem::path& input) {
-  if (!result) return by_flag(result.error(), input);
-  return result;
-}
-
 }  // namespace e2lf::cli

@@ -43,7 +43,7 @@ Result<pipeline::EventRun> open_event_run(const fs::path& input, const CycleFlag
   E2LF_ASSIGN_OR_RETURN(options.tone, tone_of(method));
   E2LF_ASSIGN_OR_RETURN(options.events, cycle_input_options(input, cycles));
   E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(input, cycles, verb));
-  return by_flag(pipeline::EventRun::open(std::move(events), std::move(options)), input);
+  return pipeline::EventRun::open(std::move(events), std::move(options));
 }
 
 EventRunLog::EventRunLog(const pipeline::EventRun& run, fs::path input, RunRecord& record)

@@ -63,7 +63,7 @@ Result<void> keep_setup_of(const fs::path& input, const fs::path& codes, capture
     if (!codes.empty()) {
       return fail(ErrorCode::kInvalidValue, codes, "these are ", setup.codes->num_patterns, " patterns, and the ",
                   transitions, " event images of a cycle lie between ", transitions + 1,
-                  "; give those that the camera showed, or their `schedule`");
+                  "; give those that the camera showed, or their --schedule");
     }
     log_warning(cat(input.string(), " contains ", setup.codes->num_patterns,
                     " patterns, which do not match the schedule with ", transitions,

@@ -136,7 +136,7 @@ std::string next_step(const RigArguments& arguments, const RigReport& report) {
   return cat(command, patterns.empty() ? "" : cat(" --codes ", patterns), " -o recon");
 }
 
-std::string page(const RigArguments& arguments, const Verb& verb, const RigReport& report, const Json& json) {
+std::string page(const RigArguments& arguments, const RigReport& report, const Json& json) {
   std::string text = line("input", arguments.input.string());
   if (json.contains("recording")) text += recording_text(json["recording"]);
   if (report.cycles > 0) {
@@ -147,7 +147,7 @@ std::string page(const RigArguments& arguments, const Verb& verb, const RigRepor
   }
   text += fits_text(report) + changes_text(report) + line("verdict", report.verdict());
   for (const diagnose::Finding& finding : report.findings) {
-    text += line(diagnose::severity_name(finding.severity), verb.with_flags(diagnose::text_of(finding)));
+    text += line(diagnose::severity_name(finding.severity), diagnose::text_of(finding));
   }
   return text + line("next", next_step(arguments, report));
 }
@@ -161,11 +161,9 @@ Result<void> check_rig(const RigArguments& arguments, const Verb& verb) {
   std::optional<Deadline> deadline;
   if (is_live(arguments.input)) deadline.emplace(arguments.seconds);
   E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(arguments.input, flags, verb));
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input,
-                        by_flag(pipeline::CycleInput::open(std::move(events), options), arguments.input));
-  E2LF_ASSIGN_OR_RETURN(
-      const RigReport report,
-      by_flag(pipeline::examine_rig(input, std::move(choice), [&] { deadline.reset(); }), arguments.input));
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, pipeline::CycleInput::open(std::move(events), options));
+  E2LF_ASSIGN_OR_RETURN(const RigReport report,
+                        pipeline::examine_rig(input, std::move(choice), [&] { deadline.reset(); }));
   Json json = rig_json(report);
   json["input"] = arguments.input.string();
   if (input.is_recording()) {
@@ -174,7 +172,7 @@ Result<void> check_rig(const RigArguments& arguments, const Verb& verb) {
     verb.set_failed_input(input.summary().live.failure);
   }
   json["next"] = next_step(arguments, report);
-  print_result(verb.common(), json, page(arguments, verb, report, json));
+  print_result(verb.common(), json, page(arguments, report, json));
   return {};
 }
 

@@ -271,7 +271,7 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
   const auto source = [&, number = size_t{0}]() mutable -> Result<std::optional<DisparityResult>> {
     const std::string name = cycle_name(number++);
     ProgressBar bar("depth of " + name, verb.common().quiet || is_live(path));
-    E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::EventResult> result, by_flag(run.next(bar.callback()), path));
+    E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::EventResult> result, run.next(bar.callback()));
     if (!result) return std::optional<DisparityResult>();
     Json about = log.add(*result);
     auto& made = std::get<pipeline::EventDepth>(result->made);

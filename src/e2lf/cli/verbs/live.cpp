@@ -76,8 +76,7 @@ Result<void> check_takes_events(const pipeline::OpenedMethod& method, const fs::
 Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, const cycles::CycleReader& cycles,
                                             pipeline::MethodChoice choice) {
   choice.transitions = cycles.schedule().num_images();
-  E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod method,
-                        by_flag(pipeline::open_method(std::move(choice)), arguments.source));
+  E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod method, pipeline::open_method(std::move(choice)));
   E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
   return method;
 }
@@ -149,8 +148,7 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
   const cycles::CycleReader& cycles = setup.reader->cycles();
   E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
   choice.transitions = cycles.schedule().num_images();
-  E2LF_ASSIGN_OR_RETURN(const pipeline::ChosenMethod chosen,
-                        by_flag(pipeline::choose_method(choice, use, &cycles.schedule()), arguments.source));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::ChosenMethod chosen, pipeline::choose_method(choice, use, &cycles.schedule()));
   const pipeline::OpenedMethod& method = chosen.method;
   E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
   record_method(method, 1, record);

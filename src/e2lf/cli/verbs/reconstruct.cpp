@@ -74,7 +74,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     const std::string name = cycle_name(cycles.size());
     // For live input, the log has a line for each cycle instead.
     ProgressBar bar("reconstruct " + name, verb.common().quiet || is_live(arguments.input));
-    E2LF_ASSIGN_OR_RETURN(auto result, by_flag(run.next(bar.callback()), arguments.input));
+    E2LF_ASSIGN_OR_RETURN(auto result, run.next(bar.callback()));
     if (!result) break;
     hide_progress();
     E2LF_ASSIGN_OR_RETURN(const fs::path place, parts.begin(name));

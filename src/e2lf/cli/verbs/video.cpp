@@ -145,10 +145,9 @@ Result<std::unique_ptr<recordings::RecordingReader>> open_input(const VideoArgum
   E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(arguments.input.string(), open));
   log_assumptions(*reader);
   if (reader->info().width == 0 || reader->info().height == 0) {
-    Error error{ErrorCode::kInvalidValue, "the recording does not state the sensor size; give its width and height",
-                arguments.input.string()};
-    error.setting = Setting::kSensorSize;
-    return error;
+    return fail(ErrorCode::kInvalidValue, arguments.input,
+                "the recording does not state the sensor size; give its width and height")
+        .about("sensor_width");
   }
   return reader;
 }

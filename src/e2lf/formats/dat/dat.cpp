@@ -282,7 +282,7 @@ class DatWriter final : public RecordingWriter {
     return Error{ErrorCode::kInvalidValue,
                  cat("time ", t_us,
                      " us cannot be recovered from its low 32 bits; begin at zero or write another format, e.g. .hdf5"),
-                 sink_->name(), Setting::kShiftTime};
+                 sink_->name(), "shift_time"};
   }
 
   SinkPtr sink_;

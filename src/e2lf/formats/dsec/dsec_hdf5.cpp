@@ -126,7 +126,7 @@ Result<TimeUnit> unit_of_attributes(hid_t times, const OpenOptions& options, con
     if (unit != TimeUnit::kAuto) return unit;
     return Error{ErrorCode::kInvalidValue,
                  cat("the times are in \"", printable(text), "\"; convert them, or state their unit"), location,
-                 Setting::kTimeUnit};
+                 "time_unit"};
   }
   return TimeUnit::kAuto;
 }
@@ -152,7 +152,7 @@ Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit uni
     return Error{
         ErrorCode::kInvalidValue,
         cat("the times are seconds, and the offset ", value, " does not state its unit; give the unit of both"), place,
-        Setting::kTimeUnit};
+        "time_unit"};
   }
   if (options.time_unit == TimeUnit::kAuto && !is_whole) unit = TimeUnit::kSeconds;
   int64_t offset_us = 0;

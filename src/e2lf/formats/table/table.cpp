@@ -55,8 +55,8 @@ std::vector<std::string> words_of(std::string_view text) {
 constexpr double kMostDamaged = 0.1;    // share of the values of a column
 constexpr double kWidestSensor = 8192;  // px; no sensor is wider
 
-Error undecided(std::string message, const std::string& location, Setting setting) {
-  return {ErrorCode::kInvalidValue, std::move(message), location, setting};
+Error undecided(std::string message, const std::string& location, const char* option) {
+  return {ErrorCode::kInvalidValue, std::move(message), location, option};
 }
 
 template <typename Test>
@@ -85,12 +85,12 @@ Result<ColumnsOfFields> columns_of_option(const std::string& order, const TableS
                                           const std::string& location) {
   if (!sample.is_ordered) {
     return undecided("the columns are identified by names, so they have no order; leave the option out", location,
-                     Setting::kColumns);
+                     "columns");
   }
   if (const auto columns = columns_of_order(order, sample.columns.size())) return *columns;
   return undecided(cat("\"", order, "\" is not an order of the ", sample.columns.size(),
                        " columns; write each of t, x, y, p once, e.g. txyp, and - for a column to skip"),
-                   location, Setting::kColumns);
+                   location, "columns");
 }
 
 /// Joins the first texts of a list for messages.
@@ -125,7 +125,7 @@ Result<ColumnsOfFields> columns_of(const TableSample& sample, const OpenOptions&
         cat("the names of the columns (", names_text(names), ") do not state once each which are t, x, y ",
             "and p; state their order, e.g. ", std::string("txyp-----").substr(0, std::max(count, kNumFields)),
             ", or check whether these are events"),
-        location, Setting::kColumns);
+        location, "columns");
   }
   const bool is_empty = count == kNumFields && sample.columns[0].values.empty();
   const bool begins_with_seconds = count == kNumFields && are_fractions(sample.columns[0]);
@@ -134,7 +134,7 @@ Result<ColumnsOfFields> columns_of(const TableSample& sample, const OpenOptions&
   return undecided(
       cat("the ", count, " columns have no names; state their order, txyp or xypt for example, and the unit ",
           "of the times, or check whether these are events"),
-      location, Setting::kColumns);
+      location, "columns");
 }
 
 /// Returns the distance of the numbers in which the largest of the times are stored.
@@ -148,7 +148,7 @@ Result<TimeUnit> unit_of(const TableSample::Column& times, const TableSample& sa
   constexpr double kLatestUs = 1e17;      // 3,000 years
   constexpr double kRarestEvents_hz = 1;  // more likely ms or us with fractions
   const auto refuse = [&](const char* why) {
-    return undecided(cat("the times ", why, "; state their unit"), location, Setting::kTimeUnit);
+    return undecided(cat("the times ", why, "; state their unit"), location, "time_unit");
   };
   if (options.time_unit != TimeUnit::kAuto) return options.time_unit;
   const ColumnName name = parse_column_name(times.name);
@@ -181,7 +181,7 @@ Result<PolarityCode> polarity_of(const std::vector<double>& values, const OpenOp
     if (found != 2 || static_cast<size_t>(length) != options.polarities.size() || code.off == code.on) {
       return undecided(cat("\"", options.polarities,
                            "\" is not a pair of polarities; write the number of OFF and that of ON, e.g. 1,2"),
-                       location, Setting::kNone);
+                       location, "");
     }
     code.off_too = code.off;
   } else if (has(-1) != has(0)) {
@@ -193,7 +193,7 @@ Result<PolarityCode> polarity_of(const std::vector<double>& values, const OpenOp
   return undecided(cat("the polarities are ", values_text(values),
                        " and neither 0 and 1 nor -1 and 1; state the numbers of OFF and ON as ",
                        "the setting polarities, e.g. 1,2, or check which column contains them"),
-                   location, Setting::kNone);
+                   location, "");
 }
 
 /// Refuses coordinates that are not those of pixels.
@@ -213,7 +213,7 @@ Result<void> check_coordinates(const TableSample& sample, const ColumnsOfFields&
               *std::max_element(column.values.begin(), column.values.end()),
               " px, more than any sensor has; divide them if they are fractions of pixels (BS-ERGB stores ",
               "1/32 px), or state the size of the sensor"),
-          location, Setting::kSensorSize);
+          location, "sensor_width");
     }
   }
   return {};
@@ -330,7 +330,7 @@ Result<void> require_mostly_events(uint64_t events, uint64_t bad, const Recordin
   return Error{ErrorCode::kFormat,
                cat(bad, " of ", bad + events, " rows cannot be read as ", columns, first_bad,
                    "; state the order of the columns or correct the file"),
-               location, Setting::kColumns};
+               location, "columns"};
 }
 
 bool is_number_type(const std::string& type) {

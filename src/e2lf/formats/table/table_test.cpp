@@ -56,9 +56,9 @@ std::string txyp_seconds(const Event& e) {
   return line;
 }
 
-void expect_refused(Result<ReaderPtr> reader, Setting setting, const std::string& what) {
+void expect_refused(Result<ReaderPtr> reader, const std::string& option, const std::string& what) {
   ASSERT_FALSE(reader.ok()) << what;
-  EXPECT_EQ(reader.error().setting, setting) << what << ": " << reader.error().text();
+  EXPECT_EQ(reader.error().option, option) << what << ": " << reader.error().text();
 }
 
 TEST(TableText, ColumnsHaveKnownNames) {
@@ -80,19 +80,19 @@ TEST(TableText, ColumnsHaveKnownNames) {
 
 TEST(TableText, UnknownNamesAreRefusedWithTheSettingThatStatesTheOrder) {
   for (const char* header : {"Zeit,Spalte,Zeile,Vorzeichen", "t_offset,x,y,p", "t,t,x,y", "t,x,y,sign"}) {
-    expect_refused(open_text(cat(header, "\n") + text_of(events(), txyp)), Setting::kColumns, header);
+    expect_refused(open_text(cat(header, "\n") + text_of(events(), txyp)), "columns", header);
     expect_events(cat(header, "\n") + text_of(events(), txyp), header,
                   {.policy = DecodePolicy::kSkip, .columns = "txyp"});
   }
   const std::string ticks = "t (100 ns),x,y,p\n" + text_of(events(), txyp);
-  expect_refused(open_text(ticks), Setting::kColumns, "ticks");
-  expect_refused(open_text(ticks, {.columns = "txyp"}), Setting::kTimeUnit, "ticks");
+  expect_refused(open_text(ticks), "columns", "ticks");
+  expect_refused(open_text(ticks, {.columns = "txyp"}), "time_unit", "ticks");
   // Only a comment right above the events names them.
-  expect_refused(open_text("# t,x,y,p\n# recorded today\n" + text_of(events(), txyp)), Setting::kColumns, "far above");
-  expect_refused(open_text("# columns: t,x,y,p\n" + text_of(events(), txyp)), Setting::kColumns, "a sentence");
+  expect_refused(open_text("# t,x,y,p\n# recorded today\n" + text_of(events(), txyp)), "columns", "far above");
+  expect_refused(open_text("# columns: t,x,y,p\n" + text_of(events(), txyp)), "columns", "a sentence");
   expect_refused(
       open_text("ts.sec,ts.nsec,x,y,p\n" + text_of(events(), [](const Event& e) { return "17," + txyp(e); })),
-      Setting::kColumns, "two columns of times");
+      "columns", "two columns of times");
 }
 
 TEST(TableText, WithoutNamesOnlySecondsInFrontAreRead) {
@@ -101,11 +101,11 @@ TEST(TableText, WithoutNamesOnlySecondsInFrontAreRead) {
   expect_events("%geometry:64,48\n" +
                     text_of(events(), [](const Event& e) { return cat(e.x, ',', e.y, ',', int{e.p}, ',', e.t); }),
                 "as OpenEB writes them");
-  expect_refused(open_text(text_of(events(), txyp)), Setting::kColumns, "whole numbers");
+  expect_refused(open_text(text_of(events(), txyp)), "columns", "whole numbers");
   expect_events(text_of(events(), txyp), "an order", {.policy = DecodePolicy::kSkip, .columns = "txyp"});
   expect_events(text_of(events(), [](const Event& e) { return "7," + txyp(e); }), "a column more",
                 {.policy = DecodePolicy::kSkip, .columns = "-txyp"});
-  expect_refused(open_text(text_of(events(), txyp), {.columns = "txy"}), Setting::kColumns, "three columns");
+  expect_refused(open_text(text_of(events(), txyp), {.columns = "txy"}), "columns", "three columns");
 }
 
 TEST(TableText, UnitsStandInNamesOrOptions) {
@@ -145,11 +145,11 @@ TEST(TableText, WithoutAUnitWholeTimesAreMicrosecondsAndFractionsSeconds) {
                                                    return cat((1'600'000'000'000'000 + e.t) * 1000, ',', e.x, ',', e.y,
                                                               ',', int{e.p});
                                                  })),
-                 Setting::kTimeUnit, "ns since 1970");
+                 "time_unit", "ns since 1970");
   expect_refused(
       open_text("t,x,y,p\n" +
                 text_of(events(), [](const Event& e) { return cat(e.t, ".5,", e.x, ',', e.y, ',', int{e.p}); })),
-      Setting::kTimeUnit, "us with fractions");
+      "time_unit", "us with fractions");
 }
 
 TEST(TableText, PolaritiesAre01OrMinus11OrWords) {
@@ -162,11 +162,11 @@ TEST(TableText, PolaritiesAre01OrMinus11OrWords) {
     expect_events(with(off, on), off);
   }
   for (const auto& [off, on] : {Pair{"1", "2"}, {"0", "255"}, {"255", "1"}, {"0", "-1"}}) {
-    expect_refused(open_text(with(off, on)), Setting::kNone, off);
+    expect_refused(open_text(with(off, on)), "", off);
     expect_events(with(off, on), off, {.policy = DecodePolicy::kSkip, .polarities = cat(off, ",", on)});
   }
   for (const char* text : {"1", "1,1", "a,b", "1,2,3"}) {
-    expect_refused(open_text(with("1", "2"), {.polarities = text}), Setting::kNone, text);
+    expect_refused(open_text(with("1", "2"), {.polarities = text}), "", text);
   }
 }
 
@@ -176,7 +176,7 @@ TEST(TableText, FractionsOfPixelsAreRefused) {
   ASSERT_FALSE(reader.ok());
   EXPECT_EQ(reader.error().code, ErrorCode::kUnsupported);
   const auto large = [](const Event& e) { return cat(e.t, ',', e.x * 480, ',', e.y, ',', int{e.p}); };
-  expect_refused(open_text("t,x,y,p\n" + text_of(events(), large)), Setting::kSensorSize, "1/32 px");
+  expect_refused(open_text("t,x,y,p\n" + text_of(events(), large)), "sensor_width", "1/32 px");
 }
 
 TEST(TableText, MarksEndsOfLinesAndJoinedFilesLoseNothing) {
@@ -228,9 +228,9 @@ TEST(Tables, FormatsWithAUnitOfTheirOwnRefuseTheOptions) {
   batch.events = events();
   for (const char* name : {"a.raw", "a_cd.dat", "a.hdf5"}) {
     write_recording(folder / name, batch, {.width = 64, .height = 48});
-    EXPECT_EQ(open_recording(folder / name, {.time_unit = TimeUnit::kNanoseconds}).error().setting, Setting::kTimeUnit);
-    EXPECT_EQ(open_recording(folder / name, {.columns = "txyp"}).error().setting, Setting::kColumns);
-    EXPECT_EQ(open_recording(folder / name, {.polarities = "1,2"}).error().setting, Setting::kColumns);
+    EXPECT_EQ(open_recording(folder / name, {.time_unit = TimeUnit::kNanoseconds}).error().option, "time_unit");
+    EXPECT_EQ(open_recording(folder / name, {.columns = "txyp"}).error().option, "columns");
+    EXPECT_EQ(open_recording(folder / name, {.polarities = "1,2"}).error().option, "columns");
   }
 }
 

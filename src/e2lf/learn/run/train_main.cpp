@@ -94,6 +94,7 @@ int main(int argc, char** argv) {
   if (names[0] == "train" || names[0] == "resume") e2lf::stop_on_signals();
   const auto keep_going = [] { return !e2lf::stop_requested(); };
   e2lf::set_log_sink(print_warnings);
+  e2lf::set_option_spelling([](const std::string& name) { return name == "overwrite" ? "--overwrite" : ""; });
 
   e2lf::ProgressBar bar(names[0], quiet);
   e2lf::Result<void> result;
@@ -113,7 +114,6 @@ int main(int argc, char** argv) {
   }
   if (result) return 0;
   e2lf::hide_progress();
-  const char* const hint = result.error().setting == e2lf::Setting::kOverwrite ? " (--overwrite)" : "";
-  std::fprintf(stderr, "e2lf-train: %s: %s%s\n", names[0].c_str(), result.error().text().c_str(), hint);
+  std::fprintf(stderr, "e2lf-train: %s: %s\n", names[0].c_str(), result.error().text().c_str());
   return e2lf::stop_requested() ? 128 + e2lf::stop_signal() : 1;
 }

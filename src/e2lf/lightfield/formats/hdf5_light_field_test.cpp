@@ -100,10 +100,10 @@ TEST(Hdf5File, AnotherGridThanThatOfThePatchIsRefused) {
   write_patch(folder / "5.h5", textured_views(5, 64));
   write_patch(folder / "8.h5", textured_views(8, 64));
   for (const size_t views : {2, 4, 8, 10, 16}) {
-    EXPECT_EQ(read_light_field(folder / "5.h5", every_view_of(views)).error().setting, Setting::kLensletViews) << views;
+    EXPECT_EQ(read_light_field(folder / "5.h5", every_view_of(views)).error().option, "lenslet_views") << views;
   }
   for (const size_t views : {2, 4, 16}) {
-    EXPECT_EQ(read_light_field(folder / "8.h5", every_view_of(views)).error().setting, Setting::kLensletViews) << views;
+    EXPECT_EQ(read_light_field(folder / "8.h5", every_view_of(views)).error().option, "lenslet_views") << views;
   }
   EXPECT_EQ(read_light_field(folder / "8.h5", every_view_of(5)).error().code, ErrorCode::kShape);
 }
@@ -113,7 +113,7 @@ TEST(Hdf5File, APatchWhoseContentShowsNoGridNeedsItStated) {
   LightField flat({5, 5, 64, 64, 1});
   std::fill(flat.data().begin(), flat.data().end(), 0.5F);
   write_patch(folder / "flat.h5", flat);
-  EXPECT_EQ(read_light_field(folder / "flat.h5", every_view_of()).error().setting, Setting::kLensletViews);
+  EXPECT_EQ(read_light_field(folder / "flat.h5", every_view_of()).error().option, "lenslet_views");
   EXPECT_EQ(read_light_field(folder / "flat.h5", every_view_of(5))->shape(), (Shape{5, 5, 64, 64, 1}));
 }
 

@@ -21,7 +21,7 @@ Result<size_t> stated_views(const std::filesystem::path& path, const ReadOptions
                "a single image is read as a lenslet mosaic; give its number of views per axis, e.g. 14 for a Lytro "
                "camera, or cut "
                "views that stand side by side into a folder",
-               path.string(), Setting::kLensletViews};
+               path.string(), "lenslet_views"};
 }
 
 /// Refuses a number of views that the user or the file name states if the content shows another layout.
@@ -37,7 +37,7 @@ Result<void> check_layout(const RawImage& mosaic, size_t views, const std::strin
   return Error{ErrorCode::kInvalidValue,
                cat("neighbouring pixels of the mosaic resemble each other behind lenses of ", *found, "x", *found,
                    " views and not of ", views, "x", views, "; give the number of views per axis"),
-               location, Setting::kLensletViews};
+               location, "lenslet_views"};
 }
 
 }  // namespace

@@ -215,13 +215,13 @@ Result<void> find_views(const ReadOptions& options, const std::vector<hsize_t>& 
                  cat("a patch of ", extents[0], "x", extents[1],
                      " may hold different numbers of views, and its content does not show which; give the number of "
                      "views per axis"),
-                 location, Setting::kLensletViews};
+                 location, "lenslet_views"};
   }
   if (stated > 0 && possible.size() > 1 && found && *found != stated) {
     return Error{ErrorCode::kInvalidValue,
                  cat("neighbouring views of the patch resemble each other in a grid of ", *found, "x", *found,
                      " views and not of ", stated, "x", stated, "; give the number of views per axis"),
-                 location, Setting::kLensletViews};
+                 location, "lenslet_views"};
   }
   if (stated == 0 && possible.size() > 1) {
     log_info(cat(location, ": its content shows ", *found, "x", *found, " views"));

@@ -179,7 +179,7 @@ Error saturation_error(uint64_t events, const std::string& name) {
   return {ErrorCode::kInvalidValue,
           cat("an event image cannot count ", events, " events of pixels with more than 32,767, which strict ",
               "reading refuses; filter hot pixels or show patterns for a shorter time"),
-          name, Setting::kFilterPixels};
+          name, "filter_pixels"};
 }
 
 Error violation_error(const DecodeSummary& summary, const std::string& name) {

@@ -134,7 +134,7 @@ Result<const Codec*> detect_codec(ByteSource& source) {
   if (by_extension != nullptr) return by_extension;
   return Error{ErrorCode::kFormat,
                cat("this is not a recording of a known format; give its format, one of ", join(codec_names())),
-               source.name(), Setting::kInputFormat};
+               source.name(), "event_format"};
 }
 
 Error unsupported(const Codec& codec, const char* action, const std::string& name) {
@@ -148,7 +148,7 @@ Result<ReaderPtr> check_stream(ReaderPtr reader) {
   return Error{
       ErrorCode::kInvalidValue,
       cat("a recording of the format ", info.format, " contains only one stream of events; leave the option out"),
-      reader->name(), Setting::kStream};
+      reader->name(), "stream"};
 }
 
 /// Returns the properties of a new recording: its format is the codec, except that "raw" comprises several.
@@ -205,7 +205,7 @@ Result<const Codec*> codec_to_write(const fs::path& path, const std::string& for
   return Error{ErrorCode::kInvalidValue,
                cat("no format has this extension; use another, e.g. .raw or .hdf5, or give the format, one of ",
                    join(codec_names(/*to_write=*/true))),
-               path.string(), Setting::kOutputFormat};
+               path.string(), "format"};
 }
 
 bool is_recording_folder(const fs::path& path) {

@@ -137,7 +137,7 @@ Result<RawHeader> read_raw_header(ByteSource& source, const OpenOptions& options
   }
   if (info.format.empty()) {
     return Error{ErrorCode::kFormat, "the file does not state how its events are encoded; give the format, e.g. evt3",
-                 source.name(), Setting::kInputFormat};
+                 source.name(), "event_format"};
   }
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, source.name()));
   if (std::max(info.width, info.height) > kMaxSide) {

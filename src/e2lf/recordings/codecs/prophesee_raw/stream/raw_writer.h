@@ -86,8 +86,7 @@ class RawWriter final : public RecordingWriter {
     const int64_t first_us = batch.first_us(), last_us = std::max(latest_us_, batch.last_us());
     if (first_us < 0 || (latest_us_ < 0 && first_us > Encoder::kMaxFirstUs && !batch.empty())) {
       return Error{ErrorCode::kInvalidValue,
-                   cat("time ", first_us, " us cannot be stored in this format; begin at zero"), name_,
-                   Setting::kShiftTime};
+                   cat("time ", first_us, " us cannot be stored in this format; begin at zero"), name_, "shift_time"};
     }
     for (const Trigger& trigger : batch.triggers) {
       if (trigger.id <= Encoder::kMaxTriggerId) continue;
@@ -138,7 +137,7 @@ Result<WriterPtr> create_raw_writer(SinkPtr sink, const RecordingInfo& info) {
     return Error{ErrorCode::kInvalidValue,
                  cat("a RAW recording is 1 to 2048 px wide and high, not ", info.width, "x", info.height,
                      "; give the sensor's size"),
-                 sink->name(), Setting::kSensorSize};
+                 sink->name(), "sensor_width"};
   }
   RecordingInfo raw = info;
   raw.format = Encoder::kFormat;
