@@ -325,6 +325,13 @@ Quality quality_of(const lightfield::LightField& truth, const lightfield::LightF
   return quality;
 }
 
+Quality quality_of_pictures(lightfield::LightField truth, lightfield::LightField reconstruction) {
+  for (lightfield::LightField* const field : {&truth, &reconstruction}) {
+    for (float& value : field->data()) value = std::clamp(value, 0.0F, 1.0F);
+  }
+  return quality_of(truth, reconstruction);
+}
+
 std::string_view empty_page() {
   return {kPageBegin, kPageEnd};
 }

@@ -38,6 +38,8 @@ struct Quality {
 
 /// Computes the figures without those of the disparity. Different shapes break the contract.
 [[nodiscard]] Quality quality_of(const lightfield::LightField& truth, const lightfield::LightField& reconstruction);
+/// The same for values limited to [0, 1], as files of pictures and the page store them.
+[[nodiscard]] Quality quality_of_pictures(lightfield::LightField truth, lightfield::LightField reconstruction);
 
 /// Disparity maps of one view, in px per view step: one, or one for each cycle.
 struct DisparityMaps {

@@ -74,7 +74,7 @@ compare::Environment environment_of(const CompareArguments& arguments) {
   return environment;
 }
 
-Result<compare::Config> configuration(const CompareArguments& arguments, const Verb& verb) {
+Result<compare::ComparisonConfig> configuration(const CompareArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(Json json, read_json(arguments.config));
   for (const std::string& assignment : verb.overrides()) E2LF_RETURN_IF_ERROR(apply_override(json, assignment));
   return compare::config_from_json(json, arguments.config.string());
@@ -130,7 +130,7 @@ Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
   if (arguments.data.empty() && data != nullptr) arguments.data = data;
   E2LF_RETURN_IF_ERROR(require_device(arguments.device));
   E2LF_ASSIGN_OR_RETURN(const compare::Shard shard, parse_shard(arguments.shard));
-  E2LF_ASSIGN_OR_RETURN(const compare::Config config, configuration(arguments, verb));
+  E2LF_ASSIGN_OR_RETURN(const compare::ComparisonConfig config, configuration(arguments, verb));
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(const compare::Plan plan, compare::make_plan(config, environment_of(arguments)));
   std::vector<fs::path> inputs = plan.files;

@@ -15,12 +15,14 @@
 #include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
+#include "e2lf/live/page/live_page.h"
 #include "e2lf/live/session.h"
 #include "e2lf/pipeline/event_run.h"
 #include "e2lf/pipeline/method_findings.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/run_record.h"
 #include "e2lf/program/sibling_program.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;
@@ -44,12 +46,12 @@ struct LiveArguments {
 struct LiveSetup {
   std::unique_ptr<live::LiveReader> reader;
   std::vector<live::FieldMaker> makers;  ///< from the best network to the fastest
-  FineMethod fine;
+  live::FineMethod fine;
   live::SessionOptions options;
 };
 
 /// Returns the method that reconstructs frozen cycles in the best quality: several passes of this network.
-FineMethod fine_method(recon::Reconstructor network, const capture::Orientation& views) {
+live::FineMethod fine_method(recon::Reconstructor network, const capture::Orientation& views) {
   constexpr size_t kPasses = 4;
   return [network = std::move(network), views](const live::LiveField& frozen) -> Result<lightfield::LightField> {
     const auto method = [&](const capture::MeasurementView& counts, const ProgressFn& progress) {
@@ -251,10 +253,10 @@ Result<void> run_session(const LiveArguments& arguments, LiveSetup setup, const 
     setup.options.on_field = [&common](const live::FieldReport& field) { print_field(field, common); };
   }
   live::Session session(std::move(setup.reader), std::move(setup.makers), std::move(setup.options));
-  std::optional<LivePage> page;
+  std::optional<live::LivePage> page;
   if (!arguments.has_no_page) {
-    E2LF_ASSIGN_OR_RETURN(page, start_live_page(session, std::move(setup.fine),
-                                                arguments.cycles.recording.open.camera.running, arguments.port));
+    E2LF_ASSIGN_OR_RETURN(page, live::start_live_page(session, std::move(setup.fine),
+                                                      arguments.cycles.recording.open.camera.running, arguments.port));
     if (common.json) {
       std::printf("%s\n", Json{{"url", page->url}}.dump().c_str());
     } else {
@@ -265,6 +267,11 @@ Result<void> run_session(const LiveArguments& arguments, LiveSetup setup, const 
   if (arguments.records) E2LF_RETURN_IF_ERROR(session.reader().recorder().begin());
   session.start();
   const Result<void> ended = session.wait();
+  if (page && !stop_requested()) {
+    hide_progress();
+    std::fprintf(stderr, "the source has ended; the last light field is shown at %s; press Ctrl-C to end\n",
+                 page->url.c_str());
+  }
   if (page) E2LF_RETURN_IF_ERROR(page->finish());
   const cycles::CycleReader& cycles = session.reader().cycles();
   warn_of_losses(arguments.source, cycles.summary());

@@ -3,6 +3,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
+#include "e2lf/live/page/live_page.h"
 
 namespace e2lf::cli {
 
@@ -18,8 +19,8 @@ Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const 
   return no_viewer_error();
 }
 
-Result<LivePage> start_live_page(live::Session& /*session*/, FineMethod /*fine*/,
-                                 std::shared_ptr<recordings::RunningCamera> /*camera*/, uint16_t /*port*/) {
+Result<live::LivePage> live::start_live_page(Session& /*session*/, FineMethod /*fine*/,
+                                             std::shared_ptr<recordings::RunningCamera> /*camera*/, uint16_t /*port*/) {
   return no_viewer_error();
 }
 
